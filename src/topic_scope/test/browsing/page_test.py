@@ -108,7 +108,12 @@ class PageTest(BrowserTest):
             self.show()
         else:
             self.browser.open(self.scope.url)
-        self.browser.wait_for(f"#legend tr[data-field='{PROCESSED}']")
+            # A scope that has just started says that there are no such topics yet.
+            wait_until(
+                lambda: all(self.cell(field, "rate") > 0.0 for field in (SIGNAL, PROCESSED)),
+                lambda: self.browser.text("#legend"),
+            )
+        self.browser.wait_for(f"#legend tr[data-field='{PROCESSED}'] [aria-label^='right axis']")
 
     def tearDown(self) -> None:
         errors = [

@@ -48,7 +48,9 @@ def lint(scope: Optional[Set[str]] = None) -> List[Step]:
     if scope is None or "nodekit" in scope:
         types.append(str(TEMPLATE / "src"))
         chosen.append(TEMPLATE)
-    path = ":".join(str(package / "src") for package in packages())
+    if scope is None:
+        types.append(str(DOCS / "tests"))
+    path = ":".join(map(str, [DOCS / "tests", *(package / "src" for package in packages())]))
     ci = [sys.executable, str(CI)]
     commands = {
         "format": [RUFF, "format", "--check", "--diff", "--quiet", *files],

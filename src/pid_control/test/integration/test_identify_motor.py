@@ -69,8 +69,15 @@ class IdentifyMotor(unittest.TestCase):
                 lambda: f"{heard} outputs heard at {self.time}: {command.logged()}",
             )
         while command.popen.poll() is None:
-            sent = self.inputs.count()
+            sent, clocks = self.inputs.count(), self.received(identify, "/clock")
             self.step()
+            # Or an output could stand more than one period too early.
+            wait_until(
+                lambda: (
+                    command.popen.poll() is not None or self.received(identify, "/clock") > clocks
+                ),
+                lambda: f"identify has not got the clock of {self.time}",
+            )
             wait_until(
                 lambda: self.inputs.count() > sent or command.popen.poll() is not None,
                 lambda: f"no input at {self.time}: {command.logged()}",

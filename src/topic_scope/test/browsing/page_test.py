@@ -53,7 +53,7 @@ const show = (part) => new Promise((resolve) => {
 show({ view: "scope", fields: [] }).then(() => show(setup)).then(() => {
   const run = document.getElementById("run");
   if (run.textContent === "Run") run.click();
-  done();
+  requestAnimationFrame(done); // when it has been drawn
 });
 """
 
@@ -129,6 +129,10 @@ class PageTest(BrowserTest):
         :param parts: of the set-up, in place of those of a new page
         """
         self.browser.driver.execute_async_script(_SHOW, {**FRESH, **parts})
+
+    def wait_drawn(self) -> None:
+        """Wait until what was chosen last has been drawn: cursors are put where the axes are then."""
+        self.browser.driver.execute_async_script("requestAnimationFrame(arguments[0])")
 
     def watch_writing(self) -> None:
         """Keep what is written on canvases until the end of the test, as they cannot be read."""

@@ -55,6 +55,7 @@ class Plots(PageTest):
             lambda: self.browser.text("#legend"),
         )
         self.browser.choose("#window", "1")
+        self.wait_drawn()
         self.browser.find("#cursors").click()
         self.browser.keys("m")
         self.browser.wait_for("#measures-between").click()

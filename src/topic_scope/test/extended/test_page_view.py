@@ -472,6 +472,7 @@ class View(PageTest):
         self.assertIn("1/Δt 0.6780 Hz", readout)
         # They stay where they are on the screen when the axis counts from the trigger.
         self.browser.choose("#window", "1")
+        self.wait_drawn()
         for _ in range(2):
             self.browser.find("#cursors").click()
         handle = self.browser.wait_for(".cursor[aria-label='time cursor A']")

@@ -12,6 +12,7 @@ from roslib.packages import find_node
 from std_msgs.msg import String
 
 from nodekit import Publisher
+from nodekit.testing.graph import Graph
 from nodekit.testing.processes import Process
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
@@ -33,6 +34,8 @@ class ChatterExtremes(unittest.TestCase):
         self.publisher.open()
         wait_until(lambda: self.publisher.statistics(), lambda: "the listener did not come")
         self.say_until_heard("first")
+        # That connection may come last, and has a thread.
+        Graph().wait_until_heard("/listener", "/rosout", "/rosout")
         self.pid = self.listener.popen.pid
         self.before = usage(self.pid)
 

@@ -84,7 +84,7 @@ build() {
         # What ci/ros2 has made there tells by itself whether it still fits; what ci/mutants has found,
         # and works on, is not of this build. Its tool and the benchmark's peers hold paths: they go.
         find "$workspace/build" -mindepth 1 -maxdepth 1 \
-            ! \( -path "$state" -o -name 'ros2*' -o -name wiring -o -name 'mutants*' -o -name 'test-times*' -o -name mypy \) -exec rm -rf {} +
+            ! \( -path "$state" -o -name 'ros2*' -o -name 'mutants*' -o -name 'test-times*' -o -name mypy \) -exec rm -rf {} +
         rm -rf "$workspace/devel"
     else
         say "building with catkin_make${packages:+: $packages}"

@@ -51,7 +51,7 @@ def test_what_it_does_not_know_is_refused(options: List[str], said: str) -> None
 def test_each_part_has_a_line_and_one_that_fails_decides(script: str) -> None:
     options = "build,prove bookworm" if "deb" in script else "build,prove '' bookworm"
     command = (
-        f"source '{CI}/lib/{script}.bash'; find_mirror() {{ :; }}; "
+        f"source '{CI}/{script}.bash'; find_mirror() {{ :; }}; "
         'with_system() { verdict="$3 of $1"; [[ $good == *"$2"* ]]; }; '
         f"main /nowhere {options}"
     )

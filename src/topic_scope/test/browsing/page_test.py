@@ -131,7 +131,7 @@ class PageTest(BrowserTest):
         self.browser.driver.execute_async_script(_SHOW, {**FRESH, **parts})
 
     def wait_drawn(self) -> None:
-        """Wait until what was chosen last has been drawn: cursors are put where the axes are then."""
+        """Wait until what was chosen last is drawn: cursors are put where the axes are then."""
         self.browser.driver.execute_async_script("requestAnimationFrame(arguments[0])")
 
     def watch_writing(self) -> None:

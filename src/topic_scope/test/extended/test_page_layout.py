@@ -173,12 +173,12 @@ class Layout(BrowserTest):
         self.assertGreater(stage["bottom"] - stage["top"], 0.45 * PHONE[1])
         folded = "#trigger, #csv, #show-setup, #theme, #kind, #panels, #legend .choice"
         self.assertEqual(self.boxes(folded), [])
-        browser.find("#show-controls").click()
+        browser.press("#show-controls")
         self.addCleanup(browser.run, "document.querySelector('#show-controls').click()")
         self.assertEqual(browser.find("#show-controls").get_attribute("aria-expanded"), "true")
         self.assertEqual(len(self.boxes(folded)), 5 + 3 * 2)  # all but the panels
         self.show_cursors()
-        browser.find("#show-panels").click()
+        browser.press("#show-panels")
         browser.wait_for("#panels .parameter")
         self.fits_a_phone("unfolded")
         for opened in ("a", "m", "x", "s", "?"):

@@ -295,7 +295,7 @@ class Over(unittest.TestCase):
             lambda: "a trigger first" in browser.text("#notice"), lambda: browser.text("#notice")
         )
         browser.choose("#trigger-mode", "single")
-        browser.find("#playback-run").click()
+        browser.press("#playback-run")
         browser.wait_for("#trigger-state[data-state='triggered']")
         browser.wait_for("#playback-run[aria-pressed='false']")
         align.send_keys(Keys.ENTER)

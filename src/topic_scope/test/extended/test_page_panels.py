@@ -45,9 +45,9 @@ class Panels(PanelTest):
         self.browser.choose(row("waveform") + " select", "triangle")
         self.wait_parameter("waveform", "triangle")
         switch = ".panel[data-node='/process'] [data-name='keep_positive'] input"
-        self.browser.find(switch).click()
+        self.browser.press(switch)
         wait_until(lambda: not rospy.get_param("/process/keep_positive"), lambda: "still on")
-        self.browser.find(switch).click()
+        self.browser.press(switch)
         wait_until(lambda: rospy.get_param("/process/keep_positive"), lambda: "still off")
 
     def test_what_goes_together_only_is_set_together(self) -> None:
@@ -147,7 +147,7 @@ class Panels(PanelTest):
             lambda: self.browser.count(f"{group} input[aria-label='{field}']"),
             lambda: self.browser.text(group),
         )
-        self.browser.find("#chooser-all").click()
+        self.browser.press("#chooser-all")
         self.browser.wait_for("#chooser-list [data-topic='/rosout']")
         self.browser.find("#chooser-search").send_keys("robot [right] position", Keys.ENTER)
         value = f"#legend tr[data-field='{field}'] [data-cell='value']"
@@ -205,7 +205,7 @@ class Panels(PanelTest):
         size = f"return [{sheet}.getBoundingClientRect().width, {frame}.clientWidth]"
         width, room = self.browser.run(size)
         self.assertLessEqual(width, room + 1)
-        self.browser.find("#graph-closer").click()
+        self.browser.press("#graph-closer")
         self.assertAlmostEqual(self.browser.run(size)[0], 1.25 * width, delta=1.0)
         self.browser.keys("0")
         self.assertAlmostEqual(self.browser.run(size)[0], width, delta=1.0)
@@ -273,7 +273,7 @@ class Panels(PanelTest):
             ("#show-trigger", "trigger-more"),
             ("[aria-label^='more of /']", "trace"),
         ):
-            self.browser.find(opener).click()
+            self.browser.press(opener)
             self.browser.wait_for(f"#{dialog}")
             self.all_have_names(dialog)
             self.browser.keys(Keys.ESCAPE)

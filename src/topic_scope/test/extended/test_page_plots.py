@@ -38,7 +38,7 @@ class Plots(PageTest):
         self.browser.keys("m")
         self.browser.wait_for("#measures")
         for name in ("vpp", "deviation", "rise", "duty", "phase"):
-            self.browser.find(f"[data-figure='{name}']").click()
+            self.browser.press(f"[data-figure='{name}']")
         self.browser.keys(Keys.ESCAPE)
         # A sine of the amplitude 2 and 1 Hz, and one that is a quarter of a period ahead of it.
         expected = {"vpp": 4.0, "deviation": math.sqrt(2.0), "rise": 0.295, "duty": 50.0}
@@ -56,7 +56,7 @@ class Plots(PageTest):
         )
         self.browser.choose("#window", "1")
         self.wait_drawn()
-        self.browser.find("#cursors").click()
+        self.browser.press("#cursors")
         self.browser.keys("m")
         self.browser.wait_for("#measures-between").click()
         self.browser.keys(Keys.ESCAPE)
@@ -71,7 +71,7 @@ class Plots(PageTest):
     def test_counts_how_figures_vary_until_it_counts_anew(self) -> None:
         self.browser.keys("m")
         self.browser.wait_for("#measures-over-time").click()
-        self.browser.find("[data-figure=cycle_rms]").click()
+        self.browser.press("[data-figure=cycle_rms]")
         self.browser.keys(Keys.ESCAPE)
 
         def varied(figure: str, column: str) -> float:
@@ -92,7 +92,7 @@ class Plots(PageTest):
         self.browser.driver.refresh()  # it is in the address
         wait_until(lambda: varied("rate", "count") > 12, lambda: self.browser.text("#over-time"))
         before = varied("rate", "count")
-        self.browser.find("#over-time-anew").click()
+        self.browser.press("#over-time-anew")
         wait_until(
             lambda: varied("rate", "count") < before, lambda: self.browser.text("#over-time")
         )
@@ -128,7 +128,7 @@ class Plots(PageTest):
         self.assertRegex(self.written(), r"(?m) Hz, [\d.]+$")
         self.browser.keys("k")
         wait_until(lambda: PROCESSED in self.written().split("\n"), self.written)
-        self.browser.find(".chart-controls input").click()
+        self.browser.press(".chart-controls input")
         self.assertIn(PROCESSED, self.written().split("\n"))
 
     def test_shows_spectra_and_one_trace_over_another(self) -> None:
@@ -153,7 +153,7 @@ class Plots(PageTest):
         self.browser.choose("[aria-label='spectrum scale']", "dB")
         wait_until(marked, lambda: seen)
         # A picture for a report has its numbers, what is measured, and the date.
-        self.browser.find("#png").click()
+        self.browser.press("#png")
         self.browser.downloaded("scope.png")
         picture = self.written().split("\n")
         self.assertTrue(any(re.match(r"\d{4}-\d\d-\d\d, ", text) for text in picture), picture)
@@ -196,9 +196,9 @@ class Plots(PageTest):
         self.browser.wait_for(f"[aria-label='derive a trace from {SIGNAL}']")
         self.browser.choose(f"[aria-label='derive a trace from {SIGNAL}']", "difference")
         self.browser.keys(Keys.ESCAPE)
-        self.browser.find(f"[aria-label='more of {SIGNAL}']").click()
+        self.browser.press(f"[aria-label='more of {SIGNAL}']")
         self.browser.choose("#trace-less", PROCESSED)
-        self.browser.find("#trace-difference").click()
+        self.browser.press("#trace-difference")
         self.assertFalse(self.browser.find("#trace").is_displayed())
         less = f"{SIGNAL}-{PROCESSED}"
         self.assertFalse(
@@ -234,10 +234,10 @@ class Plots(PageTest):
         )
         self.assertFalse(math.isnan(self.cell(PROCESSED, "max")))
         # Paused, so that what comes back was there before. Not by a key: the tick has the focus.
-        self.browser.find("#run").click()
+        self.browser.press("#run")
         wait_until(lambda: self.browser.text("#run") == "Run", lambda: "it runs on")
         picture = self.browser.picture()
-        self.browser.find(f"[aria-label='show {SIGNAL}']").click()
+        self.browser.press(f"[aria-label='show {SIGNAL}']")
         wait_until(
             lambda: (
                 abs(self.cell(SIGNAL, "max") - 2.0) < 0.01 and self.browser.picture() != picture
@@ -257,14 +257,14 @@ class Plots(PageTest):
         # Nothing crosses it: the mode auto goes on.
         first = self.browser.picture()
         wait_until(lambda: self.browser.picture() != first, lambda: "it stands still")
-        self.browser.find("#show-trigger").click()
+        self.browser.press("#show-trigger")
         for name, value in (("hysteresis", "0.5"), ("holdoff", "0.1"), ("position", "20")):
             field = self.browser.wait_for(f"#trigger-{name}")
             field.send_keys(Keys.CONTROL + "a")
             field.send_keys(value, Keys.TAB)
 
         def is_halved() -> bool:  # of what is in view, where a crest may not have come yet
-            self.browser.find("#trigger-half").click()
+            self.browser.press("#trigger-half")
             return abs(float(self.browser.value("#trigger-level").replace("−", "-"))) < 0.1
 
         wait_until(is_halved, lambda: self.browser.value("#trigger-level"))
@@ -362,7 +362,7 @@ class Plots(PageTest):
             ),
             lambda: self.browser.text("#plot"),
         )
-        self.browser.find(f"[aria-label='right axis for {PROCESSED}']").click()
+        self.browser.press(f"[aria-label='right axis for {PROCESSED}']")
         wait_until(
             lambda: (
                 self.browser.count(".pane:last-child .dygraph-axis-label-y2") > 1
@@ -392,7 +392,7 @@ class Plots(PageTest):
         )
         self.browser.choose("#trigger-mode", "off")
         # All of it is in the address.
-        self.browser.find("#show-axes").click()
+        self.browser.press("#show-axes")
         self.browser.wait_for("[aria-label='right axis of plot 2, to']").send_keys("7.5", Keys.TAB)
         self.browser.keys(Keys.ESCAPE)
         wait_until(
@@ -416,7 +416,7 @@ class Plots(PageTest):
         choice = self.browser.value(f"[aria-label='plot of {SIGNAL}']")
         self.assertEqual(choice, "2")
         # A picture that stands still is laid out at once, too. Nothing comes a second later.
-        self.browser.find("#run").click()
+        self.browser.press("#run")
         paused = time.monotonic()
         wait_until(lambda: time.monotonic() > paused + 1.5, lambda: "time stands still")
         self.browser.choose(f"[aria-label='plot of {SIGNAL}']", "1")
@@ -468,10 +468,10 @@ class Plots(PageTest):
         }
         self.show(**setup)
         wait_until(self.is_full, lambda: self.browser.text("#legend"))
-        self.browser.find("#run").click()
+        self.browser.press("#run")
         trace, reference = f"data-field='{SIGNAL}'", "data-reference='R1'"
         self.wait_figures_stand(trace)
-        self.browser.find(f"[aria-label='more of {SIGNAL}']").click()
+        self.browser.press(f"[aria-label='more of {SIGNAL}']")
         self.browser.wait_for("#trace-keep").click()
         row = self.browser.wait_for(f"#legend tr[{reference}]").text
         self.assertRegex(row, rf"R1 {SIGNAL} kept \d\d:\d\d:\d\d")
@@ -489,7 +489,7 @@ class Plots(PageTest):
         ]
         self.assertLess(min(apart), 0.5)
         # The trace goes on, its reference does not.
-        self.browser.find("#run").click()
+        self.browser.press("#run")
         wait_until(
             lambda: abs(self.at_cursors(trace)[0] - values[0]) > 0.1, lambda: self.at_cursors(trace)
         )
@@ -513,10 +513,10 @@ class Plots(PageTest):
         self.browser.find("[aria-label='remove R1']").send_keys(Keys.ENTER)
         wait_until(lambda: not len(self.kept_line()), self.kept_line)
         # Another one goes with its trace.
-        self.browser.find(f"[aria-label='more of {SIGNAL}']").click()
+        self.browser.press(f"[aria-label='more of {SIGNAL}']")
         self.browser.wait_for("#trace-keep").click()
         self.browser.wait_for(f"#legend tr[{reference}]")
-        self.browser.find(f"[aria-label='remove {SIGNAL}']").click()
+        self.browser.press(f"[aria-label='remove {SIGNAL}']")
         wait_until(
             lambda: not self.browser.count("[data-reference]"), lambda: self.browser.text("#legend")
         )
@@ -533,8 +533,8 @@ class Plots(PageTest):
 
     def test_a_trace_has_a_colour_and_a_dash(self) -> None:
         wait_until(lambda: self.cell(SIGNAL, "max") > 1.9, lambda: self.browser.text("#legend"))
-        self.browser.find(f"[aria-label='remove {SIGNAL}']").click()
-        self.browser.find(f"[aria-label='more of {PROCESSED}']").click()
+        self.browser.press(f"[aria-label='remove {SIGNAL}']")
+        self.browser.press(f"[aria-label='more of {PROCESSED}']")
         self.browser.choose("#trace-dash", "dotted")
         self.browser.keys(Keys.ESCAPE)
         # The colour is that of the second trace still.
@@ -560,8 +560,8 @@ class Plots(PageTest):
     def test_draws_whole_numbers_in_steps_and_scales_what_is_to_be_scaled(self) -> None:
         publisher = rospy.Publisher("/steps", Int32, queue_size=10)
         self.addCleanup(publisher.unregister)
-        self.browser.find(f"[aria-label='remove {SIGNAL}']").click()
-        self.browser.find(f"[aria-label='show {PROCESSED}']").click()
+        self.browser.press(f"[aria-label='remove {SIGNAL}']")
+        self.browser.press(f"[aria-label='show {PROCESSED}']")
         self.browser.keys("a", "/steps/data")
         self.browser.wait_for("#chooser-list input")
         self.browser.keys(Keys.ENTER, Keys.ESCAPE)
@@ -593,7 +593,7 @@ class Plots(PageTest):
             ]
 
         wait_until(lambda: len(upright()) > 20 and all(upright()), upright)
-        self.browser.find(f"[aria-label='more of {field}']").click()
+        self.browser.press(f"[aria-label='more of {field}']")
         self.browser.choose("#trace-drawn", "line")
         for name, value in (("gain", "-10"), ("offset", "5.5")):
             number = self.browser.find(f"#trace-{name}")
@@ -692,7 +692,7 @@ class Plots(PageTest):
             ),
             lambda: self.browser.text("#legend"),
         )
-        self.browser.find("#run").click()
+        self.browser.press("#run")
         for hog in hogs:
             hog.kill()
         self.wait_one_sine(1, omega, *_span(self.csv()), 2.0 / 5.0)
@@ -785,7 +785,7 @@ class Plots(PageTest):
         }
         self.show(**setup)
         wait_until(self.is_full, lambda: self.browser.text("#legend"))
-        self.browser.find("#run").click()
+        self.browser.press("#run")
         start, end = _span(self.csv())
         self.wait_one_sine(len(LATE), 2.0 * math.pi, start, end, 1.0 / 2.5)
         for topic, field in zip(LATE, fields):
@@ -832,7 +832,7 @@ class Plots(PageTest):
 
     def test_shows_the_time_of_day_and_what_is_under_the_pointer(self) -> None:
         self.browser.keys("x")
-        self.browser.find("[aria-label='show the time of day']").click()
+        self.browser.press("[aria-label='show the time of day']")
         self.browser.keys(Keys.ESCAPE)
         wait_until(
             lambda: (

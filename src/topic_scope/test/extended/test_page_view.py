@@ -63,8 +63,8 @@ class View(PageTest):
 
     def test_the_address_says_what_is_shown_and_so_does_a_file(self) -> None:
         self.browser.choose("#window", "2")
-        self.browser.find(f"[aria-label='remove {PROCESSED}']").click()
-        self.browser.find(f"[aria-label='right axis for {SIGNAL}']").click()
+        self.browser.press(f"[aria-label='remove {PROCESSED}']")
+        self.browser.press(f"[aria-label='right axis for {SIGNAL}']")
         colour = self.browser.find(f"[aria-label='colour of {SIGNAL}']")
         self.browser.run(
             "arguments[0].value = '#123456'; arguments[0].dispatchEvent(new Event('change'));",
@@ -260,12 +260,12 @@ class View(PageTest):
         self.browser.open(scope.url)
         side = f"[aria-label='right axis for {SIGNAL}']"
         wait_until(lambda: self.browser.text(side) == "right", lambda: self.browser.text("#legend"))
-        self.browser.find("#reset").click()  # gives the page the focus
+        self.browser.press("#reset")  # gives the page the focus
         wait_until(
             lambda: len(self.samples()) > 90 and self.cell(SIGNAL, "max") > 1.99,
             lambda: self.browser.text("#legend"),
         )
-        self.browser.find("#run").click()
+        self.browser.press("#run")
         self.assertEqual(self.browser.text("#run"), "Run")
         before = self.samples()
         # Clocks that are put beside each other anew move a trace by a sample or two.
@@ -298,7 +298,7 @@ class View(PageTest):
             lambda: self.browser.text("#legend"),
         )
         self.browser.choose("#trigger-mode", "auto")
-        self.browser.find("#level-cursors").click()
+        self.browser.press("#level-cursors")
         self.browser.choose(choice, "received")
         renamed = f"{SIGNAL}@received"
         self.browser.wait_for(f"#legend tr[data-field='{renamed}']")
@@ -310,14 +310,14 @@ class View(PageTest):
 
     def test_what_is_drawn_is_the_curve_through_the_samples(self) -> None:
         """At about one sample a pixel; with each in the middle of its bin it is 3 pixels beside."""
-        self.browser.find(f"[aria-label='show {PROCESSED}']").click()
+        self.browser.press(f"[aria-label='show {PROCESSED}']")
         self.browser.keys("x")
         for end, bound in (("from", "-3"), ("to", "3")):
             self.browser.find(f"[aria-label='left axis, {end}']").send_keys(bound, Keys.TAB)
         self.browser.keys(Keys.ESCAPE)
         self.browser.choose("#window", "10")
         wait_until(lambda: len(self.samples()) > 600, lambda: len(self.samples()))
-        self.browser.find("#run").click()
+        self.browser.press("#run")
         self.wait_still()
         seen: List[Any] = []
 
@@ -474,7 +474,7 @@ class View(PageTest):
         self.browser.choose("#window", "1")
         self.wait_drawn()
         for _ in range(2):
-            self.browser.find("#cursors").click()
+            self.browser.press("#cursors")
         handle = self.browser.wait_for(".cursor[aria-label='time cursor A']")
         style = handle.get_attribute("style")
         for _ in range(3):
@@ -502,7 +502,7 @@ class View(PageTest):
         )
 
     def test_level_cursors_are_on_each_axis_in_turn(self) -> None:
-        self.browser.find(f"[aria-label='right axis for {PROCESSED}']").click()
+        self.browser.press(f"[aria-label='right axis for {PROCESSED}']")
         self.wait_ranges()  # they are put where the axis is, as it was drawn last
         button = self.browser.find("#level-cursors")
         places = []
@@ -531,7 +531,7 @@ class View(PageTest):
             lambda: f"C {c}" in self.browser.text(".of-levels").replace("\xa0", " "),
             lambda: self.browser.text(".of-levels"),
         )
-        self.browser.find(f"[aria-label='remove {PROCESSED}']").click()
+        self.browser.press(f"[aria-label='remove {PROCESSED}']")
         wait_until(
             lambda: not self.browser.count(".level-cursor:not([hidden])"),
             lambda: self.browser.text(".of-levels"),
@@ -544,7 +544,7 @@ class View(PageTest):
     def test_an_axis_without_a_trace_has_no_numbers(self) -> None:
         grid = self.browser.run(_ROWS)
         for field in (SIGNAL, PROCESSED):
-            self.browser.find(f"[aria-label='right axis for {field}']").click()
+            self.browser.press(f"[aria-label='right axis for {field}']")
         wait_until(
             lambda: (
                 self.browser.count(".dygraph-axis-label-y2") > 3
@@ -556,7 +556,7 @@ class View(PageTest):
             lambda: min(self.browser.run(_ROWS) for _ in range(5)) > 6,
             lambda: f"{grid} lines before, none now",
         )
-        self.browser.find(f"[aria-label='right axis for {SIGNAL}']").click()
+        self.browser.press(f"[aria-label='right axis for {SIGNAL}']")
         wait_until(
             lambda: self.browser.count(".dygraph-axis-label-y1") > 3,
             lambda: f"{self.browser.text('#plot')}, {self.browser.errors()}",
@@ -586,7 +586,7 @@ class View(PageTest):
                 tools = self.browser.find("#scope-view .tools").size["height"]
                 self.assertLess(tools, 50, "the tools take more than one row")
             else:
-                self.browser.find("#show-controls").click()
+                self.browser.press("#show-controls")
             self.browser.keys("x")
             title = self.browser.wait_for("[aria-label='title of the time axis']")
             bound = self.browser.find("[aria-label='left axis, to']")
@@ -602,13 +602,13 @@ class View(PageTest):
                 self.assertEqual(self.painted_outside(ratio), 0, (ratio, text))
             self.browser.keys(Keys.ESCAPE)
             # Numbers beside an axis become wider or narrower with what comes, and move the plot.
-            self.browser.find("#run").click()
+            self.browser.press("#run")
             self.wait_still()
             height, box = self.browser.find("#plot").size["height"], self.box()
             picture = self.saved(max(2.0, ratio))
             self.assertEqual(self.box(), box)
             self.assertEqual(picture.strokes(box, height), [], ratio)
-            self.browser.find("#run").click()
+            self.browser.press("#run")
 
     def fold(self) -> None:
         """Hide what a narrow page shows on request only."""
@@ -658,6 +658,7 @@ class View(PageTest):
             lambda: self.cell(SIGNAL, "max") > 1.9 and self.cell(SIGNAL, "min") < -1.9,
             lambda: self.browser.text("#legend"),
         )
+        self.wait_moving()  # so both traces are drawn
         size = self.browser.find("#plot").size
         picture = self.saved()
         self.assertEqual(picture.painted.shape[1], 2 * size["width"])
@@ -713,7 +714,7 @@ class View(PageTest):
 
     def saved(self, ratio: float = 2.0) -> Picture:
         """Have the page save a picture, and return it."""
-        self.browser.find("#png").click()
+        self.browser.press("#png")
         path = self.browser.downloaded("scope.png")
         try:
             return Picture(path, ratio)
@@ -743,11 +744,11 @@ class View(PageTest):
             ),
             lambda: self.browser.text("#legend"),
         )
-        self.browser.find("#cursors").click()
-        self.browser.find("#level-cursors").click()
+        self.browser.press("#cursors")
+        self.browser.press("#level-cursors")
         self.browser.resize(412, HEIGHT, 2.625)
         wait_until(lambda: self.box()[2] < 412, self.box)
-        self.browser.find("#show-controls").click()
+        self.browser.press("#show-controls")
         self.watch_writing()
         picture = self.saved(2.625)
         written = self.browser.run("return window.written")
@@ -823,7 +824,7 @@ class View(PageTest):
         self.browser.keys(Keys.ESCAPE)
         self.browser.choose("#window", "2")
         self.browser.choose("#trigger-mode", "normal")
-        self.browser.find(f"[aria-label='show {PROCESSED}']").click()
+        self.browser.press(f"[aria-label='show {PROCESSED}']")
         self.expected_errors = ["WebSocket connection"]
         self.scope.stop()
         self.browser.wait_for("#banner")

@@ -185,7 +185,8 @@ class Over(unittest.TestCase):
         # The latest edge is bold, others are paler.
         bold = sorted(self.boldness())
         self.assertLess(bold[0], 0.6 * bold[-1])
-        self.assertIn('"persistence":8', browser.run("return decodeURIComponent(location.hash)"))
+        address = "return decodeURIComponent(location.hash)"
+        wait_until(lambda: '"persistence":8' in browser.run(address), lambda: browser.run(address))
         browser.find("#show-trigger").send_keys(Keys.ENTER)
         browser.wait_for("#trigger-persistence").send_keys("off")
         wait_until(lambda: self.band() < 0.001, self.falling)

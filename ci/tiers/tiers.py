@@ -56,7 +56,7 @@ def lint(scope: Optional[Set[str]] = None) -> List[Step]:
         "format": [RUFF, "format", "--check", "--diff", "--quiet", *files],
         "style": [RUFF, "check", "--quiet", *files],
         "types": ["env", f"MYPYPATH={path}", "mypy", "--cache-dir", f"{WORKSPACE}/build/mypy"]
-        + ["--exclude", "/(peers|tests)/", *types],
+        + ["--exclude", "(^|/)(peers|ci/tests)/", *types],
         "code rules": [*ci, "lint.code_rules"],
         "vacuous tests": [*ci, "lint.empty_loops"],
     }

@@ -9,7 +9,7 @@ Figures = Dict[str, float]
 
 
 class Bench(NamedTuple):
-    """What each measurement is given."""
+    """The surroundings of a measurement."""
 
     session: Session
     is_quick: bool = False

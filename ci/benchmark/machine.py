@@ -1,4 +1,4 @@
-"""What the figures depend on: the machine and its software."""
+"""The machine and its software, on which the figures depend."""
 
 import datetime
 import os

@@ -37,7 +37,7 @@ class Pair(NamedTuple):
 
 
 class Run(NamedTuple):
-    """What a pair did by the end of a turn, and what it cost [% of a core] in some time [s]."""
+    """Samples and answers of a pair in a turn, and their cost [% of a core] in some time [s]."""
 
     sent: List[Sample]
     received: List[Sample]

@@ -18,7 +18,7 @@ UNDISTURBED = 0.1
 
 
 class Soak(NamedTuple):
-    """What each run is given."""
+    """The surroundings of a run."""
 
     session: Session
     #: how long the recording takes [s]

@@ -54,7 +54,7 @@ def number_of(payload: bytes) -> Optional[int]:
 
 
 class Counts:
-    """What the board has sent, and what arrived on either side.
+    """Messages that the board has sent, and those that arrived on either side.
 
     :ivar sent: messages sent by the board; of these ``heard`` arrived whole, ``wrong`` damaged
     :ivar heard_at: moment of the latest arrival [s]
@@ -163,7 +163,7 @@ def run(soak: Soak) -> List[Check]:
 
 
 def _time_until_back(counts: Counts, since: float) -> Optional[float]:
-    """Return the time from a moment to the next message [s]; None if there is none."""
+    """Return the time from a moment to the next message [s]; None after the last one."""
     try:
         wait_until(lambda: counts.heard_at > since, BACK_WITHIN + 30.0, "message of the board")
     except TimeoutError:

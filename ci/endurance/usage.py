@@ -1,4 +1,4 @@
-"""What processes use of the machine: memory, threads, descriptors; and whether it grows."""
+"""Memory, threads and descriptors of processes, and their growth."""
 
 import contextlib
 import pathlib
@@ -13,7 +13,7 @@ from .checks import Check, at_most, reported
 
 
 class Usage(NamedTuple):
-    """What one process uses at a moment."""
+    """Resources of one process at a moment."""
 
     #: resident set [kB]
     memory: int

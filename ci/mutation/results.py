@@ -1,4 +1,4 @@
-"""What became of mutants: the survivors, and the rates by package and by kind of fault."""
+"""Results of mutants: the survivors, and the rates by package and by kind of fault."""
 
 import json
 import math

@@ -41,7 +41,7 @@ NOTHING = Packages([], [], [])
 
 
 class Manifest(NamedTuple):
-    """What is needed of a package.xml, and the folders beside it."""
+    """The parts of a package.xml that are needed, and the folders beside it."""
 
     name: str
     version: str

@@ -1,4 +1,4 @@
-"""What the words of ``ci/test`` choose."""
+"""Selection of tests by the words of ``ci/test``."""
 
 import dataclasses
 import pathlib

@@ -67,7 +67,7 @@ class Case:
 
 @dataclasses.dataclass(frozen=True)
 class StepResult:
-    """What came of a step."""
+    """Test cases, times and output of a step."""
 
     step: Step
     cases: Sequence[Case]

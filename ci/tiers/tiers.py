@@ -1,4 +1,4 @@
-"""What each tier of tests consists of."""
+"""The steps of each tier of tests."""
 
 import dataclasses
 import pathlib

@@ -23,7 +23,7 @@ PATIENCE, REST = 20.0, 1.0
 
 
 class Received:
-    """What has arrived so far."""
+    """Messages that have arrived so far."""
 
     def __init__(self) -> None:
         self.took: List[float] = []

@@ -1,4 +1,4 @@
-"""What the tests of the page share: one browser, and one scope for each command line."""
+"""Base of the tests of the page: one browser, and one scope for each command line."""
 
 import csv
 import functools

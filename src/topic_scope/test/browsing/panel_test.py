@@ -1,4 +1,4 @@
-"""What the tests of the page's panels share."""
+"""Base of the tests of the page's panels."""
 
 import rospy
 from browsing.page_test import PageTest

@@ -37,7 +37,7 @@ Report = Callable[[StepResult], None]
 def run_steps(steps: List[Step], directory: pathlib.Path, report: Report) -> List[StepResult]:
     """Run steps in their order, and report each when it ends.
 
-    A step that needs another one begins after it, behind all others; if that one failed, it is
+    A step that needs another one begins as soon as that one is over; if that one failed, it is
     not run, and has failed.
 
     :raises KeyboardInterrupt: at SIGINT and SIGTERM, once nothing runs
@@ -51,8 +51,8 @@ def run_steps(steps: List[Step], directory: pathlib.Path, report: Report) -> Lis
     )
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: ended.put(None))
-    waiting = [step for step in steps if step.after]
-    running: "List[concurrent.futures.Future[StepResult]]" = []
+    pending = list(steps)
+    running = 0
 
     def add(result: StepResult) -> None:
         results.append(result)
@@ -61,15 +61,15 @@ def run_steps(steps: List[Step], directory: pathlib.Path, report: Report) -> Lis
     with concurrent.futures.ThreadPoolExecutor(AT_A_TIME) as pool:
 
         def begin(step: Step) -> None:
-            place = directory / f"{len(running):03}"
-            running.append(pool.submit(runner.run, step, place))
-            running[-1].add_done_callback(ended.put)
+            pending.remove(step)
+            place = directory / f"{len(steps) - len(pending):03}"
+            pool.submit(runner.run, step, place).add_done_callback(ended.put)
 
         try:
-            for step in steps:
-                if not step.after:
-                    begin(step)
             while len(results) < len(steps):
+                for step in startable(pending, results)[: AT_A_TIME - running]:
+                    begin(step)
+                    running += 1
                 try:
                     # Not for ever: a signal just before this begins to wait wakes nothing.
                     first = ended.get(timeout=POLL_S)
@@ -77,19 +77,23 @@ def run_steps(steps: List[Step], directory: pathlib.Path, report: Report) -> Lis
                     continue
                 if first is None:
                     raise KeyboardInterrupt
+                running -= 1
                 result = first.result()
                 add(result)
-                for step in [one for one in waiting if needs(one, result.step)]:
-                    if result.good:
-                        begin(step)
-                    else:
+                if not result.good:
+                    for step in [one for one in pending if needs(one, result.step)]:
+                        pending.remove(step)
                         add(StepResult(step, (), 0.0, 0.0, f"not run: {step.after} has failed"))
         except BaseException:
-            for future in running:
-                future.cancel()
             runner.interrupt()
             raise
     return results
+
+
+def startable(pending: List[Step], results: List[StepResult]) -> List[Step]:
+    """Return the steps that need none, or one that is over."""
+    over = {(result.step.tier, result.step.name) for result in results}
+    return [step for step in pending if not step.after or (step.tier, step.after) in over]
 
 
 def needs(step: Step, other: Step) -> bool:

@@ -236,7 +236,16 @@ def plan(chosen: Selection, times: Times) -> List[Step]:
     for place, test in chosen.places:
         steps += single(place, test)
     unique = list({(step.title, tuple(step.command)): step for step in steps}.values())
-    return sorted(unique, key=lambda step: -times.wall(step.title, step.time_limit / 20.0))
+
+    def wall(step: Step) -> float:
+        return times.wall(step.title, step.time_limit / 20.0)
+
+    def urgency(step: Step) -> float:
+        """Time until it is over, and those that wait for it [s]."""
+        after = [one for one in unique if (one.tier, one.after) == (step.tier, step.name)]
+        return wall(step) + sum(map(wall, after))
+
+    return sorted(unique, key=lambda step: -urgency(step))
 
 
 def steps_of(tier: str, names: Optional[Set[str]], times: Times, since: str = "") -> List[Step]:

@@ -23,7 +23,7 @@ from .times import Times, estimate
 from .workspace import WORKSPACE, UnknownCommit, changed_files, dependencies, packages
 
 #: More than most machines' cores: most integration tests wait most of the time.
-AT_A_TIME = 3
+AT_A_TIME = 4
 #: Longest time until a signal is noticed [s].
 POLL_S = 1.0
 #: Lines of the output of a failed step that are shown.

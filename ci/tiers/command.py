@@ -1,4 +1,4 @@
-"""The command ``ci/test``: choose tests, run them three steps at a time, and sum up."""
+"""The command ``ci/test``: choose tests, run several steps at a time, and sum up."""
 
 import argparse
 import concurrent.futures
@@ -38,7 +38,7 @@ def run_steps(steps: List[Step], directory: pathlib.Path, report: Report) -> Lis
     """Run steps in their order, and report each when it ends.
 
     A step that needs another one begins as soon as that one is over; if that one failed, it is
-    not run, and has failed.
+    not run, and has failed. Beside one that is to be alone no other runs.
 
     :raises KeyboardInterrupt: at SIGINT and SIGTERM, once nothing runs
     """
@@ -52,7 +52,7 @@ def run_steps(steps: List[Step], directory: pathlib.Path, report: Report) -> Lis
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: ended.put(None))
     pending = list(steps)
-    running = 0
+    running: List[Step] = []
 
     def add(result: StepResult) -> None:
         results.append(result)
@@ -62,14 +62,16 @@ def run_steps(steps: List[Step], directory: pathlib.Path, report: Report) -> Lis
 
         def begin(step: Step) -> None:
             pending.remove(step)
+            running.append(step)
             place = directory / f"{len(steps) - len(pending):03}"
             pool.submit(runner.run, step, place).add_done_callback(ended.put)
 
         try:
             while len(results) < len(steps):
-                for step in startable(pending, results)[: AT_A_TIME - running]:
+                step = next_step(pending, running, results)
+                if step is not None:
                     begin(step)
-                    running += 1
+                    continue
                 try:
                     # Not for ever: a signal just before this begins to wait wakes nothing.
                     first = ended.get(timeout=POLL_S)
@@ -77,8 +79,8 @@ def run_steps(steps: List[Step], directory: pathlib.Path, report: Report) -> Lis
                     continue
                 if first is None:
                     raise KeyboardInterrupt
-                running -= 1
                 result = first.result()
+                running.remove(result.step)
                 add(result)
                 if not result.good:
                     for step in [one for one in pending if needs(one, result.step)]:
@@ -90,10 +92,17 @@ def run_steps(steps: List[Step], directory: pathlib.Path, report: Report) -> Lis
     return results
 
 
-def startable(pending: List[Step], results: List[StepResult]) -> List[Step]:
-    """Return the steps that need none, or one that is over."""
+def next_step(
+    pending: List[Step], running: List[Step], results: List[StepResult]
+) -> Optional[Step]:
+    """Return the step to begin now, None while all have to wait."""
+    if len(running) == AT_A_TIME or any(step.alone for step in running):
+        return None
     over = {(result.step.tier, result.step.name) for result in results}
-    return [step for step in pending if not step.after or (step.tier, step.after) in over]
+    for step in pending:
+        if (not step.alone or not running) and (not step.after or (step.tier, step.after) in over):
+            return step
+    return None
 
 
 def needs(step: Step, other: Step) -> bool:

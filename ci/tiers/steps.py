@@ -33,7 +33,7 @@ class Step:
 
     ``{results}`` in an argument stands for the directory for JUnit files. A command that
     writes none is one test by itself. One that needs what another step of its tier has made
-    names that step, ``after``.
+    names that step, ``after``. One that measures in real time is to run ``alone``.
 
     ``repeat`` is what to type after ``ci/test`` to run a single test of it again: ``{file}`` stands
     for the name of the JUnit file up to its first dot, ``{case}`` for the test's own, and
@@ -46,6 +46,7 @@ class Step:
     time_limit: float = 300.0  # s
     writes_junit: bool = False
     after: str = ""
+    alone: bool = False
     repeat: str = ""
 
     @property

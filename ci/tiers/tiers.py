@@ -83,10 +83,14 @@ def docs(since: str = "") -> List[Step]:
     target = str(DOCS / "_build" / "html")
     command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html"]
     command += ["-d", str(WORKSPACE / "build" / "doctrees"), str(DOCS), target]
-    typed = pytest_step("docs", "commands", DOCS / "tests", time_limit=1800.0)
-    if since:
-        typed.command.append(f"--pages-changed-since={since}")
-    return [Step("docs", "html", command), typed]
+    steps = [Step("docs", "html", command)]
+    for marked, alone in ("not real_time", False), ("real_time", True):
+        typed = pytest_step("docs", f"commands, {marked.replace('_', ' ')}", DOCS / "tests")
+        typed.command.extend(["-m", marked])
+        if since:
+            typed.command.append(f"--pages-changed-since={since}")
+        steps.append(dataclasses.replace(typed, time_limit=1800.0, alone=alone))
+    return steps
 
 
 def ci_tests() -> List[Step]:
@@ -225,7 +229,7 @@ def single(place: pathlib.Path, test: str) -> List[Step]:
 
 
 def plan(chosen: Selection, times: Times) -> List[Step]:
-    """Return the steps of what is chosen, each once, the longest first.
+    """Return the steps of what is chosen, each once, the longest first, those that run alone last.
 
     :raises UnknownWord: if a place is not a test file
     """
@@ -245,7 +249,7 @@ def plan(chosen: Selection, times: Times) -> List[Step]:
         after = [one for one in unique if (one.tier, one.after) == (step.tier, step.name)]
         return wall(step) + sum(map(wall, after))
 
-    return sorted(unique, key=lambda step: -urgency(step))
+    return sorted(unique, key=lambda step: (step.alone, -urgency(step)))
 
 
 def steps_of(tier: str, names: Optional[Set[str]], times: Times, since: str = "") -> List[Step]:

@@ -6,7 +6,7 @@ from typing import Any, Dict, Iterator, List, Optional
 
 import pytest
 from changed_pages import changed_files, dependencies, pages_to_type
-from pages import WORKSPACE, texts_of_pages
+from pages import WORKSPACE, measures_time, texts_of_pages
 from warm_python import WarmPython, warm_python
 
 #: They wait for nodes most of the time.
@@ -21,7 +21,10 @@ def pytest_addoption(parser: Any) -> None:
     )
 
 
-def pytest_configure() -> None:
+def pytest_configure(config: Any) -> None:
+    config.addinivalue_line(
+        "markers", "real_time: measures time, so that nothing may run beside it"
+    )
     # A program started in the background ignores Ctrl-C, and so would all that it starts.
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
@@ -32,7 +35,12 @@ def page_of(item: Any) -> Optional[str]:
     return callspec.params.get("page") if callspec and hasattr(item.module, "type_page") else None
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(config: Any, items: List[Any]) -> None:
+    for item in items:
+        page = page_of(item)
+        if page and measures_time(texts_of_pages()[page]):
+            item.add_marker(pytest.mark.real_time)
     commit = config.getoption("--pages-changed-since")
     if commit is None:
         return

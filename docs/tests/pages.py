@@ -1,6 +1,7 @@
 """The pages of the documentation."""
 
 import os
+import re
 from pathlib import Path
 from typing import Dict
 
@@ -12,6 +13,11 @@ def texts_of_pages() -> Dict[str, str]:
     """Return the text of each page by its path in the workspace, README.md first."""
     paths = [WORKSPACE / "README.md", *sorted((WORKSPACE / "docs").rglob("*.md"))]
     return {str(path.relative_to(WORKSPACE)): path.read_text() for path in paths}
+
+
+def measures_time(text: str) -> bool:
+    """Return whether a page types commands that measure a controller or a plant in real time."""
+    return re.search(r"rosrun pid_control (judge|identify|tune)\b", text) is not None
 
 
 def environment_of_reader(**variables: str) -> Dict[str, str]:

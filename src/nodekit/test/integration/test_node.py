@@ -746,7 +746,7 @@ class Closing(OnMaster):
     def error_of(client: Callable[[], Any]) -> str:
         try:
             answer = client()
-        except rospy.ServiceException as error:
+        except (rospy.ServiceException, rospy.exceptions.TransportException) as error:
             return str(error)
         raise AssertionError(f"a closed service has answered {answer}")
 

@@ -113,12 +113,18 @@ def unit(names: Optional[Set[str]] = None) -> List[Step]:
 
 
 def install() -> List[Step]:
-    """Return the steps that build workspaces of other shapes."""
-    files = sorted(SPACES.glob("test_*.py"))
+    """Return the steps that build workspaces of other shapes.
+
+    The user's own workspace and the install space share one build.
+    """
+    names = {
+        "user's workspace": ["test_own_workspace.py", "test_install_space.py"],
+        "new package": ["test_new_package.py"],
+        "without rostest": ["test_without_rostest.py"],
+    }
     return [
-        pytest_step("install", file.stem[len("test_") :].replace("_", " "), file)
-        for file in files
-        if file.stem != "test_catkin_build"
+        pytest_step("install", name, *(SPACES / file for file in files))
+        for name, files in names.items()
     ]
 
 
@@ -128,11 +134,12 @@ def catkin_build() -> List[Step]:
 
 
 def pytest_step(
-    tier: str, name: str, place: pathlib.Path, test: str = "", time_limit: float = 600.0
+    tier: str, name: str, *places: pathlib.Path, test: str = "", time_limit: float = 600.0
 ) -> Step:
-    """Return the step that runs pytest on a file or a folder, or on one test of a file."""
+    """Return the step that runs pytest on files or folders, or on one test of a file."""
     command = [sys.executable, "-m", "pytest", "-p", "no:cacheprovider", "--tb=short"]
-    command += ["--junitxml={results}/pytest.xml", f"{place}::{test}" if test else str(place)]
+    command += ["--junitxml={results}/pytest.xml"]
+    command += [f"{place}::{test}" if test else str(place) for place in places]
     return Step(tier, name, command, time_limit, True, repeat="{module}::{case}")
 
 
@@ -203,7 +210,7 @@ def ros2_step(place: pathlib.Path, test: str = "", name: str = "", after: str = 
     """
     debian = "/usr/lib/python3/dist-packages"
     path = f"PYTHONPATH={WORKSPACE / 'devel' / 'lib' / 'python3' / 'dist-packages'}:{debian}"
-    step = pytest_step("ros2", name or place.stem, place, test, 1200.0)
+    step = pytest_step("ros2", name or place.stem, place, test=test, time_limit=1200.0)
     python = str(WORKSPACE / "build" / "ros2" / "bin" / "python")
     command = ["env", path, python, *step.command[1:]]
     return dataclasses.replace(step, command=command, after=after)
@@ -224,7 +231,7 @@ def single(place: pathlib.Path, test: str) -> List[Step]:
     elif folder == "ros2":
         return [ros2_step(place, test)]
     elif place.suffix == ".py" and place.name.startswith("test_"):
-        return [pytest_step("unit", place.stem, place, test)]
+        return [pytest_step("unit", place.stem, place, test=test)]
     raise UnknownWord(f"'{place}' is not a test file, or no .test file names it")
 
 

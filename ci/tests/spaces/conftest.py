@@ -2,13 +2,24 @@
 
 import os
 import pathlib
-from typing import Dict, Set
+import subprocess
+from typing import Dict, List, Set
 from xml.etree import ElementTree
 
 import pytest
 
 SOURCES = pathlib.Path(__file__).resolve().parents[3] / "src"
+WORKSPACE = SOURCES.parent
 PACKAGES = sorted(manifest.parent for manifest in SOURCES.glob("*/package.xml"))
+PAGE = WORKSPACE / "docs" / "tutorials" / "other_packages.md"
+READ = f"workspace='{WORKSPACE}'; source '{WORKSPACE}/ci/systems/pages.bash'; page_commands \"$@\""
+
+
+def commands(section: str) -> List[str]:
+    """Return the commands of a section of the page, unchanged."""
+    page = str(PAGE.relative_to(WORKSPACE))
+    printed = subprocess.check_output(["bash", "-c", READ, "bash", page, section], timeout=30)
+    return printed.decode().splitlines()
 
 
 @pytest.fixture(scope="session")
@@ -20,8 +31,19 @@ def underlay() -> Dict[str, str]:
     environment = {**os.environ, "ROS_LANG_DISABLE": "gencpp:geneus:genlisp:gennodejs"}
     for name in ("CMAKE_PREFIX_PATH", "PYTHONPATH", "ROS_PACKAGE_PATH"):
         entries = environment.get(name, "").split(":")
-        mine = str(SOURCES.parent) + "/"
+        mine = str(WORKSPACE) + "/"
         environment[name] = ":".join(entry for entry in entries if not entry.startswith(mine))
+    return environment
+
+
+@pytest.fixture(scope="session")
+def user(tmp_path_factory: "pytest.TempPathFactory", underlay: Dict[str, str]) -> Dict[str, str]:
+    """Environment of a user with a workspace of their own, built as the page says: ~/my_ws."""
+    home = tmp_path_factory.mktemp("own")
+    (home / "my_ws" / "src").mkdir(parents=True)
+    environment = {**underlay, "HOME": str(home)}
+    build, _ = commands("All of it in your own workspace")
+    subprocess.check_call(["bash", "-c", build.replace("URL", str(WORKSPACE))], env=environment)
     return environment
 
 

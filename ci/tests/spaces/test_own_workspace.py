@@ -1,7 +1,6 @@
 """In a workspace of one's own: a clone of all of it builds, and of the packages few are enough."""
 
 import os
-import pathlib
 import re
 import signal
 import subprocess
@@ -9,54 +8,33 @@ from typing import Dict, Iterator, List
 
 import pytest
 
-from .conftest import SOURCES, needed
-
-WORKSPACE = SOURCES.parent
-PAGE = WORKSPACE / "docs" / "tutorials" / "other_packages.md"
-READ = f"workspace='{WORKSPACE}'; source '{WORKSPACE}/ci/systems/pages.bash'; page_commands \"$@\""
-
-
-def commands(section: str) -> List[str]:
-    """The commands of a section of the page, as they stand there."""
-    page = str(PAGE.relative_to(WORKSPACE))
-    printed = subprocess.check_output(["bash", "-c", READ, "bash", page, section], timeout=30)
-    return printed.decode().splitlines()
+from .conftest import PAGE, SOURCES, commands, needed
 
 
 @pytest.fixture(scope="module")
-def environment(
-    tmp_path_factory: "pytest.TempPathFactory", underlay: Dict[str, str]
-) -> Dict[str, str]:
-    """That of a user with a workspace."""
-    return {**underlay, "HOME": str(tmp_path_factory.mktemp("own"))}
-
-
-@pytest.fixture(scope="module")
-def launched(environment: Dict[str, str]) -> Iterator["subprocess.Popen[bytes]"]:
-    """What the page says: one command that builds, one that runs."""
-    build, run = commands("All of it in your own workspace")
-    pathlib.Path(environment["HOME"], "my_ws", "src").mkdir(parents=True)
-    subprocess.check_call(["bash", "-c", build.replace("URL", str(WORKSPACE))], env=environment)
+def launched(user: Dict[str, str]) -> Iterator["subprocess.Popen[bytes]"]:
+    """The launch that the page's second command starts."""
+    _, run = commands("All of it in your own workspace")
     # roslaunch and its shell get the Ctrl-C.
-    launch = subprocess.Popen(["bash", "-c", run], env=environment, start_new_session=True)
+    launch = subprocess.Popen(["bash", "-c", run], env=user, start_new_session=True)
     yield launch
     os.killpg(launch.pid, signal.SIGINT)
     launch.wait(timeout=60)
 
 
-def test_the_course_runs(launched: "subprocess.Popen[bytes]", environment: Dict[str, str]) -> None:
+def test_the_course_runs(launched: "subprocess.Popen[bytes]", user: Dict[str, str]) -> None:
     def within(*command: str) -> List[str]:
         setup = 'source "$HOME/my_ws/devel/setup.bash" && exec "$@"'
         return ["bash", "-c", setup, "bash", *command]
 
-    while subprocess.call(within("rosnode", "list"), env=environment, timeout=60) != 0:
+    while subprocess.call(within("rosnode", "list"), env=user, timeout=60) != 0:
         assert launched.poll() is None
     heard = subprocess.check_output(
-        within("rostopic", "echo", "-n", "1", "/proc_signal"), env=environment, timeout=60
+        within("rostopic", "echo", "-n", "1", "/proc_signal"), env=user, timeout=60
     )
     assert heard.startswith(b"data: ")
     described = subprocess.check_output(
-        within("rosrun", "nodekit", "describe", "/process"), env=environment, timeout=60
+        within("rosrun", "nodekit", "describe", "/process"), env=user, timeout=60
     )
     assert b"amplitude_scale" in described
 

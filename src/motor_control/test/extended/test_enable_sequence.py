@@ -10,7 +10,7 @@ from typing import Dict, List
 
 import rospkg
 import rospy
-from putting_back import wait_for_put_backs
+from helpers.putting_back import wait_for_put_backs
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32, String
 

@@ -7,7 +7,7 @@ from typing import List
 
 import rosgraph
 import rospy
-from putting_back import wait_for_put_backs
+from helpers.putting_back import wait_for_put_backs
 from rosgraph_msgs.msg import Log
 from roslib.packages import find_node
 from std_msgs.msg import Float32, String

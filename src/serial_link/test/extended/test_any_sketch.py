@@ -6,7 +6,7 @@ import struct
 from typing import Any
 
 import rospy
-from board_rig import BUFFER, REQUEST, RESPONSE, BoardRig
+from helpers.board_rig import BUFFER, REQUEST, RESPONSE, BoardRig
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import String
 from std_srvs.srv import SetBool, SetBoolResponse

@@ -6,7 +6,7 @@ from typing import Any, List
 from xmlrpc.client import ServerProxy
 
 import rospy
-from board_rig import BUFFER, BoardRig, declared
+from helpers.board_rig import BUFFER, BoardRig, declared
 from std_msgs.msg import Bool, String
 from std_srvs.srv import SetBool
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from .action_client import ActionClient, start
 from .context import Bench, Figures
-from .cost import cpu_share, resident_mb
+from .cost import cpu_share, usage
 from .peer_programs import DOMAIN, executable, peer, rclpy_environment
 from .peer_programs import RCLPY as PYTHON_OF_ROS2
 from .processes import Session
@@ -76,16 +76,16 @@ def measure_actions(bench: Bench, subject: str) -> Figures:
     }
 
 
-def bridge_command() -> Tuple[List[str], Dict[str, str]]:
-    """Return the bridge's command, and what it needs in addition in its environment."""
-    return executable("ros2_bridge", "bridge"), {"ROS_DOMAIN_ID": DOMAIN}
+def bridge_command(session: Session) -> Tuple[List[str], Dict[str, str]]:
+    """Return the bridge's command and environment."""
+    return executable("ros2_bridge", "bridge"), {**session.environment, "ROS_DOMAIN_ID": DOMAIN}
 
 
 @contextlib.contextmanager
 def run_bridge(session: Session) -> Iterator[int]:
     """Run the bridge for the duration of the context; its process id is returned."""
-    command, variables = bridge_command()
-    with session.up(command, environment={**session.environment, **variables}) as (pid,):
+    command, environment = bridge_command(session)
+    with session.up(command, environment=environment) as (pid,):
         yield pid
 
 
@@ -121,7 +121,7 @@ def _measure(bench: Bench, subject: str, rate: float, topics: int) -> Figures:
         if pids:
             time.sleep(0.5)
             figures["cpu_percent"] = cpu_share(pids, seconds - 1.0)
-            figures["resident_mb"] = resident_mb(pids[0])
+            figures["resident_mb"] = usage(pids[0]).memory / 1024.0
         wait_until(file.exists, LIMIT, "the last message")
     received: Any = json.loads(file.read_text("utf-8"))
     figures["p50_us"] = float(np.median(received["took"]))

@@ -1,9 +1,30 @@
-"""Processor time and memory of processes, and the processes that they started."""
+"""Processor time, memory, threads and descriptors of processes."""
 
 import contextlib
 import pathlib
 import time
-from typing import Dict, Iterable, List
+from typing import Iterable, List, NamedTuple
+
+
+class Usage(NamedTuple):
+    """Resources of one process at a moment."""
+
+    #: resident set [kB]
+    memory: int
+    threads: int
+    descriptors: int
+
+
+def usage(pid: int) -> Usage:
+    """Return what a process uses.
+
+    :raises OSError: if it has ended
+    """
+    process = pathlib.Path(f"/proc/{pid}")
+    lines = (process / "status").read_text().splitlines()
+    fields = dict(line.split(":", 1) for line in lines if ":" in line)
+    memory = int(fields.get("VmRSS", "0 kB").split()[0])
+    return Usage(memory, int(fields["Threads"]), len(list((process / "fd").iterdir())))
 
 
 def cpu_time(pids: Iterable[int]) -> float:
@@ -22,49 +43,3 @@ def cpu_share(pids: List[int], seconds: float) -> float:
     began, used = time.monotonic(), cpu_time(pids)
     time.sleep(seconds)
     return 100.0 * (cpu_time(pids) - used) / (time.monotonic() - began)
-
-
-def status(pid: int) -> Dict[str, str]:
-    """Return the fields of /proc/PID/status.
-
-    :raises OSError: if the process has ended
-    """
-    lines = pathlib.Path(f"/proc/{pid}/status").read_text().splitlines()
-    return dict(line.split(":", 1) for line in lines if ":" in line)
-
-
-def resident_mb(pid: int) -> float:
-    """Return the resident set of a process [MB]; 0 if it has ended."""
-    with contextlib.suppress(OSError):
-        return int(status(pid).get("VmRSS", "0 kB").split()[0]) / 1024.0
-    return 0.0
-
-
-def stat_fields(number: int) -> Dict[int, int]:
-    """Return a field of /proc/PID/stat of each process, by number, the state being the first."""
-    fields: Dict[int, int] = {}
-    for stat in pathlib.Path("/proc").glob("[0-9]*/stat"):
-        with contextlib.suppress(OSError):
-            # The name in parentheses may hold anything.
-            values = stat.read_text().rpartition(")")[2].split()
-            fields[int(stat.parent.name)] = int(values[number])
-    return fields
-
-
-def descendants(pid: int) -> List[int]:
-    """Return the processes that a process and its children have started."""
-    parents, found, wanted = stat_fields(1), [], [pid]
-    while wanted:
-        wanted = [child for child, parent in parents.items() if parent in wanted]
-        found += wanted
-    return found
-
-
-def with_variable(variable: str) -> List[int]:
-    """Return the processes that were started with NAME=VALUE in their environments."""
-    found = []
-    for environ in pathlib.Path("/proc").glob("[0-9]*/environ"):
-        with contextlib.suppress(OSError):
-            if variable.encode() in environ.read_bytes().split(b"\0"):
-                found.append(int(environ.parent.name))
-    return found

@@ -9,7 +9,6 @@ from .analysis import Matched
 from .context import Bench, Figures
 from .peer_programs import executable, peer
 from .processes import paused, resumed
-from .recorder import Recorder
 
 LOOP = "pid_control"
 RATE = 1000.0
@@ -17,10 +16,10 @@ _numbers = itertools.count(1)
 
 
 @contextlib.contextmanager
-def prepare(bench: Bench, stack: str) -> Iterator[Callable[[], Figures]]:
+def prepare(bench: Bench, subject: str) -> Iterator[Callable[[], Figures]]:
     """Measure from an output of the motor to its next input, and what both nodes cost."""
-    if stack != LOOP:
-        with latency.at(RATE)(bench, stack) as turn:
+    if subject != LOOP:
+        with latency.at(RATE)(bench, subject) as turn:
             yield turn
         return
     session, number = bench.session, next(_numbers)
@@ -28,16 +27,18 @@ def prepare(bench: Bench, stack: str) -> Iterator[Callable[[], Figures]]:
     environment = session.in_group(group)
     # One set point is enough, and not part of the comparison.
     set_point = executable("pid_control", "set_point_generator.py", "_rate:=1.0", "_offset:=5.0")
-    commands = [executable("pid_control", "controller.py"), peer("recorded_system.py", str(file))]
-    with session.node() as node:
-        recorder = Recorder(node, group + "/motor_input", "pid_control/motor_input")
-        with session.up(set_point, environment=environment) as others, session.up(
-            *commands, environment=environment
-        ) as pids:
-            recorder.wait(100)
-            pair = stacks.Pair([*pids, *others], pids, lambda: record.read(file), recorder.samples)
-            with paused(pair.pids):
-                yield lambda: _take_turn(pair)
+    system = peer("recorded.py", str(file), "time", "pid_control.nodes.system:System")
+    with contextlib.ExitStack() as stack:
+        recorder = stack.enter_context(
+            session.record(group + "/motor_input", "pid_control/motor_input")
+        )
+        others = stack.enter_context(session.up(set_point, environment=environment))
+        controller = executable("pid_control", "controller.py")
+        pids = stack.enter_context(session.up(controller, system, environment=environment))
+        recorder.wait(100)
+        pair = stacks.Pair([*pids, *others], pids, lambda: record.read(file), recorder.samples)
+        with paused(pair.pids):
+            yield lambda: _take_turn(pair)
 
 
 def _take_turn(pair: stacks.Pair) -> Figures:

@@ -35,14 +35,6 @@ def rclpy_peer(script: str, *arguments: str) -> List[str]:
     return [str(RCLPY), str(SCRIPTS / "ros2" / script), *arguments]
 
 
-def module(name: str, *arguments: str) -> List[str]:
-    """Return the command that runs one of the modules of ``ci``.
-
-    :param name: e.g. ``endurance.observe``
-    """
-    return [sys.executable, str(WORKSPACE / "ci"), name, *arguments]
-
-
 def prepare(fetch: bool) -> Dict[str, str]:
     """Build the peers.
 

@@ -12,15 +12,13 @@ import rosgraph
 from nodekit.testing.processes import free_port
 
 from ..tiers.steps import end_leftovers
-from .cost import descendants, with_variable
 from .peer_programs import SCRIPTS, WORKSPACE
-from .recorder import wait_until
-from .tcpros import Node
+from .recorder import Recorder, wait_until
 
 #: Time for a node to settle after its registration [s].
 SETTLED = 1.5
-#: Longest time for a process to end after Ctrl-C, and for the master to forget killed nodes [s].
-PATIENCE_S, CLEANUP_S = 10.0, 60.0
+#: Longest time for a process to end after Ctrl-C [s].
+PATIENCE_S = 10.0
 
 
 Own = TypeVar("Own", bound="Processes")
@@ -119,12 +117,16 @@ class Processes:
 
 
 class Session(Processes):
-    """A master on a free port, and the processes that use it."""
+    """A master on a free port, and the processes that use it.
+
+    :ivar master: the Master API
+    """
 
     def __init__(self, directory: pathlib.Path) -> None:
         super().__init__(directory)
-        self._port, self._nodes = free_port(), 0
+        self._port, self._recorders = free_port(), 0
         self.master_uri = f"http://localhost:{self._port}"
+        self.master = rosgraph.Master("/benchmark", self.master_uri)
         packages = [str(SCRIPTS / "course"), os.environ.get("ROS_PACKAGE_PATH", "")]
         self.environment.update(
             ROS_MASTER_URI=self.master_uri,
@@ -139,54 +141,29 @@ class Session(Processes):
     def prepare(self) -> None:
         """Start the master."""
         self.start(["roscore", "-p", str(self._port)])
-        wait_until(self._has_rosout, 30.0, "answer from the master")
+        wait_until(lambda: self._is_registered("/rosout"), 30.0, "answer from the master")
 
-    def _has_rosout(self) -> bool:
-        with contextlib.suppress(OSError, rosgraph.MasterException), self.node() as node:
-            return "/rosout" in dict(node.master.getTopicTypes())
+    def _is_registered(self, name: str) -> bool:
+        with contextlib.suppress(OSError, rosgraph.MasterException):
+            return f"'{name}'" in str(self.master.getSystemState())
         return False
 
-    @contextlib.contextmanager
-    def node(self) -> Iterator[Node]:
-        """Provide a node for observations."""
-        self._nodes += 1
-        node = Node(f"/benchmark_{self._nodes}", self.master_uri)
-        try:
-            yield node
-        finally:
-            node.close()
+    def record(self, topic: str, type_name: str) -> Recorder:
+        """Return a recorder of a topic, for use as a context."""
+        self._recorders += 1
+        return Recorder(f"/recorder_{self._recorders}", self.master_uri, topic, type_name)
 
     def wait_for(self, name: str) -> None:
         """Wait until a node is registered, and has settled.
 
         :param name: global name
         """
-        with self.node() as node:
-            state = node.master.getSystemState
-            wait_until(lambda: f"'{name}'" in str(state()), 30.0, "registration of " + name)
+        wait_until(lambda: self._is_registered(name), 30.0, "registration of " + name)
         time.sleep(SETTLED)
 
     def in_group(self, group: str) -> Dict[str, str]:
         """Return the environment of processes in a namespace."""
         return dict(self.environment, ROS_NAMESPACE=group)
-
-    def stop(self, *processes: "subprocess.Popen[bytes]") -> None:
-        """End processes, and what they have started; remove killed nodes from the master."""
-        started = [pid for process in processes for pid in descendants(process.pid)]
-        super().stop(*processes)
-        for pid in set(started).intersection(with_variable(f"ROS_MASTER_URI={self.master_uri}")):
-            with contextlib.suppress(ProcessLookupError):
-                os.kill(pid, signal.SIGKILL)
-        if self.running and any(one.returncode == -signal.SIGKILL for one in processes):
-            with contextlib.suppress(subprocess.TimeoutExpired):
-                subprocess.run(
-                    ["rosnode", "cleanup"],
-                    env=self.environment,
-                    input=b"y\n",
-                    stdout=subprocess.DEVNULL,
-                    stderr=subprocess.DEVNULL,
-                    timeout=CLEANUP_S,
-                )
 
     @contextlib.contextmanager
     def up(

@@ -8,7 +8,6 @@ from .context import Bench, Figures
 from .cost import cpu_share
 from .peer_programs import executable
 from .processes import paused, resumed
-from .recorder import Recorder
 
 HOSTED, PAIR = "in one process", "in two processes"
 MEMBERS = [
@@ -30,15 +29,13 @@ SETTLE_S, TURN_S = 0.5, 1.5
 def prepare(bench: Bench, subject: str) -> Iterator[Callable[[], Figures]]:
     """Drive a robot at 30 Hz towards a goal that it does not reach during the measurement."""
     session, group = bench.session, "/hosted" if subject == HOSTED else "/pair"
-    with session.node() as node:
-        node.master.setParam(group + "/proportional_controller/goal_x", 1000.0)
+    session.master.setParam(group + "/proportional_controller/goal_x", 1000.0)
     with session.up(*COMMANDS[subject], environment=session.in_group(group)) as pids:
-        with session.node() as node:  # no subscribers from outside during the turns
-            for topic, kind in (
-                ("/odom", "nav_msgs/Odometry"),
-                ("/cmd_vel", "geometry_msgs/Twist"),
-            ):
-                Recorder(node, group + topic, kind).wait()
+        # No subscribers from outside during the turns.
+        with session.record(group + "/odom", "nav_msgs/Odometry") as odometry:
+            with session.record(group + "/cmd_vel", "geometry_msgs/Twist") as commands:
+                odometry.wait()
+                commands.wait()
 
         def take_turn() -> Figures:
             with resumed(pids):

@@ -12,7 +12,7 @@ from .peer_programs import ROSCPP as ROSCPP_PROGRAMS
 from .peer_programs import executable, peer, rclpy_environment, rclpy_peer
 from .processes import DRAIN_S, Session
 from .record import Sample
-from .recorder import Recorder, wait_until
+from .recorder import wait_until
 
 OURS, ROSPY, ROSCPP, RCLPY = "basic_comms", "rospy", "roscpp", "rclpy"
 #: Two nodes in the style of the course.
@@ -81,7 +81,11 @@ def _commands(stack: str, file: str, rate: str) -> List[List[str]]:
         return [[str(ROSCPP_PROGRAMS / "process")], [program, file, rate]]
     if stack == ROSPY:
         return [peer("stock/process.py"), peer("stock/signal_generator.py", file, rate)]
-    return [executable("basic_comms", "process.py"), peer("recorded_generator.py", file, rate)]
+    generator = "basic_comms.nodes.signal_generator:SignalGenerator"
+    return [
+        executable("basic_comms", "process.py"),
+        peer("recorded.py", file, "time_x", generator, rate),
+    ]
 
 
 @contextlib.contextmanager
@@ -97,8 +101,7 @@ def up(session: Session, stack: str, rate: float) -> Iterator[Pair]:
             yield pair
         return
     group = f"/run{number}"
-    with session.node() as node:
-        recorder = Recorder(node, group + "/proc_signal", "std_msgs/Float32")
+    with session.record(group + "/proc_signal", "std_msgs/Float32") as recorder:
         commands = _commands(stack, str(file), f"_rate:={rate:g}")
         with session.up(*commands, environment=session.in_group(group)) as pids:
             recorder.wait()
@@ -109,9 +112,9 @@ def up(session: Session, stack: str, rate: float) -> Iterator[Pair]:
 def _up_rclpy(session: Session, file: pathlib.Path, rate: float) -> Iterator[Pair]:
     seen = file.with_suffix(".seen")
     commands = [
-        rclpy_peer("observer.py", str(seen)),
-        rclpy_peer("process.py"),
-        rclpy_peer("generator.py", str(file), f"{rate:g}"),
+        rclpy_peer("pair.py", "observer", str(seen)),
+        rclpy_peer("pair.py", "process"),
+        rclpy_peer("pair.py", "generator", str(file), f"{rate:g}"),
     ]
     with session.up(*commands, environment=rclpy_environment()) as pids:
         wait_until(lambda: record.read(seen), 30.0, "answer from rclpy")

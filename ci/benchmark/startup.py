@@ -6,9 +6,8 @@ from typing import Callable, Iterator
 
 from . import stacks
 from .context import Bench, Figures
-from .cost import resident_mb
+from .cost import usage
 from .peer_programs import SCRIPTS, executable, peer
-from .recorder import Recorder
 
 LAUNCH = {
     stacks.OURS: ["basic_comms", "cw1.launch"],
@@ -28,8 +27,7 @@ def prepare_launch(bench: Bench, stack: str) -> Iterator[Callable[[], Figures]]:
     """Measure the launch of two nodes; master and observer are up, and the files are cached."""
 
     def take_turn() -> Figures:
-        with bench.session.node() as node:
-            recorder = Recorder(node, "/proc_signal", "std_msgs/Float32")
+        with bench.session.record("/proc_signal", "std_msgs/Float32") as recorder:
             began = time.monotonic()
             with bench.session.up(["roslaunch", *LAUNCH[stack]]):
                 return {"first_answer_s": recorder.wait() - began}
@@ -44,5 +42,5 @@ def measure_memory(bench: Bench, subject: str) -> Figures:
     for name, command in NODES[subject].items():
         with bench.session.up(command) as (pid,):
             bench.session.wait_for(name)
-            sizes.append(resident_mb(pid))
+            sizes.append(usage(pid).memory / 1024.0)
     return {"resident_mb": max(sizes)}

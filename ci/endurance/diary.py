@@ -1,6 +1,6 @@
 """Diary of managed nodes: who was active while a node that it depends on was not configured."""
 
-from typing import List, NamedTuple, Sequence
+from typing import Dict, List, NamedTuple, Sequence, Set
 
 
 class Entry(NamedTuple):
@@ -28,41 +28,38 @@ class Story:
 
     def __init__(self, order: Sequence[str]) -> None:
         self._order = order
-        self._configured = {name: False for name in order}
-        self._active = {name: False for name in order}
-        self._runs = {name: True for name in order}
-        self._wrong_since = {name: float("inf") for name in order}
+        self._configured: Set[str] = set()
+        self._active: Set[str] = set()
+        self._stopped: Set[str] = set()
+        self._wrong_since: Dict[str, float] = {}
         self.rash: List[str] = []
         self.longest = 0.0
 
     def read(self, entry: Entry) -> None:
         """Add the next entry."""
         moment, node, what = entry
+        self.longest = max([self.longest, *(moment - one for one in self._wrong_since.values())])
+        self._stopped.discard(node)
         if what in ("started", "killed", "cleaned_up"):
-            self._configured[node] = False
+            self._configured.discard(node)
         if what in ("started", "killed", "deactivated"):
-            self._active[node] = False
-        if what == "configured":
-            self._configured[node] = True
-        self._runs[node] = what != "stopped"
-        if what == "activated":
-            self._active[node] = True
-            if self._is_wrong(node):
-                self.rash.append(f"{node} at {moment:.3f}")
-        for name in self._order:
-            if moment > self._wrong_since[name]:
-                self.longest = max(self.longest, moment - self._wrong_since[name])
-            if not self._is_wrong(name):
-                self._wrong_since[name] = float("inf")
-            elif self._wrong_since[name] == float("inf"):
-                self._wrong_since[name] = moment
+            self._active.discard(node)
+        for happened, names in (
+            ("stopped", self._stopped),
+            ("configured", self._configured),
+            ("activated", self._active),
+        ):
+            if what == happened:
+                names.add(node)
+        for place, name in enumerate(self._order):
+            is_safe = self._configured.issuperset(self._order[:place])
+            if is_safe or name not in self._active - self._stopped:
+                self._wrong_since.pop(name, None)
+            else:
+                self._wrong_since.setdefault(name, moment)
+        if what == "activated" and node in self._wrong_since:
+            self.rash.append(f"{node} at {moment:.3f}")
 
     def all_active(self) -> bool:
         """Return whether all nodes are active."""
-        return all(self._active.values()) and all(self._runs.values())
-
-    def _is_wrong(self, node: str) -> bool:
-        """Return whether a node is active, and not stopped, while one before it is missing."""
-        before = self._order[: self._order.index(node)]
-        works = self._active[node] and self._runs[node]
-        return works and not all(self._configured[name] for name in before)
+        return self._active == set(self._order) and not self._stopped

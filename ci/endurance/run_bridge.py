@@ -1,33 +1,45 @@
 """The bridge to ROS 2 at 1 kHz, each way for half of the time; then it and both sides are killed.
 
-What is sent at 1 kHz has to arrive, and the bridge may not grow meanwhile, while goals of actions
-run both ways. Then a talker of ROS 1 is heard by a node of ROS 2, which repeats it for ROS 1: the
-talker, the bridge and that node are killed in turn, and restarted at once. So are the servers of
-actions.
+What is sent at 1 kHz has to arrive, and the bridge may not grow meanwhile. Goals of actions run
+both ways beside it, half of them cancelled at random moments; each has to end once, with its own
+result and in a legal state. Then a talker of ROS 1 is heard by a node of ROS 2, which repeats its
+messages for ROS 1.
 """
 
+import contextlib
 import json
-import subprocess
+import random
+import threading
 import time
-from typing import Any, Callable, Dict, List
+from typing import Any, Dict, Iterator, List
 
+from ..benchmark.action_client import ABORT, SUCCEED, ActionClient, start
 from ..benchmark.bridge import LIMIT, TO_ROS1, TO_ROS2, bridge_command, run_bridge, run_ends
-from ..benchmark.peer_programs import RCLPY, SCRIPTS, make_rclpy, rclpy_environment
+from ..benchmark.peer_programs import RCLPY, SCRIPTS, executable, make_rclpy, rclpy_environment
 from ..benchmark.recorder import wait_until
-from . import run_goals
 from .checks import Check, at_most, none_of, reported
 from .context import Soak
 from .usage import Sampler, not_grown
-from .watching import TEXT, Watch
 
 RATE = 1000.0
-TIMES = 20
+#: Longest time to warm up [s].
+WARM_UP = 30.0
+#: Most kills of each process.
+KILLS = 20
 #: Longest time until messages are back after the restart of a killed process [s].
 BACK_WITHIN = 10.0
 #: Time for what a killed process has sent to arrive [s].
 ON_THE_WAY = 0.5
-#: Longest time to warm up [s].
-WARM_UP = 30.0
+#: Names of the actions, by their servers' ROS, and the other ROS.
+NAMES = {"1": "/soak/arm", "2": "/soak/hand"}
+OTHER = {"1": "2", "2": "1"}
+#: Pause between two groups of goals [s], their size, and the longest duration of a goal [s].
+PAUSE, GROUP, LONGEST = 10.0, 5, 4.0
+#: Longest time that a goal may take in addition [s].
+LATE = 10.0
+#: Final states of a goal, and of a cancelled goal by its client's ROS.
+_FINAL = {"SUCCEEDED", "ABORTED"}
+_CANCELLED = {"1": _FINAL | {"PREEMPTED", "RECALLED"}, "2": _FINAL | {"CANCELED"}}
 
 
 def run(soak: Soak) -> List[Check]:
@@ -36,25 +48,15 @@ def run(soak: Soak) -> List[Check]:
     if reason:
         return [Check("the environment with ROS 2", "is there", reason, False)]
     checks: List[Check] = []
-    with run_bridge(soak.session) as pid, run_goals.at_random(soak, checks):
+    with run_bridge(soak.session) as pid, goals(soak, checks):
         for way in (TO_ROS2, TO_ROS1):
             checks += send(soak, way, pid)
     checks += kill(soak)
-    checks += run_goals.among_kills(soak, soak.times or TIMES)
-    # If a process is killed in the middle of a request, the master's own log has a traceback.
+    # The log of the master has a traceback if a process is killed in the middle of a request, and
+    # rospy warns with one of what it survives.
     logs = [text for text in soak.session.logs() if "[rosmaster.main]" not in text]
-    return [*checks, none_of("exceptions", [error for text in logs for error in raised(text)])]
-
-
-def raised(log: str) -> List[str]:
-    """Return the last line of each traceback in a log, except those that rospy itself survives."""
-    lines = log.splitlines()
-    found = []
-    for number, line in enumerate(lines):
-        if "Traceback" in line and "[rospy.internal][WARNING]" not in line:
-            rest = (one for one in lines[number + 1 :] if not one.startswith(" "))
-            found.append(next(rest, line))
-    return found
+    lines = [line for text in logs for line in text.splitlines() if "Traceback" in line]
+    return [*checks, none_of("exceptions", [one for one in lines if "[rospy.internal]" not in one])]
 
 
 def send(soak: Soak, way: str, pid: int) -> List[Check]:
@@ -76,36 +78,90 @@ def send(soak: Soak, way: str, pid: int) -> List[Check]:
 
 
 def kill(soak: Soak) -> List[Check]:
-    """Kill the bridge and both sides in turn."""
-    session = soak.session
-    bridge, variables = bridge_command()
+    """Kill the bridge and both sides in turn, and restart each at once."""
+    session, times = soak.session, min(KILLS, soak.times)
     echo = [str(RCLPY), str(SCRIPTS / "bridge" / "echo.py")]
-    start: Dict[str, Callable[[], "subprocess.Popen[bytes]"]] = {
-        "the talker of ROS 1": lambda: soak.start("talker.py"),
-        "the node of ROS 2": lambda: session.start(echo, rclpy_environment()),
-        "the bridge": lambda: session.start(bridge, {**session.environment, **variables}),
+    start = {
+        "the talker of ROS 1": (executable("basic_comms", "talker.py"), session.environment),
+        "the node of ROS 2": (echo, rclpy_environment()),
+        "the bridge": bridge_command(session),
     }
-    running = {name: begin() for name, begin in start.items()}
+    running = {name: session.start(*command) for name, command in start.items()}
     took: Dict[str, List[float]] = {name: [] for name in start}
     wrong: List[str] = []
-    with session.node() as node:
-        watch = Watch(node, "/heard", TEXT)
-        wait_until(lambda: watch.arrivals.count, LIMIT, "the first message")
-        for _ in range(soak.times or TIMES):
-            for name, begin in start.items():
-                running[name].kill()
-                running[name].wait()
-                time.sleep(ON_THE_WAY)
-                watch.restart()
-                began = time.monotonic()
-                running[name] = begin()
-                wait_until(lambda: watch.arrivals.count, 2.0 * LIMIT, f"/heard after {name}")
-                took[name].append(time.monotonic() - began)
-                gone = [one for one, process in running.items() if process.poll() is not None]
-                wrong += [f"{one} has ended, too" for one in gone]
+    with session.record("/heard", "std_msgs/String") as recorder:
+        wait_until(lambda: recorder.messages, LIMIT, "the first message")
+        for name in list(start) * times:
+            running[name].kill()
+            running[name].wait()
+            time.sleep(ON_THE_WAY)
+            recorder.messages.clear()
+            began = time.monotonic()
+            running[name] = session.start(*start[name])
+            wait_until(lambda: recorder.messages, 2.0 * LIMIT, f"/heard after {name}")
+            took[name].append(time.monotonic() - began)
+            wrong += [one for one, process in running.items() if process.poll() is not None]
     session.stop(*running.values())
-    checks = [
-        at_most(f"{name} killed {len(times)} times: back within", max(times), BACK_WITHIN, "s")
-        for name, times in took.items()
-    ]
+    what = f"killed {times} times: back within"
+    checks = [at_most(f"{name} {what}", max(took[name]), BACK_WITHIN, "s") for name in start]
     return [*checks, none_of("others that ended", wrong)]
+
+
+@contextlib.contextmanager
+def goals(soak: Soak, checks: List[Check]) -> Iterator[None]:
+    """Send goals both ways during the context, from a client of each ROS to the other's server.
+
+    :param checks: receives the figures
+    """
+    ended = threading.Event()
+    with contextlib.ExitStack() as stack:
+        for ros, name in NAMES.items():
+            stack.callback(soak.session.stop, start(soak.session, "server", ros, name))
+        clients = [ActionClient(soak.session, ros, NAMES[OTHER[ros]]) for ros in NAMES]
+        threads = []
+        for client in clients:
+            stack.callback(client.close)
+            client.wait_for_server()
+            arguments = (client, random.Random(soak.seed), ended)
+            threads.append(threading.Thread(target=_send_goals, args=arguments))
+        for thread in threads:
+            thread.start()
+            stack.callback(thread.join)
+        stack.callback(ended.set)
+        yield
+        ended.set()
+        for thread, client in zip(threads, clients):
+            thread.join()
+            with contextlib.suppress(TimeoutError):  # what is lost is reported below
+                wait_until(lambda: len(client.ends) >= len(client.sent), LATE + LONGEST, "end")
+            states = [ends[0][0] for ends in client.ends.values() if ends]
+            counts = ", ".join(f"{states.count(one)} {one}" for one in sorted(set(states)))
+            what = f"goals of ROS {client.ros} in the other"
+            checks.append(reported(what, f"{len(client.sent)}: {counts}"))
+            checks.append(none_of("lost, invented or mistaken", errors(client)))
+
+
+def _send_goals(client: ActionClient, chance: random.Random, ended: threading.Event) -> None:
+    while not ended.wait(PAUSE):
+        keys = [f"goal{client.ros}-{len(client.sent) + number}" for number in range(GROUP)]
+        for key in keys:
+            outcome = chance.choice((SUCCEED, SUCCEED, ABORT))
+            client.send(key, chance.uniform(0.0, LONGEST), outcome)
+        for key in keys:
+            if chance.random() < 0.5:
+                time.sleep(chance.uniform(0.0, 0.5))
+                client.cancel(key)
+
+
+def errors(client: ActionClient) -> List[str]:
+    """Return what is wrong with the goals of a client, all of which should have ended."""
+    found = list(client.strange)
+    found += [f"{key} is lost" for key in client.sent if not client.ends[key]]
+    invented = {*client.ends, *client.heard} - client.sent
+    found += [f"{key} was never sent" for key in invented]
+    for key, ends in client.ends.items():
+        states = _CANCELLED[client.ros] if key in client.cancelled else _FINAL
+        results = [key, "-"] if ends and ends[0][0] == "RECALLED" else [key]
+        if ends and (len(ends) > 1 or ends[0][0] not in states or ends[0][1] not in results):
+            found.append(f"{key} ended as {ends}")
+    return found

@@ -3,17 +3,14 @@
 import re
 import subprocess
 import time
-from typing import Dict, List, NamedTuple, Sequence
+from typing import Any, Dict, List
 
-from ..benchmark import record
-from ..benchmark.peer_programs import module
-from ..benchmark.record import Sample
+import numpy as np
+
 from ..benchmark.recorder import wait_until
 from . import ssh_server
 from .checks import Check, at_least, at_most, reported
 from .hosts import ADDRESSES, Hosts
-from .streams import Continuity
-from .watching import ANSWER, SIGNAL
 
 #: Rates of the samples [Hz]: the course's, and one that exceeds a socket's buffers.
 RATES = (10.0, 1000.0)
@@ -22,33 +19,27 @@ RATES = (10.0, 1000.0)
 BACK_WITHIN = 60.0
 #: Time before and after the outage [s].
 STEADY = 5.0
+#: Column of time_x in what rostopic prints of /signal.
+TIME_X = 3
+#: Host and topic of each observer.
+OBSERVED = {
+    "made": ("near", "/signal"),
+    "crossed": ("far", "/signal"),
+    "answers": ("near", "/proc_signal"),
+}
 
 _LOSS = re.compile(r"(\S+): subscriber (\S+) (?:does not keep|keeps) up.* (\d+) in all")
-_LATE = re.compile(r"in time again; (\d+) were late, by up to ([0-9.]+) s")
+_LATE = re.compile(r"in time again; \d+ were late, by up to ([0-9.]+) s")
 
 
-class Outage(NamedTuple):
-    """Samples made and lost between the first and the last arrival, silence and delay [s]."""
+def lost(times: Any, rate: float) -> int:
+    """Return how many samples are missing between the first and the last one.
 
-    made: int
-    lost: int
-    silence: float
-    lateness: float
-
-
-def outage(period: float, there: Sequence[Sample]) -> Outage:
-    """Return the figures of what crossed the network.
-
-    :param period: from one sample to the next [s]
-    :param there: moment of arrival on the other side and time_x of each sample
+    :param times: the time of each sample [s]
+    :param rate: of the samples [Hz]
     """
-    continuity = Continuity(period)
-    for sample in there:
-        continuity.add(sample.value)
-    silence = max(later.moment - earlier.moment for earlier, later in zip(there, there[1:]))
-    delays = [sample.moment - sample.value for sample in there]
-    made = len(there) + continuity.missing
-    return Outage(made, continuity.missing, silence, max(delays) - min(delays))
+    steps = np.round(np.diff(times) * rate)
+    return int((steps[steps > 1] - 1).sum())
 
 
 def counted_losses(log: str) -> Dict[str, int]:
@@ -62,7 +53,7 @@ def counted_losses(log: str) -> Dict[str, int]:
 
 def reported_lateness(log: str) -> List[float]:
     """Return the delays that a node reports after each outage [s]."""
-    return [float(worst) for _, worst in _LATE.findall(log)]
+    return [float(worst) for worst in _LATE.findall(log)]
 
 
 def run(hosts: Hosts) -> List[Check]:
@@ -90,73 +81,51 @@ def nodes(hosts: Hosts) -> str:
 
 
 def pull(hosts: Hosts, rate: float) -> List[Check]:
-    """Pull the cable and plug it in again, while both topics are recorded on both sides."""
+    """Pull the cable and plug it in again, while both topics are observed on both sides."""
 
     def log() -> str:
         return "\n".join(hosts.logs())
 
-    wanted = {
-        "made": ("near", "/signal", SIGNAL),
-        "crossed": ("far", "/signal", SIGNAL),
-        "answers": ("near", "/proc_signal", ANSWER),
+    def late() -> List[float]:
+        return reported_lateness(log())[late_before:]
+
+    observers = {
+        name: hosts.start_on(host, ["rostopic", "echo", "-p", topic])
+        for name, (host, topic) in OBSERVED.items()
     }
-    files = {name: hosts.directory / f"{name}-{rate:g}" for name in wanted}
-    observers = [
-        hosts.start_on(host, module("endurance.observe", topic, kind, str(files[name])))
-        for name, (host, topic, kind) in wanted.items()
-    ]
     lost_before, late_before = counted_losses(log()), len(reported_lateness(log()))
     time.sleep(STEADY)
     hosts.set_cable(False)
     time.sleep(hosts.outage)
     hosts.set_cable(True)
-    plugged = time.monotonic()
-    wait_until(
-        lambda: len(reported_lateness(log())) > late_before,
-        2.0 * BACK_WITHIN,
-        "report of late samples from process",
-    )
+    plugged = time.time()
+    wait_until(late, 2.0 * BACK_WITHIN, "report of late samples from process")
     time.sleep(STEADY)
-    hosts.stop(*observers)
-    seen = {name: record.read(file) for name, file in files.items()}
+    hosts.stop(*observers.values())
+    # Each line has the moment of a message's arrival [ns], and its fields.
+    lines = {name: hosts.log_of(one).splitlines()[1:] for name, one in observers.items()}
+    rows = {name: np.loadtxt(of_one, delimiter=",") for name, of_one in lines.items()}
+    moments = {name: 1e-9 * of_one[:, 0] for name, of_one in rows.items()}
+    back = {name: np.round(one[one > plugged][0] - plugged, 1) for name, one in moments.items()}
+    times = {name: rows[name][:, TIME_X] for name in ("made", "crossed")}
     losses = {
         name: total - lost_before.get(name, 0) for name, total in counted_losses(log()).items()
     }
-    back = {
-        name: round(min(one.moment for one in of_one if one.moment > plugged) - plugged, 1)
-        for name, of_one in seen.items()
-    }
+    counted = sum(count for name, count in losses.items() if name.startswith("/signal /rostopic"))
+    counts = "; ".join(f"{what}: {count}" for what, count in sorted(losses.items()) if count)
+    crossing, delays = lost(times["crossed"], rate), moments["crossed"] - times["crossed"]
+    made = len(times["crossed"]) + crossing
     head = f"{rate:g} Hz, cable out for {hosts.outage:g} s: "
     return [
         at_most(head + "/signal is back after", back["crossed"], BACK_WITHIN, "s"),
         at_most("/proc_signal is back after", back["answers"], BACK_WITHIN, "s"),
-        at_least(
-            "process: samples are late by", reported_lateness(log())[-1], 0.9 * hosts.outage, "s"
-        ),
-        *report(
-            rate, outage(1.0 / rate, seen["made"]), outage(1.0 / rate, seen["crossed"]), losses
-        ),
-    ]
-
-
-def report(rate: float, local: Outage, crossing: Outage, losses: Dict[str, int]) -> List[Check]:
-    """Return the losses of one outage.
-
-    :param local: the stream on the generator's host
-    :param losses: the publishers' own counts
-    """
-    counts = "; ".join(f"{what}: {count}" for what, count in sorted(losses.items()) if count)
-    counted = sum(
-        lost for name, lost in losses.items() if "/observe" in name and name.startswith("/signal ")
-    )
-    # At the first rate all of it fits into the socket's buffers.
-    most = 0 if rate == RATES[0] else crossing.made
-    return [
-        reported("the latest sample was late by", f"{crossing.lateness:.1f} s"),
-        reported("made meanwhile and before and after", f"{crossing.made} samples"),
-        at_most("lost of them", crossing.lost, most),
+        at_least("process: samples are late by", late()[-1], 0.9 * hosts.outage, "s"),
+        reported("the latest sample was late by", f"{np.ptp(delays):.1f} s"),
+        reported("made meanwhile and before and after", f"{made} samples"),
+        # At the first rate all of it fits into the socket's buffers.
+        at_most("lost of them", crossing, 0 if rate == RATES[0] else made),
         reported("lost, by the publishers' own count", counts or "none"),
-        at_most("lost without being counted", crossing.lost - counted, 0),
-        at_most("lost on the generator's own host", local.lost, 0),
-        reported("longest silence there", f"{1000.0 * local.silence:.0f} ms"),
+        at_most("lost without being counted", crossing - counted, 0),
+        at_most("lost on the generator's own host", lost(times["made"], rate), 0),
+        reported("longest silence there", f"{1000.0 * np.diff(moments['made']).max():.0f} ms"),
     ]

@@ -14,7 +14,6 @@ from .checks import Check, at_most, none_of, reported
 from .context import Soak
 from .diary import Entry, Story, entries
 
-TIMES = 50
 ORDER = ("/first", "/second", "/third")
 NODE = pathlib.Path(__file__).with_name("diary_node.py")
 #: Longest time until all are active after the return of one [s].
@@ -28,7 +27,7 @@ LONGEST_PAUSE, LONGEST_STOP = 1.0, 3.0
 class Loss(NamedTuple):
     """Time from the loss of a node until another came down, and from its return to recovery [s]."""
 
-    what: str
+    kind: str
     noticed: Optional[float]
     resumed: float
 
@@ -59,17 +58,15 @@ class System:
             diary.write(f"{now} {name} {what}\n".encode())
         return now
 
-    def moments(self, what: str, since: float, but: str = "") -> List[float]:
-        """Return when something happened since a moment, except to one node."""
-        return [one.moment for one in self._since(since) if one.what == what and one.node != but]
-
-    def _since(self, since: float) -> List[Entry]:
-        return [entry for entry in entries(self._diary.read_text()) if entry.moment > since]
+    def entries(self, what: str, since: float) -> List[Entry]:
+        """Return what happened since a moment, of one kind."""
+        found = entries(self._diary.read_text())
+        return [one for one in found if one.moment > since and one.what == what]
 
     def story(self) -> Story:
         """Return the state of the nodes now."""
         story = Story(ORDER)
-        for entry in self._since(0.0):
+        for entry in entries(self._diary.read_text()):
             story.read(entry)
         return story
 
@@ -80,21 +77,22 @@ class System:
     def lose(self, name: str, chance: random.Random) -> Loss:
         """Kill or stop a node, bring it back, and wait until all are active."""
         process, is_kill = self.nodes[name], chance.random() < 0.5
-        lost = self.write_down(name, "killed" if is_kill else "stopped")
+        kind = "killed" if is_kill else "stopped"
+        lost = self.write_down(name, kind)
         process.send_signal(signal.SIGKILL if is_kill else signal.SIGSTOP)
         time.sleep(chance.uniform(0.0, LONGEST_PAUSE if is_kill else LONGEST_STOP))
         if is_kill:
             self.start(name)
-            wait_until(lambda: self.moments("started", lost), 30.0, "start of " + name)
-            back = self.moments("started", lost)[0]
+            wait_until(lambda: self.entries("started", lost), 30.0, "start of " + name)
+            back = self.entries("started", lost)[0].moment
         else:
             back = self.write_down(name, "continued")
             process.send_signal(signal.SIGCONT)
         time.sleep(0.2)  # after a short stop, its silence may be noticed only now
         self.wait_until_active()
-        down, up = self.moments("deactivated", lost, name), self.moments("activated", lost)
-        what = f"{name} {'killed' if is_kill else f'stopped for {back - lost:.1f} s'}"
-        return Loss(what, min(down) - lost if down else None, max(up, default=back) - back)
+        down = [one.moment - lost for one in self.entries("deactivated", lost) if one.node != name]
+        up = [one.moment - back for one in self.entries("activated", lost)]
+        return Loss(kind, min(down, default=None), max(up, default=0.0))
 
 
 def run(soak: Soak) -> List[Check]:
@@ -102,31 +100,18 @@ def run(soak: Soak) -> List[Check]:
     chance, system = random.Random(soak.seed), System(soak)
     system.wait_until_active()
     losses = []
-    for _ in range(soak.times or TIMES):
+    for _ in range(soak.times):
         time.sleep(chance.uniform(0.0, 0.5))
         losses.append(system.lose(chance.choice(ORDER), chance))
-    return report(losses, system.story())
-
-
-def report(losses: List[Loss], story: Story) -> List[Check]:
-    """Return the figures."""
-    killed = [loss for loss in losses if loss.what.endswith("killed")]
-    stopped = [loss for loss in losses if loss not in killed]
-    median = statistics.median(loss.resumed for loss in losses)
-    worst = max(losses, key=lambda loss: loss.resumed)
+    story, resumed = system.story(), [loss.resumed for loss in losses]
     checks = [
-        reported("nodes killed", str(len(killed))),
-        reported("nodes stopped", str(len(stopped))),
-        reported("active again after the return, median", f"{median:.2f} s"),
-        at_most(f"the longest ({worst.what})", round(worst.resumed, 3), ACTIVE_WITHIN, "s"),
-    ]
-    for kind, of_kind in (("killed", killed), ("stopped", stopped)):
-        noticed = max((loss.noticed or 0.0 for loss in of_kind), default=0.0)
-        what = f"the others come down after one was {kind}, within"
-        checks.append(at_most(what, round(noticed, 3), NOTICED_WITHIN, "s"))
-    longest = round(story.longest, 3)
-    return [
-        *checks,
+        reported("active again after the return, median", f"{statistics.median(resumed):.2f} s"),
+        at_most("the longest", round(max(resumed), 3), ACTIVE_WITHIN, "s"),
         none_of("activated while one before it is not configured", story.rash),
-        at_most("stays active while one before it is lost", longest, NOTICED_WITHIN, "s"),
+        at_most("active while one before it is lost", round(story.longest, 3), NOTICED_WITHIN, "s"),
     ]
+    for kind in ("killed", "stopped"):
+        noticed = [loss.noticed or 0.0 for loss in losses if loss.kind == kind]
+        what = f"the others come down after one was {kind} ({len(noticed)} times), within"
+        checks.append(at_most(what, round(max(noticed, default=0.0), 3), NOTICED_WITHIN, "s"))
+    return checks

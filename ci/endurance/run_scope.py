@@ -17,7 +17,7 @@ from ..benchmark.peer_programs import WORKSPACE, executable
 from ..benchmark.recorder import wait_until
 from .checks import Check, at_least, at_most, reported
 from .context import Soak
-from .usage import Sampler, added
+from .usage import Sampler, added, growth
 
 RIG = WORKSPACE / "src" / "topic_scope" / "test" / "measure_load.py"
 FIELDS = [f"/load{number}/data" for number in range(10)]
@@ -38,6 +38,8 @@ PARTS = ("heap", "elements", "listeners")
 MEMORY = 120.0
 #: Highest growth of the scope and of the page [%]: what was drawn last is in the page.
 GROWTH, PAGE_GROWTH = 1.0, 5.0
+#: Parts of a series that are compared: buffers fill up and begin again, several times in each.
+THIRDS = 3
 
 
 def run(soak: Soak) -> List[Check]:
@@ -67,24 +69,26 @@ def run(soak: Soak) -> List[Check]:
     finally:
         browser.close()
         session.stop(scope, rig)
-    seen = sampler.samples["scope"]
-    memory = [one.memory / 1000.0 for one in seen]
+    kilobytes, threads, descriptors = zip(*sampler.samples["scope"])
+    memory = [one / 1000.0 for one in kilobytes]
     tenths = [f"{np.median(part):.1f}" for part in np.array_split(memory, 10) if len(part)]
     *parts, frames = zip(*states)
     return [
         reported("processor of the scope", f"{share:.0f} % of a core"),
         at_most("its memory at most", round(max(memory), 1), MEMORY, "MB"),
         reported("in tenths of the time", ", ".join(tenths)),
-        at_most("growth of its memory", growth(memory), GROWTH, "%"),
-        at_most("its new threads", added([one.threads for one in seen]), 0),
-        at_most("its new descriptors", added([one.descriptors for one in seen]), 0),
+        at_most("growth of its memory", growth(memory, parts=THIRDS), GROWTH, "%"),
+        at_most("its new threads", added(threads), 0),
+        at_most("its new descriptors", added(descriptors), 0),
         at_least("traces with samples in the end", len(rates), len(FIELDS)),
         reported("their rates", ", ".join(sorted(set(rates)))),
         at_least("least frames a second", min(frames), FRAMES),
         reported("heap of the page, MB", ", ".join(f"{one / 1e6:.1f}" for one in parts[0])),
         *(
             # Of these the least counts, as there is garbage in each value.
-            at_most(f"growth of the page's {name}", growth(values, np.min), PAGE_GROWTH, "%")
+            at_most(
+                f"growth of the page's {name}", growth(values, np.min, THIRDS), PAGE_GROWTH, "%"
+            )
             for name, values in zip(PARTS, parts)
         ),
     ]
@@ -111,15 +115,6 @@ def read_page(browser: Any) -> List[int]:
         counts = driver.execute_cdp_cmd("Memory.getDOMCounters", {})
         seen.append((int(heap), counts["nodes"], counts["jsEventListeners"]))
     return [*(min(values) for values in zip(*seen)), frames]
-
-
-def growth(values: Any, typical: Any = np.median) -> float:
-    """Return by how much the last third of a series lies above the first one [%].
-
-    Buffers fill up and begin again, so a third covers some of their periods.
-    """
-    third = max(1, len(values) // 3)
-    return round(float(100.0 * (typical(values[-third:]) / typical(values[:third]) - 1.0)), 2)
 
 
 def is_served(url: str) -> bool:

@@ -1,53 +1,23 @@
-"""Memory, threads and descriptors of processes, and their growth."""
+"""Growth of what processes use."""
 
 import contextlib
-import pathlib
 import threading
-import time
-from typing import Dict, List, NamedTuple, Sequence
+from typing import Any, Dict, List, Sequence
 
 import numpy as np
 
-from ..benchmark.cost import status
+from ..benchmark.cost import Usage, usage
 from .checks import Check, at_most, reported
 
 
-class Usage(NamedTuple):
-    """Resources of one process at a moment."""
+def growth(values: Sequence[float], typical: Any = np.median, parts: int = 10) -> float:
+    """Return by how much the last part of a series lies above the first one [%].
 
-    #: resident set [kB]
-    memory: int
-    threads: int
-    descriptors: int
-
-
-def usage(pid: int) -> Usage:
-    """Return what a process uses.
-
-    :raises OSError: if it has ended
+    :param typical: value of a part; a peak that is taken back is not growth of the median
+    :param parts: number of parts
     """
-    fields = status(pid)
-    descriptors = len(list(pathlib.Path(f"/proc/{pid}/fd").iterdir()))
-    return Usage(int(fields.get("VmRSS", "0 kB").split()[0]), int(fields["Threads"]), descriptors)
-
-
-def settled_usage(pid: int, seconds: float = 3.0) -> Usage:
-    """Observe a process for a while, and return the median of each figure."""
-    seen: List[Usage] = []
-    give_up = time.monotonic() + seconds
-    while not seen or time.monotonic() < give_up:
-        seen.append(usage(pid))
-        time.sleep(0.1)
-    return Usage(*map(int, np.median(seen, axis=0)))
-
-
-def growth(values: Sequence[float]) -> float:
-    """Return by how much the last tenth of a series lies above the first one [%].
-
-    Medians are compared: a peak that is taken back is not growth.
-    """
-    tenth = max(1, len(values) // 10)
-    before, after = np.median(values[:tenth]), np.median(values[-tenth:])
+    length = max(1, len(values) // parts)
+    before, after = typical(values[:length]), typical(values[-length:])
     return round(float(100.0 * (after / before - 1.0)), 2)
 
 
@@ -63,14 +33,13 @@ def not_grown(name: str, seen: List[Usage], limit: float = 1.0) -> List[Check]:
     :param seen: its usage, in the order of time
     :param limit: of the memory's growth [%]
     """
-    memory = [one.memory for one in seen]
+    memory, threads, descriptors = zip(*seen)
+    first, last = memory[0] / 1024.0, memory[-1] / 1024.0
     return [
-        reported(
-            "memory of " + name, f"{memory[0] / 1024:.1f} MB, then {memory[-1] / 1024:.1f} MB"
-        ),
+        reported("memory of " + name, f"{first:.1f} MB, then {last:.1f} MB"),
         at_most("its growth", growth(memory), limit, "%"),
-        at_most("its new threads", added([one.threads for one in seen]), 0),
-        at_most("its new descriptors", added([one.descriptors for one in seen]), 0),
+        at_most("its new threads", added(threads), 0),
+        at_most("its new descriptors", added(descriptors), 0),
     ]
 
 
@@ -101,9 +70,3 @@ class Sampler:
             for name, pid in self._pids.items():
                 with contextlib.suppress(OSError):
                     self.samples[name].append(usage(pid))
-
-
-def size_of(directory: pathlib.Path) -> int:
-    """Return the total length of the files below a directory [bytes]."""
-    files = [path for path in directory.rglob("*") if path.is_file() and not path.is_symlink()]
-    return sum(path.stat().st_size for path in files)

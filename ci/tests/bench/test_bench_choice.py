@@ -1,5 +1,6 @@
 """Rows of ci/bench: their names, and which of them are measured."""
 
+import importlib
 import pathlib
 import subprocess
 
@@ -8,8 +9,7 @@ import pytest
 from ci.benchmark import names
 from ci.benchmark.goals import GOALS
 from ci.benchmark.measurements import MEASUREMENTS, select
-from ci.endurance import names as run_names
-from ci.endurance import soak
+from ci.endurance.names import COMMANDS
 
 CI = pathlib.Path(names.__file__).parents[1]
 
@@ -19,15 +19,19 @@ def test_every_measurement_has_a_name_and_is_selected_by_it():
     assert [one.name for one in select()] == list(names.MAIN)
     assert select(is_all=True) == MEASUREMENTS
     assert [one.name for one in select(only=["memory", "overlap"])] == ["memory", "overlap"]
-    assert list(soak.RUNS) == list(run_names.SOAK)
+
+
+@pytest.mark.parametrize("name", [name for runs in COMMANDS.values() for name in runs])
+def test_every_long_run_has_a_module(name):
+    assert callable(importlib.import_module(f"ci.endurance.run_{name}").run)
 
 
 @pytest.mark.parametrize(
     "command, rows",
     [
         ("bench", {**names.MAIN, **names.EXTRA}),
-        ("soak", run_names.SOAK),
-        ("two-hosts", run_names.TWO_HOSTS),
+        ("soak", COMMANDS["soak"]),
+        ("two-hosts", COMMANDS["two-hosts"]),
     ],
 )
 def test_help_without_ros_lists_all_names_on_one_screen(command, rows):

@@ -7,12 +7,11 @@ import threading
 
 import pytest
 
+from ci.benchmark.cost import Usage, usage
 from ci.benchmark.report import write_json
 from ci.endurance import checks
-from ci.endurance.graph_state import NOTHING, registrations
-from ci.endurance.run_board import number_of, numbered
-from ci.endurance.run_interrupt import End, report
-from ci.endurance.usage import Sampler, Usage, added, growth, size_of, usage
+from ci.endurance.run_record import size_of
+from ci.endurance.usage import Sampler, added, growth
 
 
 def test_bounds_are_inclusive() -> None:
@@ -33,9 +32,9 @@ def test_all_kept_needs_every_check_of_every_run() -> None:
 
 def test_table_names_what_falls_short() -> None:
     of_run = [checks.at_most("gap", 3.0, 2.0, "ms"), checks.reported("load", "1.5")]
-    text = checks.table({"stalled": of_run})
-    assert "| stalled | gap  | <= 2 ms | 3 ms   | SHORT |" in text
-    assert "| stalled | load |         | 1.5    |       |" in text
+    text = checks.table({"record": of_run})
+    assert "| record | gap  | <= 2 ms | 3 ms   | SHORT |" in text
+    assert "| record | load |         | 1.5    |       |" in text
 
 
 def test_json_holds_every_check(tmp_path: pathlib.Path) -> None:
@@ -87,73 +86,3 @@ def test_size_of_counts_files_once(tmp_path: pathlib.Path) -> None:
     (tmp_path / "a" / "b").write_bytes(b"12345")
     (tmp_path / "link").symlink_to(tmp_path / "a" / "b")
     assert size_of(tmp_path) == 5
-
-
-def test_registrations_of_a_node() -> None:
-    state = [
-        [["/signal", ["/gen", "/other"]], ["/rosout", ["/gen"]]],
-        [["/signal", ["/process"]]],
-        [["/gen/enable", ["/gen"]]],
-    ]
-    assert registrations(state, "/gen") == (
-        ("/rosout", "/signal"),
-        (),
-        ("/gen/enable",),
-    )
-    assert registrations(state, "/process") == ((), ("/signal",), ())
-    assert registrations(state, "/nobody") == NOTHING
-
-
-def test_a_name_that_is_registered_twice_shows() -> None:
-    assert registrations([[["/signal", ["/gen", "/gen"]]], [], []], "/gen") == (
-        ("/signal", "/signal"),
-        (),
-        (),
-    )
-
-
-GOOD = End("/talker after 1 s", 0.5, 0, "", "", [])
-OURS = """Traceback (most recent call last):
-  File "/x/src/nodekit/src/nodekit/entry_point.py", line 24, in main
-  File "/x/src/basic_comms/src/basic_comms/nodes/talker.py", line 1, in <module>
-OSError"""
-NODEKITS = OURS.replace("/basic_comms/src/basic_comms/", "/nodekit/src/nodekit/")
-EARLY = """Traceback (most recent call last):
-  File "/x/src/basic_comms/scripts/talker.py", line 4, in <module>
-  File "/x/src/nodekit/src/nodekit/entry_point.py", line 6, in <module>
-  File "/usr/lib/python3.11/signal.py", line 7, in <module>
-KeyboardInterrupt"""
-
-
-@pytest.mark.parametrize(
-    "end",
-    [
-        GOOD._replace(seconds=2.5),
-        GOOD._replace(status=1),
-        GOOD._replace(status=None),
-        GOOD._replace(output=OURS),
-        GOOD._replace(output=NODEKITS),
-        GOOD._replace(output=OURS, status=1),
-        GOOD._replace(left_over="/chatter"),
-        GOOD._replace(children=[17]),
-    ],
-)
-def test_an_end_that_is_not_clean_falls_short(end: End) -> None:
-    assert all(check.passed for check in report([GOOD, GOOD]))
-    assert not all(check.passed for check in report([GOOD, end]))
-
-
-def test_the_interpreters_own_traceback_is_told_but_accepted() -> None:
-    found = report([GOOD, GOOD._replace(output=EARLY, status=130)])
-    assert all(check.passed for check in found)
-    assert [check.figure for check in found if "interpreter" in check.what] == ["1"]
-
-
-def test_a_message_of_the_board_shows_damage() -> None:
-    for number in (0, 1, 2**32 - 1):
-        message = numbered(number)
-        assert number_of(message) == number
-        for place in range(len(message)):
-            wrong = bytearray(message)
-            wrong[place] ^= 1
-            assert number_of(bytes(wrong)) is None

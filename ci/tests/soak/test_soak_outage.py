@@ -1,9 +1,12 @@
 """An outage is measured, and what publishers say about it is understood."""
 
-import pytest
+from typing import Set
 
-from ci.benchmark.record import Sample
-from ci.endurance.run_cable import Outage, counted_losses, outage, reported_lateness
+import numpy as np
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from ci.endurance.run_cable import counted_losses, lost, reported_lateness
 
 LOG = """\
 [rosout][WARNING] 1: /signal: subscriber /process does not keep up: 140 messages lost, 140 in all
@@ -14,12 +17,16 @@ LOG = """\
 """
 
 
-def test_a_burst_after_an_outage() -> None:
-    # 10 Hz; from 2 s to 5 s nothing comes through, then all but the samples of 3 s to 4 s.
-    there = [Sample(100.0 + 0.1 * n, 0.1 * n) for n in range(20)]
-    there += [Sample(105.0, 0.1 * n) for n in range(20, 51) if not 30 <= n < 40]
-    seen = outage(0.1, there)
-    assert seen == Outage(51, 10, pytest.approx(3.1), pytest.approx(3.0))
+@settings(max_examples=30)
+@given(st.sets(st.integers(1, 998)), st.floats(0.0, 1e5))
+def test_each_lost_sample_is_counted(removed: Set[int], begin: float) -> None:
+    times = np.array([begin + 1e-3 * n for n in range(1000) if n not in removed])
+    assert lost(times, 1000.0) == len(removed)
+
+
+def test_jitter_and_repetition_are_no_loss() -> None:
+    assert lost(1e-3 * np.arange(1000) + 3e-4 * np.sin(np.arange(1000)), 1000.0) == 0
+    assert lost(np.array([0.0, 1e-3, 1e-3, 2e-3]), 1000.0) == 0
 
 
 def test_losses_are_those_of_the_latest_report_of_each_subscriber() -> None:

@@ -274,6 +274,24 @@ def test_subscriber_that_has_gone_is_forgotten(opened, connect):
     assert receive(rest).data == "news"
 
 
+def test_subscriber_that_goes_while_the_topic_closes_raises_nothing(opened, connect, monkeypatch):
+    publisher = opened(String)
+    connect(publisher).close()
+    topic = impl(publisher)
+    lists = topic.connections, topic.subscriber_listeners
+
+    def closing(_connections, _one):
+        topic.closed, topic.subscriber_listeners = True, None
+
+    monkeypatch.setattr(topic, "_remove_connection", closing)
+    topic.remove_connection(lists[0][0])
+    topic.closed = False
+    with pytest.raises(TypeError):  # a defect is none of the end's
+        monkeypatch.setattr(topic, "_remove_connection", lambda *_: None)
+        topic.remove_connection(lists[0][0])
+    topic.connections, topic.subscriber_listeners = lists
+
+
 class Gone(socket.socket):
     """The socket of a subscriber that has gone; calls a function as soon as it is closed."""
 

@@ -254,6 +254,17 @@ class OutgoingTopic(_Topic):
         body = buffer.getvalue()
         return _LENGTH.pack(len(body)) + body
 
+    def remove_connection(self, c: Any) -> None:
+        """Remove a subscriber's connection.
+
+        :param c: rospy's object for it
+        """
+        try:
+            super().remove_connection(c)
+        except TypeError:  # rospy's close() replaces its lists by None, without a lock
+            if not self.closed:
+                raise
+
     def _remove_connection(self, connections: List[Any], c: Any) -> None:
         """Remove a connection from a list, and close it.
 

@@ -9,22 +9,12 @@ import re
 import sys
 from typing import Dict, Iterator, List, Set, Tuple
 
-from .code_rules import LONGEST, circles
+from .code_rules import LONGEST, cycles
+from .structure import PAGE
 
 SCRIPTS = pathlib.Path(__file__).resolve().parents[2] / "src" / "topic_scope" / "www" / "js"
 
-#: The rooms from the ground up: each imports only from itself and from those before it.
-ROOMS = [
-    "base",
-    "state",
-    "plot",
-    "measure",
-    "choose",
-    "controls",
-    "graph",
-    "robots",
-    "page",
-]
+ROOMS = list(PAGE)
 #: Beside the rooms: what puts the page together, and may import all; and what is not a module.
 ENTRY = "main.js"
 NO_MODULES = ("start.js",)
@@ -88,7 +78,7 @@ def breaches(texts: Dict[str, str]) -> Iterator[str]:
         for address in _TYPE.findall(whole):
             if os.path.normpath(os.path.join(room, address)) not in texts:
                 yield f"{module}: a comment names {address}, which does not exist"
-    yield from circles(graph)
+    yield from cycles(graph)
 
 
 def main() -> int:

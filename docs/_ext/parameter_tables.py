@@ -1,6 +1,6 @@
 """The directive ``{parameters} MODULE CLASS``: a table of what a node declares.
 
-The class is a :class:`nodekit.parameters.declaration.ParameterSet`, the very one that
+The class is a :class:`nodekit.ParameterSet`, the very one that
 the node validates by, so the table cannot say anything else than the node does.
 """
 

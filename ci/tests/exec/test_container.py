@@ -4,7 +4,6 @@ Course 002-pkg-13.
 """
 
 import pathlib
-import re
 import subprocess
 import sys
 from typing import List
@@ -47,9 +46,8 @@ def test_the_commands_are_those_that_the_proof_takes() -> None:
 )
 def test_a_way_in_that_readme_tells_is_that_of_its_page(page: str, section: str) -> None:
     (row,) = [line for line in README.splitlines() if line.startswith("|") and f"]({page}" in line]
-    told = re.findall(r"`([^`]* [^`]*)`", row)
-    assert len(told) == 2
-    assert told == commands(page, section)[:2]
+    first, second = commands(page, section)[:2]
+    assert f"`{first}`" in row and f"`{second}`" in row
 
 
 def test_the_page_alone_is_published_and_the_nodes_network_has_no_way_out() -> None:

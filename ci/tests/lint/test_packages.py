@@ -48,8 +48,9 @@ def test_each_links_to_a_page_of_the_documentation(name: str) -> None:
 
 @each_package
 def test_each_names_a_command_for_something_that_is_there(name: str) -> None:
-    [block] = re.findall(r"^```sh\n(.*?)\n```$", page(name), re.MULTILINE | re.DOTALL)
-    program, *words = block.split()
+    _, block, _ = page(name).split("\n```")
+    kind, program, *words = block.split()
+    assert kind == "sh"
     if program in FOLDERS:
         package, what = words[:2]
         file = PACKAGES[package] / FOLDERS[program] / what

@@ -3,8 +3,7 @@
 import os
 import pathlib
 import subprocess
-from typing import Dict, List, Set
-from xml.etree import ElementTree
+from typing import Dict, List
 
 import pytest
 
@@ -45,15 +44,3 @@ def user(tmp_path_factory: "pytest.TempPathFactory", underlay: Dict[str, str]) -
     build, _ = commands("All of it in your own workspace")
     subprocess.check_call(["bash", "-c", build.replace("URL", str(WORKSPACE))], env=environment)
     return environment
-
-
-def needed(package: str) -> Set[str]:
-    """Return the packages of the workspace that one needs, and itself; not those of its tests."""
-    names = {folder.name for folder in PACKAGES}
-    tags = ElementTree.parse(str(SOURCES / package / "package.xml")).getroot()
-    found = {package}
-    for tag in tags:
-        name = (tag.text or "").strip()
-        if tag.tag.endswith("depend") and tag.tag != "test_depend" and name in names:
-            found |= needed(name)
-    return found

@@ -4,7 +4,9 @@ import pathlib
 import subprocess
 from typing import Dict
 
-from .conftest import SOURCES, needed
+from ci.lint.tables import needed
+
+from .conftest import SOURCES
 
 
 def test_catkin_build_makes_packages_usable(

@@ -17,12 +17,11 @@ TESTS = ("src/*/test/**/test_*.py", "ci/tests/**/test_*.py", "docs/tests/test_*.
 
 #: How the name of what asserts something begins; a wait fails where what it is for does not come.
 ASSERTING = ("assert", "check", "expect", "fail", "raises", "until", "wait")
-#: Calls that give as much as their first argument has.
-_AS_MUCH = {"enumerate", "list", "map", "reversed", "set", "sorted", "tuple"}
-#: Methods that give as much as their object has.
-_METHODS = {"items", "keys", "splitlines", "split", "values"}
-#: Calls that give something only where each of their arguments has something.
-_EACH = {"product", "zip"}
+#: Calls that give something where each of their arguments, or else their object, has something.
+_PASSING = set(
+    "enumerate list map reversed set sorted tuple chain product zip "
+    "items keys splitlines split values".split()
+)
 #: Calls that never end.
 _ENDLESS = {"count", "cycle", "repeat"}
 
@@ -32,47 +31,36 @@ def idle_tests(tree: ast.Module) -> Iterator[Tuple[int, str]]:
 
     :param tree: a module of tests
     """
-    everywhere = filled_names(tree.body, set())
-    everywhere |= _giving_functions(tree, everywhere)
+    everywhere = filled_names(tree, set())
     for function in ast.walk(tree):
         if isinstance(function, ast.FunctionDef) and function.name.startswith("test"):
-            known = everywhere | filled_names(function.body, everywhere)
+            known = everywhere | filled_names(function, everywhere)
             checks = [is_idle for each in function.body for is_idle in _checks(each, known, False)]
             is_given = any("given" in ast.dump(each) for each in function.decorator_list)
             if checks and all(checks) and not is_given:
                 yield function.lineno, function.name
 
 
-def filled_names(body: List[ast.stmt], known: Set[str]) -> Set[str]:
-    """Return the names that stand for something that is not empty, whenever they are assigned.
+def filled_names(tree: ast.AST, known: Set[str]) -> Set[str]:
+    """Return the names that stand for something not empty, whenever they are assigned or returned.
 
-    :param body: statements, with those of classes and blocks in them
-    :param known: such names of around them
+    :param tree: a module, or a function
+    :param known: such names of around it
     """
+    values: List[Tuple[str, ast.AST]] = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Assign):
+            values += [(each.id, node.value) for each in node.targets if isinstance(each, ast.Name)]
+        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value:
+            values.append((node.target.id, node.value))
+        elif isinstance(node, ast.FunctionDef) and node is not tree:
+            returns = [each for each in ast.walk(node) if isinstance(each, ast.Return)]
+            values += [(node.name, each.value or each) for each in returns]
     filled: Set[str] = set()
-    empty: Set[str] = set()
-    for statement in body:
-        for node in ast.walk(statement):
-            if isinstance(node, ast.Assign):
-                targets, value = node.targets, node.value
-            elif isinstance(node, ast.AnnAssign) and node.value is not None:
-                targets, value = [node.target], node.value
-            else:
-                continue
-            kind = filled if is_filled(value, known | filled) else empty
-            kind.update(target.id for target in targets if isinstance(target, ast.Name))
-    return filled - empty
-
-
-def _giving_functions(tree: ast.Module, known: Set[str]) -> Set[str]:
-    """Return the names of the module's functions that are certain to return something filled."""
-    giving: Set[str] = set()
-    for function in tree.body:
-        if isinstance(function, ast.FunctionDef):
-            returns = [each.value for each in ast.walk(function) if isinstance(each, ast.Return)]
-            if returns and all(value is not None and is_filled(value, known) for value in returns):
-                giving.add(function.name)
-    return giving
+    for name, value in values:
+        if is_filled(value, known | filled):
+            filled.add(name)
+    return filled - {name for name, value in values if not is_filled(value, known | filled)}
 
 
 def is_filled(node: ast.AST, known: Set[str]) -> bool:
@@ -84,13 +72,10 @@ def is_filled(node: ast.AST, known: Set[str]) -> bool:
     if isinstance(node, ast.Constant):
         return bool(node.value)
     if isinstance(node, (ast.Tuple, ast.List, ast.Set)):
-        return any(
-            not isinstance(each, ast.Starred) or is_filled(each.value, known) for each in node.elts
-        )
+        stars = [each.value for each in node.elts if isinstance(each, ast.Starred)]
+        return len(stars) < len(node.elts) or any(is_filled(each, known) for each in stars)
     if isinstance(node, ast.Dict):
-        return any(
-            key is not None or is_filled(value, known) for key, value in zip(node.keys, node.values)
-        )
+        return None not in node.keys and bool(node.keys)
     if isinstance(node, (ast.Name, ast.Attribute)):  # a constant is what an author has written
         name = node.id if isinstance(node, ast.Name) else node.attr
         return name in known or name.isupper()
@@ -103,24 +88,13 @@ def is_filled(node: ast.AST, known: Set[str]) -> bool:
 
 def _gives_something(call: ast.Call, known: Set[str]) -> bool:
     name, arguments = _name(call), call.args
-    if name in _ENDLESS or name == "dict" and call.keywords:
-        return True
-    if isinstance(call.func, ast.Name) and name in known:
-        return True
-    if name in _METHODS and isinstance(call.func, ast.Attribute):
-        return is_filled(call.func.value, known)
     if name == "range":
         end = arguments[min(1, len(arguments) - 1)]
         return not isinstance(end, ast.Constant) or end.value != 0
-    if name == "chain":
-        return any(is_filled(each, known) for each in arguments)
-    if name in _EACH:
-        return bool(arguments) and all(is_filled(each, known) for each in arguments)
-    return (
-        name in _AS_MUCH
-        and bool(arguments)
-        and is_filled(arguments[-1 if name == "map" else 0], known)
-    )
+    if name not in _PASSING:
+        return name in _ENDLESS or isinstance(call.func, ast.Name) and name in known
+    parts = arguments[name == "map" :] or [getattr(call.func, "value", call.func)]
+    return all(is_filled(each, known) for each in parts)
 
 
 def _checks(node: ast.AST, known: Set[str], is_idle: bool) -> Iterator[bool]:
@@ -136,14 +110,11 @@ def _checks(node: ast.AST, known: Set[str], is_idle: bool) -> Iterator[bool]:
         yield is_idle or _is_about_all(node.test, known)
     elif isinstance(node, ast.Call) and _name(node).lower().lstrip("_").startswith(ASSERTING):
         yield is_idle or any(_is_about_all(each, known) for each in node.args[:1])
-    if isinstance(node, ast.For):
-        yield from _checks(node.iter, known, is_idle)
-        idle_inside = is_idle or not is_filled(node.iter, known)
-        for each in node.body:
-            yield from _checks(each, known, idle_inside)
-        return
     for child in ast.iter_child_nodes(node):
-        yield from _checks(child, known, is_idle)
+        in_loop = (
+            isinstance(node, ast.For) and child in node.body and not is_filled(node.iter, known)
+        )
+        yield from _checks(child, known, is_idle or in_loop)
 
 
 def _is_about_all(node: ast.AST, known: Set[str]) -> bool:
@@ -159,18 +130,18 @@ def _is_about_all(node: ast.AST, known: Set[str]) -> bool:
 
 
 def _name(call: ast.Call) -> str:
-    function = call.func
-    return getattr(function, "attr", "") or getattr(function, "id", "")
+    return getattr(call.func, "attr", "") or getattr(call.func, "id", "")
 
 
 def main() -> int:
     """Print each test that asserts nothing where its data is empty; 1 if there is one."""
-    found = 0
-    for path in sorted(each for place in TESTS for each in WORKSPACE.glob(place)):
-        for line, name in idle_tests(ast.parse(path.read_text("utf-8"))):
-            found += 1
-            where = f"{path.relative_to(WORKSPACE)}:{line}: {name}"
-            print(f"{where} asserts nothing where its data is empty: assert that there is some")
+    found = [
+        f"{path.relative_to(WORKSPACE)}:{line}: {name} asserts nothing where its data is empty: "
+        "assert that there is some"
+        for path in sorted(each for place in TESTS for each in WORKSPACE.glob(place))
+        for line, name in idle_tests(ast.parse(path.read_text("utf-8")))
+    ]
+    print("\n".join(found))
     return 1 if found else 0
 
 

@@ -1,11 +1,12 @@
 """Release the workspace: see ci/release.
 
-Ends with status 125 and one sentence where it cannot begin, with 1 where something is not good, and
-with 130 at Ctrl-C.
+Ends with status 125 and one sentence where it cannot begin, with 1 where a check fails, and with
+130 at Ctrl-C.
 """
 
 import argparse
 import datetime
+import itertools
 import os
 import pathlib
 import re
@@ -15,40 +16,37 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections import deque
 from concurrent.futures import ThreadPoolExecutor, as_completed
-from typing import Deque, List, Optional, TextIO, Tuple
+from typing import Iterable, List, Optional, TextIO, Tuple
 
 from . import debian_files, project
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
+SUITES = list(debian_files.RELEASES)
+#: What is newest changes most, and fails most often: that is known early.
+NEWEST_FIRST = SUITES[::-1]
 
-#: What changes the clone before the commit, and what has to be good after it: in pieces, since
-#: what was interrupted begins anew.
-PREPARE = [
-    ["env", "ADD_PROMISES=1", "./ci/exec", "rostest"]
-    + ["src/basic_comms/test/extended/dumped_parameters.test"]
-]
+#: Changes the clone before the commit.
+PREPARE = (
+    "env ADD_PROMISES=1 ./ci/exec rostest src/basic_comms/test/extended/dumped_parameters.test"
+)
 #: Checks that nothing runs beside: what is timed. (Of the tiers only that which makes the pages is
-#: run here: the rooms run all.)
-ALONE = [
-    ["./ci/test", "docs"],
-    *(["./ci/clean-room", "--only", "launch", suite] for suite in debian_files.RELEASES),
-]
-#: What is newest changes most, and is bad most often: that is known early.
-NEWEST_FIRST = list(reversed(debian_files.RELEASES))
+#: run here: the clean rooms run all.)
+ALONE = ["./ci/test docs", *(f"./ci/clean-room --only launch {suite}" for suite in SUITES)]
 #: Checks that use this machine's network, where two of ROS 2 would find each other: one at a time.
 ONE_BY_ONE = [
-    ["./ci/container"],
-    *(["./ci/deb", suite] for suite in NEWEST_FIRST),
-    *(["./ci/clean-room", "--only", "ros2", suite] for suite in NEWEST_FIRST),
+    "./ci/container",
+    *(f"./ci/deb {suite}" for suite in NEWEST_FIRST),
+    *(f"./ci/clean-room --only ros2 {suite}" for suite in NEWEST_FIRST),
 ]
 #: Checks that have a network of their own, and can run beside any others: the longest first.
-ROOMS = ("test", "workspace", "package", "prefix", "by_hand", "refusals")
-BESIDE = [["./ci/clean-room", "--only", part, suite] for part in ROOMS for suite in NEWEST_FIRST]
+BESIDE = [
+    f"./ci/clean-room --only {part} {suite}"
+    for part in ("test", "workspace", "package", "prefix", "by_hand", "refusals")
+    for suite in NEWEST_FIRST
+]
 #: Built by these, and what it is called in dist/VERSION.
-PRODUCTS = {f"dist/{suite}": suite for suite in debian_files.RELEASES}
-PRODUCTS["docs/_build/html"] = "docs"
+PRODUCTS = {**{f"dist/{suite}": suite for suite in SUITES}, "docs/_build/html": "docs"}
 NOTES = "docs/releases.md"
 
 VERSION = re.compile(r"(0|[1-9]\d*)\.(0|[1-9]\d*)\.(0|[1-9]\d*)")
@@ -56,11 +54,11 @@ FORTHCOMING = re.compile(r"^Forthcoming\n-+\n", re.MULTILINE)
 
 
 class Refused(Exception):
-    """There can be no such release; the text says why."""
+    """The release is not possible; the text says why."""
 
 
 def number(version: str) -> Tuple[int, ...]:
-    """Return a version as something that can be compared.
+    """Return a version as numbers, which can be compared.
 
     :raises Refused: it has another form than 1.2.3
     """
@@ -69,141 +67,104 @@ def number(version: str) -> Tuple[int, ...]:
     return tuple(map(int, version.split(".")))
 
 
-def with_version(manifest: str, version: str) -> str:
-    """Return a package.xml with another version.
-
-    :param manifest: its text
-    """
-    return re.sub(r"(<version>)[^<]*(</version>)", rf"\g<1>{version}\g<2>", manifest, count=1)
-
-
-def with_heading(changelog: str, version: str, date: datetime.date) -> str:
-    """Return a changelog in which what was forthcoming is a version, in the form of REP 132.
-
-    :param changelog: its text; without that part, the version has nothing to tell
-    """
-    title = f"{version} ({date.isoformat()})"
-    heading = f"{title}\n{'-' * len(title)}\n"
-    if FORTHCOMING.search(changelog):
-        return FORTHCOMING.sub(heading, changelog, count=1)
-    lines = changelog.splitlines(keepends=True)
-    # The title, which has three lines, and an empty one.
-    return "".join([*lines[:4], heading, "\n", *lines[4:]])
-
-
-def said(*command: str, place: pathlib.Path = WORKSPACE) -> str:
+def output(*command: str, folder: pathlib.Path = WORKSPACE) -> str:
     """Return what a command prints.
 
     :raises Refused: it fails
     """
     try:
-        return subprocess.check_output(command, cwd=str(place), universal_newlines=True).strip()
+        return subprocess.check_output(command, cwd=str(folder), universal_newlines=True).strip()
     except subprocess.CalledProcessError as error:
         raise Refused(f"'{' '.join(command)}' ended with status {error.returncode}") from None
 
 
 def author() -> List[str]:
-    """Return the options by which git learns who releases: a clone lacks what is set here alone.
-
-    :raises Refused: git does not know it here either
-    """
-    name, _, rest = said("git", "var", "GIT_COMMITTER_IDENT").partition(" <")
+    """Return the options by which git learns who releases: a clone lacks what is set here alone."""
+    name, _, rest = output("git", "var", "GIT_COMMITTER_IDENT").partition(" <")
     return ["-c", f"user.name={name}", "-c", f"user.email={rest.partition('>')[0]}"]
 
 
-def judge_project(unpublished: bool) -> None:
-    """Look whether those who get the release can reach its owner.
+def validate(version: str, unpublished: bool) -> None:
+    """Check that a version can be released.
 
-    :param unpublished: nobody will get it; then what is missing is told only
-    :raises Refused: they cannot
+    :param unpublished: whether packaging/project.yaml may have placeholders
+    :raises Refused: it cannot
     """
+    wanted = number(version)
     try:
-        missing = project.placeholders(project.read(WORKSPACE))
+        missing = ", ".join(project.placeholders(project.read(WORKSPACE)))
     except ValueError as error:
         raise Refused(str(error)) from None
-    if not missing:
-        return
-    what = f"packaging/project.yaml has placeholders for {', '.join(missing)}"
-    if not unpublished:
+    what = f"packaging/project.yaml has placeholders for {missing}"
+    if missing and not unpublished:
         raise Refused(
             f"{what}: nobody could reach you. Replace them as that file says,"
             " or release with --unpublished"
         )
-    say(f"{what}: replace them before you publish anything")
-
-
-def judge(version: str, unpublished: bool) -> None:
-    """Look whether there can be such a release.
-
-    :param unpublished: whether it may have placeholders
-    :raises Refused: there cannot
-    """
-    wanted = number(version)
-    judge_project(unpublished)
+    if missing:
+        say(f"{what}: replace them before you publish anything")
     author()
-    changed = said("git", "status", "--porcelain")
+    changed = output("git", "status", "--porcelain")
     if changed:
-        raise Refused(f"there are uncommitted changes: {changed.splitlines()[0].strip()}")
-    if said("git", "tag", "--list", version):
+        raise Refused(f"there are uncommitted changes: {changed.splitlines()[0]}")
+    if output("git", "tag", "--list", version):
         raise Refused(f"the tag {version} exists already")
-    for manifest in sorted(WORKSPACE.glob("src/*/package.xml")):
-        found = re.search(r"<version>([^<]*)</version>", manifest.read_text("utf-8"))
-        present = found.group(1) if found else "none"
-        if number(present) >= wanted:
-            raise Refused(
-                f"{manifest.parent.name} has the version {present}: must be below {version}"
-            )
+    for one in debian_files.read_manifests(WORKSPACE / "src"):
+        if number(one.version) >= wanted:
+            raise Refused(f"{one.name} has the version {one.version}: must be below {version}")
     if not re.search(rf"^## {re.escape(version)}\b", (WORKSPACE / NOTES).read_text("utf-8"), re.M):
         raise Refused(f"{NOTES} has no section '## {version}': say there what it brings its users")
 
 
 def bump(tree: pathlib.Path, version: str) -> None:
-    """Change the version, and the changelogs, of all packages of a tree."""
-    today = datetime.date.today()
+    """Change the version, and the changelogs, of all packages; their form is REP 132's."""
+    title = f"{version} ({datetime.date.today().isoformat()})"
+    heading = f"{title}\n{'-' * len(title)}\n"
     for manifest in sorted(tree.glob("src/*/package.xml")):
-        manifest.write_text(with_version(manifest.read_text("utf-8"), version), "utf-8")
+        text = manifest.read_text("utf-8")
+        text = re.sub(r"<version>[^<]*<", f"<version>{version}<", text, count=1)
+        manifest.write_text(text, "utf-8")
         changelog = manifest.with_name("CHANGELOG.rst")
-        changelog.write_text(with_heading(changelog.read_text("utf-8"), version, today), "utf-8")
+        text, changes = FORTHCOMING.subn(heading, changelog.read_text("utf-8"), count=1)
+        if not changes:
+            # Behind the title, which has three lines, and an empty one.
+            lines = text.splitlines(keepends=True)
+            text = "".join([*lines[:4], heading, "\n", *lines[4:]])
+        changelog.write_text(text, "utf-8")
 
 
 class Attempt:
-    """A clone in which a release is tried, and the checks that it has passed there.
+    """A clone in which a release is tried, and the checks that have passed there.
 
-    It is kept until the version is released, so that ``--resume`` need not begin anew.
+    It is kept until the version is released, so that ``--resume`` can continue.
 
     :param version: the version
-    :param place: a folder for it
+    :param folder: a folder for the clone
     """
 
-    def __init__(self, version: str, place: pathlib.Path) -> None:
-        self._version, self._place = version, place
-        self._journal = self._place / "passed"
-        self.logs = self._place / "logs"
-        self._systems = self._place / "systems"
-        self.tree = self._place / "workspace"
+    def __init__(self, version: str, folder: pathlib.Path) -> None:
+        self._version, self._folder = version, folder
+        self._journal = folder / "passed"
+        self._is_interrupted = False
+        self.tree, self.logs = folder / "workspace", folder / "logs"
 
     def begin(self) -> None:
         """Clone HEAD, and change the versions."""
         self.remove()
-        self._systems.mkdir(parents=True)
-        self.logs.mkdir()
-        said("git", "clone", "--quiet", "--no-hardlinks", str(WORKSPACE), str(self.tree))
-        said("git", "checkout", "--quiet", "--detach", head(WORKSPACE), place=self.tree)
+        self.logs.mkdir(parents=True)
+        output("git", "clone", "--quiet", "--no-hardlinks", str(WORKSPACE), str(self.tree))
+        output("git", "checkout", "--quiet", "--detach", head(WORKSPACE), folder=self.tree)
         bump(self.tree, self._version)
 
-    def prepare(self) -> None:
-        """Run what changes the clone further, and commit.
-
-        :raises Refused: it fails
-        """
-        for command in PREPARE:
-            self._run(command)
+    def commit(self) -> None:
+        """Run what changes the clone further, and commit."""
+        self._run(PREPARE)
         message = ["--no-gpg-sign", "--message", f"Release {self._version}"]
-        said("git", *author(), "commit", "--quiet", "--all", *message, place=self.tree)
+        output("git", *author(), "commit", "--quiet", "--all", *message, folder=self.tree)
         self._journal.touch()
 
-    def judge(self) -> None:
-        """Look whether there is something to go on with.
+    def validate(self) -> None:
+        """Check that there is something to resume.
 
         :raises Refused: there is not
         """
@@ -214,83 +175,80 @@ class Attempt:
             )
 
     def check(self) -> None:
-        """Run the checks that it has not passed yet, two at a time where they allow it.
+        """Run the checks that have not passed yet, two at a time where they allow it.
 
-        A bad one ends none of the others: what is to be mended is known after one run.
+        One that fails ends none of the others, so that one run shows all of them.
 
-        :raises Refused: some of them are not good; the text names them
+        :raises Refused: some have failed; the text names them
         """
-        alone, one_by_one, beside = map(self._left, (ALONE, ONE_BY_ONE, BESIDE))
-        bad = self._take(alone)
+        passed = self._journal.read_text("utf-8").splitlines()
+        for line in passed:
+            say(f"{line}: passed before")
+        alone, one_by_one, beside = (
+            iter([line for line in lines if line not in passed])
+            for lines in (ALONE, ONE_BY_ONE, BESIDE)
+        )
+        failures = self._check_each(alone)
         with ThreadPoolExecutor(2) as pool:
+            # Both take from the same iterator.
             lanes = [
-                pool.submit(self._take, one_by_one, beside),
-                pool.submit(self._take, beside),
+                pool.submit(self._check_each, itertools.chain(one_by_one, beside)),
+                pool.submit(self._check_each, beside),
             ]
             try:
                 for lane in as_completed(lanes):
-                    bad += lane.result()
+                    failures += lane.result()
             except KeyboardInterrupt:
-                one_by_one.clear()
-                beside.clear()
+                self._is_interrupted = True
                 raise
-        if bad:
-            raise Refused("\n".join(bad))
-        for source in PRODUCTS:
-            if not (self.tree / source).is_dir():
-                raise Refused(f"{source} was not built, which needs Debian 12")
+        failures += [
+            f"{source} was not built, which needs Debian 12"
+            for source in PRODUCTS
+            if not failures and not (self.tree / source).is_dir()
+        ]
+        if failures:
+            raise Refused("\n".join(failures))
 
     def remove(self) -> None:
-        """Leave nothing of it."""
-        shutil.rmtree(str(self._place), ignore_errors=True)
+        """Remove the clone and all that belongs to it."""
+        shutil.rmtree(str(self._folder), ignore_errors=True)
 
-    def _left(self, checks: List[List[str]]) -> Deque[List[str]]:
-        passed = self._journal.read_text("utf-8").splitlines()
-        for command in checks:
-            if " ".join(command) in passed:
-                say(f"{' '.join(command)}: passed before")
-        return deque(command for command in checks if " ".join(command) not in passed)
+    def _check_each(self, lines: Iterable[str]) -> List[str]:
+        """Run checks, and return a sentence about each that fails."""
+        failures = []
+        for line in lines:
+            if self._is_interrupted:
+                break
+            began = time.monotonic()
+            name = re.sub(r"\W+", "_", line).strip("_")
+            try:
+                with (self.logs / f"{name}.log").open("w", encoding="utf-8") as log:
+                    self._run(line, log)
+            except Refused as error:
+                say(str(error))
+                failures.append(str(error))
+                continue
+            with self._journal.open("a", encoding="utf-8") as journal:
+                journal.write(f"{line}\n")
+            say(f"{line}: passed after {time.monotonic() - began:.0f} s")
+        return failures
 
-    def _take(self, *queues: Deque[List[str]]) -> List[str]:
-        """Run what is in the queues, from which another thread may take as well.
+    def _run(self, line: str, log: Optional[TextIO] = None) -> None:
+        """Run a command in the clone.
 
-        :returns: what was not good
+        :raises Refused: it fails
+        :raises KeyboardInterrupt: at Ctrl-C, after the command has ended
         """
-        bad = []
-        for queue in queues:
-            while True:
-                try:
-                    command = queue.popleft()
-                except IndexError:
-                    break
-                try:
-                    self._check(command)
-                except Refused as error:
-                    say(str(error))
-                    bad.append(str(error))
-        return bad
-
-    def _check(self, command: List[str]) -> None:
-        line = " ".join(command)
-        name = "_".join(word.lstrip("./-") for word in command).replace("/", "_")
-        log = self.logs / f"{name}.log"
-        began = time.monotonic()
-        with log.open("w", encoding="utf-8") as output:
-            self._run(command, output)
-        with self._journal.open("a", encoding="utf-8") as journal:
-            journal.write(f"{line}\n")
-        say(f"{line}: passed after {time.monotonic() - began:.0f} s")
-
-    def _run(self, command: List[str], output: Optional[TextIO] = None) -> None:
-        line = " ".join(command)
-        see = f", see {output.name}" if output else ""
+        see = f", see {log.name}" if log else ""
         say(f"{line}{see}")
         # The session's own ROS workspace is another one.
         own = {name: value for name, value in os.environ.items() if not name.startswith("ROS_")}
         # Each system is bootstrapped once for all checks.
-        own.setdefault("CLEAN_ROOM_CACHE", str(self._systems))
+        systems = self._folder / "systems"
+        systems.mkdir(exist_ok=True)
+        own.setdefault("CLEAN_ROOM_CACHE", str(systems))
         process = subprocess.Popen(
-            command, cwd=str(self.tree), env=own, stdout=output, stderr=output and subprocess.STDOUT
+            line.split(), cwd=str(self.tree), env=own, stdout=log, stderr=log and subprocess.STDOUT
         )
         try:
             status = process.wait()
@@ -304,36 +262,25 @@ class Attempt:
             raise Refused(f"'{line}' ended with status {status}{see}")
 
 
-def kept_attempt(version: str) -> Attempt:
-    """Return the attempt at a version that ``--resume`` finds again."""
-    return Attempt(version, WORKSPACE / "dist" / f".{version}")
-
-
 def head(tree: pathlib.Path, commit: str = "HEAD") -> str:
     """Return the name of a commit."""
-    return said("git", "rev-parse", commit, place=tree)
+    return output("git", "rev-parse", commit, folder=tree)
 
 
-def release(version: str, resume: bool) -> None:
-    """Do all of it.
+def release(version: str, attempt: Attempt) -> None:
+    """Run the checks, and bring the commit, the tag and the products here.
 
-    :param resume: go on with what was tried before
-    :raises Refused: something is not good
+    :raises Refused: a check fails
     """
-    attempt = kept_attempt(version)
-    if not resume:
-        attempt.begin()
-        attempt.prepare()
     attempt.check()
-    said("git", "fetch", "--quiet", str(attempt.tree), "HEAD")
-    said("git", "merge", "--quiet", "--ff-only", "FETCH_HEAD")
-    said("git", "tag", "--annotate", "--no-sign", "--message", f"Release {version}", version)
+    output("git", "fetch", "--quiet", str(attempt.tree), "HEAD")
+    output("git", "merge", "--quiet", "--ff-only", "FETCH_HEAD")
+    output("git", "tag", "--annotate", "--no-sign", "--message", f"Release {version}", version)
     target = WORKSPACE / "dist" / version
     shutil.rmtree(str(target), ignore_errors=True)
     for source, name in PRODUCTS.items():
-        shutil.copytree(
-            str(attempt.tree / source), str(target / name), ignore=shutil.ignore_patterns("earlier")
-        )
+        earlier = shutil.ignore_patterns("earlier")
+        shutil.copytree(str(attempt.tree / source), str(target / name), ignore=earlier)
     shutil.copytree(str(attempt.logs), str(target / "logs"))
     attempt.remove()
     say(f"{version} is tagged and in dist/{version}: push it with 'git push origin HEAD {version}'")
@@ -344,9 +291,9 @@ def show(version: str) -> None:
     with tempfile.TemporaryDirectory(prefix="release-") as folder:
         attempt = Attempt(version, pathlib.Path(folder))
         attempt.begin()
-        print(said("git", "diff", "--unified=0", place=attempt.tree))
-    for command in PREPARE + ALONE + ONE_BY_ONE + BESIDE:
-        print("would run", *command)
+        print(output("git", "diff", "--unified=0", folder=attempt.tree))
+    for line in [PREPARE, *ALONE, *ONE_BY_ONE, *BESIDE]:
+        print("would run", line)
 
 
 def say(text: str) -> None:
@@ -364,22 +311,25 @@ def main(arguments: List[str]) -> int:
     parser.add_argument("--resume", action="store_true")
     parser.add_argument("version")
     options = parser.parse_args(arguments)
+    attempt = Attempt(options.version, WORKSPACE / "dist" / f".{options.version}")
+    status = 125
     try:
-        judge(options.version, options.unpublished)
+        validate(options.version, options.unpublished)
         if options.resume:
-            kept_attempt(options.version).judge()
+            attempt.validate()
+        status = 1
+        if options.dry_run:
+            show(options.version)
+            return 0
+        if not options.resume:
+            attempt.begin()
+            attempt.commit()
+        release(options.version, attempt)
     except Refused as reason:
         say(str(reason))
-        return 125
-    if options.dry_run:
-        show(options.version)
-        return 0
-    try:
-        release(options.version, options.resume)
-    except Refused as reason:
-        say(str(reason))
-        say("nothing was released")
-        return 1
+        if status == 1:
+            say("nothing was released")
+        return status
     except KeyboardInterrupt:
         say("interrupted: with --resume, what was good is not run again")
         return 130

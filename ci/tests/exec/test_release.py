@@ -25,6 +25,13 @@ website: https://example.org/
 repository: https://example.org/it.git
 bugtracker: https://example.org/it/issues
 """
+MANIFEST = """<package>
+  <name>{name}</name>
+  <version>0.9.0</version>
+  <description>It.</description>
+  <maintainer email="some@example.org">some body</maintainer>
+</package>
+"""
 CHECKS = ("test", "clean-room", "deb", "container")
 SUITES = tuple(RELEASES)
 #: As often as each of them runs, two at a time: what a suite needs can be gone on with.
@@ -64,9 +71,7 @@ class Copy:
         self.write("docs/table", "old\n")
         self.write("docs/releases.md", "# Releases\n\n## 1.2.0\n\nGood.\n")
         for name, log in (("one", "Forthcoming\n-----------\n* Add it.\n\n"), ("two", "")):
-            self.write(
-                f"src/{name}/package.xml", "<package>\n  <version>0.9.0</version>\n</package>\n"
-            )
+            self.write(f"src/{name}/package.xml", MANIFEST.format(name=name))
             self.write(f"src/{name}/CHANGELOG.rst", f"{TITLE}{log}0.9.0 (2026-01-02)\n-----\n")
         self.git("init", "--quiet")
         self.commit()

@@ -20,11 +20,11 @@ def wait_until_deaf(monkeypatch: "pytest.MonkeyPatch") -> None:
     monkeypatch.setattr(proof, "PATIENCE", 0.1)
 
 
-def test_command_that_hangs_does_not_answer(monkeypatch: "pytest.MonkeyPatch") -> None:
-    assert proof.answers("true")
-    assert not proof.answers("false")
+def test_command_that_hangs_does_not_succeed(monkeypatch: "pytest.MonkeyPatch") -> None:
+    assert proof.succeeds("true")
+    assert not proof.succeeds("false")
     monkeypatch.setattr(proof, "PATIENCE", 0.1)
-    assert not proof.answers("sleep", "60")
+    assert not proof.succeeds("sleep", "60")
 
 
 def test_command_that_ends_badly_is_told() -> None:

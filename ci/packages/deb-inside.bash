@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Usage: deb-inside.bash DIRECTORY PART,… SUITE…
 #
-# The part of ci/deb that runs in namespaces of its own.
+# The part of ci/deb, and of ci/container, that runs in namespaces of its own.
 set -euo pipefail
 me=ci/deb
 source "$(dirname "${BASH_SOURCE[0]}")/../systems/clean-system.bash"
@@ -23,6 +23,12 @@ install_as_written() { # ROOT DIRECTORY
     command=$(page_commands docs/packaging.md Install | head -n 1)
     succeeds "$1" root offline env DEBIAN_FRONTEND=noninteractive \
         sh -ec "cd $2; ${command#sudo }" < <(yes)
+}
+
+# The system itself, for the container.
+take_base() { # SUITE ROOT
+    rm -f "$2"/var/cache/apt/archives/*.deb
+    tar -C "$2" --one-file-system -cf "$room/base.tar" . && verdict="packed"
 }
 
 take_build() { # SUITE ROOT
@@ -59,12 +65,6 @@ foreign() { # FIELD FILE…
     for file in "${@:2}"; do
         dpkg-deb --field "$file" "$1" | tr , '\n' | sed 's/^ *//' | grep -v '(= ' || :
     done | grep . | sort -u | paste --serial --delimiters=,
-}
-
-# Each file that two of them hold.
-overlaps() { # FILE…
-    local file
-    for file; do dpkg-deb --contents "$file"; done | awk '!/\/$/ { print $6 }' | sort | uniq --repeated
 }
 
 # Every file of a system but for what apt and programs note on the way.
@@ -111,15 +111,10 @@ built_before() { # SUITE
 }
 
 take_prove() { # SUITE ROOT
-    local files=("$dist/$1"/*.deb) twice
+    local files=("$dist/$1"/*.deb)
     local -a names
     built_before "$1" || return
     mapfile -t names < <(printf '%s\n' "${files[@]##*/}" | sed 's/_.*//')
-    twice=$(overlaps "${files[@]}")
-    [ -z "$twice" ] || {
-        verdict="two packages hold $twice"
-        return 1
-    }
     furnish "$2" && take_proof_along "$2" "${files[@]}" "$dist/$1/earlier" || return
     say "$1: what the packages depend on, recommend and suggest"
     apt_get "$2" online satisfy "$(foreign Depends "${files[@]}"), python3-rostopic, rosbash" &&

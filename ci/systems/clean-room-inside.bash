@@ -109,29 +109,36 @@ take_package() { # SUITE ROOT
 # without apt.
 take_prefix() { # SUITE ROOT
     local command
-    command=$(page_commands README.md "Two commands" | head -n 1)
+    command=$(launch_command)
     furnish "$2" &&
         refuses "packages are missing" "$2" student online sh -c "CI_EXEC_NO_INSTALL=1 exec $command" &&
         by_hand "$2" || return
     say "$1: moving ROS to /srv/ros"
     cp "$workspace/ci/systems/move-ros.bash" "$2/root" &&
         succeeds "$2" root offline bash /root/move-ros.bash /srv/ros &&
-        launches_upon "$2" /srv/ros "source /srv/ros/setup.bash" &&
+        launches "$2" student "source /srv/ros/setup.bash; ${command/ roslaunch / roslaunch --files }" &&
+        says_once "building upon the ROS in /srv/ros," &&
         chroot "$2" sh -ec 'mkdir /opt/ros; ln -s /srv/ros /opt/ros/own; rm /usr/bin/apt-get /usr/bin/dpkg-query' &&
-        launches_upon "$2" /opt/ros/own : &&
+        launches "$2" student "${command/ roslaunch / roslaunch --files }" &&
+        says_once "building upon the ROS in /opt/ros/own," &&
         says_once "without apt nothing is installed here.* cmake g++" &&
         verdict="sourced; and in /opt/ros, without apt"
 }
 
-# A launch is heard, and has said which ROS it is built upon.
-launches_upon() { # ROOT ROS PREPARATION
-    say "upon $2: $3; $command"
-    # Built first: a time-out amid the build would begin it anew.
+# README's first command.
+launch_command() { page_commands README.md "Two commands" | head -n 1; }
+
+# Prepare, then launch until a second command receives from the process node. What builds is prepared: a
+# time-out amid the build would begin it anew.
+launches() { # ROOT USER PREPARATION
+    say "$3; $command"
     # shellcheck disable=SC2016
-    succeeds "$1" student offline bash -c "$3; ${command/ roslaunch / roslaunch --files } && { $command & }; launch=\$!"'
-        until timeout 60 ./ci/exec rostopic echo -n 1 /signal; do kill -0 "$launch" && sleep 1 || exit; done
-        kill "$launch"; wait "$launch"' &&
-        says_once "building upon the ROS in $2,"
+    succeeds "$1" "$2" offline bash -c "$3 && { $command & }; launch=\$! SECONDS=0"'
+        until timeout 60 ./ci/exec rostopic echo -n 1 /proc_signal; do
+            kill -0 "$launch" && [ "$SECONDS" -lt 600 ] && sleep 1 || { kill "$launch"; exit 1; }
+        done
+        echo "received after $SECONDS"
+        kill "$launch"; wait "$launch"'
 }
 
 # Expect words in one line of what the last command wrote.
@@ -142,10 +149,10 @@ says_once() { # WORDS
     return 1
 }
 
-# From the first command until a second one hears the process node.
+# From the first command until a second one receives from the process node.
 take_launch() { # SUITE ROOT
-    local began ready seconds launch heard=no command
-    command=$(page_commands README.md "Two commands" | head -n 1)
+    local began ready seconds command
+    command=$(launch_command)
     furnish "$2" && install_sudo "$2" || return
     began=$SECONDS
     say "$1: what '$command' needs"
@@ -153,29 +160,16 @@ take_launch() { # SUITE ROOT
     succeeds "$2" teacher online sh -c "exec ${command/ roslaunch / roslaunch --files }" || return
     ready=$((SECONDS - began))
     cat "$log" >&2
-    say "$1: $command"
-    # Nobody else's master is there to be heard.
+    # The only master is the one that is launched.
     if (within "$2" teacher offline ./ci/exec rosnode list) >"$log" 2>&1; then
         verdict="there was a master before anything was launched"
         return 1
     fi
-    (within "$2" teacher offline sh -c "exec $command" >"$log.launch" 2>&1) &
-    launch=$!
-    while [ $((SECONDS - began)) -lt "$limit" ] && kill -0 "$launch" 2>/dev/null; do
-        sleep 1
-        if (within "$2" teacher offline timeout "$limit" ./ci/exec rostopic echo -n 1 /proc_signal) >"$log" 2>&1; then
-            heard=yes
-            break
-        fi
-    done
-    seconds=$((SECONDS - began))
-    verdict="first sample after $seconds s, ready to launch after $ready s"
-    kill "$launch" 2>/dev/null || : # a command in the background would ignore Ctrl-C until roslaunch runs
-    wait "$launch" || :
-    if [ "$heard" = yes ] && [ "$seconds" -lt "$limit" ]; then return 0; fi
     verdict="no sample on /proc_signal within $limit s"
-    tail -n 30 "$log.launch" "$log" >&2
-    return 1
+    launches "$2" teacher : || return
+    seconds=$((ready + $(sed -n 's/^received after //p' "$log")))
+    verdict="first sample after $seconds s, ready to launch after $ready s, of at most $limit s"
+    [ "$seconds" -lt "$limit" ]
 }
 
 take_test() { # SUITE ROOT

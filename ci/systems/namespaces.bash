@@ -5,12 +5,22 @@ die() {
     exit 125
 }
 
-# Of what --only names, each has to be a part that there is; with none, all would seem good.
-judge_parts() { # PART,… ALL-PARTS,…
-    local part
-    [[ $1 == *[!,]* ]] || die "--only takes names of parts, separated by commas: ${2//,/, }."
-    for part in ${1//,/ }; do
-        [[ ,$2, == *,"$part",* ]] || die "unknown part '$part': must be one of ${2//,/, }."
+# Set a variable for each option, --NAME VALUE, and suites to what follows; each of the parts has to exist.
+read_options() { # ALL-PARTS,… "NAME…" ARGUMENT…
+    local all=$1 names=$2 name part
+    shift 2
+    for name in $names; do declare -g "$name="; done
+    only=$all
+    while [[ ${1-} == -* ]]; do
+        name=${1#--}
+        [[ " $names " == *" $name "* ]] || help_or_refuse "$1"
+        [[ ${2-} == *[!,]* ]] || die "--$name takes a name, or names separated by commas."
+        declare -g "$name=$2"
+        shift 2
+    done
+    suites=("$@")
+    for part in ${only//,/ }; do
+        [[ ,$all, == *,"$part",* ]] || die "unknown part '$part': must be one of ${all//,/, }."
     done
 }
 

@@ -54,9 +54,9 @@ def test_the_commands_are_those_of_readme() -> None:
     "options, said",
     [
         (["--only", "launch,lunch"], "unknown part 'lunch'"),
-        (["--only"], "--only takes names"),
-        (["--only", ","], "--only takes names"),
-        (["--tiers"], "--tiers takes names"),
+        (["--only"], "--only takes a name"),
+        (["--only", ","], "--only takes a name"),
+        (["--tiers"], "--tiers takes a name"),
         (["--other"], "Usage: ci/clean-room"),
     ],
 )

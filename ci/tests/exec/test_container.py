@@ -65,7 +65,7 @@ def test_the_page_alone_is_published_and_the_nodes_network_has_no_way_out() -> N
     "options, said",
     [
         (["--only", "bake"], "unknown part 'bake'"),
-        (["--base"], "--base takes the name of an image"),
+        (["--base"], "--base takes a name"),
         (["--other"], "Usage: ci/container"),
     ],
 )

@@ -1,1 +1,1 @@
-"""Debian packages, the container image, releases, and the wheels of ROS 2."""
+"""Debian packages, the container image, and releases."""

@@ -8,12 +8,7 @@ from typing import Dict, List, Set
 
 from ..lint import code_rules
 
-
-@functools.lru_cache(maxsize=None)
-def graph() -> Dict[str, Set[str]]:
-    """Return what each module imports of the others."""
-    modules = code_rules.modules()
-    return code_rules.import_graph({name: ast.parse(path.read_bytes()) for name, path in modules})
+MODULES = dict(code_rules.modules())
 
 
 def unit_tests(package: pathlib.Path, module: str) -> List[pathlib.Path]:
@@ -31,31 +26,31 @@ def unit_tests(package: pathlib.Path, module: str) -> List[pathlib.Path]:
     if path.suffix == ".js":
         return [test for test in tests if path.name in test.read_text("utf-8")]
     name = ".".join(path.with_suffix("").parts[2:])
-    distances = {test: distance(imported_by(test), name) for test in tests}
-    near = [test for test in tests if distances[test] < len(graph())]
-    return sorted(near, key=lambda test: (test.stem != f"test_{path.stem}", distances[test]))
+    steps = {test: imports_between(test).get(name) for test in tests}
+    near = [
+        (test.stem != f"test_{path.stem}", count, test) for test, count in steps.items() if count
+    ]
+    return [test for *_, test in sorted(near)]
 
 
 @functools.lru_cache(maxsize=None)
-def imported_by(test: pathlib.Path) -> Set[str]:
-    """Return what a test imports, itself or through a helper in its folder."""
-    names: Set[str] = set()
-    for _, imported in code_rules.imports(ast.parse(test.read_bytes())):
-        names |= {imported, imported.rpartition(".")[0]}
-        helper = test.with_name(imported.split(".")[0] + ".py")
-        if helper.is_file() and helper != test:
-            names |= imported_by(helper)
-    return names
-
-
-def distance(names: Set[str], module: str) -> int:
-    """Return over how many imports a module is reached from some names; a large number if not."""
-    seen: Set[str] = set()
-    steps = 0
-    while module not in names:
-        seen |= names
-        names = {name for one in names for name in graph().get(one, ())} - seen
-        steps += 1
-        if not names:
-            return len(graph())
+def imports_between(test: pathlib.Path) -> Dict[str, int]:
+    """Return over how many imports a test reaches each module, also through helpers beside it."""
+    steps: Dict[str, int] = {}
+    names, count = imported_by(test), 1
+    while names:
+        steps.update(dict.fromkeys(names, count))
+        helpers = {name: test.with_name(f"{name}.py") for name in names}
+        paths = {MODULES.get(name, helpers[name]) for name in names}
+        names = {name for path in paths if path.is_file() for name in imported_by(path)} - set(
+            steps
+        )
+        count += 1
     return steps
+
+
+@functools.lru_cache(maxsize=None)
+def imported_by(path: pathlib.Path) -> Set[str]:
+    """Return the modules that a file imports, and the names in them."""
+    found = [name for _, name in code_rules.imports(ast.parse(path.read_bytes()))]
+    return {*found, *(name.rpartition(".")[0] for name in found)}

@@ -30,20 +30,20 @@ class Results:
 
     :param place: the folder
     :param asked: the mutants drawn
-    :param again: whether survivors are to be tested again
     """
 
-    def __init__(self, place: pathlib.Path, asked: Sequence[Mutant], again: bool) -> None:
+    def __init__(self, place: pathlib.Path, asked: Sequence[Mutant]) -> None:
         self._text, self._state = place / "report.txt", place / "results.json"
         self._asked = asked
         #: The test that killed a mutant, and why, by the mutant's key; empty if it survived.
         self._killers: Dict[str, str] = {}
         if self._state.exists():
-            stored = json.loads(self._state.read_text("utf-8"))
-            self._killers = {key: by for key, by in stored.items() if by or not again}
+            self._killers = json.loads(self._state.read_text("utf-8"))
 
     def waiting(self) -> List[Mutant]:
-        return [mutant for mutant in self._asked if mutant.key not in self._killers]
+        """Return the mutants that no test has killed yet, the survivors after the others."""
+        waiting = [mutant for mutant in self._asked if not self._killers.get(mutant.key)]
+        return sorted(waiting, key=lambda mutant: mutant.key in self._killers)
 
     def add(self, mutant: Mutant, killer: str, left_out: Sequence[str]) -> None:
         """Store the result of a mutant.

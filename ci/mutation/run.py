@@ -1,11 +1,9 @@
 """Draw mutants and see whether tests notice: ``run.py PYTHON [OPTION…]``, see ci/mutants."""
 
 import argparse
-import math
 import shutil
 import signal
 import sys
-import time
 
 from ..tiers.workspace import WORKSPACE
 from .evaluation import Evaluation
@@ -23,32 +21,9 @@ def options() -> argparse.Namespace:
     parser.add_argument("--count", type=int)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", action="append", default=[], metavar="PACKAGE")
-    parser.add_argument("--minutes", type=float, default=math.inf)
     parser.add_argument("--resume", action="store_true")
-    parser.add_argument("--again", action="store_true")
     parser.add_argument("paths", nargs="*", metavar="PATH")
     return parser.parse_intermixed_args()
-
-
-def evaluate(results: Results, asked: argparse.Namespace) -> None:
-    """Test the mutants that have no result, and clean up.
-
-    :raises KeyboardInterrupt: at Ctrl-C
-    :raises Unfit: if tests cannot be run
-    """
-    end = time.monotonic() + 60.0 * asked.minutes
-    waiting = results.waiting()
-    evaluation = Evaluation(PLACE, asked.wiring)
-    try:
-        for number, mutant in enumerate(waiting, start=1):
-            if time.monotonic() > end:
-                break
-            killer = evaluation.killer(mutant.module, mutant.text)
-            results.add(mutant, killer, evaluation.left_out())
-            found = "killed" if killer else "SURVIVED"
-            print(f"{number} of {len(waiting)} {found}: {mutant}", flush=True)
-    finally:
-        evaluation.close()
 
 
 def main(asked: argparse.Namespace) -> int:
@@ -64,13 +39,20 @@ def main(asked: argparse.Namespace) -> int:
         modules = modules_of(asked.wiring, asked.only, asked.paths)
         count = asked.count or (sys.maxsize if asked.paths else 120)
         drawn = draw(asked.tool, modules, count, asked.seed)
-        if not (asked.resume or asked.again):
+        if not asked.resume:
             shutil.rmtree(str(PLACE), ignore_errors=True)
         PLACE.mkdir(parents=True, exist_ok=True)
-        results = Results(PLACE, drawn, asked.again)
+        results = Results(PLACE, drawn)
+        waiting = results.waiting()
+        evaluation = Evaluation(PLACE, asked.wiring)
         try:
-            evaluate(results, asked)
+            for number, mutant in enumerate(waiting, start=1):
+                killer = evaluation.killer(mutant.module, mutant.text)
+                results.add(mutant, killer, evaluation.left_out())
+                found = "killed" if killer else "SURVIVED"
+                print(f"{number} of {len(waiting)} {found}: {mutant}", flush=True)
         finally:
+            evaluation.close()
             print(results.summary())
     except Unfit as error:
         print(f"ci/mutants: {error}", file=sys.stderr)

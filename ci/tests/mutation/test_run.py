@@ -64,15 +64,8 @@ def test_interrupted_run_reports_and_resumes(
     monkeypatch.setattr(Stub, "is_interrupted", False)
     assert main(monkeypatch, "--resume") == 1
     assert capsys.readouterr().out.startswith("1 of 1 SURVIVED")
-    assert main(monkeypatch, "--again") == 1
+    assert main(monkeypatch, "--resume") == 1
     assert capsys.readouterr().out.startswith("1 of 1 SURVIVED")
-
-
-def test_no_mutant_is_started_when_the_time_is_up(
-    monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
-) -> None:
-    assert main(monkeypatch, "--minutes", "-1") == 0
-    assert capsys.readouterr().out.splitlines()[-1].startswith("0 of 0 killed")
 
 
 def test_paths_may_follow_options_and_are_drawn_from_without_a_limit(
@@ -81,11 +74,9 @@ def test_paths_may_follow_options_and_are_drawn_from_without_a_limit(
     asked: List[Any] = []
     monkeypatch.setattr(run, "draw", lambda *words: asked.extend(words) or ASKED)
     monkeypatch.chdir(run.WORKSPACE)
-    main(
-        monkeypatch, "--seed", "3", "src/nodekit/src/nodekit/timing/timetable.py", "--minutes", "-1"
-    )
+    main(monkeypatch, "--seed", "3", "src/nodekit/src/nodekit/timing/timetable.py")
     assert [path.name for path in asked[1]] == ["timetable.py"] and asked[2:] == [sys.maxsize, 3]
-    main(monkeypatch, "--minutes", "-1")
+    main(monkeypatch)
     assert asked[6] == 120
 
 

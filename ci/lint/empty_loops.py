@@ -22,8 +22,6 @@ _PASSING = set(
     "enumerate list map reversed set sorted tuple chain product zip "
     "items keys splitlines split values".split()
 )
-#: Calls that never end.
-_ENDLESS = {"count", "cycle", "repeat"}
 
 
 def idle_tests(tree: ast.Module) -> Iterator[Tuple[int, str]]:
@@ -51,8 +49,6 @@ def filled_names(tree: ast.AST, known: Set[str]) -> Set[str]:
     for node in ast.walk(tree):
         if isinstance(node, ast.Assign):
             values += [(each.id, node.value) for each in node.targets if isinstance(each, ast.Name)]
-        elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value:
-            values.append((node.target.id, node.value))
         elif isinstance(node, ast.FunctionDef) and node is not tree:
             returns = [each for each in ast.walk(node) if isinstance(each, ast.Return)]
             values += [(node.name, each.value or each) for each in returns]
@@ -79,8 +75,6 @@ def is_filled(node: ast.AST, known: Set[str]) -> bool:
     if isinstance(node, (ast.Name, ast.Attribute)):  # a constant is what an author has written
         name = node.id if isinstance(node, ast.Name) else node.attr
         return name in known or name.isupper()
-    if isinstance(node, ast.BinOp) and isinstance(node.op, (ast.Add, ast.Mult)):
-        return is_filled(node.left, known) or is_filled(node.right, known)
     if isinstance(node, (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)):
         return all(is_filled(each.iter, known) and not each.ifs for each in node.generators)
     return isinstance(node, ast.Call) and _gives_something(node, known)
@@ -92,7 +86,7 @@ def _gives_something(call: ast.Call, known: Set[str]) -> bool:
         end = arguments[min(1, len(arguments) - 1)]
         return not isinstance(end, ast.Constant) or end.value != 0
     if name not in _PASSING:
-        return name in _ENDLESS or isinstance(call.func, ast.Name) and name in known
+        return isinstance(call.func, ast.Name) and name in known
     parts = arguments[name == "map" :] or [getattr(call.func, "value", call.func)]
     return all(is_filled(each, known) for each in parts)
 
@@ -119,8 +113,6 @@ def _checks(node: ast.AST, known: Set[str], is_idle: bool) -> Iterator[bool]:
 
 def _is_about_all(node: ast.AST, known: Set[str]) -> bool:
     """Tell whether an expression is true where there is nothing: ``all(...)``, ``not any(...)``."""
-    if isinstance(node, ast.BoolOp) and isinstance(node.op, ast.And):
-        return all(_is_about_all(each, known) for each in node.values)
     wanted = "all"
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
         node, wanted = node.operand, "any"

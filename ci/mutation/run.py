@@ -46,11 +46,11 @@ def main(asked: argparse.Namespace) -> int:
         waiting = results.waiting()
         evaluation = Evaluation(PLACE, asked.wiring)
         try:
-            for number, mutant in enumerate(waiting, start=1):
+            for count, mutant in enumerate(waiting, start=1):
                 killer = evaluation.killer(mutant.module, mutant.text)
                 results.add(mutant, killer, evaluation.left_out())
                 found = "killed" if killer else "SURVIVED"
-                print(f"{number} of {len(waiting)} {found}: {mutant}", flush=True)
+                print(f"{count} of {len(waiting)} {found}: {mutant}", flush=True)
         finally:
             evaluation.close()
             print(results.summary())

@@ -1,8 +1,6 @@
-"""Bring what packaging/project.yaml says into the files that repeat it.
+"""Write what packaging/project.yaml says into the files that repeat it.
 
-``python3 ci packages.project`` prints which files say something else, and ends with status 1 if
-there is one.
-``python3 ci packages.project --write`` changes them.
+``python3 ci packages.project`` prints which files it has changed.
 """
 
 import pathlib
@@ -26,10 +24,10 @@ OTHERS = (
     "docs/examples/package.xml",
     "src/ros2_bridge/src/ros2_bridge/types/twins.py",
 )
-
-_MAINTAINER = re.compile(r"<maintainer .*?</maintainer>")
-_LICENSE_AND_URLS = re.compile(r"(  <license .*</license>\n)(?:  <url .*</url>\n)*")
-_CONTACT = re.compile(r"^Report it to .*\n(?:.+\n)*", re.MULTILINE)
+MISSING = """\
+**There is no such address yet: the owner of this repository has to fill it in**, in
+[packaging/project.yaml](packaging/project.yaml).
+"""
 
 #: What the file says, by its keys.
 Project = Dict[str, str]
@@ -54,62 +52,38 @@ def placeholders(project: Project) -> List[str]:
     return [key for key in KEYS if PLACEHOLDER.search(project[key])]
 
 
-def with_maintainer(text: str, project: Project) -> str:
-    """Return a text with another maintainer in its package.xml."""
-    address = quoteattr(project["email"])
-    element = f"<maintainer email={address}>{escape(project['maintainer'])}</maintainer>"
-    return _MAINTAINER.sub(lambda _: element, text)
-
-
-def with_urls(manifest: str, project: Project) -> str:
-    """Return a package.xml with the project's URLs, after its licence."""
-    urls = "".join(f'  <url type="{kind}">{escape(project[kind])}</url>\n' for kind in URLS)
-    return _LICENSE_AND_URLS.sub(lambda found: found.group(1) + urls, manifest, count=1)
-
-
-def with_contact(page: str, project: Project) -> str:
-    """Return SECURITY.md with the address for reports, or with the words that there is none yet."""
-    paragraph = f"Report it to {project['security']}.\n"
-    if "security" in placeholders(project):
-        paragraph += (
-            "**There is no such address yet: the owner of this repository has to fill it in**,"
-            " in\n[packaging/project.yaml](packaging/project.yaml).\n"
-        )
-    return _CONTACT.sub(lambda _: paragraph, page)
-
-
 def written(workspace: pathlib.Path, project: Project) -> Iterator[Tuple[pathlib.Path, str]]:
     """Yield each file that repeats what the project says, and its text as it has to be."""
-    for manifest in sorted(workspace.glob("src/*/package.xml")):
-        text = with_maintainer(manifest.read_text("utf-8"), project)
-        yield manifest, with_urls(text, project)
-    for name in OTHERS:
-        yield workspace / name, with_maintainer((workspace / name).read_text("utf-8"), project)
+    name, address = escape(project["maintainer"]), quoteattr(project["email"])
+    maintainer = f"<maintainer email={address}>{name}</maintainer>"
+    urls = "".join(f'  <url type="{kind}">{escape(project[kind])}</url>\n' for kind in URLS)
+    manifests = sorted(workspace.glob("src/*/package.xml"))
+    for path in [*manifests, *(workspace / other for other in OTHERS)]:
+        text = re.sub(
+            r"<maintainer .*?</maintainer>", lambda _: maintainer, path.read_text("utf-8")
+        )
+        if path in manifests:
+            text = re.sub(r"  <url .*</url>\n", "", text)
+            text = re.sub(r"  <license .*\n", lambda found: found.group() + urls, text, count=1)
+        yield path, text
     page = workspace / "SECURITY.md"
-    yield page, with_contact(page.read_text("utf-8"), project)
+    contact = f"Report it to {project['security']}.\n"
+    contact += MISSING if "security" in placeholders(project) else ""
+    pattern = re.compile(r"^Report it to .*\n(?:.+\n)*", re.MULTILINE)
+    yield page, pattern.sub(lambda _: contact, page.read_text("utf-8"))
 
 
-def main(arguments: List[str]) -> int:
-    """Print what differs, or write it.
-
-    :returns: exit status
-    """
+def main() -> None:
+    """Write the files that differ, and print their names."""
     try:
         project = read(WORKSPACE)
     except ValueError as error:
-        print(error)
-        return 1
-    different = [
-        (path, text)
-        for path, text in written(WORKSPACE, project)
-        if path.read_text("utf-8") != text
-    ]
-    for path, text in different:
-        print(f"{path.relative_to(WORKSPACE)}: differs from packaging/project.yaml")
-        if arguments == ["--write"]:
+        sys.exit(str(error))
+    for path, text in written(WORKSPACE, project):
+        if path.read_text("utf-8") != text:
             path.write_text(text, "utf-8")
-    return 1 if different and arguments != ["--write"] else 0
+            print(f"{path.relative_to(WORKSPACE)}: changed")
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    main()

@@ -39,7 +39,6 @@ BUSY = [
     "for key, value in {'a': 1}.items(): assert value",
     "for one in (*found(), 'a'): assert one",
     "for one in range(3): assert one",
-    "for one in ['a'] + found(): assert one",
     "for one in itertools.product(NAMES, (1, 2)): assert one",
     "names = [name.upper() for name in NAMES]\nfor name in names: assert name",
     "assert all(one for one in NAMES)",

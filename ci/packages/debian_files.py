@@ -31,13 +31,12 @@ class Packages(NamedTuple):
     """Debian's packages behind a key."""
 
     run: List[str]
-    build: List[str]
-    useful: List[str]
+    build: List[str] = []
+    useful: List[str] = []
 
 
 #: Debian's packages by key.
 Table = Dict[str, Packages]
-NOTHING = Packages([], [], [])
 
 
 class Manifest(NamedTuple):
@@ -47,12 +46,12 @@ class Manifest(NamedTuple):
     version: str
     description: str
     maintainer: str
-    depends: Dict[str, Set[str]]  # by the element's name
+    elements: Dict[str, Set[str]]  # their texts by their names
     folders: Set[str]
 
     def keys(self, kinds: Iterable[str]) -> Set[str]:
         """Return what these kinds of dependencies name."""
-        return {key for kind in kinds for key in self.depends.get(kind, ())}
+        return {key for kind in kinds for key in self.elements.get(kind, ())}
 
     def own_keys(self) -> Set[str]:
         """Return the lines of the table that are about this very package."""
@@ -74,33 +73,26 @@ def read_table(text: str) -> Table:
                 f"packaging/dependencies.txt: '{line}' must be 'key: run | build | useful', once"
             )
         if line:
-            table[key] = Packages(*columns, *([] for _ in range(3 - len(columns))))
+            table[key] = Packages(*columns)
     return table
-
-
-def read_manifest(file: pathlib.Path) -> Manifest:
-    """Return what a package.xml says."""
-    root = ElementTree.parse(str(file)).getroot()
-    depends: Dict[str, Set[str]] = {}
-    text = {element.tag: " ".join((element.text or "").split()) for element in root}
-    for element in root:
-        if element.tag.endswith("depend"):
-            depends.setdefault(element.tag, set()).add((element.text or "").strip())
-    maintainer = root.find("maintainer")
-    address = "" if maintainer is None else maintainer.get("email", "")
-    return Manifest(
-        text["name"],
-        text["version"],
-        text["description"],
-        f"{text['maintainer']} <{address}>",
-        depends,
-        {folder for folder in FOLDERS if (file.parent / folder).is_dir()},
-    )
 
 
 def read_manifests(sources: pathlib.Path) -> List[Manifest]:
     """Return what the packages of a workspace say, in the order of their names."""
-    return [read_manifest(file) for file in sorted(sources.glob("*/package.xml"))]
+    manifests = []
+    for file in sorted(sources.glob("*/package.xml")):
+        text: Dict[str, str] = {}
+        elements: Dict[str, Set[str]] = {}
+        for element in ElementTree.parse(str(file)).getroot():
+            text[element.tag] = " ".join((element.text or "").split())
+            elements.setdefault(element.tag, set()).add(text[element.tag])
+            if element.tag == "maintainer":
+                text["maintainer"] += f" <{element.get('email')}>"
+        folders = {folder for folder in FOLDERS if (file.parent / folder).is_dir()}
+        name, version, maintainer = text["name"], text["version"], text["maintainer"]
+        description = text["description"]
+        manifests.append(Manifest(name, version, description, maintainer, elements, folders))
+    return manifests
 
 
 def faults(manifests: List[Manifest], table: Table) -> Iterator[str]:
@@ -143,7 +135,7 @@ def field(name: str, values: Iterable[str]) -> str:
 def binary_paragraph(manifest: Manifest, own: Set[str], table: Table) -> str:
     """Return the paragraph of the Debian package of a catkin package."""
     run, export = manifest.keys(RUN), manifest.keys(EXPORT)
-    rows = [table.get(key, NOTHING) for key in (run - own) | manifest.own_keys()]
+    rows = [table[key] for key in (run - own) | manifest.own_keys() if key in table]
     depends = {name for row in rows for name in row.run}
     depends.update(f"{debian_name(key)} (= ${{binary:Version}})" for key in (run | export) & own)
     title = synopsis(manifest.description)
@@ -180,26 +172,24 @@ def control(manifests: List[Manifest], table: Table) -> str:
     return "\n".join([source, *(binary_paragraph(each, own, table) for each in manifests)])
 
 
-def changelog(manifest: Manifest, suite: str, date: str) -> str:
-    """Return debian/changelog: what has changed stands in each package's CHANGELOG.rst.
+def make(tree: pathlib.Path, suite: str, date: str) -> None:
+    """Make the folder debian of an exported workspace.
 
     :param date: of the commit that is built, as RFC 5322 has it
     """
-    return (
-        f"ros-basic-comms ({manifest.version}+deb{RELEASES[suite]}) {suite}; urgency=medium\n\n"
-        f"  * Build {manifest.version} for Debian {RELEASES[suite]}.\n\n"
-        f" -- {manifest.maintainer}  {date}\n"
-    )
-
-
-def make(tree: pathlib.Path, suite: str, date: str) -> None:
-    """Make the folder debian of an exported workspace."""
     manifests = read_manifests(tree / "src")
     table = read_table((tree / "packaging" / "dependencies.txt").read_text("utf-8"))
+    version, maintainer, release = manifests[0].version, manifests[0].maintainer, RELEASES[suite]
     target = tree / "debian"
     shutil.copytree(str(tree / "packaging" / "debian"), str(target))
     (target / "control").write_text(control(manifests, table), "utf-8")
-    (target / "changelog").write_text(changelog(manifests[0], suite, date), "utf-8")
+    # What has changed stands in each package's CHANGELOG.rst.
+    (target / "changelog").write_text(
+        f"ros-basic-comms ({version}+deb{release}) {suite}; urgency=medium\n\n"
+        f"  * Build {version} for Debian {release}.\n\n"
+        f" -- {maintainer}  {date}\n",
+        "utf-8",
+    )
 
 
 def main(arguments: List[str]) -> int:

@@ -1,10 +1,9 @@
 """Compare docs/courses.csv, the items of the courses, with the tests that prove them.
 
-A test tells in its docstring what it proves: "Course 001-exec-1, 001-exec-7." A page whose commands
-the tests type does so in a comment: "% Course 001-command-1."
+A test names in its docstring what it proves, "Course ID, ID.", and a page whose commands the tests
+type in a comment.
 """
 
-import ast
 import csv
 import pathlib
 import re
@@ -13,9 +12,8 @@ from typing import Dict, Iterator, List, Set
 WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
 
 #: Whatever begins like an id is taken for one, so that a slip of the pen is found.
-_ID = re.compile(r"(?<![\w-])(?:00\d|err)-\w+(?:-\w+)*")
-_COMMENT = re.compile(r"^%.*$", re.MULTILINE)
-_DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef)
+_ID = r"(?:00\d|err)-\w+(?:-\w+)*"
+_LIST = re.compile(rf"\bCourses?\s+{_ID}(?:,\s+{_ID})*")
 
 
 def rows(text: str) -> List[Dict[str, str]]:
@@ -34,13 +32,8 @@ def proofs(workspace: pathlib.Path) -> Iterator[pathlib.Path]:
 
 def carried(path: pathlib.Path) -> Set[str]:
     """Return the ids that a file carries."""
-    text = path.read_text("utf-8")
-    if path.suffix == ".py":
-        nodes = (node for node in ast.walk(ast.parse(text)) if isinstance(node, _DOCUMENTED))
-        texts = [ast.get_docstring(node) or "" for node in nodes]
-    else:
-        texts = _COMMENT.findall(text)
-    return {found for text in texts for found in _ID.findall(text)}
+    lists = " ".join(_LIST.findall(path.read_text("utf-8")))
+    return set(re.findall(_ID, lists))
 
 
 def breaches(items: List[Dict[str, str]], workspace: pathlib.Path) -> Iterator[str]:

@@ -12,24 +12,25 @@ listed_packages() { # SECTION…
     ' "$workspace/ci/apt-packages.txt"
 }
 
+# Those arguments that are no line of standard input.
+not_listed() { # NAME…
+    grep -vxF -e '' -f - <(printf '%s\n' "$@") || :
+}
+
 missing_packages() { # SECTION…
     local -a listed
     mapfile -t listed < <(listed_packages "$@" | needed_of_apt)
     # Without dpkg there is no telling: everything counts as missing.
-    awk '
-        look == "up" { if ($1 == "installed") installed[$2]; next }
-        NF && !($1 in installed) { print $1 }
-    ' look=up <(dpkg-query -W -f='${db:Status-Status} ${Package}\n' "${listed[@]}" 2>/dev/null || :) \
-        look= <(printf '%s\n' "${listed[@]}")
+    { dpkg-query -W -f='${db:Status-Status} ${Package}\n' "${listed[@]}" 2>/dev/null || :; } |
+        sed -n 's/^installed //p' | not_listed "${listed[@]}"
 }
 
 # What apt could not install from the lists of packages that it has.
 unknown_packages() { # PACKAGE…
-    awk '
-        look == "up" && /^[^ ]/ { name = $1; next }
-        look == "up" { if ($1 == "Candidate:" && $2 != "(none)") known[name]; next }
-        NF && !($1 ":" in known) { print $1 }
-    ' look=up <(LC_ALL=C apt-cache policy "$@" 2>/dev/null || :) look= <(printf '%s\n' "$@")
+    { LC_ALL=C apt-cache policy "$@" 2>/dev/null || :; } | awk '
+        /^[^ ]/ { name = $1; sub(/:$/, "", name) }
+        $1 == "Candidate:" && $2 != "(none)" { print name }
+    ' | not_listed "$@"
 }
 
 # The first thing that apt fetches from each archive; it tells without any lists.

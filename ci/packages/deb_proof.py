@@ -9,9 +9,8 @@ import os
 import pathlib
 import re
 import sys
-import urllib.request
 
-from .proof import PATIENCE, output, require, running, succeeds, wait_for
+from .proof import fetched, output, require, running, succeeds, wait_for
 
 SCOPE = "http://127.0.0.1:8097"
 #: A node of ROS 2 that receives from a node of ROS 1.
@@ -25,15 +24,6 @@ node.create_subscription(Float32, "/proc_signal", received.append, 10)
 while not received:
     rclpy.spin_once(node)
 """
-
-
-def fetched(path: str) -> str:
-    """Return a file that the oscilloscope serves; empty if it does not serve it, or not yet."""
-    try:
-        with urllib.request.urlopen(SCOPE + path, timeout=PATIENCE) as reply:
-            return str(reply.read().decode())
-    except OSError:
-        return ""
 
 
 def has_master() -> bool:
@@ -56,9 +46,11 @@ def check_course() -> None:
             *("rosrun", "topic_scope", "scope.py", "--port", SCOPE[-4:], "/signal/signal_y"),
             log="scope.log",
         ):
-            wait_for("the oscilloscope's page is served", lambda: bool(fetched("/")))
-            names = re.findall(r'(?:src|href)="(/[^"]+)"', fetched("/"))
-            served = any("dygraph" in name for name in names) and all(map(fetched, names))
+            wait_for("the oscilloscope's page is served", lambda: bool(fetched(SCOPE)))
+            names = re.findall(r'(?:src|href)="(/[^"]+)"', fetched(SCOPE))
+            served = any("dygraph" in name for name in names) and all(
+                fetched(SCOPE + name) for name in names
+            )
             require(served, f"and the {len(names)} files that it names")
     print("Ctrl-C ends the launch file")
 

@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+import urllib.request
 from typing import Callable, Iterator
 
 #: The time that anything may take [s].
@@ -36,6 +37,16 @@ def succeeds(*command: str) -> bool:
         return subprocess.call(command, stdout=silence, stderr=silence, timeout=PATIENCE) == 0
     except subprocess.TimeoutExpired:
         return False
+
+
+def fetched(url: str) -> str:
+    """Return what a server on this machine sends; empty if it does not, or not yet."""
+    opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
+    try:
+        with opener.open(url, timeout=PATIENCE) as reply:
+            return str(reply.read().decode())
+    except OSError:
+        return ""
 
 
 def require(truth: bool, what: str) -> None:

@@ -49,7 +49,6 @@ BESIDE = [
 PRODUCTS = {**{f"dist/{suite}": suite for suite in SUITES}, "docs/_build/html": "docs"}
 NOTES = "docs/releases.md"
 
-VERSION = re.compile(r"(0|[1-9]\d*)\.(0|[1-9]\d*)\.(0|[1-9]\d*)")
 FORTHCOMING = re.compile(r"^Forthcoming\n-+\n", re.MULTILINE)
 
 
@@ -62,7 +61,7 @@ def number(version: str) -> Tuple[int, ...]:
 
     :raises Refused: it has another form than 1.2.3
     """
-    if not VERSION.fullmatch(version):
+    if not re.fullmatch(r"(0|[1-9]\d*)(\.(0|[1-9]\d*)){2}", version):
         raise Refused(f"the version is '{version}': must be three numbers, such as 1.2.0")
     return tuple(map(int, version.split(".")))
 
@@ -144,7 +143,7 @@ class Attempt:
 
     def __init__(self, version: str, folder: pathlib.Path) -> None:
         self._version, self._folder = version, folder
-        self._journal = folder / "passed"
+        self._journal = folder / f"passed-{output('git', 'rev-parse', 'HEAD')}"
         self._is_interrupted = False
         self.tree, self.logs = folder / "workspace", folder / "logs"
 
@@ -153,7 +152,6 @@ class Attempt:
         self.remove()
         self.logs.mkdir(parents=True)
         output("git", "clone", "--quiet", "--no-hardlinks", str(WORKSPACE), str(self.tree))
-        output("git", "checkout", "--quiet", "--detach", head(WORKSPACE), folder=self.tree)
         bump(self.tree, self._version)
 
     def commit(self) -> None:
@@ -168,7 +166,7 @@ class Attempt:
 
         :raises Refused: there is not
         """
-        if not self._journal.is_file() or head(self.tree, "HEAD~1") != head(WORKSPACE):
+        if not self._journal.is_file():
             raise Refused(
                 f"there is no release of {self._version} from this commit to go on with: "
                 "leave out --resume"
@@ -262,11 +260,6 @@ class Attempt:
             raise Refused(f"'{line}' ended with status {status}{see}")
 
 
-def head(tree: pathlib.Path, commit: str = "HEAD") -> str:
-    """Return the name of a commit."""
-    return output("git", "rev-parse", commit, folder=tree)
-
-
 def release(version: str, attempt: Attempt) -> None:
     """Run the checks, and bring the commit, the tag and the products here.
 
@@ -311,10 +304,10 @@ def main(arguments: List[str]) -> int:
     parser.add_argument("--resume", action="store_true")
     parser.add_argument("version")
     options = parser.parse_args(arguments)
-    attempt = Attempt(options.version, WORKSPACE / "dist" / f".{options.version}")
     status = 125
     try:
         validate(options.version, options.unpublished)
+        attempt = Attempt(options.version, WORKSPACE / "dist" / f".{options.version}")
         if options.resume:
             attempt.validate()
         status = 1

@@ -107,30 +107,20 @@ def breaches(name: str, tree: ast.AST) -> Iterator[Tuple[int, str]]:
             yield line, f"it must not depend on ROS, but imports {imported}"
 
 
-def main() -> int:
-    """Print all breaches.
-
-    :returns: exit status
-    """
-    paths = dict(modules())
-    trees = {
-        name: ast.parse(path.read_text("utf-8"), str(path), feature_version=NOETIC)
-        for name, path in paths.items()
-    }
-    found = [
-        f"{paths[name].relative_to(SOURCES.parent)}:{line}: {sentence}"
-        for name, tree in trees.items()
-        for line, sentence in breaches(name, tree)
-    ]
-    for name, path in paths.items():
-        if len(path.read_text("utf-8").splitlines()) > LONGEST:
-            found.append(f"{name}: longer than {LONGEST} lines")
+def all_breaches() -> Iterator[str]:
+    """Return a line for each breach in the workspace."""
+    trees = {}
+    for name, path in modules():
+        text = path.read_text("utf-8")
+        trees[name] = ast.parse(text, str(path), feature_version=NOETIC)
+        for line, sentence in breaches(name, trees[name]):
+            yield f"{path.relative_to(SOURCES.parent)}:{line}: {sentence}"
+        if len(text.splitlines()) > LONGEST:
+            yield f"{name}: longer than {LONGEST} lines"
     trees.pop(FRONT_DOOR)  # nobody imports it from within
-    found += cycles(import_graph(trees))
-    found += front_door.breaches()
-    print("\n".join(found))
-    return 1 if found else 0
+    yield from cycles(import_graph(trees))
+    yield from front_door.breaches()
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit("\n".join(all_breaches()) or 0)

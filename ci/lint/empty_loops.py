@@ -125,17 +125,13 @@ def _name(call: ast.Call) -> str:
     return getattr(call.func, "attr", "") or getattr(call.func, "id", "")
 
 
-def main() -> int:
-    """Print each test that asserts nothing where its data is empty; 1 if there is one."""
-    found = [
-        f"{path.relative_to(WORKSPACE)}:{line}: {name} asserts nothing where its data is empty: "
-        "assert that there is some"
-        for path in sorted(each for place in TESTS for each in WORKSPACE.glob(place))
-        for line, name in idle_tests(ast.parse(path.read_text("utf-8")))
-    ]
-    print("\n".join(found))
-    return 1 if found else 0
+def all_idle() -> Iterator[str]:
+    """Return a line for each test that asserts nothing where its data is empty."""
+    for path in sorted(each for place in TESTS for each in WORKSPACE.glob(place)):
+        for line, name in idle_tests(ast.parse(path.read_text("utf-8"))):
+            where = f"{path.relative_to(WORKSPACE)}:{line}: {name}"
+            yield f"{where} asserts nothing where its data is empty: assert that there is some"
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit("\n".join(all_idle()) or 0)

@@ -74,19 +74,11 @@ def breaches(texts: Dict[str, str]) -> Iterator[str]:
     yield from cycles(graph)
 
 
-def main() -> int:
-    """Print all breaches.
-
-    :returns: exit status
-    """
-    texts = {
-        path.relative_to(SCRIPTS).as_posix(): path.read_text("utf-8")
-        for path in SCRIPTS.rglob("*.js")
-    }
-    found = list(breaches(texts))
-    print("\n".join(found))
-    return 1 if found else 0
+def scripts() -> Dict[str, str]:
+    """Return what is in each script, by its path below their folder."""
+    paths = SCRIPTS.rglob("*.js")
+    return {path.relative_to(SCRIPTS).as_posix(): path.read_text("utf-8") for path in paths}
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit("\n".join(breaches(scripts())) or 0)

@@ -48,23 +48,17 @@ def has_package(rule: Any) -> bool:
     return bool(rule)
 
 
-def main(files: List[str]) -> int:
-    """Print what is wrong, or the keys of these files.
-
-    :returns: exit status
-    """
-    if files:
-        keys: Set[str] = set()
-        for file in files:
-            rules = yaml.safe_load(pathlib.Path(file).read_text("utf-8"))
-            keys.update(key for key, rule in rules.items() if has_package(rule.get("debian")))
-        # Those of Python 2 are of no use any more.
-        print("\n".join(sorted(key for key in keys if not key.startswith("python-"))))
-        return 0
-    found = list(unknown(WORKSPACE / "src", listed(KEYS)))
-    print("\n".join(found))
-    return 1 if found else 0
+def keys_of(files: List[str]) -> List[str]:
+    """Return the keys of rosdep's files that have a package, but for those of Python 2."""
+    keys: Set[str] = set()
+    for file in files:
+        rules = yaml.safe_load(pathlib.Path(file).read_text("utf-8"))
+        keys.update(key for key, rule in rules.items() if has_package(rule.get("debian")))
+    return sorted(key for key in keys if not key.startswith("python-"))
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    if sys.argv[1:]:
+        print("\n".join(keys_of(sys.argv[1:])))
+    else:
+        sys.exit("\n".join(unknown(WORKSPACE / "src", listed(KEYS))) or 0)

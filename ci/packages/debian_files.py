@@ -192,20 +192,14 @@ def make(tree: pathlib.Path, suite: str, date: str) -> None:
     )
 
 
-def main(arguments: List[str]) -> int:
-    """Print what is wrong, or make the files.
-
-    :returns: exit status
-    """
-    if arguments:
-        tree, suite, date = arguments
-        make(pathlib.Path(tree), suite, date)
-        return 0
+def all_faults() -> Iterator[str]:
+    """Return a sentence about each fault of the workspace's own table."""
     table = read_table((WORKSPACE / "packaging" / "dependencies.txt").read_text("utf-8"))
-    found = list(faults(read_manifests(WORKSPACE / "src"), table))
-    print("\n".join(found))
-    return 1 if found else 0
+    return faults(read_manifests(WORKSPACE / "src"), table)
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    if sys.argv[1:]:
+        make(pathlib.Path(sys.argv[1]), *sys.argv[2:])
+    else:
+        sys.exit("\n".join(all_faults()) or 0)

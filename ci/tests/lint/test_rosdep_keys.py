@@ -27,7 +27,7 @@ def test_each_key_is_a_known_one_or_a_package_of_the_workspace(
 
 
 def test_the_workspaces_own_list_is_made_of_rules_with_a_debian_package(
-    tmp_path: pathlib.Path, capsys: "pytest.CaptureFixture[str]"
+    tmp_path: pathlib.Path,
 ) -> None:
     (tmp_path / "rules.yaml").write_text(
         """
@@ -41,6 +41,5 @@ def test_the_workspaces_own_list_is_made_of_rules_with_a_debian_package(
         python-old: {debian: [a]}
         """
     )
-    assert rosdep_keys.main([str(tmp_path / "rules.yaml")]) == 0
     # pip's packages count as little as none: nothing here comes from outside Debian.
-    assert capsys.readouterr().out.split() == ["apt", "later", "plain"]
+    assert rosdep_keys.keys_of([str(tmp_path / "rules.yaml")]) == ["apt", "later", "plain"]

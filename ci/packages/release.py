@@ -42,7 +42,7 @@ ONE_BY_ONE = [
 #: Checks that have a network of their own, and can run beside any others: the longest first.
 BESIDE = [
     f"./ci/clean-room --only {part} {suite}"
-    for part in ("test", "workspace", "package", "prefix", "by_hand", "refusals")
+    for part in ("test", "workspace", "package", "prefix", "refusals")
     for suite in NEWEST_FIRST
 ]
 #: Built by these, and what it is called in dist/VERSION.

@@ -40,16 +40,16 @@ refuses() { # WORDS ROOT USER online|offline COMMAND…
     return 1
 }
 
-# Run as root what ci/exec or ci/test has just printed for people to copy; apt asks them once.
-by_hand() { # ROOT
+# Expect that a command prints what it needs, and run that as root; apt asks once.
+by_hand() { # ROOT COMMAND…
     local lines
+    refuses "packages are missing" "$1" student online env CI_EXEC_NO_INSTALL=1 "${@:2}" || return
     lines=$(grep -v '^ci/' "$log")
     say "as root: $(cut -c 1-150 <<<"$lines")"
     succeeds "$1" root online env DEBIAN_FRONTEND=noninteractive sh -ec "$lines" < <(yes)
 }
 
 install_sudo() { # ROOT
-    [ ! -x "$1/usr/bin/sudo" ] || return 0
     succeeds "$1" root online sh -c \
         'apt-get update && DEBIAN_FRONTEND=noninteractive apt-get install --yes --no-install-recommends sudo' &&
         echo 'teacher ALL=(ALL:ALL) NOPASSWD: ALL' >"$1/etc/sudoers.d/teacher" &&
@@ -66,14 +66,6 @@ take_refusals() { # SUITE ROOT
         verdict="each with the right message"
 }
 
-take_by_hand() { # SUITE ROOT
-    furnish "$2" &&
-        refuses "packages are missing" "$2" student online env CI_EXEC_NO_INSTALL=1 ./ci/exec true &&
-        by_hand "$2" &&
-        succeeds "$2" student offline ./ci/exec rospack find basic_comms &&
-        verdict="what it printed was enough"
-}
-
 # A clone in a workspace of the user's own, with no package but those that ci/exec prints.
 take_workspace() { # SUITE ROOT
     local command first=:
@@ -81,8 +73,7 @@ take_workspace() { # SUITE ROOT
     # Its CMake 4 takes catkin's files only so.
     [ "$1" != forky ] || first="export CMAKE_POLICY_VERSION_MINIMUM=3.5"
     furnish "$2" && clone "$2" student my_ws/src/basic_comms && chroot "$2" chown student: /home/student/my_ws{,/src} &&
-        refuses "packages are missing" "$2" student online env CI_EXEC_NO_INSTALL=1 ./ci/exec true &&
-        by_hand "$2" &&
+        by_hand "$2" ./ci/exec true &&
         # What the first part of the command would clone is there.
         succeeds "$2" student offline bash -c "$first; ${command#*&& }" &&
         says_once "tests are left out" &&
@@ -93,13 +84,11 @@ take_workspace() { # SUITE ROOT
 # A new package is built with what ci/exec installs, and passes its test with what ci/test does.
 take_package() { # SUITE ROOT
     furnish "$2" &&
-        refuses "packages are missing" "$2" student online env CI_EXEC_NO_INSTALL=1 ./ci/exec true &&
-        by_hand "$2" &&
+        by_hand "$2" ./ci/exec true &&
         succeeds "$2" student offline ./ci/exec sh -ec \
             'mkdir -p ~/new_ws/src; cd ~/new_ws; rosrun nodekit new first_robot; catkin_make' &&
         says_once "tests are left out" &&
-        refuses "packages are missing" "$2" student online env CI_EXEC_NO_INSTALL=1 ./ci/test &&
-        by_hand "$2" &&
+        by_hand "$2" ./ci/test &&
         succeeds "$2" student offline ./ci/exec sh -ec \
             'cd ~/new_ws; catkin_make --force-cmake run_tests; catkin_test_results --all build; find build | grep "rosunit-.*xml"' &&
         verdict="built, and its test passed"
@@ -110,9 +99,7 @@ take_package() { # SUITE ROOT
 take_prefix() { # SUITE ROOT
     local command
     command=$(launch_command)
-    furnish "$2" &&
-        refuses "packages are missing" "$2" student online sh -c "CI_EXEC_NO_INSTALL=1 exec $command" &&
-        by_hand "$2" || return
+    furnish "$2" && by_hand "$2" sh -c "exec $command" || return
     say "$1: moving ROS to /srv/ros"
     cp "$workspace/ci/systems/move-ros.bash" "$2/root" &&
         succeeds "$2" root offline bash /root/move-ros.bash /srv/ros &&
@@ -193,8 +180,7 @@ take_ros2() { # SUITE ROOT
 # Not as root, and without sudo.
 run_tests() { # SUITE ROOT online|offline COMMAND
     say "$1: what '$4' needs"
-    refuses "packages are missing" "$2" student online sh -c "CI_EXEC_NO_INSTALL=1 exec $4" &&
-        by_hand "$2" || return
+    by_hand "$2" sh -c "exec $4" || return
     say "$1: $4"
     (within "$2" student "$3" sh -c "exec $4") 2>&1 | tee "$log" || {
         verdict="tests: $(tail -n 1 "$log")"

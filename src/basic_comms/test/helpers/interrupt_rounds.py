@@ -16,8 +16,8 @@ _LATEST = 1.0
 #: No node takes so long, s; where one does, it hangs.
 _PATIENCE = 30.0
 _OUR_LINES = re.compile(r'entry_point\.py", line \d+, in main')
-#: Has Python write a line to stderr for each module that it has imported.
-_TOLD_IMPORTS = {"PYTHONPROFILEIMPORTTIME": "1"}
+#: Has Python write a line to stderr for each module that it has imported, and where it hangs.
+_TOLD = {"PYTHONPROFILEIMPORTTIME": "1", "PYTHONFAULTHANDLER": "1"}
 _IMPORT = re.compile(r"^import time:.*\| *(\S+)$", re.MULTILINE)
 _ENTRY_POINT = "nodekit.entry_point"
 #: What a node imports only once it can handle an interrupt; it takes most of its start.
@@ -88,7 +88,7 @@ def _interrupt(program: str, moment: float, from_our_lines: bool) -> End:
     with tempfile.TemporaryFile() as errors:
         process = subprocess.Popen(
             [find_node("basic_comms", program)[0]],
-            env={**os.environ, **_TOLD_IMPORTS},
+            env={**os.environ, **_TOLD},
             stdout=subprocess.DEVNULL,
             stderr=errors,
             start_new_session=True,
@@ -103,7 +103,15 @@ def _interrupt(program: str, moment: float, from_our_lines: bool) -> End:
             time.sleep(moment)
             interrupted_at = time.monotonic()
             process.send_signal(signal.SIGINT)
-            process.wait(_PATIENCE)
+            try:
+                process.wait(_PATIENCE)
+            except subprocess.TimeoutExpired:
+                process.send_signal(signal.SIGABRT)
+                process.wait()
+                hung = told().rpartition("import time:")[2]
+                raise AssertionError(
+                    f"{program} hangs, interrupted after {moment} s: {hung}"
+                ) from None
             seconds = time.monotonic() - interrupted_at
         finally:
             process.kill()

@@ -285,7 +285,7 @@ def repeat_command(step: Step, case: Case) -> str:
 
 def module_of(class_name: str) -> Optional[str]:
     """Return the file of a pytest case: ``src.a.test.unit.test_b.TestC`` names test_b.py."""
-    parts = class_name.split(".")
+    parts = class_name.split(".") if class_name else []
     for count in range(len(parts), 0, -1):
         path = pathlib.Path(*parts[:count]).with_suffix(".py")
         if (WORKSPACE / path).is_file():

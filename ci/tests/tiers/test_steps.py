@@ -167,6 +167,8 @@ def test_a_failure_names_the_command_that_repeats_it() -> None:
     step = tiers.pytest_step("ci", "tiers", pathlib.Path(__file__).parent)
     case = Case("test_a", "failed", "", "ci.tests.tiers.test_steps.TestB", "pytest")
     assert repeat_command(step, case) == "./ci/test ci/tests/tiers/test_steps.py::test_a"
+    # A step that was ended at its time limit has written no cases.
+    assert repeat_command(step, Case("tiers", "failed")) == "./ci/test ci"
     (process, *_) = tiers.SOURCES.glob("basic_comms/test/integration/process.test")
     step = tiers.rostest_step("integration", "basic_comms", [process])
     case = Case("test_a", "failed", "", "test_process.ProcessNode", "process")

@@ -14,7 +14,9 @@ from ros2_bridge.actions.goals_of_ros2 import GONE
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_goals_of_a_server_that_goes_are_aborted(bridge: both.Bridge, number: int) -> None:
-    with Server2("/foot/kick") as server, Client1("/foot/kick") as client:
+    # A name of its own: the bridge may still list the server of the test before.
+    action = f"/foot/kick{number}"
+    with Server2(action) as server, Client1(action) as client:
         client.tell("send on 60.0")
         wait_until(lambda: client.feedback("on"), lambda: "no feedback")
         os.kill(server.popen.pid, number)

@@ -1,4 +1,4 @@
-"""How the pages are built: ``./ci/exec python3 -m sphinx -W docs docs/_build/html``."""
+"""Sphinx configuration of the pages: ``./ci/exec python3 -m sphinx -W docs docs/_build/html``."""
 
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path

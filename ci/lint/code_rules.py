@@ -9,7 +9,7 @@ import pathlib
 import sys
 from typing import Dict, Iterable, Iterator, List, Mapping, Set, Tuple
 
-from . import front_door
+from . import public_api
 from .structure import INDEPENDENT, ROOMS, SIBLINGS
 
 SOURCES = pathlib.Path(__file__).resolve().parents[2] / "src"
@@ -19,7 +19,7 @@ ROS = {"rospy", "rosgraph", "roslib", "std_msgs", "std_srvs", "genpy", "rclpy"}
 #: Most lines of a module. Length follows sense; what is longer than this has more than one subject.
 LONGEST = 400
 #: Imports by name what it offers, so that nothing is imported before it is used.
-FRONT_DOOR = "nodekit"
+PUBLIC_MODULE = "nodekit"
 
 #: The Python of ROS Noetic. mypy is set to it as well, and knows what its modules hold.
 NOETIC = (3, 8)
@@ -117,9 +117,9 @@ def all_breaches() -> Iterator[str]:
             yield f"{path.relative_to(SOURCES.parent)}:{line}: {sentence}"
         if len(text.splitlines()) > LONGEST:
             yield f"{name}: longer than {LONGEST} lines"
-    trees.pop(FRONT_DOOR)  # nobody imports it from within
+    trees.pop(PUBLIC_MODULE)  # no module inside the package imports it
     yield from cycles(import_graph(trees))
-    yield from front_door.breaches()
+    yield from public_api.breaches()
 
 
 if __name__ == "__main__":

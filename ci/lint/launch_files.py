@@ -1,7 +1,7 @@
 """Check launch files as roslaunch-check does, all in one process.
 
 ``launch_files.py FOLDER…`` prints what is wrong with any below these folders, and ends with status
-1 if something is, or if there are none.
+1 if something is, or if no launch file is found.
 """
 
 import pathlib

@@ -1,6 +1,6 @@
 """Check that each key in each package.xml is one that rosdep has a Debian package for.
 
-``python3 ci lint.rosdep_keys`` prints each that is none and ends with status 1 if there is one.
+``python3 ci lint.rosdep_keys`` prints each unknown key and ends with status 1 if there is one.
 ``python3 ci lint.rosdep_keys FILE.yaml…`` prints the keys of rosdep's own files instead, as
 ``ci/rosdep-keys.txt`` lists them.
 """

@@ -57,7 +57,7 @@ def modules_of(wiring: bool, packages: Sequence[str], places: Sequence[str]) -> 
     :param wiring: those that connect a package to ROS, and the page's scripts; else the pure ones
     :param packages: only theirs; those of all packages if empty
     :param places: files and folders, all modules of which are returned instead
-    :raises Unfit: if there are none in a package or a place
+    :raises Unfit: if a package or a place has no such module
     """
     known = {path: wiring for path in sorted(SOURCES.glob("*/www/js/**/*.js"))}
     for name, path in code_rules.modules():

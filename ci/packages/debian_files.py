@@ -96,7 +96,7 @@ def read_manifests(sources: pathlib.Path) -> List[Manifest]:
 
 
 def faults(manifests: List[Manifest], table: Table) -> Iterator[str]:
-    """Return a sentence about each key that is missing in the table, and each that nobody needs."""
+    """Return a sentence about each key that is missing in the table, and each that no package needs."""
     own = {manifest.name for manifest in manifests}
     used: Set[str] = set()
     for manifest in manifests:
@@ -127,7 +127,7 @@ def synopsis(description: str) -> str:
 
 
 def field(name: str, values: Iterable[str]) -> str:
-    """Return a field with a value a line, or nothing where there are none."""
+    """Return a field with a value a line, or nothing without values."""
     lines = ",\n ".join(values)
     return f"{name}:\n {lines}\n" if lines else ""
 

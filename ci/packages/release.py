@@ -97,7 +97,7 @@ def validate(version: str, unpublished: bool) -> None:
     what = f"packaging/project.yaml has placeholders for {missing}"
     if missing and not unpublished:
         raise Refused(
-            f"{what}: nobody could reach you. Replace them as that file says,"
+            f"{what}: users could not reach you. Replace them as that file says,"
             " or release with --unpublished"
         )
     if missing:

@@ -13,7 +13,7 @@ clean_environment() {
     export PATH=$path
     unset PYTHONHOME VIRTUAL_ENV CONDA_PREFIX CONDA_DEFAULT_ENV PYENV_VERSION
 
-    # A directory of somebody's own modules is harmless. One of installed packages
+    # A directory of the user's own modules is harmless. One of installed packages
     # belongs to another python or another ROS, whose modules would hide ours.
     path=
     IFS=: read -ra directories <<<"${PYTHONPATH-}"

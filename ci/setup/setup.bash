@@ -61,7 +61,7 @@ refuse_unfit_path() {
             "spaces, quotes, colons and other characters that mean something to a shell."
 }
 
-# What belongs to somebody else would end a build half-way; a first run with sudo leaves such.
+# Files of another user would end a build half-way; a first run with sudo leaves such files.
 refuse_foreign_files() {
     local me place
     local -a places=("$workspace/build" "$workspace/devel")
@@ -75,7 +75,7 @@ refuse_foreign_files() {
 }
 
 # Install the packages of these sections and build, each only where needed.
-# Looking takes no lock; whoever finds something to do waits for the lock and
+# Looking takes no lock; a run that finds something to do waits for the lock and
 # looks again. The lock's descriptor lives in the subshell alone, so that the
 # command never inherits it.
 set_up() { # SECTION…

@@ -116,7 +116,7 @@ take_prefix() { # SUITE ROOT
 launch_command() { page_commands README.md "Two commands" | head -n 1; }
 
 # Prepare, then launch until a second command receives from the process node. What builds is prepared: a
-# time-out amid the build would begin it anew.
+# time-out amid the build would restart it.
 launches() { # ROOT USER PREPARATION
     say "$3; $command"
     # shellcheck disable=SC2016

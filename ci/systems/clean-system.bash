@@ -26,7 +26,7 @@ copy_apt_settings() { # ROOT
     done
 }
 
-# The same for PyPI, which only what is run online reaches. Debian's own certificates are made anew
+# The same for PyPI, which only what is run online reaches. Debian's own certificates are made again
 # in there, so these have a place beside them.
 copy_pip_settings() { # ROOT
     local file

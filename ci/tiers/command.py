@@ -16,7 +16,7 @@ from typing import Callable, Dict, Iterator, List, Optional, Tuple
 
 from tqdm import tqdm
 
-from . import tiers
+from . import tier_plan
 from .selection import DEFAULT, TIERS, Selection, UnknownWord, of_change
 from .steps import Runner, Step, StepResult, repeat_command
 from .times import Times, estimate
@@ -120,7 +120,7 @@ class Reporter:
     def __init__(self, steps: List[Step], times: Times) -> None:
         self._times = times
         self._bar = tqdm(
-            total=sum(times.wall(step.title, tiers.UNKNOWN_S) for step in steps),
+            total=sum(times.wall(step.title, tier_plan.UNKNOWN_S) for step in steps),
             bar_format="{percentage:3.0f} %|{bar}| {elapsed}, {remaining} left",
             disable=not sys.stderr.isatty(),
             leave=False,
@@ -128,7 +128,7 @@ class Reporter:
 
     def report(self, result: StepResult) -> None:
         """Print a line about a step, and why it failed."""
-        self._bar.update(self._times.wall(result.step.title, tiers.UNKNOWN_S))
+        self._bar.update(self._times.wall(result.step.title, tier_plan.UNKNOWN_S))
         lines = [
             f"{'ok' if result.good else 'FAILED':6} {result.step.title}: "
             f"{numbers(result.passed, failures(result), result.skipped)}, "
@@ -239,12 +239,12 @@ def list_tests(times: Times) -> None:
     row = "%-26s %9s %12s  %s"
     print(row % ("", "seconds", "processor s", ""))
     for tier, text in TIERS.items():
-        steps = tiers.plan(Selection(whole=[tier]), times)
+        steps = tier_plan.plan(Selection(whole=[tier]), times)
         print(row % (tier, *usual(steps, times), text))
     for package in packages():
         chosen = Selection()
         chosen.add_package(package.name)
-        print(row % (package.name, *usual(tiers.plan(chosen, times), times), ""))
+        print(row % (package.name, *usual(tier_plan.plan(chosen, times), times), ""))
     print(f"\nWithout a word: {' '.join(DEFAULT)}. A dash: not run here yet.")
 
 
@@ -262,7 +262,7 @@ def announce(steps: List[Step], times: Times, rounds: int) -> None:
     for step in steps:
         counts[step.tier] = counts.get(step.tier, 0) + 1
     text = ", ".join(f"{tier} ({count})" for tier, count in counts.items())
-    walls = [times.wall(step.title, tiers.UNKNOWN_S) for step in steps]
+    walls = [times.wall(step.title, tier_plan.UNKNOWN_S) for step in steps]
     seconds = rounds * estimate(walls, AT_A_TIME)
     known = sum(times.knows(step.title) for step in steps)
     how_long = f"about {seconds / 60:.1f} minutes" if known > len(steps) / 2 else "time unknown"
@@ -321,7 +321,7 @@ def main(words: List[str]) -> int:
         list_tests(times)
         return 0
     try:
-        steps = tiers.plan(choose(options), times)
+        steps = tier_plan.plan(choose(options), times)
     except (UnknownWord, UnknownCommit) as error:
         print(f"ci/test: {error}", file=sys.stderr)
         return 125

@@ -188,7 +188,7 @@ def result_of(
 
 
 def free_port() -> int:
-    """Return a port that nothing listens on, of those that the system gives to nobody."""
+    """Return a port that nothing listens on, outside the system's ephemeral range."""
     while True:
         with contextlib.suppress(OSError), socket.socket() as probe:
             probe.bind(("localhost", random.SystemRandom().choice(_PORTS)))
@@ -196,7 +196,7 @@ def free_port() -> int:
 
 
 def environment(directory: pathlib.Path) -> Dict[str, str]:
-    """The environment of a step: a master port and places for files of its own."""
+    """Return the environment of a step: a master port and places for files of its own."""
     variables = dict(
         os.environ,
         ROS_MASTER_URI=f"http://localhost:{free_port()}",
@@ -205,8 +205,8 @@ def environment(directory: pathlib.Path) -> Dict[str, str]:
         TMPDIR=str(directory / "tmp"),
         HYPOTHESIS_STORAGE_DIRECTORY=str(directory / "hypothesis"),
     )
-    # Users have neither. Without modules that are compiled already, each of hundreds of nodes does
-    # it anew; with the other, a test that waits for what stays in a buffer passes here alone.
+    # Users set neither. The first has each of hundreds of nodes compile its modules; the second
+    # hides output that stays in a buffer.
     for name in ("PYTHONDONTWRITEBYTECODE", "PYTHONUNBUFFERED"):
         variables.pop(name, None)
     return variables
@@ -235,7 +235,7 @@ def end_leftovers(directory: pathlib.Path) -> None:
             if mark in (process / "environ").read_bytes().split(b"\0"):
                 os.kill(int(process.name), signal.SIGKILL)
         except OSError:
-            continue  # ended meanwhile, or somebody else's
+            continue  # ended meanwhile, or another user's
 
 
 def read_cases(results: pathlib.Path) -> List[Case]:
@@ -274,7 +274,7 @@ def reason_of(defect: ElementTree.Element) -> str:
 
 
 def repeat_command(step: Step, case: Case) -> str:
-    """Return the command that runs one test of a step again, empty where there is none."""
+    """Return the command that repeats one test of a step, or the whole step."""
     if not step.repeat:
         return f"./ci/test {step.tier}"
     module = module_of(case.class_name)

@@ -1,4 +1,4 @@
-"""How long the steps took, kept in build/, so that the next run can say how long it will take."""
+"""Times of the last run's steps, kept in build/, from which the next run estimates its own."""
 
 import json
 import pathlib
@@ -30,11 +30,11 @@ class Times:
             self._known = {}
 
     def wall(self, step: str, unknown: float = 0.0) -> float:
-        """Return the usual wall time of a step, or another figure where there is none [s]."""
+        """Return the usual wall time of a step, or a default for an unknown step [s]."""
         return self._usual(step, 0, unknown)
 
     def cpu(self, step: str) -> float:
-        """Return the usual processor time of a step, 0 where there is none [s]."""
+        """Return the usual processor time of a step, 0 for an unknown step [s]."""
         return self._usual(step, 1, 0.0)
 
     def _usual(self, step: str, column: int, unknown: float) -> float:

@@ -71,7 +71,7 @@ class LaunchArgs(SphinxDirective):
 
 
 class LaunchFileTable(LaunchArgs):
-    """What one launch file is for, and its args."""
+    """Purpose and arguments of one launch file."""
 
     def run(self) -> List[nodes.Node]:
         told = self.read()

@@ -1,7 +1,7 @@
 """The directive ``{plant-response} step`` (or ``sine``): what the first-order plant answers.
 
 The plant of the package itself computes it, with the course's values, exactly and by forward Euler;
-the analytic solution next to them is that to an input that nobody samples.
+the analytic solution next to them is that to an input that is not sampled.
 """
 
 import math

@@ -26,8 +26,8 @@ class Reader:
     :param timeout: how long to wait for what the page shows [s]; generous, as everything goes on at
         once when it is there. A command that ends may take longer: the rest of the limit
     :param limit: how long a page may take in all [s]
-    :param python: runs the commands that are Python programs; all are started anew without it
-    :param started_anew: beginnings of commands that are started anew even so
+    :param python: runs the commands that are Python programs; without it, each is started as a new process
+    :param new_process: beginnings of commands that are started as new processes even so
     """
 
     def __init__(
@@ -35,10 +35,10 @@ class Reader:
         timeout: float = 100.0,
         limit: float = 300.0,
         python: Optional[WarmPython] = None,
-        started_anew: Iterable[str] = (),
+        new_process: Iterable[str] = (),
     ) -> None:
         self._python = python
-        self._started_anew = tuple(started_anew)
+        self._new_process = tuple(new_process)
         self._end = float("inf")
         self._timeout = timeout
         self._limit = limit
@@ -150,10 +150,10 @@ class Reader:
     def _start(self, command: str, goes_on: bool) -> Job:
         if command.split()[0] == "roscore":  # alone among the tools it ignores ROS_MASTER_URI
             command += f" -p {self._port}"
-        if "topic_scope scope.py" in command:  # beside one that somebody may have open
+        if "topic_scope scope.py" in command:  # the user may have another one open
             command += f" --port {self._scope_port}"
         output = Path(self._home.name, f"output{len(self._jobs)}")
-        python = None if command.startswith(self._started_anew) else self._python
+        python = None if command.startswith(self._new_process) else self._python
         job = Job(command, WORKSPACE, self._environment, output, goes_on, python)
         self._jobs.append(job)
         return job

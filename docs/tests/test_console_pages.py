@@ -1,4 +1,4 @@
-"""What the documentation shows of a console is what its readers see."""
+"""Consoles in the documentation show what readers see."""
 
 from concurrent.futures import Future
 
@@ -29,7 +29,7 @@ def effort(page: str) -> int:
 
 def type_page(page: str, python: WarmPython) -> None:
     """Do all that a page says."""
-    with Reader(python=python, started_anew=STARTED_ANEW.get(page, ())) as reader:
+    with Reader(python=python, new_process=STARTED_ANEW.get(page, ())) as reader:
         reader.follow(PAGES[page])
 
 
@@ -44,7 +44,7 @@ def test_every_tutorial_has_a_command() -> None:
     assert tutorials == ["docs/tutorials/index.md"]
 
 
-def test_command_that_is_started_anew_is_still_there() -> None:
+def test_command_that_is_new_process_is_still_there() -> None:
     assert STARTED_ANEW
     for page, starts in STARTED_ANEW.items():
         typed = [instruction.typed or "" for instruction in instructions_of(PAGES[page])]

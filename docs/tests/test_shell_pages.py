@@ -1,4 +1,4 @@
-"""What the documentation shows without its output, in blocks of the language sh, can be typed."""
+"""Commands that pages show without their output, in blocks of the language sh, can be typed."""
 
 from concurrent.futures import Future
 from typing import Dict, List

@@ -77,8 +77,8 @@ def test_a_wrong_line(typist: Typist, command: str, reason: str) -> None:
     "command, reason",
     [
         ("exec sleep 60", "does not end"),
-        ("rostopic echo /nobody", "does not come up"),
-        ("rostopic pub /nobody std_msgs/String hello", "does not come up"),
+        ("rostopic echo /missing", "does not come up"),
+        ("rostopic pub /missing std_msgs/String hello", "does not come up"),
     ],
 )
 def test_a_line_that_has_no_effect(typist: Typist, command: str, reason: str) -> None:
@@ -93,7 +93,7 @@ def test_a_line_that_has_no_effect(typist: Typist, command: str, reason: str) ->
     [
         ("rosparam set /talker/rate -1", "in force is"),
         ("rosparam set /talker/rate 5.0  # refused", "in force is"),
-        ("rosparam set /nobody/rate 5.0", "nobody follows it"),
+        ("rosparam set /missing/rate 5.0", "no node follows it"),
     ],
 )
 def test_a_value_that_is_not_judged_as_the_page_says(
@@ -111,8 +111,8 @@ def test_a_value_that_is_not_judged_as_the_page_says(
 @pytest.mark.parametrize(
     "command, reason",
     [
-        ("rosrun basic_comms nobody.py", "it has ended with status 3"),
-        ("roslaunch basic_comms nobody.launch", "it has ended with status 1"),
+        ("rosrun basic_comms missing.py", "it has ended with status 3"),
+        ("roslaunch basic_comms missing.launch", "it has ended with status 1"),
         ("roslaunch basic_comms talker_listener.launch wrong:=1", "has no argument wrong"),
     ],
 )

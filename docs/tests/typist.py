@@ -176,7 +176,7 @@ class Typist:
             rospy.wait_for_service(change, self.timeout)
             answer = rospy.ServiceProxy(change, SetParameters)("{}")
         except (rospy.ROSException, rospy.ServiceException) as error:
-            raise PageError(f"nobody follows it: {error}") from error
+            raise PageError(f"no node follows it: {error}") from error
         values: Dict[str, Any] = yaml.safe_load(answer.values)
         return values
 
@@ -192,7 +192,7 @@ class Typist:
                 raise PageError(f"it has ended with status {job.status}:\n{job.output()}")
             if words[:2] == ["rostopic", "echo"]:
                 return "\n---\n" in job.output()
-            if words[:2] == ["rostopic", "pub"]:  # its type is right, if somebody hears it
+            if words[:2] == ["rostopic", "pub"]:  # its type is right if a subscriber receives it
                 return any(graph.hearers(node, words[2]) for node in graph.publishers(words[2]))
             expected = 1 if "rosrun" in words else len(_NODE_OF_LAUNCH.findall(job.output()))
             nodes = graph.nodes()
@@ -238,7 +238,7 @@ class Typist:
 
     def _start(self, command: str, goes_on: bool) -> Job:
         line, hash_, comment = command.partition(" #")
-        if "topic_scope scope." in line:  # beside one that somebody may have open
+        if "topic_scope scope." in line:  # the user may have another one open
             port = free_port()
             line += f" port:={port}" if line.startswith("roslaunch") else f" --port {port}"
         self._count += 1

@@ -31,7 +31,7 @@ def serve(**functions):
 
 @pytest.fixture(name="master")
 def make_master():
-    """A master without publishers."""
+    """Offer a master without publishers."""
 
     def accept(*_arguments):
         return 1, "", []

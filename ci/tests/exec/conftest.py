@@ -12,7 +12,7 @@ CI = pathlib.Path(__file__).resolve().parents[2]
 
 PACKAGE_XML = """<package format="3">
   <name>%(name)s</name> <version>0.0.0</version> <description>For a test.</description>
-  <maintainer email="nobody@example.invalid">nobody</maintainer> <license>BSD-3-Clause</license>
+  <maintainer email="author@example.invalid">author</maintainer> <license>BSD-3-Clause</license>
   <buildtool_depend>catkin</buildtool_depend>
   <build_depend>message_generation</build_depend> <exec_depend>message_runtime</exec_depend>
   %(more)s
@@ -74,7 +74,7 @@ class Workspace:
         (package / "msg" / "Beat.msg").write_text("float64 period  # s\n")
 
     def environment(self, changes: Optional[Dict[str, Optional[str]]] = None) -> Dict[str, str]:
-        """The caller's environment with the fakes in it; a change to None removes a variable."""
+        """Return the caller's environment with the fakes; a change to None removes a variable."""
         environment = dict(os.environ)
         for name in (
             "ROS_HOSTNAME",
@@ -173,13 +173,13 @@ class Workspace:
 
 @pytest.fixture
 def workspace(tmp_path: pathlib.Path) -> Workspace:
-    """A workspace that nothing has been built in."""
+    """Return a workspace in which nothing has been built."""
     return Workspace(tmp_path / "workspace")
 
 
 @pytest.fixture(scope="session")
 def built(tmp_path_factory: "pytest.TempPathFactory") -> Workspace:
-    """A built workspace, for tests that change nothing in it."""
+    """Return a built workspace, for tests that change nothing in it."""
     # Signs that are seldom in a path, and no reason to refuse it.
     workspace = Workspace(tmp_path_factory.mktemp("built") / "é+@=%,~-1")
     assert workspace.run("true").returncode == 0

@@ -18,7 +18,7 @@ README = (WORKSPACE / "README.md").read_text("utf-8")
 
 
 def commands(page: str, section: str) -> List[str]:
-    """The commands of a section of a page."""
+    """Return the commands of a section of a page."""
     script = f"workspace='{WORKSPACE}'; source '{CI}/systems/pages.bash'; page_commands \"$@\""
     printed = subprocess.check_output(["bash", "-c", script, "bash", page, section], timeout=30)
     return printed.decode().splitlines()

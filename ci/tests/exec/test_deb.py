@@ -15,7 +15,7 @@ INSIDE = CI / "packages" / "deb-inside.bash"
 
 
 def inside(script: str, *arguments: str) -> List[str]:
-    """What a script prints that may call the functions of ci/deb."""
+    """Return the output of a script that may call the functions of ci/deb."""
     command = ["bash", "-c", f"source '{INSIDE}'; {script}", "bash", *arguments]
     return subprocess.check_output(command, timeout=30).decode().splitlines()
 

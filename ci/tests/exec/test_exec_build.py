@@ -42,7 +42,7 @@ def test_rebuilds_what_changed_and_drops_what_is_gone(workspace: Workspace) -> N
     assert not workspace.shows("spare.Beat")
     assert workspace.shows("tiny.Bar")
 
-    # Somebody's own "catkin_make clean" takes products away behind the stamp's back.
+    # The user's own "catkin_make clean" removes products behind the stamp's back.
     subprocess.check_call(
         ["make", "-C", str(workspace.root / "build"), "clean"], stdout=subprocess.DEVNULL
     )
@@ -50,7 +50,7 @@ def test_rebuilds_what_changed_and_drops_what_is_gone(workspace: Workspace) -> N
 
 
 @pytest.mark.parametrize("built_by_hand", [False, True])
-def test_moved_workspace_is_built_anew(workspace: Workspace, built_by_hand: bool) -> None:
+def test_moved_workspace_is_rebuilt(workspace: Workspace, built_by_hand: bool) -> None:
     assert workspace.shows("tiny.Beat")
     if built_by_hand:
         shutil.rmtree(str(workspace.root / "build" / "ci-exec"))

@@ -101,7 +101,7 @@ def test_help_is_the_header(workspace: Workspace, program: str, said: str) -> No
     assert result.stdout.startswith(f"Usage: ci/{program}")
     assert f"\n{said}" in result.stdout
     assert "set -e" not in result.stdout
-    # Nobody who reads it has anything installed or built.
+    # A reader of the usage has nothing installed or built.
     assert log.read_text() == "" and not (workspace.root / "build").exists()
 
 
@@ -207,7 +207,7 @@ def test_says_whose_the_master_is(built: Workspace, words: Sequence[str]) -> Non
         found = re.search("'export ROS_MASTER_URI=http://localhost:([0-9]+)'", line)
         assert found and int(found.group(1)) > port
         assert built.run("true", ROS_MASTER_URI=f"http://localhost:{port}").stderr == ""
-    # Nobody listens there.
+    # No process listens there.
     built.be_somebody()
     try:
         assert built.run("true", ROS_MASTER_URI=f"http://localhost:{port}").stderr == ""

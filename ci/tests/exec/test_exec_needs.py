@@ -33,7 +33,7 @@ def built_ones(workspace: Workspace) -> Set[str]:
 
 @pytest.fixture
 def several(workspace: Workspace) -> Workspace:
-    """A workspace in which user depends on tiny, and on spare in its tests alone."""
+    """Return a workspace in which user depends on tiny, and on spare in its tests alone."""
     workspace.add_package("spare")
     workspace.add_package(
         "user", "<exec_depend\n>tiny</exec_depend><test_depend>spare</test_depend>"

@@ -103,7 +103,7 @@ class Copy:
         self.git("commit", "--quiet", "--message", "Begin")
 
     def state(self) -> List[str]:
-        """What a release changes."""
+        """Return the changes of a release."""
         return [self.git("log", "--all", "--format=%H"), self.git("status", "--porcelain")]
 
     def release(self, *arguments: str) -> "subprocess.CompletedProcess[str]":
@@ -120,8 +120,8 @@ class Copy:
 @pytest.fixture
 def copy(tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch") -> Copy:
     for role in ("AUTHOR", "COMMITTER"):
-        monkeypatch.setenv(f"GIT_{role}_NAME", "somebody")
-        monkeypatch.setenv(f"GIT_{role}_EMAIL", "somebody@example.invalid")
+        monkeypatch.setenv(f"GIT_{role}_NAME", "committer")
+        monkeypatch.setenv(f"GIT_{role}_EMAIL", "committer@example.invalid")
     monkeypatch.setenv("GIT_CONFIG_GLOBAL", os.devnull)
     return Copy(tmp_path / "workspace")
 
@@ -326,7 +326,7 @@ def test_nothing_is_released_by_whom_nobody_can_reach(copy: Copy) -> None:
     for options in ([], ["--dry-run"]):
         done = copy.release(*options, "1.2.0")
         assert (done.returncode, done.stdout) == (125, "")
-        assert "project.yaml has placeholders for security, bugtracker: nobody" in done.stderr
+        assert "project.yaml has placeholders for security, bugtracker: users" in done.stderr
         assert "--unpublished" in done.stderr
     assert copy.state() == before and not copy.journal.exists()
 

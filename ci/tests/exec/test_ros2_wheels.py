@@ -24,7 +24,7 @@ echo "${bound:-a==1.1}"
 
 @pytest.fixture
 def wheels(workspace: Workspace) -> pathlib.Path:
-    """A workspace that has the list of wheels, and a package that names the Pythons."""
+    """Return a workspace that has the list of wheels, and a package that names the Pythons."""
     workspace.pretend_packages("[run]\n[ros2]\n")
     workspace.program = "ros2-wheels"
     package = workspace.root / "modules" / "ros2_bridge" / "environment"

@@ -1,4 +1,4 @@
-"""What is typed after a launch file's name is judged by one rule, and reaches the node as typed."""
+"""Values typed after a launch file's name: one validation rule, passed to the node as typed."""
 
 import os
 from typing import Dict, List

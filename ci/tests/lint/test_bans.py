@@ -5,7 +5,7 @@ import subprocess
 import pytest
 
 from ci.lint.code_rules import SOURCES
-from ci.tiers.tiers import RUFF
+from ci.tiers.tier_plan import RUFF
 
 LIBRARY = "src/basic_comms/src/basic_comms/nodes/x.py"
 

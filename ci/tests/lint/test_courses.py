@@ -21,7 +21,7 @@ def test_each_item_has_a_test_that_carries_its_id() -> None:
 
 @pytest.fixture
 def workspace(tmp_path: pathlib.Path) -> pathlib.Path:
-    """A workspace with a test and a page."""
+    """Return a workspace with a test and a page."""
     place = tmp_path / "src" / "one" / "test" / "unit"
     place.mkdir(parents=True)
     (place / "test_a.py").write_text(f'"""{NAME}s 001-a-1,\n001-a-2."""\nx = "001-a-3"\n')

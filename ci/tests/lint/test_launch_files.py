@@ -1,4 +1,4 @@
-"""What cannot be launched is named, and a check of nothing is no success."""
+"""The check of launch files names those that fail, and fails if it checked nothing."""
 
 import pathlib
 import subprocess

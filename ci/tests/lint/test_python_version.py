@@ -1,4 +1,4 @@
-"""What Python 3.8 does not have is refused: mypy knows its library, and its language."""
+"""Features newer than Python 3.8 are refused: mypy knows its library and its language."""
 
 import pathlib
 import subprocess

@@ -39,7 +39,7 @@ rosunit.unitrun("p", "value", Value)
 
 @pytest.fixture
 def sources(tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch") -> pathlib.Path:
-    """A folder with a package ``p`` of one module, in place of the workspace's."""
+    """Return a folder with a package ``p`` of one module, in place of the workspace's."""
     for name in ("PYTHONPATH", "ROS_PACKAGE_PATH", "PYTHONPYCACHEPREFIX", evaluation.FAIL_FAST):
         monkeypatch.setenv(name, os.environ.get(name, ""))  # set by what is tested
     monkeypatch.setattr(evaluation, "SOURCES", tmp_path / "src")

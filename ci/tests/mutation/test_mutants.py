@@ -74,7 +74,7 @@ def listed(text: str, kinds: Sequence[str]) -> List[Dict[str, Any]]:
 
 @pytest.fixture
 def draw(monkeypatch: "pytest.MonkeyPatch") -> Any:
-    """A draw from the lines of a text instead of from modules."""
+    """Draw from the lines of a text instead of from modules."""
 
     def draw_from(text: str, count: int, seed: int, kinds: Sequence[str] = ("operator",)) -> Any:
         found = listed(text, kinds)

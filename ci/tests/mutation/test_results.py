@@ -1,4 +1,4 @@
-"""What a run reports: survivors, rates, and the list of known equivalents."""
+"""Report of a mutation run: survivors, rates, and the list of known equivalents."""
 
 import pathlib
 
@@ -15,7 +15,7 @@ def mutant(name: str, kind: str = "loop", module: str = "p/a.py") -> Mutant:
 
 @pytest.fixture(autouse=True)
 def equivalent(tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch") -> pathlib.Path:
-    """A list of known equivalents, empty at first, and a module of three lines."""
+    """Return a list of known equivalents, empty at first, and a module of three lines."""
     module = tmp_path / "src" / "p" / "a.py"
     module.parent.mkdir(parents=True)
     module.write_text("one\ntwo\nthree\n")

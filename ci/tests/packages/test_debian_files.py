@@ -31,7 +31,7 @@ MANIFEST = """<package format="3"><name>{name}</name><version>1.2.3</version>
 
 @pytest.fixture
 def tree(tmp_path: pathlib.Path) -> pathlib.Path:
-    """A workspace of two packages, exported."""
+    """Return a workspace of two packages, exported."""
     write(tmp_path, "one", ["<exec_depend> rospy </exec_depend>", "<depend>two_msgs</depend>"])
     write(tmp_path, "two_msgs", ["<exec_depend>message_runtime</exec_depend>"])
     (tmp_path / "src" / "one" / "launch").mkdir()
@@ -49,7 +49,7 @@ def write(root: pathlib.Path, name: str, depends: List[str]) -> None:
 
 
 def made(tree: pathlib.Path) -> List[str]:
-    """The paragraphs of debian/control, and its changelog."""
+    """Return the paragraphs of debian/control, and its changelog."""
     debian_files.make(tree, "trixie", "Sun, 22 Nov 2026 06:00:00 +0000")
     assert (tree / "debian" / "rules").read_text() == "the rules"
     control, changelog = (tree / "debian" / name for name in ("control", "changelog"))
@@ -62,7 +62,7 @@ def faults(tree: pathlib.Path) -> List[str]:
 
 
 def values(paragraph: str, field: str) -> List[str]:
-    """What stands in a field with a value a line."""
+    """Return the values of a field with one value per line."""
     found = re.search(rf"^{field}:\n((?: .*\n?)*)", paragraph, re.MULTILINE)
     return [value.strip() for value in found.group(1).split(",")] if found else []
 

@@ -1,4 +1,4 @@
-"""What runs a user's commands says in a sentence that one hangs, and ends it."""
+"""Runner of a user's commands: reports a command that hangs in a sentence, and ends it."""
 
 import pathlib
 

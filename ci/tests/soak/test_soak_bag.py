@@ -1,4 +1,4 @@
-"""What is missing in the bag of a long run is found."""
+"""Search for missing messages in the bag of a long run."""
 
 import pathlib
 

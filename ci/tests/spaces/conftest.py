@@ -23,7 +23,7 @@ def commands(section: str) -> List[str]:
 
 @pytest.fixture(scope="session")
 def underlay() -> Dict[str, str]:
-    """The environment without the workspace's devel space; messages for Python only.
+    """Return the environment without the workspace's devel space; messages for Python only.
 
     What other languages but Python would generate takes longest.
     """

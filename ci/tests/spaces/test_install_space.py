@@ -32,7 +32,7 @@ def install_space(tmp_path_factory: "pytest.TempPathFactory", user: Dict[str, st
 
 @pytest.fixture
 def start(install_space: pathlib.Path, underlay: Dict[str, str]) -> Start:
-    """Starts a command in the install space."""
+    """Start a command in the install space."""
 
     def start_command(*command: str) -> "subprocess.Popen[str]":
         return subprocess.Popen(

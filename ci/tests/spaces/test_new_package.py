@@ -1,4 +1,4 @@
-"""What ``rosrun nodekit new`` makes builds and passes its test as it is."""
+"""A package made by ``rosrun nodekit new`` builds and passes its test unchanged."""
 
 import os
 import pathlib

@@ -15,7 +15,7 @@ from .conftest import PAGE, SOURCES, commands
 
 @pytest.fixture(scope="module")
 def launched(user: Dict[str, str]) -> Iterator["subprocess.Popen[bytes]"]:
-    """The launch that the page's second command starts."""
+    """Return the launch that the page's second command starts."""
     _, run = commands("All of it in your own workspace")
     # roslaunch and its shell get the Ctrl-C.
     launch = subprocess.Popen(["bash", "-c", run], env=user, start_new_session=True)

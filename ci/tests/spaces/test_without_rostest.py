@@ -48,7 +48,7 @@ def targets_of_tests(folder: pathlib.Path) -> str:
 
 @pytest.fixture(scope="module")
 def new_package(tmp_path_factory: "pytest.TempPathFactory") -> pathlib.Path:
-    """What ``rosrun nodekit new`` makes."""
+    """Return a package made by ``rosrun nodekit new``."""
     folder = tmp_path_factory.mktemp("src")
     subprocess.check_call(["rosrun", "nodekit", "new", "first_robot", str(folder)])
     return folder / "first_robot"

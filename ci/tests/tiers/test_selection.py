@@ -1,4 +1,4 @@
-"""What the words of ci/test and a change of files choose."""
+"""Selection of steps by the words of ci/test and by changed files."""
 
 import pathlib
 from typing import Dict, List, Set
@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ci.tiers import tiers
+from ci.tiers import tier_plan
 from ci.tiers.selection import TIERS, Selection, UnknownWord, of_change
 from ci.tiers.times import Times, estimate
 from ci.tiers.workspace import dependencies, packages, with_dependents
@@ -39,14 +39,14 @@ def test_a_place_may_name_a_test(tmp_path: pathlib.Path) -> None:
     file.write_text("")
     selection = Selection()
     selection.add_word(f"{file}::test_b", set(), tmp_path)
-    (step,) = tiers.plan(selection, NO_TIMES)
+    (step,) = tier_plan.plan(selection, NO_TIMES)
     assert step.command[-1] == f"{file}::test_b"
 
 
 def test_a_place_that_is_no_test_is_refused(tmp_path: pathlib.Path) -> None:
     selection = Selection(places=[(tmp_path / "notes.md", "")])
     with pytest.raises(UnknownWord, match="is not a test file"):
-        tiers.plan(selection, NO_TIMES)
+        tier_plan.plan(selection, NO_TIMES)
 
 
 @pytest.mark.parametrize(
@@ -78,28 +78,28 @@ def test_dependencies_are_read_from_the_manifests() -> None:
 
 def test_each_tier_and_each_package_has_steps() -> None:
     for tier in TIERS:
-        assert tiers.steps_of(tier, None, NO_TIMES) or tier == "extended", tier
+        assert tier_plan.steps_of(tier, None, NO_TIMES) or tier == "extended", tier
     for package in packages():
         selection = Selection()
         selection.add_package(package.name)
-        assert tiers.plan(selection, NO_TIMES), package.name
+        assert tier_plan.plan(selection, NO_TIMES), package.name
 
 
 def test_each_rostest_file_is_run_by_one_step() -> None:
     files = [
         str(path)
         for folder in ("integration", "extended")
-        for path in tiers.SOURCES.glob(f"*/test/{folder}/*.test")
+        for path in tier_plan.SOURCES.glob(f"*/test/{folder}/*.test")
     ]
-    steps = tiers.plan(Selection(whole=["integration", "extended"]), NO_TIMES)
+    steps = tier_plan.plan(Selection(whole=["integration", "extended"]), NO_TIMES)
     run = [word for step in steps for word in step.command if word.endswith(".test")]
     assert sorted(run) == sorted(files)
 
 
 def test_each_file_of_the_tests_of_ci_is_run() -> None:
-    steps = tiers.plan(Selection(whole=["ci", "install", "catkin_build"]), NO_TIMES)
+    steps = tier_plan.plan(Selection(whole=["ci", "install", "catkin_build"]), NO_TIMES)
     places = [pathlib.Path(word) for step in steps for word in step.command]
-    files = sorted((tiers.CI / "tests").rglob("test_*.py"))
+    files = sorted((tier_plan.CI / "tests").rglob("test_*.py"))
     assert files
     for file in files:
         assert any(place in (file, file.parent) for place in places), file

@@ -8,7 +8,7 @@ import threading
 
 import pytest
 
-from ci.tiers import command, tiers, workspace
+from ci.tiers import command, tier_plan, workspace
 from ci.tiers.steps import Case, Runner, Step, StepResult, repeat_command
 from ci.tiers.times import Times
 
@@ -94,7 +94,7 @@ def wait_until_gone(pid: int) -> None:
     for _ in range(500):
         os.kill(pid, 0)
         with open(f"/proc/{pid}/stat") as stat:
-            if stat.read().split()[2] == "Z":  # dead, and nobody's to reap here
+            if stat.read().split()[2] == "Z":  # dead; this process cannot reap it
                 raise ProcessLookupError(pid)
         threading.Event().wait(0.01)
 
@@ -164,13 +164,13 @@ def test_rounds_name_what_did_not_pass_in_each(capsys: "pytest.CaptureFixture[st
 
 
 def test_a_failure_names_the_command_that_repeats_it() -> None:
-    step = tiers.pytest_step("ci", "tiers", pathlib.Path(__file__).parent)
+    step = tier_plan.pytest_step("ci", "tiers", pathlib.Path(__file__).parent)
     case = Case("test_a", "failed", "", "ci.tests.tiers.test_steps.TestB", "pytest")
     assert repeat_command(step, case) == "./ci/test ci/tests/tiers/test_steps.py::test_a"
     # A step that was ended at its time limit has written no cases.
     assert repeat_command(step, Case("tiers", "failed")) == "./ci/test ci"
-    (process, *_) = tiers.SOURCES.glob("basic_comms/test/integration/process.test")
-    step = tiers.rostest_step("integration", "basic_comms", [process])
+    (process, *_) = tier_plan.SOURCES.glob("basic_comms/test/integration/process.test")
+    step = tier_plan.rostest_step("integration", "basic_comms", [process])
     case = Case("test_a", "failed", "", "test_process.ProcessNode", "process")
     again = "./ci/test src/basic_comms/test/integration/process.test::test_a"
     assert repeat_command(step, case) == again
@@ -193,14 +193,14 @@ def test_a_step_is_run_after_the_one_it_needs(
         Step("unit", "lost", ["touch", str(tmp_path / "lost")], after="broken"),
     ]
     code = (
-        "import pathlib, sys; from ci.tiers import command, tiers, times;"
+        "import pathlib, sys; from ci.tiers import command, tier_plan, times;"
         "from ci.tiers.steps import Step;"
         f"times.FILE = pathlib.Path({str(tmp_path / 'times')!r});"
-        f"tiers.plan = lambda *_: {steps!r}; sys.exit(command.main(['unit']))"
+        f"tier_plan.plan = lambda *_: {steps!r}; sys.exit(command.main(['unit']))"
     )
     done = subprocess.run(
         [sys.executable, "-c", code],
-        env=dict(os.environ, PYTHONPATH=str(tiers.WORKSPACE), TMPDIR=str(tmp_path)),
+        env=dict(os.environ, PYTHONPATH=str(tier_plan.WORKSPACE), TMPDIR=str(tmp_path)),
         stdout=subprocess.PIPE,
         encoding="utf-8",
     )
@@ -223,15 +223,15 @@ def test_step_that_has_just_ended_keeps_no_other_from_being_interrupted() -> Non
 def test_interrupt_leaves_nothing_behind(tmp_path: pathlib.Path) -> None:
     command = ["sh", "-c", f"echo $$ > '{tmp_path / 'pid'}'; exec sleep 300"]
     code = (
-        "import pathlib, sys; from ci.tiers import command, tiers, times;"
+        "import pathlib, sys; from ci.tiers import command, tier_plan, times;"
         "from ci.tiers.steps import Step;"
-        "tiers.plan = lambda *_: [Step('unit', 'x', %r)] * 9; sys.exit(command.main(['unit']))"
+        "tier_plan.plan = lambda *_: [Step('unit', 'x', %r)] * 9; sys.exit(command.main(['unit']))"
     )
     scratch = tmp_path / "scratch"
     scratch.mkdir()
     process = subprocess.Popen(
         [sys.executable, "-c", code % command],
-        env=dict(os.environ, PYTHONPATH=str(tiers.WORKSPACE), TMPDIR=str(scratch)),
+        env=dict(os.environ, PYTHONPATH=str(tier_plan.WORKSPACE), TMPDIR=str(scratch)),
     )
     while not (tmp_path / "pid").exists() and process.poll() is None:
         threading.Event().wait(0.01)
@@ -248,7 +248,7 @@ def test_lint_looks_at_every_python_file_that_is_not_generated(
     for name in [*own, *generated, "src/three/LICENSE"]:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("" if name.endswith("LICENSE") else "#!/usr/bin/env python3\n")
-    for module in (tiers, workspace):
+    for module in (tier_plan, workspace):
         monkeypatch.setattr(module, "WORKSPACE", tmp_path)
     places = [tmp_path / place for place in ("ci", "docs", "src")]
-    assert tiers.python_files(*places) == [str(tmp_path / name) for name in own]
+    assert tier_plan.python_files(*places) == [str(tmp_path / name) for name in own]

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The signal generator in the style that the course teaches. Usage: ... [RECORD]
+"""Signal generator in the style that the course teaches; usage: signal_generator.py [RECORD].
 
 Parameters are read once at import and again for every message, the loop is paced by
 rospy.Rate, and every message is logged. The record is the benchmark's addition.

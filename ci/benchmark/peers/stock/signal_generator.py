@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The signal generator as one would write it with rospy. Usage: ... RECORD"""
+"""Signal generator as one would write it with rospy; usage: signal_generator.py RECORD."""
 
 import math
 

@@ -245,7 +245,7 @@ def test_a_quadrature_by_square_root_fails_where_this_one_does_not():
 
 
 def square(amplitude, count, index):
-    """The fields of a square's sample, of count samples a period."""
+    """Return the fields of a square's sample, of count samples a period."""
     level = 1.0 if index % count < count // 2 else -1.0
     return (amplitude, float32(TURN), index / count, 3.0 + level * amplitude)
 

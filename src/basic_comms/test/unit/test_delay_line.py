@@ -40,12 +40,12 @@ class Feed:
 
 
 def triangle(phase):
-    """A triangle of unit peak."""
+    """Return a triangle of unit peak."""
     return 2.0 / math.pi * math.asin(math.sin(phase))
 
 
 def square(phase):
-    """A square of unit peak; its edges lie where no test takes a sample."""
+    """Return a square of unit peak; its edges lie where no test takes a sample."""
     return 1.0 if (phase + 0.01) % TURN < math.pi else -1.0
 
 

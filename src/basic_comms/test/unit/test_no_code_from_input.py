@@ -13,7 +13,7 @@ from basic_comms.signals.replay import SeriesError, load_series
 
 @pytest.fixture
 def marker(tmp_path):
-    """A path that hostile input tries to create."""
+    """Return a path that hostile input tries to create."""
     path = tmp_path / "marker"
     yield path
     assert not path.exists()

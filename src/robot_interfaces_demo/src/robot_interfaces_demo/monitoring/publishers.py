@@ -1,4 +1,4 @@
-"""Which nodes publish under one name: that of a robot that was restarted, or two at once?"""
+"""Publishers under one name: a robot that was restarted, or two at once."""
 
 from typing import Dict, List
 

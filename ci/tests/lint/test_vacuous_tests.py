@@ -5,7 +5,7 @@ import textwrap
 
 import pytest
 
-from ci.lint.empty_loops import idle_tests
+from ci.lint.vacuous_tests import idle_tests
 
 HEAD = """
 NAMES = ["a", "b"]

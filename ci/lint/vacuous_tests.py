@@ -1,6 +1,6 @@
 """Check that tests assert something also where their data is empty.
 
-``python3 ci lint.empty_loops`` prints each test all of whose assertions stand in loops over
+``python3 ci lint.vacuous_tests`` prints each test all of whose assertions stand in loops over
 what may be empty, or are about all of it, and ends with status 1 if there is one. It passes once
 the test asserts that the data is there. What hypothesis gives is left out: it is not empty each
 time.

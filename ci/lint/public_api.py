@@ -1,4 +1,4 @@
-"""Nothing outside nodekit names what is not public in it: code, texts in code, commands, pages."""
+"""Check that code, texts, commands and pages outside nodekit name only its public modules."""
 
 import pathlib
 import re
@@ -7,9 +7,9 @@ from typing import Iterator, Tuple
 from .structure import ROOMS
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
-#: What is public beside the names of the front door; docs/api.md describes each.
+#: Public modules beside the names in nodekit's ``__init__``; docs/api.md describes each.
 PUBLIC = ("entry_point", "lifecycle_states", "master", "message_definitions", "testing")
-#: nodekit itself, and what has lists of its rooms and tests that they are held.
+#: nodekit itself, and the lists of its rooms with their tests.
 INSIDE = (
     "src/nodekit/scripts/",
     "src/nodekit/src/",
@@ -19,7 +19,7 @@ INSIDE = (
     "ci/tests/lint/",
     "ci/tests/mutation/",
 )
-#: Of files that are read; scripts have none.
+#: Suffixes of the files that are read; scripts have the empty one.
 SUFFIXES = ("", ".py", ".md", ".bash", ".launch", ".test")
 _ROOMS = "|".join(room for room in ROOMS["nodekit"] if room not in PUBLIC)
 #: Not the argument of a directive, by which a page takes the documentation of what is public.

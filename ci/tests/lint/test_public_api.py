@@ -3,7 +3,7 @@
 import nodekit
 import pytest
 
-from ci.lint import front_door
+from ci.lint import public_api
 
 
 @pytest.mark.parametrize(
@@ -24,7 +24,7 @@ from ci.lint import front_door
     ],
 )
 def test_what_is_inside_is_refused_in_every_form(text: str, room: str) -> None:
-    assert [found for _, found in front_door.named(text)] == [room]
+    assert [found for _, found in public_api.named(text)] == [room]
 
 
 @pytest.mark.parametrize(
@@ -44,25 +44,25 @@ def test_what_is_inside_is_refused_in_every_form(text: str, room: str) -> None:
     ],
 )
 def test_what_is_public_is_not(text: str) -> None:
-    assert not list(front_door.named(text))
+    assert not list(public_api.named(text))
 
 
 def test_line_is_that_of_the_room() -> None:
-    assert list(front_door.named("a\nfrom nodekit import (\n    node,\n)\n")) == [(3, "node")]
+    assert list(public_api.named("a\nfrom nodekit import (\n    node,\n)\n")) == [(3, "node")]
 
 
 def test_nobody_reaches_past_it() -> None:
-    assert list(front_door.breaches()) == []
+    assert list(public_api.breaches()) == []
 
 
 def test_every_public_module_is_described() -> None:
-    page = (front_door.WORKSPACE / "docs" / "api.md").read_text("utf-8")
-    for module in front_door.PUBLIC:
+    page = (public_api.WORKSPACE / "docs" / "api.md").read_text("utf-8")
+    for module in public_api.PUBLIC:
         assert f"`nodekit.{module}`" in page, module
         assert f".. automodule:: nodekit.{module}" in page, module
 
 
-def test_every_name_of_the_front_door_is_described() -> None:
-    page = (front_door.WORKSPACE / "docs" / "api.md").read_text("utf-8")
+def test_every_public_name_is_described() -> None:
+    page = (public_api.WORKSPACE / "docs" / "api.md").read_text("utf-8")
     table = page.partition("## The front door")[2].partition("\n## ")[0]
     assert [name for name in nodekit.__all__ if f"`{name}`" not in table] == []

@@ -11,8 +11,9 @@ from .steps import Step
 from .times import Times
 from .workspace import CI, DOCS, SOURCES, WORKSPACE, files_of, packages, runs_with, scripts
 
-#: The formatter and linter, which ci/test fetches from PyPI.
+#: The formatter and linter, and the check of spelling, which ci/test fetches from PyPI.
 RUFF = str(WORKSPACE / "build" / "lint" / "bin" / "ruff")
+CODESPELL = str(WORKSPACE / "build" / "lint" / "bin" / "codespell")
 #: A package too, but one that catkin must not find.
 TEMPLATE = SOURCES / "nodekit" / "template" / "package_name"
 #: Folders of ci/tests whose tests build whole workspaces: tiers of their own.
@@ -58,7 +59,8 @@ def lint(scope: Optional[Set[str]] = None) -> List[Step]:
         "types": ["env", f"MYPYPATH={path}", "mypy", "--cache-dir", f"{WORKSPACE}/build/mypy"]
         + ["--exclude", "(^|/)(peers|ci/tests)/", *types],
         "code rules": [*ci, "lint.code_rules"],
-        "vacuous tests": [*ci, "lint.empty_loops"],
+        "language": [*ci, "lint.language"],
+        "vacuous tests": [*ci, "lint.vacuous_tests"],
     }
     if chosen:
         commands["packages"] = ["catkin_lint", "-W2", "--strict", *map(str, chosen)]
@@ -67,6 +69,8 @@ def lint(scope: Optional[Set[str]] = None) -> List[Step]:
     if scope is None or "topic_scope" in scope:
         commands["page rules"] = [*ci, "lint.page_rules"]
     if with_ci:
+        texts = [*map(str, sorted(WORKSPACE.glob("*.md"))), str(CI), str(DOCS), str(SOURCES)]
+        commands["spelling"] = [CODESPELL, "--toml", str(WORKSPACE / "pyproject.toml"), *texts]
         commands["rosdep keys"] = [*ci, "lint.rosdep_keys"]
         commands["debian files"] = [*ci, "packages.debian_files"]
         commands["shell scripts"] = ["shellcheck", "-x", "-a"]

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""What the camera of the demos sees: a test card on which something moves.
+"""Picture of the demos' camera: a test card with a moving object.
 
 Colour bars and a grey ramp show whether colours are right, the name whose picture it is, the number
 whether frames are lost, the time how old it is, and the hand and the ball whether it is smooth.
@@ -8,8 +8,7 @@ whether frames are lost, the time how old it is, and the hand and the ball wheth
 import math
 
 import numpy
-
-from parameters_demo.pixel_font import text
+from PIL import ImageFont
 
 #: Size, pixels.
 WIDTH, HEIGHT = 640, 480
@@ -88,6 +87,19 @@ def _card(name: str) -> numpy.ndarray:
 
 
 def _write(pixels: numpy.ndarray, row: int, line: str, scale: int) -> None:
-    letters = text(line, scale)[:, : pixels.shape[1] - _LEFT]
+    letters = _letters(line, scale)[:, : pixels.shape[1] - _LEFT]
     height, width = letters.shape
     pixels[row : row + height, _LEFT : _LEFT + width] = letters[..., None]
+
+
+def _letters(line: str, scale: int) -> numpy.ndarray:
+    """Return a line of text as rows of pixels, 255 for ink and 0 for paper.
+
+    :param line: at least one letter; those beyond Latin-1, which the font lacks, become "?"
+    :param scale: pixels of the picture for each pixel of the font
+    """
+    known = line.upper().encode("latin-1", "replace").decode("latin-1")
+    mask = ImageFont.load_default().getmask(known, mode="1")
+    width, height = mask.size
+    pixels = numpy.array(mask, numpy.uint8).reshape(height, width)
+    return numpy.kron(pixels, numpy.ones((scale, scale), numpy.uint8))

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""What a lidar sees: a hall with a door, a cabinet, a pillar, and somebody who walks around.
+"""Room of the demos' lidar: a hall with a door, a cabinet, a pillar, and a person who walks.
 
 The lidar stands at the origin and looks along x. Lengths are in m, angles in rad, times in s.
 """
@@ -23,7 +23,7 @@ Point = Tuple[float, float]
 
 
 class Scanner(NamedTuple):
-    """How a lidar looks.
+    """Rays and range of a lidar.
 
     :param angle_min: direction of the first ray, from x to the left
     :param angle_max: direction of the last one
@@ -78,7 +78,7 @@ def scan(scanner: Scanner, time: float) -> numpy.ndarray:
 
 
 def distances(angles: numpy.ndarray, time: float) -> numpy.ndarray:
-    """Return how far it is to the first thing in each direction, inf where there is none.
+    """Return the distance to the first obstacle in each direction; inf without one.
 
     :param angles: the directions
     :param time: when

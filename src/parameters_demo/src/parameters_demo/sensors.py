@@ -39,7 +39,7 @@ def of_tracks(tracks: RadarTracks) -> str:
 
 
 class Sensor(NamedTuple):
-    """What a sensor publishes, and a function that summarizes a message."""
+    """Message of a sensor, and a function that summarizes it."""
 
     topic: str
     message: type

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""What a radar sees: cars that come and go, and somebody who walks in front of it.
+"""Traffic of the demos' radar: cars that come and go, and a person who walks.
 
 The radar is at the origin and looks along x; y is to the left, z is up. Lengths are in m, angles in
 rad, times in s.

@@ -36,6 +36,11 @@ def test_the_name_stands_above_number_and_time(name: str) -> None:
     assert 320 < top and bottom < 390 and left >= 24
 
 
+def test_letters_that_the_font_lacks_become_question_marks() -> None:
+    assert (drawn("\u673a", 0, 0.0) == drawn("?", 0, 0.0)).all()
+    assert (drawn("?", 0, 0.0) != drawn("x", 0, 0.0)).any()
+
+
 def test_number_and_time_have_a_line_each() -> None:
     top, bottom, left, right = changed(drawn("camera", 1, 0.0), drawn("camera", 2, 0.0))
     assert 390 < top and bottom < 430 and right < 480

@@ -1,4 +1,4 @@
-"""What is told of a message of each sensor, and that the messages are whole."""
+"""Messages of each sensor, and their summaries."""
 
 import io
 import math

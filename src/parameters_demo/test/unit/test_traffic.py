@@ -32,7 +32,7 @@ def test_the_doppler_velocity_is_how_fast_the_range_grows(time: float) -> None:
     step = 1e-3
     before, now, after = (targets(time + late)[0] for late in (-step, 0.0, step))
     velocity = targets(time)[1]
-    stays = abs(after[:, 0] - before[:, 0]) < 1.0  # but who comes into sight anew
+    stays = abs(after[:, 0] - before[:, 0]) < 1.0  # but those that have just come into sight
     moved = (after - before) / (2.0 * step)
     assert moved[stays] == pytest.approx(velocity[stays], abs=1e-3)
     ranges = numpy.linalg.norm(now, axis=1)

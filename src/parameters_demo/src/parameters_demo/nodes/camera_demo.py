@@ -57,7 +57,7 @@ class CameraDemo:
         rospy.loginfo_throttle(1.0, f"Published frame from: {name}")
 
     def slow_down(self, request: TriggerRequest) -> TriggerResponse:
-        """Set a parameter in code: it is judged as any other value, and the server has it, too."""
+        """Set a parameter in code: it is validated as any other, and set on the server."""
         self._parameters.update(camera_rate=_SLOW_HZ)
         return TriggerResponse(True, f"camera_rate is {_SLOW_HZ}")
 

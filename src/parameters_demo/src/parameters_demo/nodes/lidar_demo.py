@@ -20,7 +20,7 @@ class LidarDemoParameters(ParameterSet):
 
 
 class LidarDemo:
-    """Publishes scans of a room in which somebody walks around.
+    """Publishes scans of a room in which a person walks around.
 
     The model decides how far the lidar sees, how wide and how fine.
 

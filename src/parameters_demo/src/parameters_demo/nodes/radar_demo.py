@@ -17,7 +17,7 @@ class RadarDemoParameters(ParameterSet):
 
 
 class RadarDemo:
-    """Publishes what moves in front of it: cars, and somebody who walks.
+    """Publishes moving objects in front of it: cars, and a person who walks.
 
     :ROS Publishers:
         - ``radar/tracks`` (parameters_demo_msgs/RadarTracks): in the frame ``NAME_frame``

@@ -1,7 +1,7 @@
 """The directive ``{controller-plot} straight`` (or ``gains``, ``turn``): what a controller does.
 
-The controller's own pursuit drives the simulator's own robot, as the nodes do, with odometry that
-is one sample old.
+The package's own goal controller drives the simulated robot, as the nodes do, with odometry that is
+one sample old.
 """
 
 from pathlib import Path
@@ -11,11 +11,11 @@ import matplotlib
 from docutils import nodes
 from sphinx.util.docutils import SphinxDirective
 
-from bot_controller_demo.laws import pursuit
-from bot_controller_demo.laws.geometry import Goal, Pose
-from bot_controller_demo.laws.steering import Gains
-from bot_controller_demo.laws.straight_line import distance_left
-from bot_controller_demo.laws.velocities import MODELS, STOP, Limits, Velocity
+from bot_controller_demo.control import goal_controller
+from bot_controller_demo.control.geometry import Goal, Pose
+from bot_controller_demo.control.steering import Gains
+from bot_controller_demo.control.straight_line import distance_left
+from bot_controller_demo.control.velocities import MODELS, STOP, Limits, Velocity
 from diff_drive_sim.simulation.limits import RobotSettings
 from diff_drive_sim.simulation.robot import Robot
 
@@ -44,7 +44,7 @@ def drive(
     law: str = "settling",
     gains: Gains = Gains(0.5, 1.0),
     first: Velocity = STOP,
-    turn: Type[pursuit.Turn] = pursuit.Turn,
+    turn: Type[goal_controller.Turn] = goal_controller.Turn,
 ) -> List[Seen]:
     """Return what a burger does.
 
@@ -53,9 +53,9 @@ def drive(
     :param first: what it is doing when it is told
     :param turn: what keeps the direction of its turns
     """
-    chase, robot, commands = pursuit.Pursuit(goal), Robot(RobotSettings()), [first]
+    chase, robot, commands = goal_controller.GoalController(goal), Robot(RobotSettings()), [first]
     chase._heading = turn()
-    tuning = pursuit.Tuning(law, gains, LIMITS, *TOLERANCES)
+    tuning = goal_controller.Tuning(law, gains, LIMITS, *TOLERANCES)
     seen = []
     for number in range(round(seconds / PERIOD)):
         step = chase.step(Pose(*robot.odometry.pose), tuning)
@@ -110,7 +110,7 @@ def gains(figure: Any) -> None:
         axes.legend(frameon=False)
 
 
-class _Forgetful(pursuit.Turn):
+class _Forgetful(goal_controller.Turn):
     """Takes the short way at each sample."""
 
     def keep(self, error: float) -> float:
@@ -120,10 +120,10 @@ class _Forgetful(pursuit.Turn):
 def turn(figure: Any) -> None:
     """Draw a turn by pi that keeps its direction, and one that does not."""
     axes = figure.subplots()
-    for kind, label in ((pursuit.Turn, "keeps its direction"), (_Forgetful, "does not")):
+    for kind, label in ((goal_controller.Turn, "keeps its direction"), (_Forgetful, "does not")):
         seen = drive(Goal(0.0, 0.0, -3.13), 8.0, first=Velocity(0.0, 1.0), turn=kind)
         headings = [one.pose.theta for one in seen]
-        colour = COLOURS[0] if kind is pursuit.Turn else COLOURS[1]
+        colour = COLOURS[0] if kind is goal_controller.Turn else COLOURS[1]
         axes.plot([one.time for one in seen], headings, color=colour, label=label)
     axes.axhline(-3.13, color=GREY, linewidth=0.7)
     axes.set_xlabel("time, s")

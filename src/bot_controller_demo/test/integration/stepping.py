@@ -94,7 +94,7 @@ class SteppedClock:
             if self._changed.wait_for(lambda: set(self._late()) <= set(but), _PATIENCE_S):
                 self._kept_at = time.monotonic()
             if set(but).intersection(self._late()):
-                self._changed.wait(_PAUSE_S)  # or an hour would pass before anybody looks up
+                self._changed.wait(_PAUSE_S)  # or an hour of simulated time would pass at once
         if time.monotonic() - self._kept_at > TIMEOUT_S:
             raise AssertionError(f"at {self.now} s nothing new on {self._late()}")
 

@@ -78,7 +78,7 @@ class ManagedRobot(unittest.TestCase):
 
     def send(self, name: str) -> None:
         """Send a goal of the action."""
-        wait_until(self.goals.get_num_connections, lambda: "nobody takes goals")
+        wait_until(self.goals.get_num_connections, lambda: "no node takes goals")
         goal = GoToActionGoal()
         goal.goal_id.id, goal.goal_id.stamp = name, rospy.Time.now()
         goal.goal.target_pose.pose.position.x = 100.0

@@ -16,10 +16,10 @@ from std_srvs.srv import Trigger
 from stepping import STEPS_HZ, SteppedClock
 
 from bot_controller_demo.driving.commands import Commands
-from bot_controller_demo.laws.standstill import GIVEN_UP
-from bot_controller_demo.laws.straight_line import distance_left
-from bot_controller_demo.laws.velocities import STOP, Velocity
-from bot_controller_demo.laws.wandering import Wanderer
+from bot_controller_demo.control.progress_checker import GIVEN_UP
+from bot_controller_demo.control.straight_line import distance_left
+from bot_controller_demo.control.velocities import STOP, Velocity
+from bot_controller_demo.control.wandering import Wanderer
 from bot_controller_demo_msgs.msg import (
     GoToActionFeedback,
     GoToActionGoal,
@@ -139,7 +139,7 @@ class Robots(unittest.TestCase):
         self.assertIn("x 5 m, y 0 m, theta 0 rad", self.set_goal(5.0, 0.0, 0.0).message)
         self.drive()
         for _ in range(12):
-            self.clock.step()  # in which nobody is told to stop once more
+            self.clock.step()  # in which no second stop is sent
         stamps = [message.header.stamp.to_sec() for message in self.clock.heard(ODOM)]
         places = [message.pose.pose.position for message in self.clock.heard(ODOM)]
         start = next(stamp for stamp, place in zip(stamps, places) if place.x > 0.0)
@@ -248,7 +248,7 @@ class Robots(unittest.TestCase):
         self.logged("ignoring the goal", "frame_id 'map'")
         for _ in range(6):
             self.clock.step()
-        self.assertGreater(self.commands()[-1].linear, 0.0, "nobody has told it to stop")
+        self.assertGreater(self.commands()[-1].linear, 0.0, "it was told to stop")
         self.act("fourth", pose(2.0, 0.0, 0.0))
         self.until(lambda: self.told_of("fourth"), "no feedback", 5.0, PROGRESS)
         self.set_goal(1.0, 0.0, 0.0)
@@ -357,7 +357,7 @@ class Robots(unittest.TestCase):
         self.graph.set_parameter(
             "/way/waypoint_controller/waypoints", [[1.0, 0.0], [1.0, 0.5, 3.0]]
         )
-        self.until(lambda: not has_arrived(), "it does not begin anew", 60.0)
+        self.until(lambda: not has_arrived(), "it does not start again", 60.0)
         ahead = [(1.0, 0.0), (1.0, 0.5)]
 
         def has_come_through() -> bool:
@@ -416,7 +416,7 @@ class Robots(unittest.TestCase):
         self.until(lambda: drawn()[-3:] == expected, "it draws otherwise", 10.0)
         self.assertEqual(gaps()[-2:], [1.0] * 2)
         contact = rospy.Publisher("/any/contact", Bool, queue_size=10)
-        wait_until(contact.get_num_connections, lambda: "nobody hears of contacts")
+        wait_until(contact.get_num_connections, lambda: "no node subscribes to contacts")
         contact.publish(Bool(True))
         contact.publish(Bool(False))  # as soon as it turns
         self.until(

@@ -1,4 +1,4 @@
-"""The controller's own pursuit and the simulator's own robot in a loop, without ROS."""
+"""The goal controller and the simulated robot in a loop, without ROS."""
 
 import math
 import random
@@ -6,11 +6,11 @@ from typing import List, NamedTuple, Optional
 
 import pytest
 
-from bot_controller_demo.laws.geometry import Goal, Pose
-from bot_controller_demo.laws.pursuit import ARRIVED, Pursuit, Tuning
-from bot_controller_demo.laws.steering import Gains, may_circle
-from bot_controller_demo.laws.straight_line import distance_left, sampled, time_when
-from bot_controller_demo.laws.velocities import MODELS, STOP, Limits, Velocity
+from bot_controller_demo.control.geometry import Goal, Pose
+from bot_controller_demo.control.goal_controller import ARRIVED, GoalController, Tuning
+from bot_controller_demo.control.steering import Gains, may_circle
+from bot_controller_demo.control.straight_line import distance_left, sampled, time_when
+from bot_controller_demo.control.velocities import MODELS, STOP, Limits, Velocity
 from diff_drive_sim.simulation.limits import RobotSettings
 from diff_drive_sim.simulation.robot import Robot
 
@@ -41,7 +41,7 @@ def robot_of(limits: Limits) -> Robot:
 
 
 class Run(NamedTuple):
-    """What came of a goal: distances and headings at each sample, path in m, and the end in s."""
+    """Course of a goal: distances and headings at each sample, path [m], and end [s]."""
 
     distances: List[float]
     headings: List[float]
@@ -67,12 +67,12 @@ def run(
     :param tolerance: how near the goal is near enough, m
     :param first: what the robot is doing when it is told
     """
-    pursuit, commands = Pursuit(goal), [first] * delay
+    controller, commands = GoalController(goal), [first] * delay
     tuning = Tuning(law, gains, limits, tolerance, TOLERANCES[1])
     result = Run([], [], 0.0, None)
     path = 0.0
     for number in range(round(longest / PERIOD)):
-        step = pursuit.step(Pose(*robot.odometry.pose), tuning)
+        step = controller.step(Pose(*robot.odometry.pose), tuning)
         result.distances.append(step.errors.distance)
         result.headings.append(robot.odometry.pose.theta)
         if step.phase == ARRIVED and not any(robot.speeds):
@@ -200,13 +200,13 @@ def test_a_goal_behind_is_reached(y: float, delay: int) -> None:
 
 
 def test_a_robot_that_shakes_about_pi_turns_all_the_same() -> None:
-    """What is seen of the heading is off by a little more than the robot turns in a sample."""
-    pursuit = Pursuit(Goal(0.0, 0.0, 0.0))
+    """The measured heading is off by a little more than the robot turns in a sample."""
+    controller = GoalController(Goal(0.0, 0.0, 0.0))
     tuning = Tuning("settling", Gains(0.5, 1.0), LIMITS, *TOLERANCES)
     heading, turned = math.pi, []
     for number in range(400):
         noise = 0.06 if number % 2 else -0.06
-        step = pursuit.step(Pose(0.0, 0.0, math.remainder(heading + noise, math.tau)), tuning)
+        step = controller.step(Pose(0.0, 0.0, math.remainder(heading + noise, math.tau)), tuning)
         turned.append(step.velocity.angular)
         heading += PERIOD * step.velocity.angular
     assert abs(math.remainder(heading, math.tau)) < 0.2

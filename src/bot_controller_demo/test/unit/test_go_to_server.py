@@ -1,4 +1,4 @@
-"""What is left of the action where python3-actionlib is not installed; with it, robot.test."""
+"""Action server without python3-actionlib; robot.test has the tests with it."""
 
 import importlib
 import sys

@@ -1,4 +1,4 @@
-"""What the declarations of the controllers say of their parameters."""
+"""Parameter declarations of the controllers."""
 
 import math
 from typing import Any, Dict, Type

@@ -1,4 +1,4 @@
-"""What the keys mean, and for how long."""
+"""Commands of the keys, and their duration."""
 
 from typing import List, Optional, Tuple
 
@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from bot_controller_demo.laws.velocities import STOP, Velocity
+from bot_controller_demo.control.velocities import STOP, Velocity
 from bot_controller_demo.teleop.keys import (
     MOVES,
     SCALES,

@@ -8,7 +8,7 @@ import pytest
 import rospkg
 import yaml
 
-from bot_controller_demo.laws.wandering import Wanderer
+from bot_controller_demo.control.wandering import Wanderer
 from diff_drive_sim.simulation.limits import RobotSettings
 from diff_drive_sim.simulation.robot import Robot
 from diff_drive_sim.simulation.world import World

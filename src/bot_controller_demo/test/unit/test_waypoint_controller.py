@@ -5,7 +5,7 @@ from typing import Any, List, Optional
 
 import pytest
 
-from bot_controller_demo.laws.geometry import Goal
+from bot_controller_demo.control.geometry import Goal
 from bot_controller_demo.nodes import waypoint_controller
 from bot_controller_demo.nodes.waypoint_controller import (
     WaypointController,

@@ -6,7 +6,7 @@ from typing import Any
 import rospy
 from geometry_msgs.msg import Twist, TwistStamped
 
-from bot_controller_demo.laws.velocities import STOP, Velocity
+from bot_controller_demo.control.velocities import STOP, Velocity
 from nodekit import Node
 
 #: Velocities are in the robot's own frame.

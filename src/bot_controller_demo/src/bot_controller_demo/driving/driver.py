@@ -1,4 +1,4 @@
-"""A pursuit wired to ROS: it drives a robot to a goal."""
+"""Goal controller connected to ROS."""
 
 import math
 from typing import Any, Optional
@@ -10,12 +10,12 @@ from std_msgs.msg import Bool
 
 from bot_controller_demo.driving.commands import Commands
 from bot_controller_demo.driving.parameters import DrivingParameters
-from bot_controller_demo.laws.freshness import Freshness
-from bot_controller_demo.laws.geometry import Goal, Pose, heading_of
-from bot_controller_demo.laws.pursuit import ARRIVED, Guidance, Pursuit
-from bot_controller_demo.laws.standstill import GIVEN_UP, Standstill
-from bot_controller_demo.laws.steering import COURSE_LEAST_TOLERANCE, COURSE_RATIOS, may_circle
-from bot_controller_demo.laws.velocities import STOP
+from bot_controller_demo.control.staleness import Staleness
+from bot_controller_demo.control.geometry import Goal, Pose, heading_of
+from bot_controller_demo.control.goal_controller import ARRIVED, Guidance, GoalController
+from bot_controller_demo.control.progress_checker import GIVEN_UP, ProgressChecker
+from bot_controller_demo.control.steering import COURSE_LEAST_TOLERANCE, COURSE_RATIOS, may_circle
+from bot_controller_demo.control.velocities import STOP
 from bot_controller_demo_msgs.msg import Progress
 from nodekit import LiveParameters, Node
 
@@ -52,11 +52,11 @@ class Driver:
         self._progress_message = Progress()
         self._arrived = node.publisher("~arrived", Bool, latch=True)
         self._current_goal = node.publisher("~current_goal", PoseStamped, latch=True)
-        self._pursuit: Optional[Pursuit] = None
+        self._controller: Optional[GoalController] = None
         self._pose = Pose(0.0, 0.0, 0.0)
         self._stamp = rospy.Time()
-        self._freshness = Freshness()
-        self._standstill = Standstill()
+        self._staleness = Staleness()
+        self._progress_checker = ProgressChecker()
         self.frame: Optional[str] = None
         self._odometry_name = node.resolve("odom")
         self._is_waiting = False
@@ -69,8 +69,8 @@ class Driver:
         :param goal: in the frame of the odometry
         """
         rospy.loginfo("goal: %s", goal)
-        self._pursuit = Pursuit(goal)
-        self._standstill.forget()
+        self._controller = GoalController(goal)
+        self._progress_checker.forget()
         self._arrived.publish(Bool(False))
         self._publish_goal(goal)
 
@@ -89,7 +89,7 @@ class Driver:
 
     def stop(self) -> None:
         """Stop, and have no goal."""
-        self._pursuit = None
+        self._controller = None
         self._commands.publish(STOP)
 
     def step(self) -> Optional[Progress]:
@@ -100,10 +100,10 @@ class Driver:
         """
         settings: DrivingParameters = self._parameters.values
         self._warn_of_circling(settings)
-        if self._pursuit is None or not self._has_odometry(settings.odom_timeout):
+        if self._controller is None or not self._has_odometry(settings.odom_timeout):
             return None
-        before = self._pursuit.phase
-        guidance = self._pursuit.step(self._pose, settings.tuning)
+        before = self._controller.phase
+        guidance = self._controller.step(self._pose, settings.tuning)
         phase = guidance.phase
         if self._makes_no_progress(guidance, settings.no_progress_timeout):
             phase = GIVEN_UP
@@ -132,9 +132,9 @@ class Driver:
     def _makes_no_progress(self, guidance: Guidance, limit: float) -> bool:
         """Tell whether the robot has come no closer to its goal for some time, s; 0 for never."""
         if guidance.phase == ARRIVED:
-            self._standstill.forget()
+            self._progress_checker.forget()
             return False
-        lasted = self._standstill.lasted(guidance.phase, guidance.errors, rospy.get_time())
+        lasted = self._progress_checker.lasted(guidance.phase, guidance.errors, rospy.get_time())
         return 0.0 < limit <= lasted
 
     def _on_odometry(self, message: Odometry) -> None:
@@ -144,17 +144,17 @@ class Driver:
             return  # so the odometry grows old
         self._pose = pose
         self._stamp = message.header.stamp or rospy.Time.now()
-        self._freshness.record_message(message.header.stamp.to_sec(), rospy.get_time())
+        self._staleness.record_message(message.header.stamp.to_sec(), rospy.get_time())
         guess, self.frame = self.frame or _ODOM, message.header.frame_id
-        if self.frame != guess and self._pursuit is not None:
-            self._publish_goal(self._pursuit.goal)
+        if self.frame != guess and self._controller is not None:
+            self._publish_goal(self._controller.goal)
 
     def _has_odometry(self, limit: float) -> bool:
         """Tell whether it is known where the robot is; stop it where not, and say so once."""
-        age = self._freshness.age(rospy.get_time())
+        age = self._staleness.age(rospy.get_time())
         is_waiting = age > limit
         if is_waiting:
-            self._standstill.forget()
+            self._progress_checker.forget()
             self._commands.publish(STOP)
         if is_waiting != self._is_waiting:
             self._is_waiting = is_waiting

@@ -5,8 +5,8 @@ from typing import Any, Callable, Optional
 import rospy
 
 from bot_controller_demo.driving.goals import GoalRefused
-from bot_controller_demo.laws.pursuit import ARRIVED
-from bot_controller_demo.laws.standstill import GIVEN_UP
+from bot_controller_demo.control.goal_controller import ARRIVED
+from bot_controller_demo.control.progress_checker import GIVEN_UP
 from bot_controller_demo_msgs.msg import GoToAction, GoToFeedback, GoToResult, Progress
 from nodekit import Node
 
@@ -74,7 +74,7 @@ class GoToServer:
             self._end_goals(self._server.set_aborted, _NOT_ACTIVE)
 
     def _refuse_unpolled(self) -> None:
-        """Refuse a new goal while nobody polls: it would wait, and be driven to long after."""
+        """Reject a new goal while the server is not polled: it would be driven to much later."""
         if not self._is_polled:
             self._end_goals(self._server.set_aborted, _NOT_ACTIVE)
 

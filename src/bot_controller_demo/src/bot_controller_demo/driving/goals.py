@@ -4,7 +4,7 @@ from typing import Optional
 
 from geometry_msgs.msg import PoseStamped
 
-from bot_controller_demo.laws.geometry import Goal, heading_of
+from bot_controller_demo.control.geometry import Goal, heading_of
 
 #: Largest coordinate, m, and heading, rad: those of the parameters. From 1e308 on errors overflow,
 #: and with them the velocities.
@@ -19,7 +19,7 @@ def goal_of(message: PoseStamped, frame: Optional[str]) -> Goal:
     """Return the goal that a message means.
 
     :param message: a pose; without a frame, it is in that of the odometry
-    :param frame: of the odometry, None where there was none yet
+    :param frame: of the odometry, None before the first odometry
     :raises GoalRefused: if it is in another frame, not finite, or too far away
     """
     named = message.header.frame_id.lstrip("/")
@@ -37,9 +37,9 @@ def goal_of(message: PoseStamped, frame: Optional[str]) -> Goal:
 
 
 def allowed(goal: Goal) -> Goal:
-    """Return a goal.
+    """Return a goal if it is valid.
 
-    :param goal: to be judged
+    :param goal: to be validated
     :raises GoalRefused: if it is not finite, or too far away
     """
     if not all(abs(part) <= FARTHEST for part in (goal.x, goal.y, goal.theta or 0.0)):

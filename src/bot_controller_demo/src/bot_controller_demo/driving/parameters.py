@@ -1,8 +1,8 @@
 """The parameters of whatever drives to a goal, under the names that the course gave them."""
 
-from bot_controller_demo.laws.pursuit import Tuning
-from bot_controller_demo.laws.steering import LAWS, Gains
-from bot_controller_demo.laws.velocities import Limits
+from bot_controller_demo.control.goal_controller import Tuning
+from bot_controller_demo.control.steering import LAWS, Gains
+from bot_controller_demo.control.velocities import Limits
 from nodekit import EnumParameter, FloatParameter, ParameterSet, RateParameter, read_once, rule
 
 #: The message types by the names that the course gave them.
@@ -25,7 +25,7 @@ def _gain(default: float, what: str) -> FloatParameter:
 
 
 class DrivingParameters(ParameterSet):
-    """How a goal is pursued; all of it but the type may change on the way."""
+    """Parameters of driving to a goal; all but the type may change on the way."""
 
     controller_type = controller_type()
     control_law = EnumParameter(
@@ -76,7 +76,7 @@ class DrivingParameters(ParameterSet):
 
     @property
     def tuning(self) -> Tuning:
-        """How to pursue a goal."""
+        """Tuning of the goal controller."""
         return Tuning(
             self.control_law,
             Gains(self.kp_linear, self.kp_angular),

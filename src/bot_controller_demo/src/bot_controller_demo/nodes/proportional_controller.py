@@ -9,7 +9,7 @@ from bot_controller_demo.driving.driver import Driver
 from bot_controller_demo.driving.go_to_server import GoToServer
 from bot_controller_demo.driving.goals import FARTHEST, GoalRefused, allowed, goal_of
 from bot_controller_demo.driving.parameters import DrivingParameters
-from bot_controller_demo.laws.geometry import Goal
+from bot_controller_demo.control.geometry import Goal
 from bot_controller_demo_msgs.srv import SetGoal, SetGoalRequest, SetGoalResponse
 from nodekit import FloatParameter, Node, run
 
@@ -29,7 +29,7 @@ class ProportionalControllerParameters(DrivingParameters):
 
     @property
     def goal(self) -> Goal:
-        """Where to go."""
+        """Target pose."""
         return Goal(self.goal_x, self.goal_y, self.goal_theta)
 
 

@@ -4,7 +4,7 @@ from std_msgs.msg import Bool
 
 from bot_controller_demo.driving.commands import Commands
 from bot_controller_demo.driving.parameters import controller_type
-from bot_controller_demo.laws.wandering import Wanderer
+from bot_controller_demo.control.wandering import Wanderer
 from nodekit import FloatParameter, IntParameter, Node, ParameterSet, rule, run
 
 

@@ -8,7 +8,7 @@ import rospy
 
 from bot_controller_demo.driving.commands import Commands
 from bot_controller_demo.driving.parameters import controller_type
-from bot_controller_demo.laws.velocities import MODELS, Limits, Velocity, clamp
+from bot_controller_demo.control.velocities import MODELS, Limits, Velocity, clamp
 from bot_controller_demo.teleop.keys import HELP, SCALES, Teleoperation, TimeOuts, split
 from bot_controller_demo.teleop.terminal import KeyTerminal
 from nodekit import (
@@ -69,12 +69,12 @@ class TeleopKeyboardParameters(ParameterSet):
 
     @property
     def speeds(self) -> Velocity:
-        """What the keys mean."""
+        """Velocity of a held key."""
         return Velocity(self.speed, self.turn)
 
     @property
     def time_outs(self) -> TimeOuts:
-        """How long a key counts as held."""
+        """Time for which a key counts as held."""
         return TimeOuts(self.first_timeout, self.repeat_timeout)
 
 

@@ -7,8 +7,8 @@ import rospy
 from bot_controller_demo.driving.driver import Driver
 from bot_controller_demo.driving.goals import FARTHEST
 from bot_controller_demo.driving.parameters import DrivingParameters
-from bot_controller_demo.laws.geometry import Goal
-from bot_controller_demo.laws.pursuit import ARRIVED
+from bot_controller_demo.control.geometry import Goal
+from bot_controller_demo.control.goal_controller import ARRIVED
 from nodekit import BoolParameter, FloatParameter, ListParameter, Node, run
 
 
@@ -31,7 +31,7 @@ class WaypointControllerParameters(DrivingParameters):
 
     @property
     def goals(self) -> List[Goal]:
-        """Where to go, one after the other."""
+        """Target poses, in order."""
         return [Goal(*waypoint) for waypoint in self.waypoints]
 
 

@@ -1,1 +1,1 @@
-"""What keys mean, and the terminal that they come from."""
+"""Keys of the teleoperation, and the terminal that they come from."""

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""What the keys of a teleoperation mean, and for how long.
+"""Commands of the teleoperation's keys, and their duration.
 
 A terminal reports a key when it goes down, and repeatedly while it is held, for the first time
 after about half a second. It never reports that a key was released: that is known from silence.
@@ -9,7 +9,7 @@ import math
 import re
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-from bot_controller_demo.laws.velocities import STOP, Velocity
+from bot_controller_demo.control.velocities import STOP, Velocity
 
 #: Keys that move: share of the speed, share of the turning rate.
 MOVES: Dict[str, Tuple[float, float]] = {
@@ -54,7 +54,7 @@ def split(text: str) -> List[str]:
 
 
 class TimeOuts(NamedTuple):
-    """How long a key counts as held without another word from the terminal.
+    """Time for which a key counts as held without another character from the terminal.
 
     :param first: after its first press, s; longer than the terminal waits before it repeats
     :param repeated: while it repeats, s

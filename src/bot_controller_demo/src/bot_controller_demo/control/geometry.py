@@ -1,11 +1,11 @@
-"""Where a robot is on the plane, and angles that go once around."""
+"""Poses on the plane, errors between them, and wrapped angles."""
 
 import math
 from typing import NamedTuple, Optional
 
 
 class Pose(NamedTuple):
-    """Where a robot is.
+    """Pose of a robot on the plane.
 
     :param x: position, m
     :param y: position, m
@@ -18,11 +18,11 @@ class Pose(NamedTuple):
 
 
 class Goal(NamedTuple):
-    """Where a robot is to go.
+    """Target pose of a robot.
 
     :param x: position, m
     :param y: position, m
-    :param theta: heading, rad; None where it does not matter
+    :param theta: heading, rad; None for any heading
     """
 
     x: float
@@ -35,7 +35,7 @@ class Goal(NamedTuple):
 
 
 class Errors(NamedTuple):
-    """What separates a robot from its goal.
+    """Distance and angles between a robot and its goal.
 
     :param distance: m
     :param direction: angle from the heading of the robot to the goal, counter-clockwise, rad
@@ -57,7 +57,7 @@ def wrap(angle: float) -> float:
 
 
 def errors(pose: Pose, goal: Goal) -> Errors:
-    """Return what separates a robot from its goal.
+    """Return distance and angles between a robot and its goal.
 
     :param pose: where it is
     :param goal: where it is to go

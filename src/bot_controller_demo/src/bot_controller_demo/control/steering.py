@@ -1,4 +1,4 @@
-"""The control laws: from the errors of a robot to its velocity.
+"""Control laws: from the errors of a robot to its velocity.
 
 Both are proportional: the larger the error, the faster.
 """
@@ -6,12 +6,12 @@ Both are proportional: the larger the error, the faster.
 import math
 from typing import Callable, Dict, NamedTuple
 
-from bot_controller_demo.laws.geometry import Errors
-from bot_controller_demo.laws.velocities import Velocity
+from bot_controller_demo.control.geometry import Errors
+from bot_controller_demo.control.velocities import Velocity
 
 
 class Gains(NamedTuple):
-    """How much velocity there is for an error.
+    """Gains from errors to velocities.
 
     :param linear: of the distance, 1/s
     :param angular: of an angle, 1/s
@@ -37,7 +37,7 @@ def settling(errors: Errors, gains: Gains) -> Velocity:
     the robot faces aside: squared, it keeps the path below 1.07 times the straight one with the
     course's gains, at any distance (1.12 without the square). The distance never grows.
 
-    :param errors: what separates the robot from its goal
+    :param errors: between the robot and its goal
     :param gains: of the law
     """
     forward = max(0.0, math.cos(errors.direction))
@@ -50,7 +50,7 @@ def course(errors: Errors, gains: Gains) -> Velocity:
 
     The law of the course. Near the goal it steers away from it, see :func:`may_circle`.
 
-    :param errors: what separates the robot from its goal
+    :param errors: between the robot and its goal
     :param gains: of the law
     """
     towards = min(1.0, errors.distance / _COURSE_BLENDS_FROM_M)

@@ -9,11 +9,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from bot_controller_demo.driving.goals import GoalRefused, goal_of
-from bot_controller_demo.laws.freshness import Freshness
-from bot_controller_demo.laws.geometry import Errors, Goal, Pose, errors, heading_of, wrap
-from bot_controller_demo.laws.pursuit import ARRIVED, DRIVING, TURNING, Pursuit, Tuning
-from bot_controller_demo.laws.steering import LAWS, Gains, course, settling
-from bot_controller_demo.laws.velocities import STOP, Limits, Velocity, clamp, saturate
+from bot_controller_demo.control.staleness import Staleness
+from bot_controller_demo.control.geometry import Errors, Goal, Pose, errors, heading_of, wrap
+from bot_controller_demo.control.goal_controller import (
+    ARRIVED,
+    DRIVING,
+    TURNING,
+    GoalController,
+    Tuning,
+)
+from bot_controller_demo.control.steering import LAWS, Gains, course, settling
+from bot_controller_demo.control.velocities import STOP, Limits, Velocity, clamp, saturate
 from bot_controller_demo.nodes.random_controller import Wanderer
 
 TUNING = Tuning("settling", Gains(0.5, 1.0), Limits(0.5, 1.0), 0.1, 0.05)
@@ -94,50 +100,53 @@ def test_the_law_of_the_course_blends_into_the_last_heading() -> None:
     assert course(Errors(0.25, 0.3, -1.0), gains) == pytest.approx((0.125, -0.7))
 
 
-def at(pursuit: Pursuit, x: float, theta: float) -> str:
-    """Return the phase of a pursuit where the robot is on the x axis."""
-    return pursuit.step(Pose(x, 0.0, theta), TUNING).phase
+def at(controller: GoalController, x: float, theta: float) -> str:
+    """Return the phase of a controller where the robot is on the x axis."""
+    return controller.step(Pose(x, 0.0, theta), TUNING).phase
 
 
 def test_arrival_has_hysteresis() -> None:
-    pursuit = Pursuit(Goal(0.0, 0.0, 0.0))
-    assert at(pursuit, -0.101, 0.0) == DRIVING
-    assert at(pursuit, -0.1, 0.3) == TURNING
-    assert at(pursuit, -0.19, 0.06) == TURNING
-    assert at(pursuit, -0.19, 0.05) == ARRIVED
-    assert at(pursuit, -0.2, 0.1) == ARRIVED
-    assert at(pursuit, -0.2, 0.101) == TURNING
-    assert at(pursuit, -0.201, 0.0) == DRIVING
-    assert at(pursuit, -0.15, 0.0) == DRIVING
+    controller = GoalController(Goal(0.0, 0.0, 0.0))
+    assert at(controller, -0.101, 0.0) == DRIVING
+    assert at(controller, -0.1, 0.3) == TURNING
+    assert at(controller, -0.19, 0.06) == TURNING
+    assert at(controller, -0.19, 0.05) == ARRIVED
+    assert at(controller, -0.2, 0.1) == ARRIVED
+    assert at(controller, -0.2, 0.101) == TURNING
+    assert at(controller, -0.201, 0.0) == DRIVING
+    assert at(controller, -0.15, 0.0) == DRIVING
 
 
 def test_an_arrived_robot_is_told_to_stop_and_one_without_a_heading_does_not_turn() -> None:
-    step = Pursuit(Goal(0.05, 0.0)).step(Pose(0.0, 0.0, 2.0), TUNING)
+    step = GoalController(Goal(0.05, 0.0)).step(Pose(0.0, 0.0, 2.0), TUNING)
     assert (step.velocity, step.phase) == (STOP, ARRIVED)
 
 
 def test_a_turn_goes_the_short_way_and_a_new_goal_begins_anew() -> None:
-    pursuit = Pursuit(Goal(0.0, 0.0, 0.0))
-    assert pursuit.step(Pose(0.0, 0.0, 3.0), TUNING).velocity.angular == -1.0
-    assert pursuit.step(Pose(0.0, 0.0, -3.0), TUNING).velocity.angular == -1.0
+    controller = GoalController(Goal(0.0, 0.0, 0.0))
+    assert controller.step(Pose(0.0, 0.0, 3.0), TUNING).velocity.angular == -1.0
+    assert controller.step(Pose(0.0, 0.0, -3.0), TUNING).velocity.angular == -1.0
     # Once it has come below 3/4 pi on the other side, that side is the short one.
-    assert pursuit.step(Pose(0.0, 0.0, -2.0), TUNING).velocity.angular == 1.0
-    assert pursuit.step(Pose(0.0, 0.0, -3.0), TUNING).velocity.angular == 1.0
-    assert Pursuit(Goal(0.0, 0.0, 0.0)).step(Pose(0.0, 0.0, 3.0), TUNING).velocity.angular == -1.0
+    assert controller.step(Pose(0.0, 0.0, -2.0), TUNING).velocity.angular == 1.0
+    assert controller.step(Pose(0.0, 0.0, -3.0), TUNING).velocity.angular == 1.0
+    assert (
+        GoalController(Goal(0.0, 0.0, 0.0)).step(Pose(0.0, 0.0, 3.0), TUNING).velocity.angular
+        == -1.0
+    )
 
 
 def test_age_is_that_of_the_stamp_or_of_the_arrival() -> None:
-    freshness = Freshness()
-    assert freshness.age(10.0) == math.inf
-    freshness.record_message(9.9, 10.0)
-    assert freshness.age(10.0) == pytest.approx(0.1)
-    freshness.record_message(99.0, 10.0)  # by a clock that is ahead
-    assert freshness.age(13.0) == 3.0
-    freshness.record_message(0.0, 20.0)  # without a stamp
-    assert freshness.age(20.5) == 0.5
-    assert freshness.age(19.0) == math.inf  # the clock was set back
-    freshness.record_message(5.0, 20.0)  # late, out of a cut link
-    assert freshness.age(20.0) == 15.0
+    staleness = Staleness()
+    assert staleness.age(10.0) == math.inf
+    staleness.record_message(9.9, 10.0)
+    assert staleness.age(10.0) == pytest.approx(0.1)
+    staleness.record_message(99.0, 10.0)  # by a clock that is ahead
+    assert staleness.age(13.0) == 3.0
+    staleness.record_message(0.0, 20.0)  # without a stamp
+    assert staleness.age(20.5) == 0.5
+    assert staleness.age(19.0) == math.inf  # the clock was set back
+    staleness.record_message(5.0, 20.0)  # late, out of a cut link
+    assert staleness.age(20.0) == 15.0
 
 
 def pose(frame: str = "", x: float = 0.0, z: float = 0.0, w: float = 1.0) -> PoseStamped:

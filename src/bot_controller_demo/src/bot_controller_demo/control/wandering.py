@@ -1,10 +1,10 @@
-"""Velocities drawn at random, and a way out where a wall ends them."""
+"""Random velocities, and turns away from walls."""
 
 import math
 import random
 from typing import Tuple
 
-from bot_controller_demo.laws.velocities import Velocity
+from bot_controller_demo.control.velocities import Velocity
 
 #: The least and the largest value.
 Interval = Tuple[float, float]
@@ -14,7 +14,7 @@ _TURN_AWAY: Interval = (0.5 * math.pi, math.pi)
 
 
 class Wanderer:
-    """Draws velocities.
+    """Source of random velocities.
 
     :param seed: what the sequence is made from; 0 for another one each time
     """
@@ -29,7 +29,7 @@ class Wanderer:
         """Return the next velocity.
 
         At a wall it is a turn on the spot, the fastest that is allowed, until the robot has turned
-        away by a random angle; where no turn is allowed, there is none.
+        away by a random angle, or a random velocity if no turn is allowed.
 
         :param linear: least and largest speed, m/s
         :param angular: least and largest turning rate, rad/s

@@ -1,11 +1,11 @@
-"""One goal, from setting out to having arrived."""
+"""Controller of one goal: drive, turn, arrive."""
 
 import math
 from typing import NamedTuple
 
-from bot_controller_demo.laws.geometry import Errors, Goal, Pose, errors
-from bot_controller_demo.laws.steering import LAWS, Gains
-from bot_controller_demo.laws.velocities import STOP, Limits, Velocity, saturate
+from bot_controller_demo.control.geometry import Errors, Goal, Pose, errors
+from bot_controller_demo.control.steering import LAWS, Gains
+from bot_controller_demo.control.velocities import STOP, Limits, Velocity, saturate
 
 DRIVING, TURNING, ARRIVED = "driving", "turning", "arrived"
 PHASES = (DRIVING, TURNING, ARRIVED)
@@ -17,7 +17,7 @@ _KEEP_ABOVE = 0.75 * math.pi
 
 
 class Tuning(NamedTuple):
-    """How a goal is pursued.
+    """Settings of the goal controller.
 
     :param law: one of :data:`.LAWS`
     :param gains: of the law
@@ -34,11 +34,11 @@ class Tuning(NamedTuple):
 
 
 class Guidance(NamedTuple):
-    """How to go on.
+    """Output of the goal controller.
 
     :param velocity: how to move now
     :param phase: one of :data:`PHASES`
-    :param errors: what separates the robot from its goal
+    :param errors: between the robot and its goal
     """
 
     velocity: Velocity
@@ -47,7 +47,7 @@ class Guidance(NamedTuple):
 
 
 class Turn:
-    """Keeps the direction of a turn where the error is about pi.
+    """Direction of a turn, kept while the error is about pi.
 
     There its sign changes from sample to sample, and the robot would never turn.
     """
@@ -66,10 +66,10 @@ class Turn:
         return error
 
 
-class Pursuit:
-    """Drives to a goal, turns there, and stays.
+class GoalController:
+    """Goal controller: drives to a goal, turns there, and stays.
 
-    What pushes the robot away from its goal has it drive or turn again.
+    A robot that is pushed away from its goal drives or turns again.
 
     :param goal: where to go
 
@@ -82,7 +82,7 @@ class Pursuit:
         self._direction, self._heading = Turn(), Turn()
 
     def step(self, pose: Pose, tuning: Tuning) -> Guidance:
-        """Return what to do now.
+        """Return velocity, phase and errors for the present pose.
 
         :param pose: where the robot is
         :param tuning: how to drive

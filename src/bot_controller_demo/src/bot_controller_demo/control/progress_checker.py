@@ -1,9 +1,9 @@
-"""Whether a robot gets any closer to its goal."""
+"""Progress of a robot towards its goal."""
 
 import math
 
-from bot_controller_demo.laws.geometry import Errors
-from bot_controller_demo.laws.pursuit import TURNING
+from bot_controller_demo.control.geometry import Errors
+from bot_controller_demo.control.goal_controller import TURNING
 
 #: The phase of a goal that is given up. Progress has no constant for it: one more would make it
 #: another message, which the nodes of before do not know.
@@ -17,8 +17,8 @@ _CLOSER, _CLOSER_BY = 0.99, 0.05
 _LEAST_ANGLE = 0.01
 
 
-class Standstill:
-    """Measures for how long a pursuit has made no progress.
+class ProgressChecker:
+    """Time without progress towards a goal.
 
     Progress is a distance below all before, or a turn towards where the robot is to drive or to
     look.
@@ -28,16 +28,16 @@ class Standstill:
         self.forget()
 
     def forget(self) -> None:
-        """Start over: a new goal, or a robot that was stopped for another reason."""
+        """Restart for a new goal, or for a robot that was stopped for another reason."""
         self._phase = ""
         self._distance = self._angle = math.inf
         self._since = math.inf
 
     def lasted(self, phase: str, seen: Errors, now: float) -> float:
-        """Return for how long there has been no progress, s.
+        """Return the time without progress [s].
 
-        :param phase: of the pursuit
-        :param seen: what separates the robot from its goal
+        :param phase: of the goal controller
+        :param seen: between the robot and its goal
         :param now: s
         """
         angle = abs(seen.heading if phase == TURNING else seen.direction)

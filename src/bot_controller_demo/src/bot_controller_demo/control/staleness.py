@@ -1,10 +1,10 @@
-"""The age of what a robot publishes of itself."""
+"""Age of a robot's messages."""
 
 import math
 
 
-class Freshness:
-    """Tells the age of the last message of a stream.
+class Staleness:
+    """Age of the last message of a stream.
 
     It is the larger one of the times since its stamp and since its arrival. The stamp alone would
     take the word of a clock that is ahead; the arrival alone would take what a cut link delivers
@@ -23,8 +23,7 @@ class Freshness:
         self._stamp, self._arrived_at = stamp or now, now
 
     def age(self, now: float) -> float:
-        """Return the age of the last message, s; infinite where there is none, or the clock was
-        set back since.
+        """Return the age of the last message [s]; infinite without one, or after a clock reset.
 
         :param now: s, by the same clock
         """

@@ -4,7 +4,7 @@ from typing import Dict, NamedTuple
 
 
 class Velocity(NamedTuple):
-    """How a robot moves.
+    """Velocity of a robot.
 
     :param linear: forward, m/s
     :param angular: counter-clockwise, rad/s

@@ -3,7 +3,7 @@
 
 from typing import NamedTuple, Sequence
 
-from lifecycle_manager.member import STATES
+from lifecycle_manager.node_state import STATES
 from lifecycle_manager.plan import Level
 
 

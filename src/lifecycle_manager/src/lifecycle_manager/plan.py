@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""What a system of managed nodes needs next: two rules, which know neither ROS nor time.
+"""Next request to a system of managed nodes: two rules, independent of ROS and of time.
 
 All nodes are configured in order, then all are activated in order. So a node may be configured
 while all before it are, and active while all are configured and all before it active. Who is
@@ -13,7 +13,7 @@ from typing import Collection, Mapping, NamedTuple, Optional, Sequence
 
 
 class Level(enum.IntEnum):
-    """How far up a node is, with ROS 2's numbers."""
+    """Level of a node's state, with ROS 2's numbers."""
 
     #: Not there, silent, or finalized: nothing can be built on it.
     GONE = 0
@@ -59,7 +59,7 @@ def next_instruction(
     under_way: Mapping[int, str] = {},
     stuck: Collection[int] = (),
 ) -> Optional[Instruction]:
-    """Return the next request, None where there is none or another one has to end first.
+    """Return the next request, or None if no change is needed or another must end first.
 
     :param goal: how far up all nodes are to be
     :param levels: how far up they are, in order

@@ -4,7 +4,7 @@ from typing import List
 
 from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 
-from lifecycle_manager.member import Member, state_text
+from lifecycle_manager.node_state import NodeState, state_text
 from lifecycle_manager.system import System
 
 #: By how far up a node is.
@@ -33,7 +33,7 @@ def reports(manager: str, system: System) -> List[DiagnosticStatus]:
     return [whole, *(_report(manager, member) for member in system.members)]
 
 
-def _report(manager: str, member: Member) -> DiagnosticStatus:
+def _report(manager: str, member: NodeState) -> DiagnosticStatus:
     return DiagnosticStatus(
         level=_LEVELS[member.level],
         name=f"{manager}: {member.name}",

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""What a manager knows of its nodes, and what it requests of them.
+"""Known states of the managed nodes, and the requests to them.
 
 It is told what happens, and the time: that of any clock that never goes back, s.
 """
@@ -8,7 +8,7 @@ import math
 from typing import List, Optional, Sequence, Tuple
 
 from lifecycle_manager.commands import validated
-from lifecycle_manager.member import GET_STATE, RESULTS, Member, state_text
+from lifecycle_manager.node_state import GET_STATE, RESULTS, NodeState, state_text
 from lifecycle_manager.plan import DOWN, Level, next_instruction
 
 #: Time between two queries of a node that is in a transition or does not answer, s.
@@ -31,7 +31,7 @@ class System:
     """
 
     def __init__(self, names: Sequence[str], autostart: bool, now: float) -> None:
-        self.members = [Member(name, now) for name in names]
+        self.members = [NodeState(name, now) for name in names]
         self.goal: Optional[Level] = None
         self.problem = ""
         self._autostart = autostart
@@ -51,21 +51,21 @@ class System:
         for member in self.members:
             member.is_stuck = False
 
-    def record_heartbeat(self, member: Member, now: float) -> None:
+    def record_heartbeat(self, member: NodeState, now: float) -> None:
         """Record a heartbeat; query the state of a node that had none before."""
         member.heard_at = now
         if not member.is_heard:
             member.is_heard = True
             member.query_at = now
 
-    def record_state(self, member: Member, state: int, now: float) -> None:
+    def record_state(self, member: NodeState, state: int, now: float) -> None:
         """Record the state that a node publishes; query it where it is news, as it may be old."""
         if member.under_way:
             member.told = state  # not to be told again; the answer may be older
         elif member.is_heard and state != member.state:
             member.query_at = now
 
-    def mark_lost(self, member: Member, why: str, now: float) -> None:
+    def mark_lost(self, member: NodeState, why: str, now: float) -> None:
         """Record that a node has gone.
 
         :param why: how that was noticed
@@ -77,7 +77,7 @@ class System:
         if self._meant() > Level.UNCONFIGURED:
             self.problem = f"{member.name} is lost: {why}"
 
-    def record_answer(self, member: Member, state: int, why: str, now: float) -> None:
+    def record_answer(self, member: NodeState, state: int, why: str, now: float) -> None:
         """Record the result of a request to a node.
 
         :param state: number of its state, 0 where it has not answered
@@ -123,7 +123,7 @@ class System:
 
     # What follows from it.
 
-    def ask_next(self, now: float) -> Optional[Member]:
+    def ask_next(self, now: float) -> Optional[NodeState]:
         """Return the next node to send a request to, which is then under way; None for none."""
         members = list(enumerate(self.members))
         for _, member in members:
@@ -160,7 +160,7 @@ class System:
 
     @property
     def levels(self) -> List[Level]:
-        """How far up the nodes are, in order."""
+        """Levels of the nodes, in order."""
         return [member.level for member in self.members]
 
     @property
@@ -175,14 +175,14 @@ class System:
 
     @property
     def summary(self) -> str:
-        """Where the nodes are, in words."""
+        """Status of the nodes in words."""
         if self.problem:
             return self.problem
         if self.is_reached:
             return f"all are {state_text(self.goal or 4)}"
         return ", ".join(f"{each.name} is {state_text(each.state)}" for each in self._others())
 
-    def _others(self) -> List[Member]:
+    def _others(self) -> List[NodeState]:
         """Return the nodes that are not where they are to be."""
         return [each for each in self.members if each.is_moving or each.level != self.goal]
 

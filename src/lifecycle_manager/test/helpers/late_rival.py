@@ -8,5 +8,5 @@ from lifecycle_manager.nodes import lifecycle_manager
 
 if __name__ == "__main__":
     found = itertools.chain([None], itertools.repeat("y has one"))
-    with mock.patch.object(lifecycle_manager, "rival", side_effect=found):
+    with mock.patch.object(lifecycle_manager, "find_other_manager", side_effect=found):
         lifecycle_manager.main()

@@ -315,7 +315,7 @@ class Here(Managing):
         left = ", ".join(f"{self.space}/{name}" for name in ABC)
         self.assertIn(f"left in their present states: {left}", logged.output[-1])
 
-    def test_names_are_judged(self) -> None:
+    def test_names_are_validated(self) -> None:
         """At the start, and while it runs, where they would take effect at the next start."""
         refused = {
             "a list of node names without duplicates": ([], ["a", "a"], ["a", self.space + "/a"]),

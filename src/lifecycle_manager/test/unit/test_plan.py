@@ -1,4 +1,4 @@
-"""What the manager asks for next."""
+"""Next request of the manager."""
 
 import itertools
 from typing import List, Set, Tuple

@@ -1,4 +1,4 @@
-"""What the manager knows and wants, with nodes that are no more than a few numbers."""
+"""Knowledge and requests of the manager, with simulated nodes."""
 
 from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lifecycle_manager.commands import COMMANDS, validated
-from lifecycle_manager.member import GET_STATE, RESULTS, Member, state_text
+from lifecycle_manager.node_state import GET_STATE, RESULTS, NodeState, state_text
 from lifecycle_manager.plan import DOWN, Level
 from lifecycle_manager.system import FIRST_QUERY_S, System
 
@@ -50,7 +50,7 @@ class World:
         self.longest_wrong = 0.0
         self._beats_at = 0.0
 
-    def member(self, place: int) -> Member:
+    def member(self, place: int) -> NodeState:
         return self.system.members[place]
 
     def run(self, seconds: float) -> None:
@@ -63,7 +63,7 @@ class World:
             self._answer()
             self.system.check_timeouts(TIMEOUT_S, WINDOW_S, self.now)
             self._ask()
-            self._judge()
+            self._check_order()
 
     def command(self, number: int) -> Optional[Tuple[bool, str]]:
         """Give a command, and wait for what comes of it."""
@@ -134,7 +134,7 @@ class World:
         if label == "configure":
             assert all(level >= Level.INACTIVE for level in levels[:place]), (place, levels)
 
-    def _judge(self) -> None:
+    def _check_order(self) -> None:
         """Note for how long one works in truth while one before it is not configured."""
         is_sound = True
         for fake in self.fakes:
@@ -410,7 +410,7 @@ def test_commands() -> None:
 
 
 def test_states() -> None:
-    member = Member("/a", 0.0)
+    member = NodeState("/a", 0.0)
     found = []
     for state in (*range(5), *range(10, 16)):
         member.enter(state, 0.0)
@@ -470,7 +470,7 @@ EVENTS = st.tuples(
 @settings(deadline=None, max_examples=150)
 @given(st.integers(1, 4), st.lists(EVENTS, max_size=12))
 def test_random_losses(count: int, events: List[Tuple[str, int, float]]) -> None:
-    """What is not as it should be is so for no longer than it takes to notice and to undo."""
+    """A wrong order lasts no longer than it takes to notice and to undo it."""
     world = World(count)
     world.run(1.0)
     for kind, place, pause in events:

@@ -12,10 +12,10 @@ from diagnostic_msgs.msg import DiagnosticArray
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger, TriggerRequest
 
-from lifecycle_manager.contact import Contact
+from lifecycle_manager.node_client import NodeClient
 from lifecycle_manager.plan import Level
 from lifecycle_manager.reports import reports
-from lifecycle_manager.rivals import rival
+from lifecycle_manager.other_managers import find_other_manager
 from lifecycle_manager.system import FIRST_QUERY_S, System
 from nodekit import (
     BoolParameter,
@@ -105,12 +105,12 @@ class LifecycleManager:
         self._settings = node.parameters(LifecycleManagerParameters, rules=[self.can_be_managed])
         values = self._settings.values
         names = [node.resolve(name) for name in values.node_names]
-        claimed = rival(node, names)
+        claimed = find_other_manager(node, names)
         if claimed:
             raise self._has_rival(claimed)
         self._system = System(names, values.autostart, time.monotonic())
-        self._contacts = {
-            member: Contact(node, self._system, member, self.update)
+        self._clients = {
+            member: NodeClient(node, self._system, member, self.update)
             for member in self._system.members
         }
         self._answer: "Future[Tuple[bool, str]]" = Future()  # to the latest command
@@ -152,8 +152,8 @@ class LifecycleManager:
         """Notice nodes that are silent, and nodes that have not come back."""
         if not self._is_alone:
             self._make_sure()
-        for contact in self._contacts.values():
-            contact.check_connection()
+        for client in self._clients.values():
+            client.check_connection()
         values = self._settings.values
         now = time.monotonic()
         self._system.check_timeouts(values.heartbeat_timeout, values.respawn_window, now)
@@ -168,7 +168,7 @@ class LifecycleManager:
         self._report_changes()
         member = self._system.ask_next(time.monotonic())
         while member is not None:
-            self._contacts[member].send_request(self._settings.values.request_timeout)
+            self._clients[member].send_request(self._settings.values.request_timeout)
             member = self._system.ask_next(time.monotonic())
         result = self._system.settle()
         if result is not None and not self._answer.done():
@@ -191,7 +191,7 @@ class LifecycleManager:
         self._diagnostics.publish(header, reports(self._node.name, self._system))
 
     def end(self) -> None:
-        """Bring the nodes down, as far as time allows: nobody will watch them."""
+        """Bring the nodes down, as far as time allows, as they will have no manager."""
         if not self._is_alone:
             return
         with contextlib.suppress(concurrent.futures.TimeoutError):
@@ -222,7 +222,7 @@ class LifecycleManager:
 
     def _make_sure(self) -> None:
         """Check again for another manager, which may have started at the same time."""
-        claimed = rival(self._node, [member.name for member in self._contacts])
+        claimed = find_other_manager(self._node, [member.name for member in self._clients])
         if claimed:
             give_up(self._has_rival(claimed))
         self._is_alone = not claimed

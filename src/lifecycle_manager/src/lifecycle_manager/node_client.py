@@ -6,14 +6,14 @@ from typing import Callable, Optional
 import rospy
 from std_msgs.msg import Header
 
-from lifecycle_manager.member import GET_STATE, Member
+from lifecycle_manager.node_state import GET_STATE, NodeState
 from lifecycle_manager.system import System
 from lifecycle_msgs.msg import State, Transition
 from lifecycle_msgs.srv import ChangeState, ChangeStateRequest, GetState, GetStateRequest
 from nodekit import CallError, CallFuture, Node
 
 
-class Contact:
+class NodeClient:
     """A manager's subscriptions to one node and its service clients.
 
     All callbacks run in the manager's default group.
@@ -25,7 +25,7 @@ class Contact:
     """
 
     def __init__(
-        self, node: Node, system: System, member: Member, on_change: Callable[[], None]
+        self, node: Node, system: System, member: NodeState, on_change: Callable[[], None]
     ) -> None:
         self.member = member
         self._system = system

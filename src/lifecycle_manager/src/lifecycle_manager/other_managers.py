@@ -14,8 +14,8 @@ SERVICE = "/manage_nodes"
 TIMEOUT_S = 1.0
 
 
-def rival(node: Node, names: Sequence[str]) -> Optional[str]:
-    """Return a sentence that names a node with another manager, None where there is none.
+def find_other_manager(node: Node, names: Sequence[str]) -> Optional[str]:
+    """Return a sentence that names a node with another manager, or None.
 
     A manager subscribes to a node's heartbeat and offers ``~manage_nodes``. It looks for others
     after it has subscribed itself, so of two that start at once the later one sees the other.

@@ -1,28 +1,41 @@
 # Pure: knows no ROS.
-"""What a manager knows of one node; time is that of any clock that never goes back, s."""
+"""States of managed nodes as the manager knows them; times by a monotonic clock [s]."""
 
 import math
 
 from lifecycle_manager.plan import Level
+from nodekit.lifecycle_states import (
+    ACTIVATING,
+    ACTIVE,
+    CLEANINGUP,
+    CONFIGURING,
+    DEACTIVATING,
+    FINALIZED,
+    INACTIVE,
+    OUTCOMES,
+    REQUESTS,
+    UNCONFIGURED,
+    Outcome,
+)
 
 #: The request to a node whose state is in doubt.
 GET_STATE = "get_state"
 
-#: How far up a node is in each of ROS 2's states. One in a transition counts as what is the safer
-#: for the others: not configured until it is, active until it is not.
+#: Level of each state. A node in a transition counts as the level that is the safer one for the
+#: others: unconfigured until it is configured, active until it is deactivated.
 LEVELS = {
     **dict(enumerate(Level)),
-    10: Level.UNCONFIGURED,
-    11: Level.UNCONFIGURED,
-    13: Level.ACTIVE,
-    14: Level.ACTIVE,
+    CONFIGURING.id: Level.UNCONFIGURED,
+    CLEANINGUP.id: Level.UNCONFIGURED,
+    ACTIVATING.id: Level.ACTIVE,
+    DEACTIVATING.id: Level.ACTIVE,
 }
-#: The primary states; 0 is that of a node that does not answer.
-STATES = ("absent", "unconfigured", "inactive", "active", "finalized")
-#: Those from which a transition is possible.
-_ON = (1, 2, 3)
-#: The state that each transition leads to.
-RESULTS = {"configure": 2, "activate": 3, "deactivate": 2, "cleanup": 1, "shutdown": 4}
+#: Labels of the primary states; 0 is that of a node that does not answer.
+STATES = ("absent", *(state.label for state in (UNCONFIGURED, INACTIVE, ACTIVE, FINALIZED)))
+#: States from which a transition is possible.
+_ON = (UNCONFIGURED.id, INACTIVE.id, ACTIVE.id)
+#: The state to which each transition leads.
+RESULTS = {request.label: OUTCOMES[request.goal, Outcome.SUCCESS].goal.id for request in REQUESTS}
 
 
 def state_text(state: int) -> str:
@@ -33,8 +46,8 @@ def state_text(state: int) -> str:
     return STATES[state] if state < len(STATES) else "in the middle of a transition"
 
 
-class Member:
-    """What is known of one node.
+class NodeState:
+    """State of one managed node as the manager knows it.
 
     :param name: its global name
     :param now: the time
@@ -43,7 +56,7 @@ class Member:
     :ivar is_heard: whether its heartbeat is received
     :ivar heard_at: time of the last heartbeat
     :ivar query_at: when to ask for its state; infinite where that is not in doubt
-    :ivar under_way: the request that it has not answered yet; empty where there is none
+    :ivar under_way: the request without a reply so far; empty without one
     :ivar told: number of the state that it has published last meanwhile, 0 for none
     :ivar is_stuck: whether a transition down has failed
     """
@@ -61,7 +74,7 @@ class Member:
 
     @property
     def level(self) -> Level:
-        """How far up it is."""
+        """Level of its state."""
         return LEVELS.get(self.state, Level.GONE)
 
     @property

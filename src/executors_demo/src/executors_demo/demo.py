@@ -1,4 +1,4 @@
-"""What the demos have in common: an executor that a parameter chooses, and a log of all calls."""
+"""Base of the demos: an executor that a parameter chooses, and a log of all calls."""
 
 import contextlib
 import sys
@@ -8,7 +8,7 @@ from typing import Generic, List, Type, TypeVar, Union
 
 import rospy
 
-from executors_demo.diary import Diary
+from executors_demo.call_log import CallLog
 from nodekit import (
     EnumParameter,
     FloatParameter,
@@ -70,7 +70,7 @@ class Demo(Generic[Settings]):
 
     def __init__(self, node: Node, declaration: Type[Settings]) -> None:
         self.parameters = node.parameters(declaration, on_change=self._on_change)
-        self._diary = Diary(_print)
+        self._call_log = CallLog(_print)
         self._executor = self.parameters.values.new_executor()
         self._nodes: List[Node] = []
         self.add_node(node)
@@ -95,7 +95,7 @@ class Demo(Generic[Settings]):
         :param length: how long it takes, s
         :param note: what the call is about
         """
-        with self._diary.call(who, note):
+        with self._call_log.call(who, note):
             time.sleep(length)
 
     def _on_change(self, new: Settings, old: Settings) -> None:
@@ -110,5 +110,5 @@ class Demo(Generic[Settings]):
 
 def _print(line: str) -> None:
     rospy.loginfo("%s", line)
-    with contextlib.suppress(OSError):  # nobody reads any more: nodekit reports that
+    with contextlib.suppress(OSError):  # the pipe's reader has gone: nodekit reports that
         sys.stdout.flush()  # or else "| tee" shows nothing for a while

@@ -9,14 +9,13 @@ from typing import Dict, List
 
 import rospy
 import yaml
-from std_msgs.msg import String
-from std_srvs.srv import SetBool, Trigger
-
 from executors_demo.bars import Bar, bars, most_at_once, overlaps
 from executors_demo.events import Event, read
 from nodekit.testing.processes import Process
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
+from std_msgs.msg import String
+from std_srvs.srv import SetBool, Trigger
 
 SCRIPTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts")
 #: Ctrl-C takes less, s: below 2 s where the machine has nothing else to do.
@@ -157,7 +156,9 @@ class Lessons(unittest.TestCase):
         """Course 004-exec-1."""
         demo = self.demos["parallel_node"]
         publisher = rospy.Publisher("commands", String, queue_size=10)
-        wait_until(lambda: publisher.get_num_connections() == 1, lambda: "nobody listens")
+        wait_until(
+            lambda: publisher.get_num_connections() == 1, lambda: "the node has not subscribed"
+        )
         for text in ("left", "right", "stop"):
             publisher.publish(text)
         demo.wait_for_calls("commands", 3)

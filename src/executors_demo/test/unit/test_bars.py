@@ -2,11 +2,10 @@
 
 from typing import List, Tuple
 
-from hypothesis import given
-from hypothesis import strategies as st
-
 from executors_demo.bars import Bar, bars, most_at_once, overlaps
 from executors_demo.events import Event
+from hypothesis import given
+from hypothesis import strategies as st
 
 #: Begin and length of calls, in whole seconds.
 CALLS = st.lists(st.tuples(st.integers(0, 20), st.integers(1, 5)), max_size=12)
@@ -17,7 +16,7 @@ def bar(begin: float, end: float, who: str = "timer1", number: int = 1) -> Bar:
 
 
 def events_of(calls: List[Tuple[int, int]]) -> List[Event]:
-    """Return what a diary would have said of calls, each on a thread of its own."""
+    """Return the call log of calls, each on a thread of its own."""
     events = []
     for number, (begin, length) in enumerate(calls, 1):
         events.append(Event(begin, f"thread{number}", "job", number, True))

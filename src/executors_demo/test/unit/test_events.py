@@ -1,12 +1,11 @@
-"""What is printed can be read again."""
+"""Printed events can be parsed again."""
 
 from typing import List
 
 import pytest
+from executors_demo.events import Event, read
 from hypothesis import given
 from hypothesis import strategies as st
-
-from executors_demo.events import Event, read
 
 WORDS = st.from_regex(r"[a-z_/]{1,12}[0-9-]{0,3}", fullmatch=True)
 NOTES = st.text(st.characters(min_codepoint=33, max_codepoint=0x2FF), max_size=20)

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import List, Set
 
 import pytest
-
 from executors_demo.bars import bars
 from executors_demo.events import Event, read
 from executors_demo.picture import Panel, draw

@@ -10,7 +10,7 @@ from typing import Callable, Dict, Iterator
 from executors_demo.events import Event
 
 
-class Diary:
+class CallLog:
     """Says when calls begin and end; any thread may use it.
 
     :param say: takes a line

@@ -1,22 +1,21 @@
-"""What a diary says, and in which order."""
+"""Lines of the call log, and their order."""
 
 import threading
 import time
 from typing import List
 
 import pytest
-
-from executors_demo.diary import Diary
+from executors_demo.call_log import CallLog
 from executors_demo.events import read
 
 
 def test_it_says_begin_and_end_with_number_thread_and_time() -> None:
     said: List[str] = []
     times = iter([10.0, 10.5, 12.0, 12.0, 12.25])
-    diary = Diary(said.append, lambda: next(times))
-    with diary.call("timer1"):
+    call_log = CallLog(said.append, lambda: next(times))
+    with call_log.call("timer1"):
         pass
-    with diary.call("timer1", "again\nand again"):
+    with call_log.call("timer1", "again\nand again"):
         pass
     thread = threading.current_thread().name
     assert said == [
@@ -30,7 +29,7 @@ def test_it_says_begin_and_end_with_number_thread_and_time() -> None:
 def test_it_says_the_end_of_a_call_that_fails() -> None:
     said: List[str] = []
     with pytest.raises(KeyError):
-        with Diary(said.append).call("timer1"):
+        with CallLog(said.append).call("timer1"):
             raise KeyError
     assert said[-1].endswith("timer1 #1 ends")
 
@@ -45,11 +44,11 @@ def test_threads_never_say_two_things_at_once_nor_in_a_wrong_order() -> None:
         said.append(line)
         inside.release()
 
-    diary = Diary(say)
+    call_log = CallLog(say)
 
     def work() -> None:
         for _ in range(10):
-            with diary.call("job"):
+            with call_log.call("job"):
                 pass
 
     threads = [threading.Thread(target=work, name=f"thread{number}") for number in range(8)]

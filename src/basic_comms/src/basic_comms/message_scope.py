@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Where a talker looks up its message: the namespaces of ROS names.
+"""Scopes in which a talker looks up its message: the namespaces of ROS names.
 
 The candidates of a node ``/Group1/talker``, nearest first, are
 ``/Group1/talker/Message``, ``/Group1/Message`` and ``/Message``.

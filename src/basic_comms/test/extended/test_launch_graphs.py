@@ -59,7 +59,7 @@ class LaunchGraphs(unittest.TestCase):
         self.assertEqual(launch.graph.publishers("/chatter"), set())
 
     def assert_signal_chain(self, namespace: str) -> None:
-        """Check that a generator feeds a process there, and nobody else."""
+        """Check that a generator feeds the process there, and no other node."""
         generator, process = namespace + "/signal_generator", namespace + "/process"
         self.graph.wait_for_publishers(namespace + "/signal", generator)
         self.graph.wait_for_subscribers(namespace + "/signal", process)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the talkers say: each scope of Message, and changes made with rosparam while they talk."""
+"""Messages of the talkers: each scope of Message, and changes by rosparam while they run."""
 
 import subprocess
 import unittest

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How nodes end: their exit status, their last words, and what they leave with the master."""
+"""End of nodes: exit status, last log lines, and registrations left with the master."""
 
 import os
 import signal

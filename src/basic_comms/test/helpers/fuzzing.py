@@ -1,7 +1,7 @@
 """Requests that no honest node sends, drawn with a seed, for a node's two ports.
 
 Left out are the legitimate ``shutdown``, which ends a node as it should, and ``publisherUpdate``,
-which sends it to another publisher: ROS 1 lets anybody do either.
+which sends it to another publisher: ROS 1 allows both to every client.
 """
 
 import gzip

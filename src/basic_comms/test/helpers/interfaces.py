@@ -1,4 +1,4 @@
-"""What users rely on, as it is: what a running node offers, and what packages have."""
+"""Interfaces that users rely on: those of a running node, and those of packages."""
 
 import importlib.util
 import pathlib
@@ -19,7 +19,7 @@ KINDS = ("publishes", "subscribes", "services")
 
 
 class Registrations:
-    """What has been registered since this object was made."""
+    """Registrations made since this object was created."""
 
     def __init__(self) -> None:
         self._master = rosgraph.Master("/registrations")
@@ -30,7 +30,7 @@ class Registrations:
         return {kind: {name for name, _ in part} for kind, part in zip(KINDS, state)}
 
     def of(self, node: str) -> Dict[str, Dict[str, str]]:
-        """Return names and types of what a node has registered, and nobody had before.
+        """Return names and types that a node has registered, without those registered before.
 
         What comes with a package that need not be installed is left out.
 

@@ -25,7 +25,7 @@ _ROS = {"genpy", "rosgraph", "roslib", "rospy", "yaml"}
 
 
 class End(NamedTuple):
-    """How a node ended.
+    """End of a node.
 
     :param program: what was run
     :param moment: when it was interrupted, after its start or its first line, s
@@ -55,7 +55,7 @@ class End(NamedTuple):
 
     @property
     def imported_too_soon(self) -> List[str]:
-        """What of ROS was imported where an interrupt cannot be handled yet."""
+        """Modules of ROS imported before an interrupt can be handled."""
         modules = _IMPORT.findall(self.errors)
         if _ENTRY_POINT in modules:
             modules = modules[: modules.index(_ENTRY_POINT)]

@@ -22,7 +22,7 @@ Registrations = List[List[Tuple[str, str]]]
 
 
 class Round(NamedTuple):
-    """How a node came back after it was killed.
+    """Return of a node after it was killed.
 
     :param absent: from the kill to the end of the successor's init_node, s
     :param silent: from then until its streams are heard again, s

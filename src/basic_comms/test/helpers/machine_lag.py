@@ -1,4 +1,4 @@
-"""How long this machine keeps everybody waiting: what a bound on time has to allow for."""
+"""Scheduling delay of this machine, for which a bound on time must allow."""
 
 import contextlib
 import threading

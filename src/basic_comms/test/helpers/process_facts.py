@@ -1,4 +1,4 @@
-"""What the kernel tells of a process: its memory, threads, descriptors and listening sockets."""
+"""Kernel's figures of a process: memory, threads, descriptors and listening sockets."""
 
 import os
 import socket
@@ -9,7 +9,7 @@ _LISTENING = "0A"
 
 
 class Usage(NamedTuple):
-    """What a process holds at a moment.
+    """Resources that a process holds at a moment.
 
     :param threads: how many
     :param descriptors: how many are open

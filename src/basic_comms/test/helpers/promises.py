@@ -1,4 +1,4 @@
-"""What docs/compatibility.yaml promises, and what there is: what users of 1.x rely on.
+"""Promises of docs/compatibility.yaml, on which users of 1.x rely, and the present state.
 
 A table has, for each kind of thing, entries by name: text, a list of names, or again a table.
 """

@@ -64,7 +64,7 @@ class Tap:
     def read(self) -> Any:
         """Wait for the next message.
 
-        :raises ConnectionError: when there will be none
+        :raises ConnectionError: if the connection ended
         """
         return self._kind().deserialize(self._block())
 

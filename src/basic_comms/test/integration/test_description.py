@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What nodes say of themselves: ~describe, the command describe, and dynamic_reconfigure."""
+"""Descriptions by nodes: ~describe, the command describe, and dynamic_reconfigure."""
 
 import math
 import subprocess

@@ -148,9 +148,9 @@ def test_a_signal_that_stands_still_is_in_time_however_seldom_it_comes() -> None
     assert not was_ever_late(steady(0.0, 5.0), [(BEGIN + 9.0, [4.9]), (BEGIN + 19.0, [4.9])])
 
 
-def test_a_signal_that_begins_anew_is_in_time() -> None:
-    anew = [(now + 60.0, times) for now, times in steady(0.0, 10.0)]
-    assert not was_ever_late(steady(0.0, 5.0), anew)
+def test_a_signal_that_begins_restarted_is_in_time() -> None:
+    restarted = [(now + 60.0, times) for now, times in steady(0.0, 10.0)]
+    assert not was_ever_late(steady(0.0, 5.0), restarted)
 
 
 def test_a_signal_that_jumps_ahead_is_in_time() -> None:

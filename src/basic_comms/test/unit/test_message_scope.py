@@ -1,4 +1,4 @@
-"""Where a talker finds its message, and what it says where there is none."""
+"""Lookup of a talker's message, and the default without one."""
 
 import xmlrpc.client
 

@@ -1,4 +1,4 @@
-"""What the nodes do with what comes, without a master."""
+"""Nodes' handling of input, without a master."""
 
 import math
 import threading

@@ -1,4 +1,4 @@
-"""What is promised may not go or change; what is new breaks no promise."""
+"""Check of the promises: a removal or a change breaks one, an addition does not."""
 
 import copy
 import pathlib

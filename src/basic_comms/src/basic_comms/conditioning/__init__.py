@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""What the process node does to a signal. It knows no ROS."""
+"""Signal conditioning of the process node; independent of ROS."""

@@ -38,7 +38,7 @@ class Conditioner:
 
     @property
     def restarts(self) -> int:
-        """How often time_x repeated itself or ran backwards, which restarts the tracking."""
+        """Number of times that time_x repeated or ran backwards, which restarts the tracking."""
         return self._tracker.restarts
 
     def process(

@@ -39,7 +39,7 @@ _LARGEST_PHASE = 1e15
 
 
 class PhaseEstimate:
-    """What is known of the phase of a unit sine.
+    """Estimate of the phase of a unit sine.
 
     Each sample goes to :meth:`follow` and, if that gives None, to :meth:`search`. An input that is
     not a unit sine leaves the phase on its course for one period and pulls it gently from then on.

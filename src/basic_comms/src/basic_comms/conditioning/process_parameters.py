@@ -6,7 +6,7 @@ from nodekit import BoolParameter, EnumParameter, FloatParameter, ParameterSet, 
 
 
 class ProcessParameters(ParameterSet):
-    """What is done to a signal; all of it may change at any sample."""
+    """Parameters of the conditioning; all may change at any sample."""
 
     amplitude_scale = FloatParameter(
         0.5, minimum=-1e6, maximum=1e6, help="gain of the signal around the input offset"

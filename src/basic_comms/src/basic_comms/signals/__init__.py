@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""What makes signals: waveforms, their parameters, and when they run. It knows no ROS."""
+"""Signal generation: waveforms, their parameters and run times; independent of ROS."""

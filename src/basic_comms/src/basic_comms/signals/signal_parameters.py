@@ -81,7 +81,7 @@ def _value(default: float, help: str) -> FloatParameter:
 
 
 class SignalParameters(ParameterSet):
-    """What a signal looks like and when it runs; all of it may change at any sample."""
+    """Shape and run time of a signal; all parameters may change at any sample."""
 
     rate = RateParameter(10.0, help="samples published per second")
     waveform = EnumParameter("sine", choices=WAVEFORMS, help="shape of the signal")

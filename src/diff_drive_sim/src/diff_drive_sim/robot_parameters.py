@@ -22,7 +22,7 @@ _LENGTH = FloatParameter(0.0, minimum=-1e6, maximum=1e6, unit="m", help="")
 
 
 class RobotParameters(ParameterSet):
-    """What a robot is like, where it starts and what it publishes; all of it may change live."""
+    """Geometry, start and messages of a robot; all parameters may change live."""
 
     controller_type = EnumParameter(
         RVIZ,
@@ -108,15 +108,15 @@ class RobotParameters(ParameterSet):
 
     @property
     def robot(self) -> RobotSettings:
-        """What the robot is like."""
+        """Geometry and limits of the robot."""
         return RobotSettings(*(getattr(self, name) for name in RobotSettings._fields))
 
     @property
     def initial_pose(self) -> Pose:
-        """Where it starts."""
+        """Initial pose."""
         return Pose(self.initial_x, self.initial_y, self.initial_theta)
 
     @property
     def world(self) -> World:
-        """What is in its way."""
+        """Walls and boxes around the robot."""
         return World(self.walls, self.boxes)

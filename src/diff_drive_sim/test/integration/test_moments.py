@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What happens between two messages of the odometry counts from its own moment on."""
+"""Changes between two odometry messages take effect at their own time."""
 
 import unittest
 from typing import Any

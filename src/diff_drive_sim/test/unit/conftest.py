@@ -1,4 +1,4 @@
-"""What of the tests is run: that of rviz only where it is installed, as it is large."""
+"""Selection of tests: that of rviz runs only if rviz is installed, as it is large."""
 
 import shutil
 

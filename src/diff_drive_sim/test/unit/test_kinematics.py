@@ -65,7 +65,7 @@ def test_after_1000_s_at_30_hz_it_is_within_a_nanometre(seed: int) -> None:
     for _ in range(1000):
         linear, angular = chance.uniform(-0.15, 0.15), chance.uniform(-1.0, 1.0)
         robot.command(linear, angular)
-        for _ in range(29):  # a command acts for 1 s, and the last step begins anew
+        for _ in range(29):  # a command acts for 1 s, and the last step restarts that time
             robot.step(dt)
         robot.command(linear, angular)
         robot.step(dt)

@@ -1,4 +1,4 @@
-"""What the laser sees, against distances that are known exactly."""
+"""Laser ranges, against distances that are known exactly."""
 
 import math
 from fractions import Fraction

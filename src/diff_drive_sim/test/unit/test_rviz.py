@@ -1,4 +1,4 @@
-"""What rviz shows of the robot, where it is installed: once, on a screen that nobody sees."""
+"""Rviz's picture of the robot on a virtual screen; only where rviz is installed."""
 
 import os
 import signal

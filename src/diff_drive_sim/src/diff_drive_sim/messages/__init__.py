@@ -1,1 +1,1 @@
-"""What the robot receives and publishes."""
+"""Messages that the robot receives and publishes."""

@@ -23,7 +23,7 @@ from nodekit import (
 
 
 class FleetParameters(RobotParameters):
-    """How many robots there are, and what each of them starts from."""
+    """Number of robots, and their initial settings."""
 
     count = IntParameter(2, minimum=0, maximum=1000, help="number of robots")
     prefix = StringParameter("robot", help="prefix of the robots' names, before 1, 2, ...")
@@ -33,7 +33,7 @@ class FleetParameters(RobotParameters):
 
     @property
     def side(self) -> int:
-        """How many robots stand side by side."""
+        """Number of robots in a row."""
         return math.ceil(math.sqrt(self.count))
 
     def defaults(self, number: int) -> Dict[str, Any]:

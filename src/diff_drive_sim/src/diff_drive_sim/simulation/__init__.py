@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""How a robot moves and what it sees: plain computation, which knows no ROS."""
+"""Motion and sensing of a robot; independent of ROS."""

@@ -1,4 +1,4 @@
-"""How a robot with two driven wheels moves, in closed form and without adding up an error.
+"""Motion of a robot with two driven wheels, in closed form without accumulated error.
 
 While both wheels keep their speeds, the robot drives an arc of a circle. A turn of 2h over a path
 of length d takes it along a chord of d sin(h) / h, in the direction that is half way between its
@@ -33,7 +33,7 @@ def chord(distance: float, turn: float) -> float:
 
 
 class Pose(NamedTuple):
-    """Where a robot is in the plane.
+    """Pose of a robot in the plane.
 
     :ivar x: m
     :ivar y: m
@@ -59,7 +59,7 @@ class Pose(NamedTuple):
 
 
 class Wheels(NamedTuple):
-    """What the left and the right wheel do: speeds, rad/s, or angles, rad."""
+    """Speeds [rad/s] or angles [rad] of the left and the right wheel."""
 
     left: float = 0.0
     right: float = 0.0

@@ -1,4 +1,4 @@
-"""What a laser sees of walls: all its rays against all walls at once."""
+"""Ranges of a laser scanner: all rays against all walls at once."""
 
 from typing import Sequence
 
@@ -22,7 +22,7 @@ class Laser:
         self._angles = numpy.arange(rays) * (2.0 * numpy.pi / rays)
 
     def ranges(self, x: float, y: float, theta: float) -> numpy.ndarray:
-        """Return how far the nearest wall is along each ray, m; infinite where there is none.
+        """Return the distance to the nearest wall along each ray [m]; infinite without a wall.
 
         With a wall from a along s, a ray from p in the direction d meets it at p + t d = a + u s,
         where t = (a - p) x s / (d x s) and u = (a - p) x d / (d x s).

@@ -1,4 +1,4 @@
-"""What a robot's wheels can do: how fast they turn, and how quickly that changes."""
+"""Limits of a robot's wheels: speed and acceleration."""
 
 from typing import NamedTuple, Tuple
 
@@ -9,7 +9,7 @@ _HUGE = 1e6
 
 
 class RobotSettings(NamedTuple):
-    """What a robot is like; the defaults are a TurtleBot3 Burger's.
+    """Geometry and limits of a robot; the defaults are a TurtleBot3 Burger's.
 
     :ivar wheel_separation: distance of the wheels, m, > 0
     :ivar wheel_radius: m, > 0

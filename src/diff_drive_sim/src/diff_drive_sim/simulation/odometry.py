@@ -1,4 +1,4 @@
-"""Where a robot believes itself to be, by the turns of its wheels, and how far that may be off.
+"""Odometry: the pose estimated from the wheels' turns, and its uncertainty.
 
 A wheel slips a little, so its measured path is off. The errors of pieces of the path have nothing
 to do with each other: their variances add up, k^2 for each m, however the path is cut to pieces.

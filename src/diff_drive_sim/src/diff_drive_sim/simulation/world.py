@@ -1,4 +1,4 @@
-"""Where a robot can drive: a plane with walls and boxes.
+"""World in which a robot drives: a plane with walls and boxes.
 
 Plain Python, so that a robot without a laser needs no numpy.
 """
@@ -32,7 +32,7 @@ class World:
                 self.segments.append((x1, y1, x2, y2))
 
     def distance(self, x: float, y: float) -> float:
-        """Return the distance of a point from the nearest wall, m; infinite where there is none.
+        """Return the distance of a point from the nearest wall [m]; infinite without a wall.
 
         :param x: m
         :param y: m

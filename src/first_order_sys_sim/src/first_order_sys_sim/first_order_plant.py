@@ -18,7 +18,7 @@ METHODS = (EXACT, EULER)
 
 
 class PlantSettings(NamedTuple):
-    """What the plant is like.
+    """Parameters of the plant.
 
     :ivar gain: K, output for each unit of input
     :ivar time_constant: tau, s, > 0

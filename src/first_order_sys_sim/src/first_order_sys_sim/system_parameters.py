@@ -6,7 +6,7 @@ from nodekit import EnumParameter, FloatParameter, ParameterSet, to_float32
 
 
 class SystemParameters(ParameterSet):
-    """What the system is like, and how often its output is published; all of it may change live."""
+    """Parameters of the system, and its output's rate; all may change live."""
 
     system_node_rate = FloatParameter(
         150.0, minimum=0.1, maximum=10000.0, unit="Hz", help="how often the output is published"
@@ -41,7 +41,7 @@ class SystemParameters(ParameterSet):
 
     @property
     def plant(self) -> PlantSettings:
-        """What the plant is like."""
+        """Parameters of the plant."""
         return PlantSettings(
             gain=self.system_param_K,
             time_constant=self.system_param_T,

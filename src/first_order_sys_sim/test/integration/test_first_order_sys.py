@@ -33,7 +33,7 @@ class FirstOrderSys(unittest.TestCase):
         cls.input = rospy.Publisher("/lab/input", Float32, queue_size=10)
         cls.output = Ear("/lab/output", Float32)
         cls.log = Ear("/rosout", Log)
-        wait_until(cls.input.get_num_connections, lambda: "nobody listens to /lab/input")
+        wait_until(cls.input.get_num_connections, lambda: "no node subscribes to /lab/input")
 
     def setUp(self) -> None:
         self.send(0.0)

@@ -1,4 +1,4 @@
-"""What the launch files hand to the node; nothing is started here."""
+"""Parameters that the launch files give to the node; no node is started."""
 
 import functools
 import os

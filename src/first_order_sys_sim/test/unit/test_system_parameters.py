@@ -1,4 +1,4 @@
-"""How the node's parameters describe the plant."""
+"""Description of the plant by the node's parameters."""
 
 import struct
 

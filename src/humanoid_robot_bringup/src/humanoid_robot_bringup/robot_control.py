@@ -50,7 +50,7 @@ class RobotControlParameters(ParameterSet):
 class RobotControl:
     """Calls the controller until it accepts the goal; ends on arrival, with status 0.
 
-    With status 1 it ends where the controller gives the goal up, or somebody else sets another one.
+    It ends with status 1 if the controller aborts the goal, or another client sets another one.
 
     :ROS Services called:
         - ``proportional_controller/set_goal`` (bot_controller_demo_msgs/SetGoal)

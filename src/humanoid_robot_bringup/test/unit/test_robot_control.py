@@ -76,7 +76,7 @@ def test_only_news_of_the_goal_that_was_set_is_an_arrival(
 
 @pytest.mark.parametrize(
     "error, told",
-    [(CallCancelled("over"), []), (CallError("nobody"), ["cannot send the robot: nobody"])],
+    [(CallCancelled("over"), []), (CallError("no server"), ["cannot send the robot: no server"])],
 )
 def test_a_call_that_fails_is_told_unless_by_the_nodes_own_end(
     monkeypatch: "pytest.MonkeyPatch", error: CallError, told: List[str]

@@ -1,4 +1,4 @@
-"""What the launch files would start; nothing is started here."""
+"""Nodes of the launch files; no node is started."""
 
 import os
 from typing import List

@@ -16,7 +16,7 @@ SCANNER = Scanner(-math.pi, math.pi, 361, 0.2, 10.0)
 
 
 class LidarDemoNode:
-    """Publishes a scan of a room in which somebody walks around, ten times a second.
+    """Publishes a scan of a room in which a person walks around, ten times a second.
 
     :ROS Publishers:
         - ``data/lidar`` (sensor_msgs/LaserScan): in the frame ``laser_frame``

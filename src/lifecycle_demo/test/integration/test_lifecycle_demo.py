@@ -57,7 +57,7 @@ class Demos(unittest.TestCase):
         begin = lines.index("Node created (unconfigured)") + 1
         steps = [text for text in lines[begin:] if "heart" not in text and "=" not in text]
         self.assertEqual(steps[:4], expected)
-        # Once: deactivated by somebody else it stays so.
+        # Once: deactivated by another client, the node stays inactive.
         self.assertEqual(steps.count("Activating..."), 2)
 
     def test_lifecycle_aware_node(self) -> None:

@@ -13,11 +13,11 @@ DISABLED = "disabled"
 
 
 class EnableSequence:
-    """What the client of a motor knows of it, from the answers to its calls and from motor_state.
+    """A motor's state as its client knows it, from replies to its calls and from motor_state.
 
     It asks once for the motor to be enabled, and publishes while the motor is. A motor that has
-    restarted has to be asked again. One that somebody has disabled is left alone, even if it is
-    restarted, until somebody enables it.
+    restarted has to be asked again. A motor that another client has disabled is not
+    enabled again, even after its restart, until a client enables it.
 
     Without a motor_state, from a motor that does not publish it, a successful call is all it takes.
 

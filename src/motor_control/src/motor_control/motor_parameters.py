@@ -6,7 +6,7 @@ from nodekit import LARGEST_FLOAT32, FloatParameter, ParameterSet
 
 
 class MotorParameters(ParameterSet):
-    """What the motor is like; all of it may change at any sample."""
+    """Parameters of the motor; all may change at any sample."""
 
     sample_time = FloatParameter(
         0.02,
@@ -30,5 +30,5 @@ class MotorParameters(ParameterSet):
 
     @property
     def plant(self) -> PlantSettings:
-        """What the plant is like; its output stops where a message's float32 ends."""
+        """Parameters of the plant; its output is limited to a message's float32."""
         return PlantSettings(self.sys_gain_K, self.sys_tau_T, max_output=LARGEST_FLOAT32)

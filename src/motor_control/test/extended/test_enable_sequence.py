@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""How a set point and its motor find each other, whoever comes, goes and interferes."""
+"""Enabling of a motor by its set point while either restarts or another client interferes."""
 
 import os
 import signal

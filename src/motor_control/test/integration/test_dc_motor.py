@@ -39,7 +39,7 @@ class DcMotor(unittest.TestCase):
         cls.log = Ear("/rosout", Log)
         rospy.wait_for_service("/lab/EnableProcess", 30.0)
         cls.enable = rospy.ServiceProxy("/lab/EnableProcess", SetProcessBool)
-        wait_until(cls.input.get_num_connections, lambda: "nobody listens")
+        wait_until(cls.input.get_num_connections, lambda: "the motor has not subscribed")
         # In the state in which it starts, the motor is silent.
         cls.state.wait_for(lambda state: state.data == "waiting")
         assert not cls.speed.messages()

@@ -1,4 +1,4 @@
-"""What the launch files start and set; nothing is started here."""
+"""Nodes and parameters of the launch files; no node is started."""
 
 import functools
 import os

@@ -1,4 +1,4 @@
-"""What motor and set point declare."""
+"""Parameter declarations of motor and set point."""
 
 import math
 

@@ -52,7 +52,7 @@ class SetPoint:
         self._settings = node.parameters(SetPointParameters, on_change=self._on_change)
         self._source = SignalSource()
         self._run_control = RunControl(enabled=False)
-        #: Whether the motor has an input to be taken back, and whether there will be none any more.
+        #: Whether the motor must be stopped, and whether the set point has ended.
         self._has_to_stop = self._has_ended = False
         self._group = node.default_group
         self._publisher = node.publisher("motor_input_u", Float32)

@@ -1,4 +1,4 @@
-"""What a robot is called and what it may do."""
+"""Name and limits of a robot."""
 
 from nodekit import BoolParameter, FloatParameter, ListParameter, ParameterSet, StringParameter
 

@@ -202,7 +202,9 @@ class Nodes(unittest.TestCase):
         """Course 002-pkg-6."""
         node = self.nodes["advanced_node"]
         publisher = rospy.Publisher("input_topic", String, queue_size=100)
-        wait_until(lambda: publisher.get_num_connections() == 1, lambda: "nobody listens")
+        wait_until(
+            lambda: publisher.get_num_connections() == 1, lambda: "the node has not subscribed"
+        )
 
         def between(word: str) -> List[str]:
             """Return the lines with a word that came while timer1 slept."""

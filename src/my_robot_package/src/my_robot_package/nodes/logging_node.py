@@ -1,4 +1,4 @@
-"""How to log, and what a node can report of itself."""
+"""Log lines of each severity, and a node's report of itself."""
 
 from typing import List
 

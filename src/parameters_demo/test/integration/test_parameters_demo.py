@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the course asks of the nodes with parameters, on nodes that run."""
+"""Course items on nodes with parameters, tested on running nodes."""
 
 import collections
 import os

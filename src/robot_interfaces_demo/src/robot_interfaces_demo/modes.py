@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""What a robot does: the constants of RobotStatus, for code that knows no ROS."""
+"""Modes of a robot: the constants of RobotStatus, for code independent of ROS."""
 
 import enum
 

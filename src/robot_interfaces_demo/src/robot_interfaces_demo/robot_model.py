@@ -16,7 +16,7 @@ _DISTANCE_M, _SWING_M, _TURN = 2.0, 1.5, 40
 
 
 class Status(NamedTuple):
-    """What a robot publishes.
+    """Status that a robot publishes.
 
     :param mode: number of its mode
     :param readings: battery, V; temperature, degC; nearest obstacle, m

@@ -169,7 +169,7 @@ class Monitors(unittest.TestCase):
     def test_command_has_a_status_for_scripts(self) -> None:
         self.wait_for_line("ghost", "never seen")
         wrong, well = start("fleet_report", MONITOR), start("fleet_report", "in_one/fleet_monitor")
-        nobody = start("fleet_report", "/nobody")
+        missing = start("fleet_report", "/missing")
         nowhere = Process(
             os.path.join(SCRIPTS, "fleet_report"), [], {"ROS_MASTER_URI": "http://localhost:1/"}
         )
@@ -181,8 +181,8 @@ class Monitors(unittest.TestCase):
         self.assertTrue(wrong.lines[-1].startswith("ERROR: "), wrong.lines)
         self.assertEqual(well.wait(), 0, well.lines + well.error_lines)
         self.assertEqual(well.lines[-1], "OK: 1 robot, nothing wrong")
-        self.assertEqual(nobody.wait(), 2)
-        self.assertIn("there is no fleet_monitor /nobody; there is ", nobody.error_lines[0])
+        self.assertEqual(missing.wait(), 2)
+        self.assertIn("there is no fleet_monitor /missing; there is ", missing.error_lines[0])
         self.assertEqual(nowhere.wait(), 2)
         self.assertIn("fleet_report: no master at ", nowhere.error_lines[0])
 

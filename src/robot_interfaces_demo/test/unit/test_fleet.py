@@ -214,7 +214,7 @@ def test_more_robots_than_allowed_are_left_out_and_that_is_told_once() -> None:
     rig.run(1, "a", "late")
     assert "left out" not in rig.message()[1]
     rig.run(40, "a", "late")
-    assert rig.message() == (Level.ERROR, "3 robots, 1 wrong: b")  # as nobody was left out since
+    assert rig.message() == (Level.ERROR, "3 robots, 1 wrong: b")  # as no robot was removed since
     rig.send("c")  # b is lost, and gives way
     assert set(rig.findings()) == {"", "a", "c", "late"}
     rig.send("d")

@@ -1,4 +1,4 @@
-"""What is wrong according to a message."""
+"""Problems found in a message."""
 
 import math
 from typing import FrozenSet, List
@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from nodekit import to_float32
 from robot_custom_interfaces.msg import RobotStatus
 from robot_interfaces_demo.modes import Mode, name_of
-from robot_interfaces_demo.monitoring.problems import LIMITS, Level, Problem, judge
+from robot_interfaces_demo.monitoring.problems import LIMITS, Level, Problem, find_problems
 from robot_interfaces_demo.monitoring.settings import FleetMonitorParameters
 
 SETTINGS = FleetMonitorParameters()
@@ -22,7 +22,7 @@ NOTHING: FrozenSet[Problem] = frozenset()
 def found(
     mode: int = 0, readings: List[float] = FINE, before: FrozenSet[Problem] = NOTHING
 ) -> FrozenSet[Problem]:
-    return judge(mode, [to_float32(reading) for reading in readings], before, SETTINGS)
+    return find_problems(mode, [to_float32(reading) for reading in readings], before, SETTINGS)
 
 
 def test_numbers_are_those_of_the_messages() -> None:
@@ -62,7 +62,7 @@ def test_a_reading_that_a_message_rounds_from_its_limit_is_allowed(limit: float)
     settings = FleetMonitorParameters(
         battery_low=limit, temperature_high=limit, obstacle_near=limit
     )
-    assert not judge(0, [to_float32(limit)] * 3, NOTHING, settings)
+    assert not find_problems(0, [to_float32(limit)] * 3, NOTHING, settings)
 
 
 def test_a_warning_ends_when_the_reading_has_come_back_by_the_hysteresis() -> None:
@@ -80,9 +80,9 @@ def test_a_warning_ends_when_the_reading_has_come_back_by_the_hysteresis() -> No
 def test_a_limit_below_zero_has_its_hysteresis_on_the_good_side() -> None:
     settings = FleetMonitorParameters(temperature_high=-10.0, hysteresis=0.1)
     hot = frozenset([Problem.HOT])
-    assert Problem.HOT in judge(0, [12.0, -10.5, 1.0], hot, settings)
-    assert Problem.HOT not in judge(0, [12.0, -11.5, 1.0], hot, settings)
-    assert Problem.HOT not in judge(0, [12.0, -10.5, 1.0], NOTHING, settings)
+    assert Problem.HOT in find_problems(0, [12.0, -10.5, 1.0], hot, settings)
+    assert Problem.HOT not in find_problems(0, [12.0, -11.5, 1.0], hot, settings)
+    assert Problem.HOT not in find_problems(0, [12.0, -10.5, 1.0], NOTHING, settings)
 
 
 @given(st.sets(st.sampled_from([limit.problem for limit in LIMITS])))
@@ -93,7 +93,7 @@ def test_what_cannot_be_read_leaves_its_warning_as_it_was(before: FrozenSet[Prob
 
 
 @given(st.integers(0, 255), st.lists(st.floats(width=32), max_size=6))
-def test_nothing_is_too_odd_to_be_judged(mode: int, readings: List[float]) -> None:
+def test_any_reading_can_be_checked(mode: int, readings: List[float]) -> None:
     problems = found(mode, readings)
     assert (Problem.UNKNOWN_MODE in problems) == (mode > 4)
     assert (Problem.SHORT in problems) == (len(readings) < 3)

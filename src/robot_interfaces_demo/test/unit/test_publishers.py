@@ -1,4 +1,4 @@
-"""Who publishes under one name."""
+"""Publishers under one name."""
 
 from typing import List
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from robot_interfaces_demo.modes import Mode
-from robot_interfaces_demo.monitoring.problems import Problem, judge
+from robot_interfaces_demo.monitoring.problems import Problem, find_problems
 from robot_interfaces_demo.monitoring.settings import FleetMonitorParameters
 from robot_interfaces_demo.robot_model import FAULTS, RobotModel, Status
 
@@ -78,5 +78,5 @@ def test_each_fault_is_seen(fault: str, mode: int, readings: List[float], proble
     status = FAULTS[fault](fine)
     assert status.mode == mode
     assert status.readings == pytest.approx(readings, nan_ok=True)
-    assert judge(*status, frozenset(), FleetMonitorParameters()) == {problem}
+    assert find_problems(*status, frozenset(), FleetMonitorParameters()) == {problem}
     assert FAULTS["none"](fine) == fine == Status(1, [12.0, 25.0, 1.0])

@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""What a monitor knows of its robots, and how it judges them: it knows no ROS."""
+"""State of monitored robots, and checks of their messages; independent of ROS."""

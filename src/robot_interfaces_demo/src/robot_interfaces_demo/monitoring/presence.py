@@ -16,7 +16,7 @@ class Presence(enum.Enum):
 
 
 class Event(enum.Enum):
-    """What may change it."""
+    """Events that may change it."""
 
     #: a message has arrived
     HEARD = "heard"

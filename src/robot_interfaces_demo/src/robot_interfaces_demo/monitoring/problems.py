@@ -1,4 +1,4 @@
-"""The problems of a robot, judged by its messages."""
+"""Problems of a robot, found in its messages."""
 
 import enum
 import math
@@ -13,7 +13,7 @@ READINGS = 3
 
 
 class Level(enum.IntEnum):
-    """How bad something is, with the numbers of diagnostic_msgs/DiagnosticStatus."""
+    """Severity, with the numbers of diagnostic_msgs/DiagnosticStatus."""
 
     OK = 0
     WARN = 1
@@ -21,7 +21,7 @@ class Level(enum.IntEnum):
 
 
 class Problem(enum.Enum):
-    """What is wrong: how bad that is, and in words."""
+    """Problem of a robot: severity and text."""
 
     TWO_PUBLISHERS = (Level.ERROR, "several nodes publish under this name")
     ERROR_MODE = (Level.ERROR, "error mode")
@@ -34,12 +34,12 @@ class Problem(enum.Enum):
 
     @property
     def level(self) -> Level:
-        """How bad it is."""
+        """Severity."""
         return self.value[0]
 
     @property
     def text(self) -> str:
-        """What it is, in words."""
+        """Text for users."""
         return self.value[1]
 
 
@@ -72,7 +72,7 @@ LIMITS = (
 )
 
 
-def judge(
+def find_problems(
     mode: int,
     readings: Sequence[float],
     before: FrozenSet[Problem],

@@ -12,7 +12,7 @@ from robot_interfaces_demo.monitoring.problems import (
     READINGS,
     Level,
     Problem,
-    judge,
+    find_problems,
 )
 from robot_interfaces_demo.monitoring.publishers import Publishers
 from robot_interfaces_demo.monitoring.settings import FleetMonitorParameters
@@ -40,7 +40,7 @@ class Note(NamedTuple):
 
 
 class Finding(NamedTuple):
-    """How a robot is, or the fleet.
+    """Condition of a robot, or of the fleet.
 
     :param name: of the robot, empty for the fleet
     :param level: how bad it is
@@ -87,14 +87,14 @@ class Robot:
 
     @property
     def problems(self) -> FrozenSet[Problem]:
-        """What is wrong with it."""
+        """Present problems."""
         if self._publishers.has_rivals:
             return self._problems | {Problem.TWO_PUBLISHERS}
         return self._problems
 
     @property
     def level(self) -> Level:
-        """How bad all of it is."""
+        """Highest severity of presence and problems."""
         return max([LEVELS[self.presence], *(problem.level for problem in self.problems)])
 
     def age(self, now: float) -> float:
@@ -147,7 +147,7 @@ class Robot:
         )
         self._period.add_arrival(now, settings.longest_period)
         self._publishers.add_message(publisher, now, settings.lost_after * period)
-        problems = judge(mode, readings, self._problems, settings)
+        problems = find_problems(mode, readings, self._problems, settings)
         was, self._problems = self._problems, problems
         self._mode = mode
         self._readings = readings[:READINGS]

@@ -137,15 +137,19 @@ ROOMS: Dict[str, List[str]] = {
     "my_robot_package": "robot_parameters nodes".split(),
     "humanoid_robot_bringup": "robot_control".split(),
     "lifecycle_demo": "nodes".split(),
-    "parameters_demo": "pixel_font picture room traffic messages sensors nodes".split(),
+    "parameters_demo": "picture room traffic messages sensors nodes".split(),
     "launch_files_demo": "temperature nodes".split(),
-    "lifecycle_manager": "plan member commands system reports contact rivals nodes".split(),
+    "lifecycle_manager": (
+        "plan node_state commands system reports node_client other_managers nodes"
+    ).split(),
     "diff_drive_sim": "simulation robot_parameters messages nodes".split(),
-    "executors_demo": "events diary bars picture timeline_command demo four_timers nodes".split(),
+    "executors_demo": (
+        "events call_log bars picture timeline_command demo four_timers nodes"
+    ).split(),
     "robot_interfaces_demo": (
         "modes robot_model monitoring diagnostics fleet_report_command nodes"
     ).split(),
-    "bot_controller_demo": "laws teleop driving nodes".split(),
+    "bot_controller_demo": "control teleop driving nodes".split(),
 }
 #: Rooms that must not import each other, whatever their order.
 INDEPENDENT: Dict[str, List[Set[str]]] = {

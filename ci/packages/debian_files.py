@@ -96,7 +96,7 @@ def read_manifests(sources: pathlib.Path) -> List[Manifest]:
 
 
 def faults(manifests: List[Manifest], table: Table) -> Iterator[str]:
-    """Return a sentence about each key that is missing in the table, and each that no package needs."""
+    """Return a sentence about each missing key, and each key that no package needs."""
     own = {manifest.name for manifest in manifests}
     used: Set[str] = set()
     for manifest in manifests:

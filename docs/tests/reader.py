@@ -26,7 +26,7 @@ class Reader:
     :param timeout: how long to wait for what the page shows [s]; generous, as everything goes on at
         once when it is there. A command that ends may take longer: the rest of the limit
     :param limit: how long a page may take in all [s]
-    :param python: runs the commands that are Python programs; without it, each is started as a new process
+    :param python: runs the commands that are Python programs; without it, each is a new process
     :param new_process: beginnings of commands that are started as new processes even so
     """
 

@@ -21,7 +21,6 @@ Starter = Callable[..., Job]
 @pytest.fixture
 def start(tmp_path: Path, python: WarmPython) -> Starter:
     """Return a function that starts a program, given its text and its arguments."""
-
     outputs = map(str, itertools.count())
 
     def start(text: str, *arguments: str, goes_on: bool = False, warm: bool = True) -> Job:

@@ -31,9 +31,10 @@ if TYPE_CHECKING:  # the same once more, for type checkers and editors
     from nodekit.node.legal_names import LEGAL_NAME as LEGAL_NAME
     from nodekit.node.legal_names import IllegalName as IllegalName
     from nodekit.node.legal_names import is_legal_name as is_legal_name
-    from nodekit.node.maker import Maker as Maker
     from nodekit.node.names import Names as Names
     from nodekit.node.node import Node as Node
+    from nodekit.node.node_scope import Maker as Maker
+    from nodekit.node.node_scope import NodeScope as NodeScope
     from nodekit.node.parameter_client import ChangeRefused as ChangeRefused
     from nodekit.node.parameter_client import ParameterClient as ParameterClient
     from nodekit.parameter_server.followed_parameter import FollowedParameter as FollowedParameter
@@ -86,9 +87,10 @@ _HOMES: Dict[str, str] = {
     "IllegalName": "node.legal_names",
     "is_legal_name": "node.legal_names",
     "LEGAL_NAME": "node.legal_names",
-    "Maker": "node.maker",
     "Names": "node.names",
     "Node": "node.node",
+    "Maker": "node.node_scope",
+    "NodeScope": "node.node_scope",
     "ChangeRefused": "node.parameter_client",
     "ParameterClient": "node.parameter_client",
     "follow_parameter": "parameter_server.followed_parameter",

@@ -20,8 +20,8 @@ from nodekit.call_arguments import LONGEST_S, judge_wait
 from nodekit.groups.groups import Outside
 from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.node.callbacks import Callback
-from nodekit.node.lifetime import Lifetime
 from nodekit.node.node import Node
+from nodekit.node.node_scope import NodeScope
 from nodekit.node.ownership import Closed
 from nodekit.node.timers import NodeTimer
 from nodekit.rospy_internals.shutdown import Ending, at_end
@@ -43,7 +43,7 @@ class _Executor:
         if threads < 1:
             raise ValueError(f"threads: refused {threads!r}: must be a whole number of at least 1")
         self._ready = ReadyQueue()
-        self._reports: Dict[Node, Lifetime] = {}
+        self._reports: Dict[Node, NodeScope] = {}
         number = next(_numbers)
         for count in range(1, threads + 1):
             name = f"executor-{number}-{count}"

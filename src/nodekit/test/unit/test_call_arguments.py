@@ -25,7 +25,7 @@ from nodekit import (
 from nodekit.call_arguments import judge_function
 from nodekit.groups.groups import Outside
 from nodekit.managed.gate import Gate
-from nodekit.managed.stage import Stage
+from nodekit.managed.lifecycle_scope import LifecycleScope
 from nodekit.master import MasterClient
 from nodekit.node.callbacks import Callback
 from nodekit.node.clients import CallFuture
@@ -68,8 +68,8 @@ def future() -> Any:
     return CallFuture(client(), 1.0)
 
 
-def stage() -> Any:
-    return Stage(node(), Gate(), "configure")
+def lifecycle_scope() -> Any:
+    return LifecycleScope(node(), Gate(), "configure")
 
 
 #: What takes a function, and what the refusal says it is for.
@@ -81,7 +81,7 @@ TAKERS: List[Tuple[str, Callable[[Any], Any]]] = [
     ("/lab/one: ", lambda given: node().every(1.0, given)),
     ("/lab/one: before_end", lambda given: node().before_end(given)),
     ("/lab/one: before_deactivate", lambda given: node().before_deactivate(given)),
-    ("/lab/one: before_deactivate", lambda given: stage().before_deactivate(given)),
+    ("/lab/one: before_deactivate", lambda given: lifecycle_scope().before_deactivate(given)),
     ("/lab/ask: add_done_callback", lambda given: future().add_done_callback(given)),
     ("/lab/key", lambda given: FollowedParameter("/lab/key", NO_WATCHER, given)),
     ("/lab/one: class", lambda given: node().host("one", "/lab", given)),
@@ -169,7 +169,7 @@ def test_callback_of_a_managed_node_that_nobody_awaits() -> None:
         lambda given: node().subscribe("topic", given, print, finite=True),
         lambda given: node().subscribe_batches("topic", given, print),
         lambda given: node().latest("topic", given),
-        lambda given: stage().publisher("topic", given),
+        lambda given: lifecycle_scope().publisher("topic", given),
     ],
 )
 @pytest.mark.parametrize(

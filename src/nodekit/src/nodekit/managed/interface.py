@@ -21,7 +21,7 @@ from nodekit.lifecycle_states import (
 )
 from nodekit.managed.lifecycle import Lifecycle, Result
 from nodekit.node.callbacks import Answering
-from nodekit.node.lifetime import Lifetime
+from nodekit.node.node_scope import NodeScope
 from nodekit.node.node import Node
 from nodekit.rospy_internals.shutdown import Ending, at_end
 from nodekit.timing.clocks import MonotonicClock
@@ -98,7 +98,7 @@ class Heart:
     :param node: the node; the heart is closed with it
     """
 
-    def __init__(self, node: Lifetime) -> None:
+    def __init__(self, node: NodeScope) -> None:
         self._publisher = node.publisher("~heartbeat", Header)
         self._beats = 0
         self._timer = Timer(_scheduler(), self._beat, BEATS_HZ)

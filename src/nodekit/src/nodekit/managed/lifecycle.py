@@ -23,15 +23,15 @@ from nodekit.lifecycle_states import (
 )
 from nodekit.managed.gate import Gate
 from nodekit.managed.machine import Machine
-from nodekit.managed.stage import Stage
+from nodekit.managed.lifecycle_scope import LifecycleScope
 from nodekit.node import forked
-from nodekit.node.lifetime import Lifetime
+from nodekit.node.node_scope import NodeScope
 
 #: What a callback may return: nothing and True are success, False is failure.
 Result = Union[None, bool, Outcome]
 
-#: How many stages live on in a state: what on_configure has made, and on_activate. None in others.
-_STAGES = {INACTIVE: 1, ACTIVE: 2}
+#: How many scopes live on in a state: what on_configure has made, and on_activate. None in others.
+_SCOPES = {INACTIVE: 1, ACTIVE: 2}
 
 
 class Lifecycle:
@@ -47,7 +47,7 @@ class Lifecycle:
 
     def __init__(
         self,
-        node: Lifetime,
+        node: NodeScope,
         callbacks: Mapping[State, Callable[..., Result]],
         tell: Callable[[Transition], None],
     ) -> None:
@@ -58,7 +58,7 @@ class Lifecycle:
         self._node = node
         self._callbacks = callbacks
         self._gate = Gate()
-        self._stages: List[Stage] = []
+        self._scopes: List[LifecycleScope] = []
 
     @property
     def is_under_way(self) -> bool:
@@ -91,8 +91,8 @@ class Lifecycle:
         if goal not in (ACTIVE, DEACTIVATING, SHUTTINGDOWN):
             self._gate.let_publish(False)
         if goal not in self._callbacks:
-            while len(self._stages) > _STAGES.get(goal, 0):
-                self._stages.pop().close()
+            while len(self._scopes) > _SCOPES.get(goal, 0):
+                self._scopes.pop().close()
         self.machine.advance(transition)
         self._gate.let_tick(goal == ACTIVE)
 
@@ -106,13 +106,13 @@ class Lifecycle:
                 outcome = _outcome(forked.call(callback))
             else:
                 made_at = "configure" if state == CONFIGURING else "activate"
-                stage = self._node.own(Stage(self._node, self._gate, made_at))
-                self._stages.append(stage)
-                outcome = _outcome(forked.call(callback, stage))
+                scope = self._node.own(LifecycleScope(self._node, self._gate, made_at))
+                self._scopes.append(scope)
+                outcome = _outcome(forked.call(callback, scope))
                 if outcome is Outcome.SUCCESS:
                     # What is opened may hear a message, and answer it, at once.
                     self._gate.let_publish(state == ACTIVATING)
-                    stage.open()
+                    scope.open()
             if outcome is not Outcome.SUCCESS:
                 rospy.logwarn("%s: %s", name, outcome.name.lower())
             return outcome

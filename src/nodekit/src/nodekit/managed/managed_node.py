@@ -11,7 +11,7 @@ from nodekit.lifecycle_states import (
 )
 from nodekit.managed.interface import Interface
 from nodekit.managed.lifecycle import Result
-from nodekit.node.maker import Maker
+from nodekit.node.node_scope import NodeScope
 from nodekit.node.node import Node
 
 
@@ -61,14 +61,14 @@ class ManagedNode:
         """The state before the latest transition, which may be under way."""
         return self._managed.lifecycle.previous
 
-    def on_configure(self, made: Maker) -> Result:
+    def on_configure(self, made: NodeScope) -> Result:
         """Get ready.
 
         :param made: makes what lives until cleanup. It is opened when this has succeeded, and
             publishes and ticks only while the node is active
         """
 
-    def on_activate(self, made: Maker) -> Result:
+    def on_activate(self, made: NodeScope) -> Result:
         """Begin to work.
 
         :param made: makes what lives until the node is active no longer; opened as above

@@ -6,8 +6,8 @@ from typing import Any, Callable
 import rospy
 
 from nodekit.managed.managed_node import ManagedNode
-from nodekit.managed.stage import CannotManage
-from nodekit.node.maker import Maker
+from nodekit.managed.lifecycle_scope import CannotManage
+from nodekit.node.node_scope import NodeScope
 from nodekit.node.node import Node
 from nodekit.parameters.kinds import ParameterError
 
@@ -19,13 +19,13 @@ class WrappedNode(ManagedNode):
     :param node: the node
     """
 
-    def __init__(self, cls: Callable[[Maker], object], node: Node) -> None:
+    def __init__(self, cls: Callable[[NodeScope], object], node: Node) -> None:
         super().__init__(node)
         self._cls = cls
         self._guest: object = None
         rospy.loginfo("%s is managed: waiting to be configured", node.name)
 
-    def on_configure(self, made: Maker) -> bool:
+    def on_configure(self, made: NodeScope) -> bool:
         """Make the class; it fails with a sentence where parameters are refused, or the class."""
         try:
             self._guest = self._cls(made)
@@ -48,7 +48,7 @@ class WrappedNode(ManagedNode):
 def wrapped(cls: Callable[[Any], object]) -> Callable[[Node], object]:
     """Return the class of a managed node for a class; for one of a managed node, that itself.
 
-    :param cls: the class, or a function that makes its object; called with a :class:`.Maker`, which
+    :param cls: the class, or a function that makes its object; called with a :class:`.NodeScope`, which
         refuses what only a whole node has
     """
     if isinstance(cls, type) and issubclass(cls, ManagedNode):

@@ -3,12 +3,12 @@
 from typing import Any, Callable, Optional
 
 from nodekit.call_arguments import judge_function
-from nodekit.node.lifetime import Lifetime, Surroundings
 from nodekit.node.names import Names
+from nodekit.node.node_scope import NodeContext, NodeScope
 from nodekit.node.opening import Opener
 
 
-class Node(Lifetime):
+class Node(NodeScope):
     """A node: a name, and all that is made under it.
 
     A class that is a node takes one in its constructor, and makes publishers, subscriptions,
@@ -21,7 +21,7 @@ class Node(Lifetime):
     """
 
     def __init__(self, names: Optional[Names] = None, opener: Optional[Opener] = None) -> None:
-        super().__init__(Surroundings(names or Names.of_process(), opener or Opener()))
+        super().__init__(NodeContext(names or Names.of_process(), opener or Opener()))
         self._guest: object = None
         #: The executor that makes its calls, if any; set by that.
         self.executor: Any = None

@@ -3,17 +3,18 @@
 import threading
 import time
 import traceback
-from typing import Any, List, Set
+from typing import Any, List, Set, TypeVar
 
 import rospy
 
 from nodekit.groups.groups import Group
 from nodekit.node.callbacks import Callback
-from nodekit.node.maker import Thing
 from nodekit.node.opening import Opener
 from nodekit.rospy_internals import registration
 
-#: Longest wait on closing for callbacks that are under way, s.
+Thing = TypeVar("Thing")
+
+#: Longest wait on closing for callbacks that are running [s].
 CLOSE_WAIT_S = 1.0
 
 

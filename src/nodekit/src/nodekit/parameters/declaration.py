@@ -88,7 +88,7 @@ def read_once(parameter: Kind) -> Kind:
 def rule(*names: str) -> Callable[[Method], Method]:
     """Mark a method of a :class:`ParameterSet` as a rule across parameters.
 
-    Or one of the node's class, which :meth:`.Maker.parameters` is given: it is called with the
+    Or one of the node's class, which :meth:`.NodeScope.parameters` is given: it is called with the
     snapshot, for rules that need the node, such as those about names. It must be quick, ask
     nobody and take no lock: it is called under the lock of the parameters, and changes wait for it.
 

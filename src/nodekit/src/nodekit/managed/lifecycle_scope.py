@@ -1,0 +1,69 @@
+"""LifecycleScope: the scope that a callback of a managed node receives."""
+
+from typing import Any, Callable, Optional
+
+from nodekit.groups.groups import Group, Outside
+from nodekit.managed.gate import Gate, LastWord, ManagedPublisher, ManagedTimer
+from nodekit.messaging.publisher import Publisher
+from nodekit.node.node_scope import NodeScope
+from nodekit.node.opening import Opener
+from nodekit.node.timers import NodeTimer
+from nodekit.timing.scheduler import Scheduler
+
+#: Attributes of a Node that a scope lacks, and what a class does that uses them.
+_ONLY_OF_NODE = {"host": "hosts another node", "executor": "has an executor of its own"}
+
+
+class CannotManage(AttributeError):
+    """Error of a class that cannot be managed; the text says what it does."""
+
+
+class LifecycleScope(NodeScope):
+    """A scope whose resources are opened together once the callback that creates them succeeds.
+
+    Its publishers publish and its timers tick only while the node is active.
+
+    :param parent: the scope that this one is closed with
+    :param gate: says whether the node is active
+    :param made_at: label of the transition that creates it
+    :param opener: opens what is created; a new one by default
+    """
+
+    def __init__(
+        self, parent: NodeScope, gate: Gate, made_at: str, opener: Optional[Opener] = None
+    ) -> None:
+        super().__init__(parent._context, parent)
+        self._made_at = made_at
+        self._rereads_at = f"at the next {made_at}"
+        self._opener = opener or Opener()
+        self._gate = gate
+
+    def open(self) -> None:
+        """Open what was created; what is created from now on is opened at once.
+
+        :raises rospy.ROSException: if a topic is used with two types
+        """
+        self._opener.start()
+
+    def lifetime(self) -> NodeScope:
+        """Return another scope of the same transition; see :meth:`.NodeScope.lifetime`."""
+        return self.own(LifecycleScope(self, self._gate, self._made_at, self._opener))
+
+    def before_deactivate(self, callback: Callable[[], Any]) -> None:
+        """Call a function before each deactivation; see :meth:`.NodeScope.before_deactivate`."""
+        self.own(LastWord(self._gate, callback, f"{self.name}: before_deactivate"))
+
+    def __getattr__(self, name: str) -> Any:
+        if name in _ONLY_OF_NODE:
+            raise CannotManage(_ONLY_OF_NODE[name])
+        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+
+    def _new_publisher(
+        self, name: str, data_class: type, latch: bool, lifespan: float
+    ) -> Publisher:
+        return ManagedPublisher(self._gate, name, data_class, latch, lifespan)
+
+    def _new_timer(self, scheduler: Scheduler, group: Group, *options: Any) -> NodeTimer:
+        if isinstance(group, Outside):  # a timer of the toolkit itself
+            return super()._new_timer(scheduler, group, *options)
+        return ManagedTimer(self._gate, scheduler, group, *options)

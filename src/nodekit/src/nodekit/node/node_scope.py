@@ -1,0 +1,436 @@
+"""NodeScope: creates what a node uses, and closes it together."""
+
+import contextlib
+from typing import Any, Callable, Collection, Iterator, List, Optional, Type
+
+import rospy
+from std_srvs.srv import Trigger
+
+from nodekit.call_arguments import judge_function, judge_name, judge_service_class
+from nodekit.groups.groups import Group, Outside, ReentrantGroup
+from nodekit.groups.ready_queue import ReadyQueue
+from nodekit.messaging.finite import is_finite
+from nodekit.messaging.publisher import Publisher
+from nodekit.messaging.service import Service
+from nodekit.messaging.stream_log import StreamLog, shortened
+from nodekit.messaging.subscription import Latest, Subscription
+from nodekit.messaging.throttle import Throttle
+from nodekit.node.callbacks import DEPTH, MOST_KEPT, Answering, Callback, Receiving
+from nodekit.node.clients import Client
+from nodekit.node.names import Names
+from nodekit.node.opening import Opener
+from nodekit.node.ownership import Owner, Thing
+from nodekit.node.parameter_callbacks import ChangeCallback, FollowCallback
+from nodekit.node.timers import NodeTimer, Rate, RateFollowers
+from nodekit.parameter_server import reconfigure
+from nodekit.parameter_server.live_parameters import LiveParameters
+from nodekit.parameter_server.services import change_handler, description_handler
+from nodekit.parameter_server.watcher import get_watcher
+from nodekit.parameters.class_rules import judge_rules
+from nodekit.parameters.declaration import OwnParameters, ParameterSet, Rule, Snapshot
+from nodekit.parameters.schema import AT_START
+from nodekit.rospy_internals.shutdown import Ending, at_end
+from nodekit.timing.scheduler import Scheduler, get_scheduler
+from nodekit_msgs.srv import SetParameters
+
+#: Least time between two warnings about messages that are ignored [s].
+_WARN_EVERY_S = 10.0
+
+
+class NodeContext:
+    """State that all scopes of a node share.
+
+    :param names: resolves the node's names
+    :param opener: opens what the scopes create
+
+    :ivar group: the default group of callbacks
+    :ivar rates: timers whose rates follow the node's parameters
+    :ivar ready: the queue of the executor that makes the calls, None without an executor
+    :ivar live: the parameters declared last, None before
+    """
+
+    __slots__ = ("names", "opener", "group", "rates", "ready", "live")
+
+    def __init__(self, names: Names, opener: Opener) -> None:
+        self.names, self.opener = names, opener
+        self.group, self.rates = Group(), RateFollowers()
+        self.ready: Optional[ReadyQueue] = None
+        self.live: Optional[LiveParameters[Any]] = None
+
+
+class NodeScope(Owner):
+    """Creates what a node uses, owns it, and closes it.
+
+    A :class:`.Node` is a scope; :meth:`lifetime` returns one, and callbacks of a managed node
+    receive one. A class that needs only a NodeScope can be run, hosted and managed; a class that
+    hosts other nodes or has an executor needs a Node.
+
+    Resources created before the node's start are opened with it, later ones at once. Names are
+    relative, private (``~name``) or global. Callbacks run in the node's default group, one at a
+    time, unless another ``group`` is given. An argument of the wrong type raises a TypeError at
+    once: a callback that is not a function or is ``async def``, a class that is not a message or
+    service class.
+
+    :param context: the node's
+    :param parent: the scope that this one is closed with, None for a node
+    """
+
+    #: When changes of parameters that are read once take effect.
+    _rereads_at = AT_START
+
+    def __init__(self, context: NodeContext, parent: "Optional[NodeScope]" = None) -> None:
+        super().__init__(context.opener)
+        self._context = context
+        self._parent = parent
+
+    @property
+    def name(self) -> str:
+        """Global name of the node."""
+        return self._context.names.node
+
+    @property
+    def default_group(self) -> Group:
+        """The group of callbacks that are created without one."""
+        return self._context.group
+
+    def __str__(self) -> str:
+        return self.name
+
+    def resolve(self, name: str) -> str:
+        """Return a global name.
+
+        :param name: relative, private (``~name``) or global
+        :raises IllegalName: if ROS does not allow that name, before or after remapping
+        """
+        judge_name(name, "name, which comes first")
+        return self._context.names.resolve(name)
+
+    def publisher(
+        self,
+        name: str,
+        data_class: type,
+        latch: bool = False,
+        queue_size: Optional[int] = None,
+        lifespan: float = 0.0,
+    ) -> Publisher:
+        """Publish a topic.
+
+        :param name: topic
+        :param data_class: message class
+        :param latch: whether later subscribers get the last message
+        :param queue_size: ignored, since there is no queue; accepted for code ported from rospy
+        :param lifespan: how long later subscribers get the last message of a topic that is not
+            latched [s]; do not change that message after publishing it
+        """
+        return self._open(self._new_publisher(self.resolve(name), data_class, latch, lifespan))
+
+    def subscribe(
+        self,
+        name: str,
+        data_class: type,
+        callback: Callable[[Any], Any],
+        queue_size: Optional[int] = None,
+        finite: bool = False,
+        group: Optional[Group] = None,
+    ) -> Subscription:
+        """Subscribe to a topic.
+
+        :param name: topic
+        :param data_class: message class
+        :param callback: called with each message
+        :param queue_size: with an executor, how many messages wait for it, the newest ones:
+            :data:`.DEPTH` by default, :data:`.MOST_KEPT` for -1, rospy's "no limit". Without an
+            executor it is ignored: while the callback is busy, messages wait at the sender
+        :param finite: ignore, with a warning, messages with NaN or infinity in a field
+        :param group: the callback's group; the node's default group by default
+        :raises ValueError: if the queue size is neither positive nor -1
+        """
+        resolved, throttle = self.resolve(name), Throttle(_WARN_EVERY_S)
+        judge_function(callback, resolved)
+
+        def only_finite(message: Any) -> None:
+            if is_finite(message):
+                callback(message)
+            elif throttle.is_due():
+                text = shortened(" ".join(str(message).split()))
+                rospy.logwarn("%s: %s is not finite and is ignored", resolved, text)
+
+        depth = _depth(queue_size)
+        return self._subscribe(name, data_class, only_finite if finite else callback, depth, group)
+
+    def subscribe_batches(
+        self,
+        name: str,
+        data_class: type,
+        callback: Callable[[List[Any]], Any],
+        group: Optional[Group] = None,
+    ) -> Subscription:
+        """Subscribe to a topic, with one call for all messages that have arrived.
+
+        After a delay the callback gets many messages at once, and can handle them together.
+
+        :param name: topic
+        :param data_class: message class
+        :param callback: called with a list of messages, oldest first
+        :param group: the callback's group; the node's default group by default
+        """
+        return self._subscribe(name, data_class, callback, MOST_KEPT, group, batches=True)
+
+    def _subscribe(
+        self,
+        name: str,
+        data_class: type,
+        callback: Callable[[Any], Any],
+        depth: int,
+        group: Optional[Group],
+        batches: bool = False,
+    ) -> Subscription:
+        resolved = self.resolve(name)
+        group = group or self.default_group
+        receiving = Receiving(group, callback, resolved, batches, depth)
+        subscription = Subscription(resolved, data_class, receiving.receive)
+        self.own(receiving)
+        return self._open(subscription)
+
+    def latest(self, name: str, data_class: type) -> Latest:
+        """Keep the latest message of a topic.
+
+        :param name: topic
+        :param data_class: message class
+        :returns: an object with ``message``, None before the first, and its ``age`` [s]
+        """
+        latest = Latest(self.resolve(name), data_class)
+        self._open(latest.subscription)
+        return latest
+
+    def service(
+        self,
+        name: str,
+        service_class: type,
+        handler: Callable[[Any], Any],
+        group: Optional[Group] = None,
+    ) -> Service:
+        """Offer a service.
+
+        :param name: name of the service
+        :param service_class: service class
+        :param handler: returns the response to a request
+        :param group: the handler's group; the node's default group by default
+        """
+        resolved = self.resolve(name)
+        judge_service_class(service_class, resolved)
+        callback = self.own(Answering(group or self.default_group, handler, resolved))
+        return self._open(Service(resolved, service_class, callback.answer))
+
+    def client(self, name: str, service_class: type, group: Optional[Group] = None) -> Client:
+        """Return a client of a service.
+
+        :param name: name of the service
+        :param service_class: service class
+        :param group: the group of done callbacks; the node's default group by default
+        """
+        resolved = self.resolve(name)
+        group = group or self.default_group
+        done = Callback(group, lambda function, future: function(future), resolved)
+        client = Client(resolved, service_class, done)
+        self.own(done)
+        return self.own(client)
+
+    def every(
+        self,
+        rate: Rate,
+        callback: Callable[[float], Any],
+        catch_up: float = 0.0,
+        steady: bool = False,
+        group: Optional[Group] = None,
+    ) -> NodeTimer:
+        """Call a function at a fixed rate without drift, the first time at once.
+
+        :param rate: calls per second [Hz]; 0 pauses. A function is called for the rate at the
+            start and after each change of this node's parameters
+        :param callback: called with the time since the first call [s]; must be short
+        :param catch_up: lateness up to which missed calls are made up for [s]; not used with a
+            simulated clock
+        :param steady: use the monotonic clock even if /use_sim_time is set
+        :param group: the callback's group; the node's default group by default
+        :raises ValueError: if a timer cannot keep the rate
+        """
+        group = group or self.default_group
+        if callable(rate):
+            judge_function(rate, f"{self.name}: rate")
+        what = f"{self.name}: {getattr(callback, '__qualname__', 'a timer')}"
+        timer = self._new_timer(get_scheduler(steady), group, rate, callback, catch_up, what)
+        if callable(rate):
+            self._context.rates.add(timer)
+        return self._open(timer)
+
+    def parameters(
+        self,
+        declaration: Type[Snapshot],
+        on_change: Optional[Callable[[Snapshot, Snapshot], Any]] = None,
+        exempt: Collection[str] = (),
+        group: Optional[Group] = None,
+        rules: Collection[Rule] = (),
+    ) -> "LiveParameters[Snapshot]":
+        """Read and validate the node's private parameters now, and follow them after the start.
+
+        :param declaration: the class that declares the parameters
+        :param on_change: called with the new and the old values after a change; must be short
+            without an executor, since changes of all other nodes in the process wait for it
+        :param exempt: names of further parameters that are used but not declared
+        :param group: the callback's group; the node's default group by default
+        :param rules: methods of the node's class, marked by :func:`nodekit.rule`, that validate
+            the values besides the declaration's rules, at the start and at each change
+        :returns: an object whose ``values`` are the current ones
+        :raises ValueError: if this node has declared parameters already
+        :raises ParameterError: if a value on the server is not allowed
+        """
+        self._judge_declaration(declaration)
+        judge_rules(declaration.__name__, rules, declaration.declared)
+        used = (*exempt, *OwnParameters.declared)
+        live = LiveParameters(declaration, self.name, get_watcher(), used, self._rereads_at, rules)
+        self._context.live = live
+        live.add_listener(self._context.rates.follow)
+        if on_change is not None:
+            self._open(ChangeCallback(group or self.default_group, live, on_change))
+        self._serve("~describe", Trigger, description_handler(live))
+        self._serve("~change", SetParameters, change_handler(live))
+        if reconfigure.AVAILABLE:
+            self.own(reconfigure.ReconfigureInterface(live, self._publish, self._serve))
+        return self._open(live)
+
+    def _judge_declaration(self, declaration: Any) -> None:
+        if not (isinstance(declaration, type) and issubclass(declaration, ParameterSet)):
+            must = "must be a class that derives from ParameterSet"
+            raise TypeError(f"{self.name}: parameters: refused {declaration!r:.80}: {must}")
+        live = self._context.live
+        if live is not None and not live.is_closed:
+            must = "must all be declared in one class, which may derive from several"
+            what = f"{declaration.__name__} beside {live.declaration.__name__}"
+            raise ValueError(f"{self.name}: parameters: refused {what}: {must}")
+
+    def _publish(self, name: str, data_class: type, latch: bool = False) -> Publisher:
+        """Publish a topic of the toolkit itself, in any state of a managed node."""
+        return self._open(Publisher(self.resolve(name), data_class, latch))
+
+    def _serve(self, name: str, service_class: type, handler: Callable[[Any], Any]) -> None:
+        """Offer a service of the toolkit itself, in no group: it never waits for a callback."""
+        self._open(Service(self.resolve(name), service_class, handler))
+
+    def follow(
+        self, key: str, callback: Callable[[Any], Any], group: Optional[Group] = None
+    ) -> None:
+        """Follow a parameter that is not declared, or belongs to another node.
+
+        :param key: name of the parameter
+        :param callback: called with its value, None if it is not set, at the start and after each
+            change; must be short without an executor, as for :meth:`parameters`
+        :param group: the callback's group; the node's default group by default
+        """
+        group = group or self.default_group
+        self._open(FollowCallback(group, self.resolve(key), get_watcher(), callback))
+
+    def stream_log(self, per_second: int = 10) -> StreamLog:
+        """Return a rate-limited logger, which logs at info level.
+
+        :param per_second: how many lines are logged per second [1/s]
+        """
+        log = StreamLog(per_second)
+        # By the monotonic clock: /clock may stand still while messages arrive.
+        self.every(1.0, log.end_second, steady=True, group=Outside())
+        return log
+
+    def group(self, exclusive: bool = True, urgent: bool = False) -> Group:
+        """Return a new callback group.
+
+        :param exclusive: whether its callbacks exclude each other
+        :param urgent: whether an executor makes its calls before those of all other groups
+        """
+        return Group(urgent) if exclusive else ReentrantGroup(urgent)
+
+    def lifetime(self) -> "NodeScope":
+        """Return another scope of the node, whose ``close`` closes only what it has created."""
+        return self.own(NodeScope(self._context, self))
+
+    def own(self, thing: Thing) -> Thing:
+        """Close an object together with what this scope has created.
+
+        :param thing: anything with a method ``close``
+        :returns: the object
+        :raises Closed: if the scope is closed
+        """
+        if isinstance(thing, Callback):
+            thing.attach(self._context.ready)
+        return super().own(thing)
+
+    def close(self) -> None:
+        """Close what this scope has created, the latest first; see :meth:`.Owner.close`."""
+        super().close()
+        if self._parent is not None:
+            self._parent.disown(self)
+
+    def before_end(self, callback: Callable[[], Any]) -> None:
+        """Call a function when the process is told to end, while everything still works.
+
+        These functions are called first, in reverse order of registration. Then managed nodes go
+        through shutdown, calls of services are cancelled, and executors and timers stop.
+
+        :param callback: the function, called in no group; it has less than 2 s
+        """
+        self._call_at_end(callback, "before_end")
+
+    def before_deactivate(self, callback: Callable[[], Any]) -> None:
+        """Call a function whenever the node stops being active, while it still publishes.
+
+        A managed node calls it on its way through shutdown too. Any other node is active until the
+        process is told to end: the function is then called as by :meth:`before_end`.
+
+        :param callback: the function; a managed node calls it in its default group
+        """
+        self._call_at_end(callback, "before_deactivate")
+
+    def _call_at_end(self, callback: Callable[[], Any], what: str) -> None:
+        last = self.own(Callback(Outside(), callback, f"{self.name}: {what}"))
+        forgetting = self.own(contextlib.ExitStack())
+        forgetting.callback(at_end(Ending.NODES, last.call))
+
+    def attach(self, ready: Optional[ReadyQueue]) -> None:
+        """Let an executor make the calls of this node from now on, or rospy's threads.
+
+        :param ready: the executor's queue, None for rospy's threads
+        """
+        self._context.ready = ready
+        for callback in self.callbacks():
+            callback.attach(ready)
+
+    def callbacks(self) -> Iterator[Callback]:
+        """Return the callbacks of this node, but not those of nodes that it hosts."""
+        for thing in list(self._made):
+            if isinstance(thing, Callback):
+                yield thing
+            elif isinstance(thing, NodeScope) and thing._context is self._context:
+                yield from thing.callbacks()
+
+    def _new_publisher(
+        self, name: str, data_class: type, latch: bool, lifespan: float
+    ) -> Publisher:
+        return Publisher(name, data_class, latch, lifespan)
+
+    def _new_timer(self, scheduler: Scheduler, group: Group, *options: Any) -> NodeTimer:
+        return NodeTimer(scheduler, group, *options)
+
+
+#: Another name of :class:`NodeScope`, from nodekit 1.0.
+Maker = NodeScope
+
+
+def _depth(queue_size: Optional[int]) -> int:
+    """Return how many messages wait for an executor."""
+    if queue_size is None:
+        return DEPTH
+    if queue_size == -1:
+        return MOST_KEPT
+    if isinstance(queue_size, int) and queue_size > 0:
+        return queue_size
+    allowed = "must be a whole number of at least 1, or -1 for no limit of its own"
+    raise ValueError(f"queue_size: refused {queue_size!r}: {allowed}")

@@ -57,6 +57,7 @@ SIBLINGS: Dict[str, Tuple[str, str]] = {
 #: The subject of each room of a package that has many.
 SUBJECTS: Dict[str, Dict[str, str]] = {
     "nodekit": {
+        "deprecated": "old names of the public API, which warn",
         "entry_point": "the first lines of a script, before rospy is imported, and the last ones",
         "call_arguments": "judges what a node's class hands to nodekit, at its own line",
         "message_definitions": "parses message definitions",

@@ -7,16 +7,18 @@ import rospy
 from std_msgs.msg import Empty
 from std_srvs.srv import Trigger, TriggerResponse
 
-from nodekit import MultiThreadedExecutor, Node, run
+from nodekit import MultiThreadedExecutor, MutuallyExclusiveCallbackGroup, Node, run
 
 
 class Dock:
     def __init__(self, node: Node) -> None:
         MultiThreadedExecutor(3).add_node(node)
         self.stopped = False
-        node.service("dock", Trigger, self.dock, group=node.group())
-        node.subscribe("stop", Empty, self.stop, group=node.group(urgent=True))
-        node.every(2.0, self.report)
+        node.create_service("dock", Trigger, self.dock, group=MutuallyExclusiveCallbackGroup())
+        node.create_subscription(
+            "stop", Empty, self.stop, group=MutuallyExclusiveCallbackGroup(urgent=True)
+        )
+        node.create_timer(2.0, self.report)
 
     def dock(self, request: Trigger) -> TriggerResponse:
         for _ in range(30):

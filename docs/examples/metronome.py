@@ -12,9 +12,9 @@ class Settings(ParameterSet):
 
 class Metronome:
     def __init__(self, node: Node) -> None:
-        self.settings = node.parameters(Settings)
-        self.publisher = node.publisher("beat", String)
-        node.every(lambda: self.settings.values.tempo / 60.0, self.beat)
+        self.settings = node.declare_parameters(Settings)
+        self.publisher = node.create_publisher("beat", String)
+        node.create_timer(lambda: self.settings.values.tempo / 60.0, self.beat)
 
     def beat(self, elapsed: float) -> None:
         self.publisher.publish(self.settings.values.sound)

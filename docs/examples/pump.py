@@ -3,7 +3,7 @@
 
 from std_msgs.msg import Float32
 
-from nodekit import FloatParameter, Maker, ManagedNode, ParameterSet, run
+from nodekit import FloatParameter, ManagedNode, NodeScope, ParameterSet, run
 
 
 class Settings(ParameterSet):
@@ -11,12 +11,12 @@ class Settings(ParameterSet):
 
 
 class Pump(ManagedNode):
-    def on_configure(self, made: Maker) -> None:
-        self.settings = made.parameters(Settings)
-        self.command = made.publisher("flow", Float32)
+    def on_configure(self, scope: NodeScope) -> None:
+        self.settings = scope.declare_parameters(Settings)
+        self.command = scope.create_publisher("flow", Float32)
 
-    def on_activate(self, made: Maker) -> None:
-        made.every(10.0, self.deliver)
+    def on_activate(self, scope: NodeScope) -> None:
+        scope.create_timer(10.0, self.deliver)
 
     def on_deactivate(self) -> None:
         self.command.publish(0.0)

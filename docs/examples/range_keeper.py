@@ -13,12 +13,12 @@ class Settings(ParameterSet):
 
 class RangeKeeper:
     def __init__(self, node: Node) -> None:
-        self.settings = node.parameters(Settings)
+        self.settings = node.declare_parameters(Settings)
         self.enabled = True
-        self.speed = node.publisher("speed", Float32)
-        self.range = node.latest("range", Float32)
-        node.service("~enable", SetBool, self.enable)
-        node.every(lambda: self.settings.values.rate, self.control)
+        self.speed = node.create_publisher("speed", Float32)
+        self.range = node.create_latest_message("range", Float32)
+        node.create_service("~enable", SetBool, self.enable)
+        node.create_timer(lambda: self.settings.values.rate, self.control)
 
     def enable(self, request: SetBoolRequest) -> SetBoolResponse:
         self.enabled = request.data

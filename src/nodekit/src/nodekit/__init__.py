@@ -8,17 +8,24 @@ and :mod:`nodekit.entry_point` is there before it.
 import importlib
 from typing import TYPE_CHECKING, Any, Dict
 
+from nodekit.deprecated import OLD_NAMES, warn_once
+
 if TYPE_CHECKING:  # the same once more, for type checkers and editors
     from nodekit.executors import MultiThreadedExecutor as MultiThreadedExecutor
     from nodekit.executors import SingleThreadedExecutor as SingleThreadedExecutor
-    from nodekit.groups.groups import Group as Group
+    from nodekit.groups.callback_groups import CallbackGroup as CallbackGroup
+    from nodekit.groups.callback_groups import Group as Group
+    from nodekit.groups.callback_groups import (
+        MutuallyExclusiveCallbackGroup as MutuallyExclusiveCallbackGroup,
+    )
+    from nodekit.groups.callback_groups import ReentrantCallbackGroup as ReentrantCallbackGroup
     from nodekit.lifecycle_states import Outcome as Outcome
     from nodekit.managed.managed_node import ManagedNode as ManagedNode
     from nodekit.master import MasterUnreachable as MasterUnreachable
     from nodekit.messaging.finite import LARGEST_FLOAT32 as LARGEST_FLOAT32
     from nodekit.messaging.finite import to_float32 as to_float32
     from nodekit.messaging.publisher import Publisher as Publisher
-    from nodekit.messaging.subscription import Latest as Latest
+    from nodekit.messaging.subscription import LatestMessage as LatestMessage
     from nodekit.messaging.subscription import Subscription as Subscription
     from nodekit.node.clients import CallCancelled as CallCancelled
     from nodekit.node.clients import CallError as CallError
@@ -60,21 +67,27 @@ if TYPE_CHECKING:  # the same once more, for type checkers and editors
     from nodekit.parameters.schema import parameter_of as parameter_of
     from nodekit.process.host import host as host
     from nodekit.process.host import host_all as host_all
-    from nodekit.process.run import give_up as give_up
+    from nodekit.process.run import abort as abort
     from nodekit.process.run import init_node as init_node
     from nodekit.process.run import run as run
+
+    Latest = LatestMessage
+    give_up = abort
 
 _HOMES: Dict[str, str] = {
     "MultiThreadedExecutor": "executors",
     "SingleThreadedExecutor": "executors",
-    "Group": "groups.groups",
+    "CallbackGroup": "groups.callback_groups",
+    "Group": "groups.callback_groups",
+    "MutuallyExclusiveCallbackGroup": "groups.callback_groups",
+    "ReentrantCallbackGroup": "groups.callback_groups",
     "Outcome": "lifecycle_states",
     "ManagedNode": "managed.managed_node",
     "MasterUnreachable": "master",
     "LARGEST_FLOAT32": "messaging.finite",
     "to_float32": "messaging.finite",
     "Publisher": "messaging.publisher",
-    "Latest": "messaging.subscription",
+    "LatestMessage": "messaging.subscription",
     "Subscription": "messaging.subscription",
     "call_service": "node.clients",
     "CallCancelled": "node.clients",
@@ -116,15 +129,18 @@ _HOMES: Dict[str, str] = {
     "parameter_of": "parameters.schema",
     "host": "process.host",
     "host_all": "process.host",
-    "give_up": "process.run",
+    "abort": "process.run",
     "init_node": "process.run",
     "run": "process.run",
 }
 
-__all__ = sorted(_HOMES)
+__all__ = sorted([*_HOMES, *OLD_NAMES])
 
 
 def __getattr__(name: str) -> Any:
+    if name in OLD_NAMES:
+        warn_once(f"nodekit.{name}", f"nodekit.{OLD_NAMES[name]}")
+        name = OLD_NAMES[name]
     if name not in _HOMES:
         raise AttributeError(f"module 'nodekit' has no attribute {name!r}")
     value = getattr(importlib.import_module("nodekit." + _HOMES[name]), name)

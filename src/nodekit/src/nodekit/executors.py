@@ -17,7 +17,7 @@ import yaml
 from std_srvs.srv import Trigger, TriggerResponse
 
 from nodekit.call_arguments import LONGEST_S, judge_wait
-from nodekit.groups.groups import Outside
+from nodekit.groups.callback_groups import NoGroup
 from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.node.callbacks import Callback
 from nodekit.node.node import Node
@@ -67,8 +67,8 @@ class _Executor:
         node.executor = self
         node.attach(self._ready)
         with contextlib.suppress(Closed):  # by another thread, or before: it has no more calls
-            report = self._reports[node] = node.lifetime()
-            report.service(f"~{SERVICE}", Trigger, lambda _: _tell_of(node), group=Outside())
+            report = self._reports[node] = node.create_scope()
+            report.create_service(f"~{SERVICE}", Trigger, lambda _: _tell_of(node), group=NoGroup())
 
     def remove_node(self, node: Node) -> None:
         """Make no calls of a node from now on; rospy's threads make them again.

@@ -20,14 +20,16 @@ class Echo:
     """Answers on ``out`` what it hears on ``in``; tells on ``ticks`` what it hears of itself."""
 
     def __init__(self, node: Node) -> None:
-        self.settings = node.parameters(Settings)
-        self.out = node.publisher("out", String, latch=True)
-        self.ticks = node.publisher("ticks", String)
-        node.subscribe("in", String, self.answer)
-        node.subscribe("out", String, lambda message: self.ticks.publish("own " + message.data))
-        node.service("~ask", Trigger, lambda _: TriggerResponse(True, self.gain))
-        node.every(50.0, lambda *_: self.ticks.publish("tick"))
-        node.before_end(self.take_leave)
+        self.settings = node.declare_parameters(Settings)
+        self.out = node.create_publisher("out", String, latch=True)
+        self.ticks = node.create_publisher("ticks", String)
+        node.create_subscription("in", String, self.answer)
+        node.create_subscription(
+            "out", String, lambda message: self.ticks.publish("own " + message.data)
+        )
+        node.create_service("~ask", Trigger, lambda _: TriggerResponse(True, self.gain))
+        node.create_timer(50.0, lambda *_: self.ticks.publish("tick"))
+        node.on_shutdown(self.take_leave)
 
     def take_leave(self) -> None:
         """Say the last word, and wait: a thread of rospy's sends it."""

@@ -15,8 +15,8 @@ _ENDING_S = 1.0
 
 def start(node: Node) -> None:
     """Offer a service, end slowly, and log a line behind what closes all topics."""
-    node.service("~serve", Trigger, lambda request: TriggerResponse())
-    node.before_end(end_slowly)
+    node.create_service("~serve", Trigger, lambda request: TriggerResponse())
+    node.on_shutdown(end_slowly)
     rospy.core.add_preshutdown_hook(lambda reason: rospy.logwarn("late"))
 
 

@@ -12,15 +12,15 @@ import time
 import rospy
 from roscpp.srv import GetLoggers, GetLoggersRequest
 
-from nodekit import Maker, ManagedNode, Node, give_up, host
+from nodekit import ManagedNode, Node, NodeScope, abort, host
 from nodekit.managed import interface
 
 
 class Driver(ManagedNode):
     def __init__(self, node: Node) -> None:
         super().__init__(node)
-        self.client = node.client(f"{rospy.get_name()}/get_loggers", GetLoggers)
-        node.before_end(self.notice_end)
+        self.client = node.create_client(f"{rospy.get_name()}/get_loggers", GetLoggers)
+        node.on_shutdown(self.notice_end)
 
     def say(self, text: str) -> None:
         sys.stdout.write(f"{self.node.name[1:]} {text}\n")  # in one go: others say something too
@@ -29,17 +29,17 @@ class Driver(ManagedNode):
     def notice_end(self) -> None:
         self.say(f"ends with {len(self.client.call(GetLoggersRequest(), 30.0).loggers) > 0}")
 
-    def on_configure(self, made: Maker) -> None:
+    def on_configure(self, scope: NodeScope) -> None:
         self.say("configures")
         if self.node.name == "/configuring":
             time.sleep(60.0)
         if self.node.name == "/ending":
             rospy.signal_shutdown("it ends")
 
-    def on_activate(self, made: Maker) -> None:
+    def on_activate(self, scope: NodeScope) -> None:
         if self.node.name in ("/quitting", "/stuck"):
-            made.before_deactivate(lambda: self.say("stops"))
-            made.every(1.0, lambda _: give_up("it cannot go on"))
+            scope.before_deactivate(lambda: self.say("stops"))
+            scope.create_timer(1.0, lambda _: abort("it cannot go on"))
 
     def on_shutdown(self) -> None:
         self.say(f"was {self.previous_state.label}")

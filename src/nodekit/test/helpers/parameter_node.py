@@ -51,10 +51,10 @@ class Gauge:
     def __init__(self, node: Node) -> None:
         self._changes = 0
         self._broken = False
-        self._parameters = node.parameters(GaugeParameters, on_change=self._on_change)
+        self._parameters = node.declare_parameters(GaugeParameters, on_change=self._on_change)
         self._parameters.add_listener(self._fail_if_broken)
         # Once, when the parameters are followed: what a test sets after that is seen.
-        node.every(1e-6, lambda elapsed: self._print(self._parameters.values))
+        node.create_timer(1e-6, lambda elapsed: self._print(self._parameters.values))
         threading.Thread(target=self._obey, daemon=True).start()
 
     def _on_change(self, new: GaugeParameters, _old: GaugeParameters) -> None:

@@ -12,8 +12,8 @@ def start(node: Node) -> None:
     """Register services without end."""
     print("starting", flush=True)
     for number in itertools.count():
-        lifetime = node.lifetime()
-        lifetime.service(f"~{number}", Trigger, lambda request: TriggerResponse())
+        lifetime = node.create_scope()
+        lifetime.create_service(f"~{number}", Trigger, lambda request: TriggerResponse())
         lifetime.close()
 
 

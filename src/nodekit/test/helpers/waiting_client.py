@@ -7,18 +7,18 @@ import time
 import rospy
 from std_srvs.srv import Trigger, TriggerRequest
 
-from nodekit import CallError, MultiThreadedExecutor, Node, run
+from nodekit import CallError, Group, MultiThreadedExecutor, Node, run
 
 
 class Waiting:
     def __init__(self, node: Node) -> None:
         MultiThreadedExecutor(3).add_node(node)
-        self.client = node.client("slow", Trigger)
+        self.client = node.create_client("slow", Trigger)
         self.asked = False
         self.told = threading.Event()
         rospy.on_shutdown(lambda: self.told.wait(30.0))  # once its calls are cancelled
-        node.every(1.0, self.ask, group=node.group())
-        node.every(1.0, lambda elapsed: time.sleep(600.0), group=node.group())
+        node.create_timer(1.0, self.ask, group=Group())
+        node.create_timer(1.0, lambda elapsed: time.sleep(600.0), group=Group())
 
     def ask(self, elapsed: float) -> None:
         if self.asked:

@@ -19,6 +19,7 @@ from nodekit import (
     CallError,
     CallFuture,
     CallTimeout,
+    Group,
     MultiThreadedExecutor,
     NestedCall,
     SingleThreadedExecutor,
@@ -50,28 +51,28 @@ class Clients(unittest.TestCase):
         """Start a server in this test's namespace, and wait until it can be called."""
         server = Process(SERVER, [f"__ns:={self.space}"])
         self.addCleanup(server.end)
-        self.assertTrue(self.node.client("fails", Trigger).wait_for_service(TIMEOUT_S))
+        self.assertTrue(self.node.create_client("fails", Trigger).wait_for_service(TIMEOUT_S))
         return server
 
     def test_answers_of_stock_rospy(self) -> None:
         self.server()
-        client = self.node.client("echo", SetBool)
+        client = self.node.create_client("echo", SetBool)
         # A look of 0.1 s may be too short on a busy machine, but not each time.
         wait_until(lambda: client.wait_for_service(0.0), lambda: "not found without waiting")
         for wanted in (True, False):
             self.assertEqual(client.call(SetBoolRequest(wanted)).success, wanted)
         with self.assertRaisesRegex(CallError, "replied with an error: .*on purpose"):
-            self.node.client("fails", Trigger).call(TriggerRequest())
+            self.node.create_client("fails", Trigger).call(TriggerRequest())
 
     def test_answers_of_roscpp(self) -> None:
-        client = self.node.client("/relay/get_loggers", GetLoggers)
+        client = self.node.create_client("/relay/get_loggers", GetLoggers)
         self.assertTrue(client.wait_for_service(TIMEOUT_S))
         self.assertTrue(client.call(GetLoggersRequest()).loggers)
 
     def test_a_hundred_calls_at_once_never_swap_answers(self) -> None:
         """Course err-6."""
         self.server()
-        client = self.node.client("echo", SetBool)
+        client = self.node.create_client("echo", SetBool)
         wanted = [number % 3 == 0 for number in range(100)]
         # Stock rospy lets five wait to be taken; the kernel tries again for the rest, ever later.
         patience = 4.0 * TIMEOUT_S
@@ -81,8 +82,8 @@ class Clients(unittest.TestCase):
 
     def test_done_is_told_in_the_group(self) -> None:
         self.server()
-        group = self.node.group()
-        client = self.node.client("echo", SetBool, group=group)
+        group = Group()
+        client = self.node.create_client("echo", SetBool, group=group)
         told: List[Any] = []
         with group:
             future = client.call_async(SetBoolRequest(True))
@@ -95,7 +96,7 @@ class Clients(unittest.TestCase):
 
     def test_hanging_server_costs_the_time_out_and_its_late_answer_is_dropped(self) -> None:
         server = self.server()
-        client = self.node.client("slow", Trigger)
+        client = self.node.create_client("slow", Trigger)
         told: List[CallFuture] = []
         future = client.call_async(TriggerRequest(), 0.3)
         future.add_done_callback(told.append)
@@ -113,7 +114,7 @@ class Clients(unittest.TestCase):
         self.assertEqual(client.under_way, set())
 
     def test_hanging_master_costs_the_time_out_too(self) -> None:
-        client = self.node.client("slow", Trigger)
+        client = self.node.create_client("slow", Trigger)
         with socket.socket() as silent:
             silent.bind(("localhost", 0))
             silent.listen(1)
@@ -126,7 +127,7 @@ class Clients(unittest.TestCase):
 
     def test_cancelled_call_says_so_and_hangs_up(self) -> None:
         self.server()
-        client = self.node.client("slow", Trigger)
+        client = self.node.create_client("slow", Trigger)
         future = client.call_async(TriggerRequest(), TIMEOUT_S)
         self.assertFalse(future.done())
         self.assertTrue(future.cancel())
@@ -137,8 +138,8 @@ class Clients(unittest.TestCase):
 
     def test_closing_ends_what_is_under_way(self) -> None:
         self.server()
-        part = self.node.lifetime()
-        client = part.client("slow", Trigger)
+        part = self.node.create_scope()
+        client = part.create_client("slow", Trigger)
         future = client.call_async(TriggerRequest(), TIMEOUT_S)
         part.close()
         with self.assertRaises(CallCancelled):
@@ -159,7 +160,7 @@ class Clients(unittest.TestCase):
 
     def test_calls_under_way_are_bounded(self) -> None:
         self.server()
-        client = self.node.client("slow", Trigger)
+        client = self.node.create_client("slow", Trigger)
         for _ in range(MOST_CALLS):
             client.call_async(TriggerRequest(), TIMEOUT_S)
         with self.assertRaisesRegex(CallError, f"{MOST_CALLS} calls are under way already"):
@@ -168,7 +169,7 @@ class Clients(unittest.TestCase):
 
     def test_server_that_is_killed_stopped_and_started_again(self) -> None:
         server = self.server()
-        client = self.node.client("slow", Trigger)
+        client = self.node.create_client("slow", Trigger)
         future = client.call_async(TriggerRequest(), TIMEOUT_S)
         wait_until(lambda: self.connections(server) > 0, lambda: "not connected")
         server.end()
@@ -179,7 +180,7 @@ class Clients(unittest.TestCase):
             client.call(TriggerRequest())
         self.assertFalse(client.wait_for_service(0.3))
         again = self.server()
-        quick = self.node.client("echo", SetBool)
+        quick = self.node.create_client("echo", SetBool)
         self.assertTrue(quick.call(SetBoolRequest(True)).success)
         with hanging(again.popen.pid):
             with self.assertRaises(CallTimeout):
@@ -194,7 +195,7 @@ class Clients(unittest.TestCase):
         return len([link for link in links if "socket" in link])
 
     def test_no_service_and_none_that_is_one(self) -> None:
-        client = self.node.client("nowhere", Trigger)
+        client = self.node.create_client("nowhere", Trigger)
         with self.assertRaisesRegex(CallError, f"{self.space}/nowhere cannot be called: no node"):
             client.call(TriggerRequest())
         began = time.monotonic()
@@ -221,8 +222,8 @@ class Clients(unittest.TestCase):
     def test_wrong_types_and_values_are_refused_in_words(self) -> None:
         self.server()
         with self.assertRaisesRegex(CallError, "replied with an error: .*md5"):
-            self.node.client("echo", Trigger).call(TriggerRequest())
-        client = self.node.client("echo", SetBool)
+            self.node.create_client("echo", Trigger).call(TriggerRequest())
+        client = self.node.create_client("echo", SetBool)
         with self.assertRaisesRegex(CallError, "refused True: must be a SetBoolRequest"):
             client.call(True)
         with self.assertRaisesRegex(CallError, "request is refused: "):
@@ -237,9 +238,11 @@ class Clients(unittest.TestCase):
         if executor is not None:
             executor.add_node(self.node)
             self.addCleanup(executor.shutdown)
-        group = None if same_group else self.node.group()
-        self.node.service("own", Trigger, lambda request: TriggerResponse(True, "hello"), group)
-        client = self.node.client("own", Trigger)
+        group = None if same_group else Group()
+        self.node.create_service(
+            "own", Trigger, lambda request: TriggerResponse(True, "hello"), group
+        )
+        client = self.node.create_client("own", Trigger)
 
         def ask(request: Any) -> TriggerResponse:
             for call in (
@@ -252,7 +255,7 @@ class Clients(unittest.TestCase):
                     outcome.append(type(error))
             return TriggerResponse(True, "")
 
-        self.node.service("ask", Trigger, ask)
+        self.node.create_service("ask", Trigger, ask)
         rospy.ServiceProxy(self.space + "/ask", Trigger)()
         return outcome
 
@@ -272,8 +275,8 @@ class Clients(unittest.TestCase):
             came.append(request)
             return TriggerResponse(True, "")
 
-        self.node.service("own", Trigger, count)
-        client = self.node.client("own", Trigger)
+        self.node.create_service("own", Trigger, count)
+        client = self.node.create_client("own", Trigger)
 
         def ask(request: Any) -> TriggerResponse:
             for _ in range(5):
@@ -281,7 +284,7 @@ class Clients(unittest.TestCase):
                     client.call(TriggerRequest(), timeout=TIMEOUT_S)
             return TriggerResponse(True, "")
 
-        self.node.service("ask", Trigger, ask)
+        self.node.create_service("ask", Trigger, ask)
         for name in ("ask", "own", "own"):
             self.assertTrue(rospy.ServiceProxy(f"{self.space}/{name}", Trigger)().success)
         self.assertEqual(len(came), 2)
@@ -293,8 +296,8 @@ class Clients(unittest.TestCase):
         self.assertEqual(self.served(MultiThreadedExecutor(3), same_group=False), ["hello"] * 2)
 
     def test_answer_that_its_type_cannot_hold_is_an_error_for_the_client(self) -> None:
-        self.node.service("bad", Trigger, lambda request: TriggerResponse(True, 5))
-        client = self.node.client("bad", Trigger)
+        self.node.create_service("bad", Trigger, lambda request: TriggerResponse(True, 5))
+        client = self.node.create_client("bad", Trigger)
         for _ in range(2):
             with self.assertRaisesRegex(CallError, "replied with an error"):
                 client.call(TriggerRequest(), timeout=TIMEOUT_S)

@@ -77,15 +77,15 @@ class Executors(unittest.TestCase):
             note("service")
             return TriggerResponse(True, "")
 
-        node.parameters(Settings, on_change=lambda new, old: note("on_change"))
-        node.subscribe("topic", String, lambda message: note("subscription"))
-        node.subscribe_batches("batches", String, lambda messages: note("batches"))
-        node.follow("~beside", lambda value: note("follow"))
-        node.service("ask", Trigger, answer)
-        node.every(100.0, lambda elapsed: note("timer"))
+        node.declare_parameters(Settings, on_change=lambda new, old: note("on_change"))
+        node.create_subscription("topic", String, lambda message: note("subscription"))
+        node.create_batch_subscription("batches", String, lambda messages: note("batches"))
+        node.on_parameter("~beside", lambda value: note("follow"))
+        node.create_service("ask", Trigger, answer)
+        node.create_timer(100.0, lambda elapsed: note("timer"))
         node.start()
         for topic in ("topic", "batches"):
-            node.publisher(topic, String).publish("news")
+            node.create_publisher(topic, String).publish("news")
         Server().set(node.name + "/gain", 2.0)
         rospy.ServiceProxy(self.space + "/ask", Trigger)()
         wait_until(lambda: len(kinds) == 6, lambda: str(kinds))
@@ -97,10 +97,10 @@ class Executors(unittest.TestCase):
         node = self.node()
         executor = SingleThreadedExecutor()
         executor.add_node(node)
-        settings = node.parameters(Settings)
-        node.subscribe("topic", String, self.hold, queue_size=3)
+        settings = node.declare_parameters(Settings)
+        node.create_subscription("topic", String, self.hold, queue_size=3)
         node.start()
-        publisher = node.publisher("topic", String)
+        publisher = node.create_publisher("topic", String)
         for number in range(6):
             publisher.publish(str(number))
             self.begun.wait(TIMEOUT_S)
@@ -127,11 +127,11 @@ class Executors(unittest.TestCase):
         executor = SingleThreadedExecutor()
         self.addCleanup(executor.shutdown)
         executor.add_node(node)
-        node.subscribe("topic", String, self.hold)
+        node.create_subscription("topic", String, self.hold)
         node.start()
-        node.publisher("topic", String).publish("news")
+        node.create_publisher("topic", String).publish("news")
         self.assertTrue(self.begun.wait(TIMEOUT_S))
-        node.every(100.0, self.note_thread)
+        node.create_timer(100.0, self.note_thread)
         wait_until(
             lambda: self.report(node)["timer"]["skipped"] > 3, lambda: str(self.report(node))
         )
@@ -148,7 +148,7 @@ class Executors(unittest.TestCase):
         first, second = SingleThreadedExecutor(), MultiThreadedExecutor(2)
         for made in (first, second):
             self.addCleanup(made.shutdown)
-        node.subscribe("topic", String, self.note_thread)
+        node.create_subscription("topic", String, self.note_thread)
         node.start()
         other.start()
         publisher = rospy.Publisher(self.space + "/topic", String, queue_size=10)
@@ -184,9 +184,11 @@ class Executors(unittest.TestCase):
         for node, name in zip(nodes, "ab"):
             executor.add_node(node)
             hear = heard[name]
-            node.subscribe("topic", String, lambda message, hear=hear: hear.append(message.data))
+            node.create_subscription(
+                "topic", String, lambda message, hear=hear: hear.append(message.data)
+            )
             node.start()
-        publisher = nodes[1].publisher("topic", String)
+        publisher = nodes[1].create_publisher("topic", String)
         publisher.publish("one")
         wait_until(lambda: heard == {"a": ["one"], "b": ["one"]}, lambda: str(heard))
         nodes[0].close()
@@ -217,8 +219,8 @@ class Executors(unittest.TestCase):
         self.addCleanup(executor.shutdown)
         executor.add_node(node)
         heard: List[str] = []
-        node.subscribe("/relayed", String, lambda message: heard.append(message.data))
-        publisher = node.publisher("/to_relay", String)
+        node.create_subscription("/relayed", String, lambda message: heard.append(message.data))
+        publisher = node.create_publisher("/to_relay", String)
         node.start()
         wait_until(lambda: publisher.get_num_connections() > 0, lambda: "no relay")
 
@@ -242,8 +244,8 @@ class Executors(unittest.TestCase):
         def fail(request: Any) -> TriggerResponse:
             raise ValueError("on purpose")
 
-        node.service("mux_select", MuxSelect, select)
-        node.service("fails", Trigger, fail)
+        node.create_service("mux_select", MuxSelect, select)
+        node.create_service("fails", Trigger, fail)
         node.start()
         command = ["rosrun", "topic_tools", "switch_mux", self.space + "/mux", "chosen"]
         subprocess.run(command, check=True, timeout=TIMEOUT_S, stdout=subprocess.DEVNULL)

@@ -36,10 +36,10 @@ class OnAClockThatStandsStill(unittest.TestCase):
         executor.add_node(node)
         ticks: List[float] = []
         heard: List[str] = []
-        timer = node.every(10.0, ticks.append)
-        node.subscribe("topic", String, lambda message: heard.append(message.data))
-        publisher = node.publisher("topic", String)
-        client = node.client("nowhere", Trigger)
+        timer = node.create_timer(10.0, ticks.append)
+        node.create_subscription("topic", String, lambda message: heard.append(message.data))
+        publisher = node.create_publisher("topic", String)
+        client = node.create_client("nowhere", Trigger)
         node.start()
 
         def ticked() -> bool:

@@ -33,11 +33,11 @@ from lifecycle_msgs.srv import (
 from nodekit import (
     FloatParameter,
     LiveParameters,
-    Maker,
     ManagedNode,
     MultiThreadedExecutor,
     NestedCall,
     Node,
+    NodeScope,
     Outcome,
     ParameterSet,
     SingleThreadedExecutor,
@@ -116,15 +116,15 @@ class Driver(ManagedNode):
         self.called.append(name)
         return self.plan.get(name, lambda: None)()
 
-    def on_configure(self, made: Maker) -> Any:
+    def on_configure(self, made: NodeScope) -> Any:
         self.made = made
-        self.publisher = made.publisher("out", String)
-        self.timer = made.every(100.0, lambda elapsed: self.ticks.append(self.state.label))
+        self.publisher = made.create_publisher("out", String)
+        self.timer = made.create_timer(100.0, lambda elapsed: self.ticks.append(self.state.label))
         return self.do("on_configure")
 
-    def on_activate(self, made: Maker) -> Any:
+    def on_activate(self, made: NodeScope) -> Any:
         self.made = made
-        made.subscribe("in", String, lambda message: self.heard.append(message.data))
+        made.create_subscription("in", String, lambda message: self.heard.append(message.data))
         return self.do("on_activate")
 
     def on_deactivate(self) -> Any:
@@ -152,7 +152,7 @@ class Managed(unittest.TestCase):
         self.addCleanup(node.close)
         self.events: List[TransitionEvent] = []
         made = Driver(node, {})
-        node.subscribe("~transition_event", TransitionEvent, self.events.append)
+        node.create_subscription("~transition_event", TransitionEvent, self.events.append)
         node.start()
         for label in WAYS[start]:
             self.assertTrue(self.change(label))
@@ -384,7 +384,7 @@ class Table(Managed):
 
     def test_callback_that_waits_for_its_own_transition_is_told(self) -> None:
         driver = self.driver()
-        client = driver.node.client("~change_state", ChangeState)
+        client = driver.node.create_client("~change_state", ChangeState)
         with driver.node.default_group:
             with self.assertRaises(NestedCall):
                 client.call(ChangeStateRequest(Transition(0, "configure")))
@@ -429,13 +429,13 @@ class Made(Managed):
         self.assertEqual(seen, [[], ["out"]])
 
     def test_a_lifetime_within_is_opened_with_the_rest_and_closed_alone(self) -> None:
-        within: List[Maker] = []
+        within: List[NodeScope] = []
         seen: List[List[str]] = []
 
         def make() -> None:
-            within.append(driver.made.lifetime())
-            within[0].subscribe("in", String, lambda message: None)
-            self.assertIsInstance(within[0].publisher("out", String), ManagedPublisher)
+            within.append(driver.made.create_scope())
+            within[0].create_subscription("in", String, lambda message: None)
+            self.assertIsInstance(within[0].create_publisher("out", String), ManagedPublisher)
             seen.append(self.registered())
 
         driver = self.driver(on_configure=make)
@@ -461,7 +461,7 @@ class Made(Managed):
         driver = self.driver()
         gains: List[float] = []
         driver.plan["on_configure"] = lambda: gains.append(
-            driver.made.parameters(Settings).values.gain
+            driver.made.declare_parameters(Settings).values.gain
         )
         for gain in (2.0, 3.0):
             Server().set(f"{driver.node.name}/gain", gain)
@@ -482,13 +482,13 @@ class Made(Managed):
         self.assertIn("gain", logged.output[0].splitlines()[-1])
 
     def test_parameters_that_are_read_once_say_when_they_take_effect(self) -> None:
-        live = self.driver().node.parameters(Settings)
+        live = self.driver().node.declare_parameters(Settings)
         self.assert_told_when(live, "start")
         driver = self.driver("inactive")
         made: List[LiveParameters[Settings]] = []
 
         def make() -> None:
-            made.append(driver.made.lifetime().parameters(Settings))
+            made.append(driver.made.create_scope().declare_parameters(Settings))
 
         driver.plan["on_activate"] = make
         self.assertTrue(self.change("activate"))
@@ -505,7 +505,7 @@ class Made(Managed):
         taken = "~get_state"
 
         def make_again() -> None:
-            driver.made.service(taken, GetState, lambda request: None)
+            driver.made.create_service(taken, GetState, lambda request: None)
 
         driver = self.driver(on_activate=make_again)
         self.assertTrue(self.change("configure"))
@@ -526,7 +526,7 @@ class Made(Managed):
         heard: List[str] = []
         listener = Node(Names.hosted(self.space, "listener"))
         self.addCleanup(listener.close)
-        listener.subscribe("out", String, lambda message: heard.append(message.data))
+        listener.create_subscription("out", String, lambda message: heard.append(message.data))
         listener.start()
         return heard
 
@@ -583,7 +583,7 @@ class Made(Managed):
             driver.timer.set_rate(-1.0)
         driver.timer.set_rate(200.0)  # from the next activation on
         count, others = len(driver.ticks), []
-        driver.node.every(200.0, others.append)  # not managed, with the thread of all timers
+        driver.node.create_timer(200.0, others.append)  # not managed, with the thread of all timers
         wait_until(lambda: len(others) > 10, lambda: "no ticks")
         self.assertEqual(len(driver.ticks), count)
         self.assertEqual(set(driver.ticks), {"active"})
@@ -595,7 +595,7 @@ class Made(Managed):
         driver = self.driver()
 
         def make_log() -> None:
-            driver.made.stream_log()
+            driver.made.create_rate_limited_log()
 
         driver.plan["on_configure"] = make_log
         self.assertTrue(self.change("configure"))
@@ -604,7 +604,7 @@ class Made(Managed):
 
     def test_hears_while_active(self) -> None:
         driver = self.driver("active")
-        publisher = driver.node.publisher("in", String)
+        publisher = driver.node.create_publisher("in", String)
         publisher.publish("one")
         # By the timer's thread, where it is in the group at this moment.
         wait_until(lambda: driver.heard == ["one"], lambda: str(driver.heard))
@@ -618,8 +618,8 @@ class Made(Managed):
         driver = self.driver()
 
         def configure() -> None:
-            driver.made.parameters(Settings)
-            driver.made.lifetime().publisher("out", String)
+            driver.made.declare_parameters(Settings)
+            driver.made.create_scope().create_publisher("out", String)
 
         def round_() -> None:
             driver.plan["on_configure"] = configure
@@ -665,12 +665,12 @@ class Unaware:
 
     def __init__(self, node: Node) -> None:
         self.alive.add(self)
-        self.settings = node.parameters(Settings)
-        self.state = node.publisher("state", String, latch=True)
+        self.settings = node.declare_parameters(Settings)
+        self.state = node.create_publisher("state", String, latch=True)
         self.state.publish(f"gain {self.settings.values.gain:g}")
-        self.publisher = node.publisher("out", String)
-        node.subscribe("in", String, self.publisher.publish)
-        node.every(100.0, lambda elapsed: self.publisher.publish(f"{elapsed:.2f}"))
+        self.publisher = node.create_publisher("out", String)
+        node.create_subscription("in", String, self.publisher.publish)
+        node.create_timer(100.0, lambda elapsed: self.publisher.publish(f"{elapsed:.2f}"))
 
 
 class Wanted(Managed):
@@ -694,7 +694,7 @@ class Wanted(Managed):
     def test_is_made_at_configure_speaks_while_active_and_ends_at_cleanup(self) -> None:
         heard = self.unaware(True)
         with contextlib.closing(Node(Names.hosted(self.space, "other"))) as other:
-            publisher = other.publisher("in", String)
+            publisher = other.create_publisher("in", String)
             other.start()
             Server().set(self.space + "/driver/gain", 2.0)  # read when it is configured
             others = self.registered()
@@ -722,9 +722,9 @@ class Wanted(Managed):
 
     def test_has_a_last_word_whenever_it_is_active_no_longer(self) -> None:
         def talkative(node: Node) -> object:
-            publisher = node.publisher("out", String)
+            publisher = node.create_publisher("out", String)
             node.before_deactivate(lambda: publisher.publish("stop"))
-            node.every(100.0, lambda elapsed: publisher.publish("go"))
+            node.create_timer(100.0, lambda elapsed: publisher.publish("go"))
             return publisher
 
         heard = self.unaware(True, talkative)
@@ -811,8 +811,8 @@ class Wanted(Managed):
         read: List[float] = []
 
         class Aware(ManagedNode):
-            def on_configure(self, made: Maker) -> None:
-                read.append(made.parameters(Settings).values.gain)
+            def on_configure(self, made: NodeScope) -> None:
+                read.append(made.declare_parameters(Settings).values.gain)
 
         self.unaware(True, Aware)
         Server().set(self.space + "/driver/gain", 5.0)
@@ -831,7 +831,7 @@ class Heartbeat(Managed):
         go_on = threading.Event()
         self.addCleanup(go_on.set)
         # It has the thread that all other timers of this process share, and the node's group.
-        driver.node.every(1.0, lambda elapsed: go_on.wait(2 * TIMEOUT_S))
+        driver.node.create_timer(1.0, lambda elapsed: go_on.wait(2 * TIMEOUT_S))
         wait_until(lambda: driver.node.default_group._holder, lambda: "the timer's call")
         beats.append(ear.wait_for(lambda beat: beat.seq > beats[-1].seq + 1))
         go_on.set()

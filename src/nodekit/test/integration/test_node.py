@@ -80,7 +80,7 @@ class OnMaster(unittest.TestCase):
         """Wait until the thread that serves all timers has had time for so many calls at 100 Hz."""
         ticks: List[float] = []
         clock = self.node(f"clock{next(self.numbers)}")
-        clock.every(100.0, ticks.append)
+        clock.create_timer(100.0, ticks.append)
         clock.start()
         wait_until(lambda: len(ticks) >= count, lambda: f"{len(ticks)} ticks")
         clock.close()
@@ -102,14 +102,14 @@ class Start(OnMaster):
 
         class Eager:
             def __init__(self, node: Node) -> None:
-                settings = node.parameters(Settings, on_change=self.call)
-                node.subscribe("latched", String, self.call)
-                node.follow("~beside", self.call)
-                node.every(1000.0, self.call)
-                own = node.publisher("own", String, latch=True)
-                node.subscribe("own", String, self.call)
+                settings = node.declare_parameters(Settings, on_change=self.call)
+                node.create_subscription("latched", String, self.call)
+                node.on_parameter("~beside", self.call)
+                node.create_timer(1000.0, self.call)
+                own = node.create_publisher("own", String, latch=True)
+                node.create_subscription("own", String, self.call)
                 own.publish("hello")
-                node.service("~ask", Trigger, self.call)
+                node.create_service("~ask", Trigger, self.call)
                 settings.update(gain=2.0)
                 wait_for_ticks(20)
                 calls.append("constructed")
@@ -129,9 +129,9 @@ class Start(OnMaster):
         node = self.node()
         node.start()
         heard: List[str] = []
-        node.service("late", Trigger, lambda request: TriggerResponse(True, "here"))
-        node.subscribe("topic", String, lambda message: heard.append(message.data))
-        node.publisher("topic", String).publish("news")
+        node.create_service("late", Trigger, lambda request: TriggerResponse(True, "here"))
+        node.create_subscription("topic", String, lambda message: heard.append(message.data))
+        node.create_publisher("topic", String).publish("news")
         self.assertEqual(heard, ["news"])
         self.assertEqual(rospy.ServiceProxy(self.space + "/late", Trigger)().message, "here")
 
@@ -146,12 +146,12 @@ class Start(OnMaster):
         ):
             with self.subTest(f"{owner.__name__} {function}"):
                 node = self.node(f"{owner.__name__}_{function}".replace(".", "_"))
-                settings = node.parameters(Settings)
-                node.follow("~beside", lambda value: None)
-                node.every(lambda: settings.values.rate, lambda elapsed: None)
-                node.publisher("~topic", String)
-                node.subscribe("~topic", String, lambda message: None)
-                node.service("~ask", Trigger, lambda request: TriggerResponse())
+                settings = node.declare_parameters(Settings)
+                node.on_parameter("~beside", lambda value: None)
+                node.create_timer(lambda: settings.values.rate, lambda elapsed: None)
+                node.create_publisher("~topic", String)
+                node.create_subscription("~topic", String, lambda message: None)
+                node.create_service("~ask", Trigger, lambda request: TriggerResponse())
                 go_on = getattr(owner, function)
 
                 def close_and_go_on(*arguments: Any, **options: Any) -> Any:
@@ -170,10 +170,10 @@ class Start(OnMaster):
         heard: List[str] = []
         node = self.node()
         with mock.patch.dict(rospy.names.get_resolved_mappings(), remapped):
-            node.publisher("a", String, latch=True).publish("at b")
-            node.publisher("c", String, latch=True).publish("at d")
-            node.subscribe("b", String, lambda message: heard.append(message.data))
-            node.service("ask", Trigger, lambda request: TriggerResponse(True, "here"))
+            node.create_publisher("a", String, latch=True).publish("at b")
+            node.create_publisher("c", String, latch=True).publish("at d")
+            node.create_subscription("b", String, lambda message: heard.append(message.data))
+            node.create_service("ask", Trigger, lambda request: TriggerResponse(True, "here"))
             node.start()
         self.publisher("a", latch=True).publish("at a")
         for name in "bd":
@@ -186,7 +186,7 @@ class Start(OnMaster):
 
     def test_latched_message_of_the_constructor_reaches_who_comes_later(self) -> None:
         node = self.node()
-        state = node.publisher("state", String, latch=True)
+        state = node.create_publisher("state", String, latch=True)
         state.publish("first")
         state.publish("waiting")
         node.start()
@@ -195,20 +195,20 @@ class Start(OnMaster):
 
     def test_what_is_latched_reaches_each_later_subscription_of_the_process(self) -> None:
         node, heard = self.node(), []
-        here = node.publisher("here", String, latch=True)
+        here = node.create_publisher("here", String, latch=True)
         node.start()
         here.publish("here")
         self.publisher("there", latch=True).publish("there")
         for count in (1, 2):
             for topic in ("here", "there"):
-                node.subscribe(topic, String, lambda message: heard.append(message.data))
+                node.create_subscription(topic, String, lambda message: heard.append(message.data))
             expected = sorted(count * ["here", "there"])
             wait_until(lambda expected=expected: sorted(heard) == expected, lambda: str(heard))
 
     def test_change_between_the_declaration_and_the_start_is_told(self) -> None:
         told: List[Tuple[float, float]] = []
         node = self.node()
-        node.parameters(Settings, lambda new, old: told.append((old.gain, new.gain)))
+        node.declare_parameters(Settings, lambda new, old: told.append((old.gain, new.gain)))
         self.server.set(self.space + "/one/gain", 5.0)
         node.start()
         wait_until(lambda: told, lambda: "nothing is told")
@@ -218,9 +218,9 @@ class Start(OnMaster):
         name, ear = self.space + "/topic", Ear("/statistics", TopicStatistics)
         self.addCleanup(ear.close)
         node = self.node()
-        node.every(100.0, lambda elapsed: publisher.publish("news"))
-        node.subscribe("topic", String, lambda message: None)
-        publisher = node.publisher("topic", String)
+        node.create_timer(100.0, lambda elapsed: publisher.publish("news"))
+        node.create_subscription("topic", String, lambda message: None)
+        publisher = node.create_publisher("topic", String)
         # As where the parameter /enable_statistics is set, which is read once in a process.
         logger = rospy.topics.SubscriberStatisticsLogger
         with mock.patch.object(logger, "is_enabled", return_value=True):
@@ -230,15 +230,15 @@ class Start(OnMaster):
 
     def test_habits_of_rospys_users_are_no_error(self) -> None:
         node = self.node()
-        node.publisher("a", String, queue_size=10)
-        node.publisher("b", String, True, 10)
-        node.subscribe("a", String, print, queue_size=1)
+        node.create_publisher("a", String, queue_size=10)
+        node.create_publisher("b", String, True, 10)
+        node.create_subscription("a", String, print, queue_size=1)
         node.start()
 
     def test_several_refused_parameters_are_named_at_once(self) -> None:
         self.server.set(self.space + "/one", {"rate": -1, "gain": "x"})
         with self.assertRaises(ParameterError) as caught:
-            self.node().parameters(Settings)
+            self.node().declare_parameters(Settings)
         self.assertIn(self.space + "/one/rate: refused -1", str(caught.exception))
         self.assertIn(self.space + "/one/gain: refused 'x'", str(caught.exception))
 
@@ -247,15 +247,15 @@ class Start(OnMaster):
             """Further parameters of the same node."""
 
         node = self.node()
-        part = node.lifetime()
-        part.parameters(Settings)
+        part = node.create_scope()
+        part.declare_parameters(Settings)
         refused = f"{self.space}/one: parameters: refused Others beside Settings: must all be "
-        for again in (node, node.lifetime()):
+        for again in (node, node.create_scope()):
             with self.assertRaisesRegex(ValueError, refused):
-                again.parameters(Others)
-        self.node("two").parameters(Others)
+                again.declare_parameters(Others)
+        self.node("two").declare_parameters(Others)
         part.close()
-        node.parameters(Others)
+        node.declare_parameters(Others)
         node.start()
         self.assertEqual(self.server.get(self.space + "/one/gain"), 1.0)
 
@@ -263,7 +263,7 @@ class Start(OnMaster):
         class Picky:
             def __init__(self, node: Node) -> None:
                 self.node = node
-                self.settings = node.parameters(Settings, rules=[self.suits])
+                self.settings = node.declare_parameters(Settings, rules=[self.suits])
 
             @rule("gain")
             def suits(self, values: Settings) -> None:
@@ -295,12 +295,12 @@ class Start(OnMaster):
         for given, why in ((awaited, "must not be async def"), (None, "must be a function")):
             node = self.node()
             with self.assertRaisesRegex(TypeError, f"/beside: refused .*{why}"):
-                node.follow("beside", given)
+                node.on_parameter("beside", given)
             with self.assertRaisesRegex(TypeError, f"/one: add_listener: refused .*{why}"):
-                node.parameters(Settings).add_listener(given)
+                node.declare_parameters(Settings).add_listener(given)
             node.close()
         with self.assertRaisesRegex(TypeError, "/one: on_change: refused .*must not be async def"):
-            self.node().parameters(Settings, on_change=awaited)
+            self.node().declare_parameters(Settings, on_change=awaited)
 
 
 class Callbacks(OnMaster):
@@ -321,12 +321,12 @@ class Callbacks(OnMaster):
             work("service")
             return TriggerResponse(True, "")
 
-        settings = node.parameters(Settings, on_change=lambda new, old: work("on_change"))
-        node.subscribe("topic", String, lambda message: work("message"))
-        node.subscribe_batches("topic", String, lambda messages: work("messages"))
-        node.every(lambda: settings.values.rate, lambda elapsed: work("timer"))
-        node.service("serve", Trigger, serve)
-        node.follow("beside", lambda value: work("follow"))
+        settings = node.declare_parameters(Settings, on_change=lambda new, old: work("on_change"))
+        node.create_subscription("topic", String, lambda message: work("message"))
+        node.create_batch_subscription("topic", String, lambda messages: work("messages"))
+        node.create_timer(lambda: settings.values.rate, lambda elapsed: work("timer"))
+        node.create_service("serve", Trigger, serve)
+        node.on_parameter("beside", lambda value: work("follow"))
         node.start()
         publisher = self.publisher("topic")
         wait_until(lambda: publisher.get_num_connections() > 0, lambda: "no connection")
@@ -348,10 +348,10 @@ class Callbacks(OnMaster):
             go_on.wait(TIMEOUT_S)
             return TriggerResponse(True, "")
 
-        node.parameters(Settings)
-        latest = node.latest("topic", String)
+        node.declare_parameters(Settings)
+        latest = node.create_latest_message("topic", String)
         publisher = self.publisher("topic")
-        node.service("hang", Trigger, hang)
+        node.create_service("hang", Trigger, hang)
         node.start()
         client = rospy.ServiceProxy(self.space + "/hang", Trigger)
         holder = threading.Thread(target=client)
@@ -371,7 +371,7 @@ class Callbacks(OnMaster):
     def test_update_in_a_callback_is_in_force_at_once_and_told_afterwards(self) -> None:
         node = self.node()
         order: List[Any] = []
-        settings = node.parameters(
+        settings = node.declare_parameters(
             Settings, on_change=lambda new, old: order.append((old.gain, new.gain))
         )
 
@@ -382,7 +382,7 @@ class Callbacks(OnMaster):
             order.append(settings.values.gain)
             return SetBoolResponse(True, "")
 
-        node.service("serve", SetBool, serve)
+        node.create_service("serve", SetBool, serve)
         node.start()
         rospy.ServiceProxy(self.space + "/serve", SetBool)(True)
         wait_until(lambda: len(order) == 3, lambda: str(order))
@@ -395,14 +395,14 @@ class Callbacks(OnMaster):
             with lock:
                 told.append(new.gain)
 
-        settings = node.parameters(Settings, on_change=on_change)
+        settings = node.declare_parameters(Settings, on_change=on_change)
 
         def serve(_request: Any) -> TriggerResponse:
             with lock:
                 settings.update(gain=2.0)
             return TriggerResponse(True, "")
 
-        node.service("serve", Trigger, serve)
+        node.create_service("serve", Trigger, serve)
         node.start()
         self.server.set(self.space + "/one/gain", 5.0)
         rospy.ServiceProxy(self.space + "/serve", Trigger)()
@@ -410,8 +410,8 @@ class Callbacks(OnMaster):
 
     def test_timer_follows_the_parameter(self) -> None:
         node, calls = self.node(), []  # type: Any
-        settings = node.parameters(Settings)
-        node.every(lambda: settings.values.rate, calls.append)
+        settings = node.declare_parameters(Settings)
+        node.create_timer(lambda: settings.values.rate, calls.append)
         settings.update(rate=0.001)
         node.start()
         wait_until(lambda: calls, lambda: "no first call")
@@ -422,12 +422,12 @@ class Callbacks(OnMaster):
 
     def test_rate_that_cannot_be_asked_for_leaves_the_old_one_and_others_follow(self) -> None:
         node, calls, others = self.node(), [], []  # type: Any
-        settings = node.parameters(Settings)
+        settings = node.declare_parameters(Settings)
         for bad in (math.inf, math.nan, -1.0):
             with self.assertRaises(ValueError):
-                node.every(bad, calls.append)
-        node.every(lambda: 100.0 / (settings.values.gain or math.nan), calls.append)
-        node.every(lambda: 0.0 if settings.values.gain else 100.0, others.append)
+                node.create_timer(bad, calls.append)
+        node.create_timer(lambda: 100.0 / (settings.values.gain or math.nan), calls.append)
+        node.create_timer(lambda: 0.0 if settings.values.gain else 100.0, others.append)
         node.start()
         wait_until(lambda: len(calls) > 3, lambda: str(calls))
         self.assertEqual(others, [])
@@ -438,8 +438,10 @@ class Callbacks(OnMaster):
 
     def test_messages_that_are_not_finite_are_left_out(self) -> None:
         node, heard = self.node(), []  # type: Any
-        node.subscribe("u", Float32, lambda message: heard.append(message.data), finite=True)
-        publisher = node.publisher("u", Float32)
+        node.create_subscription(
+            "u", Float32, lambda message: heard.append(message.data), finite=True
+        )
+        publisher = node.create_publisher("u", Float32)
         node.start()
         for value in (1.0, math.nan, math.inf, 2.0):
             publisher.publish(value)
@@ -447,8 +449,8 @@ class Callbacks(OnMaster):
 
     def test_follow_tells_at_the_start_and_of_each_change(self) -> None:
         node, told = self.node(), []  # type: Any
-        node.follow("text", told.append)
-        node.follow("~text", lambda value: told.append(("private", value)))
+        node.on_parameter("text", told.append)
+        node.on_parameter("~text", lambda value: told.append(("private", value)))
         node.start()
         self.assertEqual(told, [None, ("private", None)])
         self.server.set(self.space + "/text", "hello")
@@ -463,9 +465,9 @@ class Callbacks(OnMaster):
             calls.append(1)
             raise SystemExit
 
-        node.every(100.0, fail)
-        node.subscribe("topic", String, fail)
-        publisher = node.publisher("topic", String)
+        node.create_timer(100.0, fail)
+        node.create_subscription("topic", String, fail)
+        publisher = node.create_publisher("topic", String)
         node.start()
         publisher.publish("x")
         wait_until(lambda: len(calls) > 5, lambda: str(calls))
@@ -516,10 +518,10 @@ class Forks(OnMaster):
                 test.fork()
 
         Managed(managed)
-        node.subscribe("topic", String, self.fork)
-        node.service("ask", Trigger, self.fork)
-        executing.subscribe("executed", String, self.fork)
-        node.follow("key", lambda value: self.fork() if value else None)
+        node.create_subscription("topic", String, self.fork)
+        node.create_service("ask", Trigger, self.fork)
+        executing.create_subscription("executed", String, self.fork)
+        node.on_parameter("key", lambda value: self.fork() if value else None)
         for each in (node, managed, executing):
             each.start()
         plain, executed = self.publisher("topic"), self.publisher("executed")
@@ -532,7 +534,7 @@ class Forks(OnMaster):
                 lambda: executed.publish("x"),
                 lambda: rospy.ServiceProxy(self.space + "/ask", Trigger)(),
                 lambda: self.server.set(self.space + "/key", 1),
-                lambda: node.every(0.01, self.fork),
+                lambda: node.create_timer(0.01, self.fork),
                 lambda: rospy.ServiceProxy(self.space + "/managed/change_state", ChangeState)(
                     configure
                 ),
@@ -544,7 +546,7 @@ class Forks(OnMaster):
 
     def test_its_status_tells_how(self) -> None:
         node = self.node()
-        node.service("ask", Trigger, self.fork)
+        node.create_service("ask", Trigger, self.fork)
         node.start()
         for raised, status in (
             (SystemExit(3), 3),
@@ -596,7 +598,7 @@ class Texts(OnMaster):
 
     def test_a_message_is_refused_and_the_next_one_sent(self) -> None:
         node, plain = self.node(), self.publisher("plain")
-        publisher = node.publisher("ours", String)
+        publisher = node.create_publisher("ours", String)
         node.start()
         for each, topic in ((plain, "plain"), (publisher, "ours")):
             with self.subTest(topic=topic):
@@ -609,7 +611,7 @@ class Texts(OnMaster):
 
     def test_an_answer_is_refused_and_the_next_one_sent(self) -> None:
         node, texts = self.node(), [self.NO_TEXT, "fine"]
-        node.service("ask", Trigger, lambda _: TriggerResponse(True, texts.pop(0)))
+        node.create_service("ask", Trigger, lambda _: TriggerResponse(True, texts.pop(0)))
         node.start()
         client = rospy.ServiceProxy(self.space + "/ask", Trigger, persistent=True)
         self.addCleanup(client.close)
@@ -623,16 +625,16 @@ class Closing(OnMaster):
 
     def fill(self, node: Node, maker: Any, calls: Callable[..., Any]) -> None:
         """Make one of everything."""
-        maker.publisher("out", String, latch=True).publish("x")
-        maker.subscribe("in", String, calls)
-        maker.subscribe_batches("in", String, calls)
-        maker.latest("in", String)
-        maker.service("~serve", Trigger, lambda request: TriggerResponse(True, ""))
-        maker.every(1000.0, calls)
-        maker.every(10.0, calls, steady=True)
-        maker.follow("beside", calls)
-        maker.stream_log()
-        maker.before_end(lambda: calls())
+        maker.create_publisher("out", String, latch=True).publish("x")
+        maker.create_subscription("in", String, calls)
+        maker.create_batch_subscription("in", String, calls)
+        maker.create_latest_message("in", String)
+        maker.create_service("~serve", Trigger, lambda request: TriggerResponse(True, ""))
+        maker.create_timer(1000.0, calls)
+        maker.create_timer(10.0, calls, steady=True)
+        maker.on_parameter("beside", calls)
+        maker.create_rate_limited_log()
+        maker.on_shutdown(lambda: calls())
 
     def test_nothing_is_called_after_close(self) -> None:
         node, calls = self.node(), []  # type: Any
@@ -642,7 +644,7 @@ class Closing(OnMaster):
         def call(*_: Any) -> None:
             (late if closed.is_set() else calls).append(1)
 
-        settings = node.parameters(Settings, on_change=call)
+        settings = node.declare_parameters(Settings, on_change=call)
         self.fill(node, node, call)
         publisher = self.publisher("in")
         node.start()
@@ -675,7 +677,7 @@ class Closing(OnMaster):
         )
         node.close()
         with self.assertRaises(RuntimeError):
-            node.publisher("more", String)
+            node.create_publisher("more", String)
 
     def test_close_waits_for_a_callback_that_is_under_way(self) -> None:
         node, go_on, inside, done = self.node(), threading.Event(), threading.Event(), []
@@ -686,7 +688,7 @@ class Closing(OnMaster):
             done.append(True)
             return TriggerResponse(True, "")
 
-        node.service("slow", Trigger, serve)
+        node.create_service("slow", Trigger, serve)
         node.start()
         client = rospy.ServiceProxy(self.space + "/slow", Trigger)
         threading.Thread(target=lambda: self.quietly(client), daemon=True).start()
@@ -700,7 +702,7 @@ class Closing(OnMaster):
         clients = []
         for name in ("gone", "here"):
             node = self.node(name)
-            node.service("~ask", Trigger, lambda _request: TriggerResponse(True, "answer"))
+            node.create_service("~ask", Trigger, lambda _request: TriggerResponse(True, "answer"))
             node.start()
             clients.append(rospy.ServiceProxy(node.name + "/ask", Trigger, persistent=True))
             self.addCleanup(clients[-1].close)
@@ -723,7 +725,7 @@ class Closing(OnMaster):
             go_on.wait(TIMEOUT_S)
             done.append(True)
 
-        node.every(10.0, work)
+        node.create_timer(10.0, work)
         node.start()
         self.assertTrue(inside.wait(TIMEOUT_S))
         node.close()
@@ -737,7 +739,7 @@ class Closing(OnMaster):
             node.close()
             has_closed.set()
 
-        node.every(10.0, close_itself)
+        node.create_timer(10.0, close_itself)
         with mock.patch.object(ownership, "CLOSE_WAIT_S", 2.0 * TIMEOUT_S):
             node.start()
             self.assertTrue(has_closed.wait(TIMEOUT_S), "it waits for itself")
@@ -759,11 +761,11 @@ class Closing(OnMaster):
 
     def test_lifetime_ends_only_what_was_made_through_it(self) -> None:
         node, stays, goes = self.node(), [], []  # type: Any
-        node.every(100.0, stays.append)
-        node.publisher("stays", String)
-        part = node.lifetime()
-        part.every(100.0, goes.append)
-        part.publisher("goes", String)
+        node.create_timer(100.0, stays.append)
+        node.create_publisher("stays", String)
+        part = node.create_scope()
+        part.create_timer(100.0, goes.append)
+        part.create_publisher("goes", String)
         node.start()
         wait_until(lambda: len(stays) > 3 and len(goes) > 3, lambda: f"{stays} {goes}")
         part.close()
@@ -775,8 +777,8 @@ class Closing(OnMaster):
 
     def test_what_is_closed_before_the_start_is_never_opened(self) -> None:
         node = self.node()
-        part = node.lifetime()
-        part.publisher("gone", String)
+        part = node.create_scope()
+        part.create_publisher("gone", String)
         part.close()
         node.start()
         self.assertEqual(self.registered(), [])
@@ -800,7 +802,7 @@ class Closing(OnMaster):
 
         def round_() -> None:
             node = Node(Names.hosted(self.space, "one"))
-            node.parameters(Settings, on_change=lambda new, old: None)
+            node.declare_parameters(Settings, on_change=lambda new, old: None)
             heard = threading.Event()
             self.fill(node, node, lambda *_: heard.set())
             executor = SingleThreadedExecutor()
@@ -838,9 +840,9 @@ class Hosting(OnMaster):
 
     class Member:
         def __init__(self, node: Node) -> None:
-            self.settings = node.parameters(Settings)
-            node.publisher("topic", String, latch=True).publish(node.name)
-            node.service("~ask", Trigger, lambda request: TriggerResponse(True, node.name))
+            self.settings = node.declare_parameters(Settings)
+            node.create_publisher("topic", String, latch=True).publish(node.name)
+            node.create_service("~ask", Trigger, lambda request: TriggerResponse(True, node.name))
 
     def test_names_are_those_of_a_node_of_its_own(self) -> None:
         root = self.node("root")

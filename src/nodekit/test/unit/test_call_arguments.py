@@ -23,7 +23,7 @@ from nodekit import (
     run,
 )
 from nodekit.call_arguments import judge_function
-from nodekit.groups.groups import Outside
+from nodekit.groups.callback_groups import NoGroup
 from nodekit.managed.gate import Gate
 from nodekit.managed.lifecycle_scope import LifecycleScope
 from nodekit.master import MasterClient
@@ -61,7 +61,7 @@ def node() -> Any:
 
 
 def client() -> Any:
-    return Client("/lab/ask", Trigger, Callback(Outside(), print, "done"))
+    return Client("/lab/ask", Trigger, Callback(NoGroup(), print, "done"))
 
 
 def future() -> Any:
@@ -74,12 +74,12 @@ def lifecycle_scope() -> Any:
 
 #: What takes a function, and what the refusal says it is for.
 TAKERS: List[Tuple[str, Callable[[Any], Any]]] = [
-    ("/lab/topic", lambda given: node().subscribe("topic", String, given)),
-    ("/lab/topic", lambda given: node().subscribe("topic", String, given, finite=True)),
-    ("/lab/topic", lambda given: node().subscribe_batches("topic", String, given)),
-    ("/lab/ask", lambda given: node().service("ask", Trigger, given)),
-    ("/lab/one: ", lambda given: node().every(1.0, given)),
-    ("/lab/one: before_end", lambda given: node().before_end(given)),
+    ("/lab/topic", lambda given: node().create_subscription("topic", String, given)),
+    ("/lab/topic", lambda given: node().create_subscription("topic", String, given, finite=True)),
+    ("/lab/topic", lambda given: node().create_batch_subscription("topic", String, given)),
+    ("/lab/ask", lambda given: node().create_service("ask", Trigger, given)),
+    ("/lab/one: ", lambda given: node().create_timer(1.0, given)),
+    ("/lab/one: on_shutdown", lambda given: node().on_shutdown(given)),
     ("/lab/one: before_deactivate", lambda given: node().before_deactivate(given)),
     ("/lab/one: before_deactivate", lambda given: lifecycle_scope().before_deactivate(given)),
     ("/lab/ask: add_done_callback", lambda given: future().add_done_callback(given)),
@@ -130,24 +130,24 @@ def test_the_way_out_of_async_is_one() -> None:
     ],
 )
 def test_async_in_every_form(given: Any, shown: str) -> None:
-    text = refusal(lambda: node().subscribe("topic", String, given))
+    text = refusal(lambda: node().create_subscription("topic", String, given))
     assert text.startswith(f"/lab/topic: refused {shown}")
     assert "must not be async def" in text
 
 
 def test_generator_would_do_nothing() -> None:
-    text = refusal(lambda: node().every(1.0, generator))
+    text = refusal(lambda: node().create_timer(1.0, generator))
     assert text.startswith("/lab/one: generator: refused generator: must not have a yield")
 
 
 @pytest.mark.parametrize("given", [print, Mistaken, String, [].append, functools.partial(print)])
 def test_whatever_can_be_called_is_a_function(given: Any) -> None:
     """A class too, whatever its objects do when they are called."""
-    node().subscribe("topic", String, given)
+    node().create_subscription("topic", String, given)
 
 
 def test_rate_that_nobody_awaits() -> None:
-    text = refusal(lambda: node().every(awaited, print))
+    text = refusal(lambda: node().create_timer(awaited, print))
     assert text.startswith("/lab/one: rate: refused awaited: must not be async def")
 
 
@@ -164,12 +164,12 @@ def test_callback_of_a_managed_node_that_nobody_awaits() -> None:
 @pytest.mark.parametrize(
     "give",
     [
-        lambda given: node().publisher("topic", given),
-        lambda given: node().subscribe("topic", given, print),
-        lambda given: node().subscribe("topic", given, print, finite=True),
-        lambda given: node().subscribe_batches("topic", given, print),
-        lambda given: node().latest("topic", given),
-        lambda given: lifecycle_scope().publisher("topic", given),
+        lambda given: node().create_publisher("topic", given),
+        lambda given: node().create_subscription("topic", given, print),
+        lambda given: node().create_subscription("topic", given, print, finite=True),
+        lambda given: node().create_batch_subscription("topic", given, print),
+        lambda given: node().create_latest_message("topic", given),
+        lambda given: lifecycle_scope().create_publisher("topic", given),
     ],
 )
 @pytest.mark.parametrize(
@@ -190,8 +190,8 @@ def test_what_is_no_message_class(give: Callable[[Any], Any], given: Any, shown:
 @pytest.mark.parametrize(
     "give",
     [
-        lambda given: node().service("ask", given, print),
-        lambda given: node().client("ask", given),
+        lambda given: node().create_service("ask", given, print),
+        lambda given: node().create_client("ask", given),
         lambda given: call_service("/lab/ask", given),
     ],
 )
@@ -213,9 +213,9 @@ def test_what_is_no_service_class(give: Callable[[Any], Any], given: Any, shown:
 def test_what_is_refused_is_not_made() -> None:
     one = node()
     for give in (
-        lambda: one.subscribe("topic", Trigger, print),
-        lambda: one.service("ask", TriggerResponse, print),
-        lambda: one.client("ask", TriggerResponse),
+        lambda: one.create_subscription("topic", Trigger, print),
+        lambda: one.create_service("ask", TriggerResponse, print),
+        lambda: one.create_client("ask", TriggerResponse),
     ):
         refusal(give)
     assert not list(one.callbacks())
@@ -223,16 +223,22 @@ def test_what_is_refused_is_not_made() -> None:
 
 def test_messages_of_any_type_and_of_services_are_messages() -> None:
     for kind in (rospy.AnyMsg, Float32, TriggerResponse):
-        node().subscribe("topic", kind, print)
-        node().publisher("topic", kind)
+        node().create_subscription("topic", kind, print)
+        node().create_publisher("topic", kind)
 
 
 @pytest.mark.parametrize(
     "give, what",
     [
-        (lambda: node().publisher(String, "topic"), "name, which comes first: refused String"),
-        (lambda: node().subscribe(print, String, "topic"), "name, which comes first: refused "),
-        (lambda: node().every(print, 5.0), "/lab/one: a timer: refused 5.0"),
+        (
+            lambda: node().create_publisher(String, "topic"),
+            "name, which comes first: refused String",
+        ),
+        (
+            lambda: node().create_subscription(print, String, "topic"),
+            "name, which comes first: refused ",
+        ),
+        (lambda: node().create_timer(print, 5.0), "/lab/one: a timer: refused 5.0"),
         (lambda: run(Mistaken, "one"), "run: name, which comes first: refused Mistaken"),
         (lambda: node().host("one", Mistaken, "/lab"), "namespace: refused Mistaken"),
         (lambda: host_all(node(), [(Mistaken, "/lab", "one")]), "node name: refused Mistaken"),
@@ -283,6 +289,6 @@ def test_waiting_as_long_as_it_takes() -> None:
 
 @pytest.mark.parametrize("declaration", [None, String, "Settings", object()])
 def test_parameters_that_are_not_declared_in_a_class(declaration: Any) -> None:
-    text = refusal(lambda: node().parameters(declaration))
+    text = refusal(lambda: node().declare_parameters(declaration))
     assert text.startswith("/lab/one: parameters: refused ")
     assert text.endswith(": must be a class that derives from ParameterSet")

@@ -10,7 +10,7 @@ import rospy
 from std_msgs.msg import String
 
 from nodekit.executors import MultiThreadedExecutor, SingleThreadedExecutor, _Executor
-from nodekit.groups.groups import Group, ReentrantGroup
+from nodekit.groups.callback_groups import CallbackGroup, Group, ReentrantCallbackGroup
 from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.node.callbacks import DEPTH, Answering, Bell, Callback, Receiving
 from nodekit.node.names import Names
@@ -40,7 +40,7 @@ def executor(name: str) -> Optional[_Executor]:
 
 def make(
     kind: str,
-    group: Group,
+    group: CallbackGroup,
     function: Callable[[], Any],
     ready: Optional[ReadyQueue],
     clock: Scheduler,
@@ -79,7 +79,7 @@ def overlap(one: str, other: str, groups: str, name: str) -> bool:
 def test_what_overlaps(scheduler: Scheduler, one: str, other: str, groups: str, name: str) -> None:
     made = executor(name)
     ready = made._ready if made is not None else None
-    first_group: Group = ReentrantGroup() if groups == "one reentrant" else Group()
+    first_group: CallbackGroup = ReentrantCallbackGroup() if groups == "one reentrant" else Group()
     second_group = Group() if groups == "two exclusive" else first_group
     begun, may_end, second_begun = threading.Event(), threading.Event(), threading.Event()
     order: List[str] = []
@@ -108,7 +108,10 @@ def test_what_overlaps(scheduler: Scheduler, one: str, other: str, groups: str, 
 
 
 def receiving(
-    made: _Executor, function: Callable[[Any], Any], group: Optional[Group] = None, depth: int = 10
+    made: _Executor,
+    function: Callable[[Any], Any],
+    group: Optional[CallbackGroup] = None,
+    depth: int = 10,
 ) -> Receiving:
     callback = Receiving(group or Group(), function, "topic", False, depth)
     callback.attach(made._ready)
@@ -125,7 +128,7 @@ def test_callback_in_a_reentrant_group_overlaps_itself_up_to_all_threads() -> No
         all_in.wait(TIMEOUT_S)
         inside[0] -= 1
 
-    receiving(made, callback, ReentrantGroup()).receive(list(range(6)), True)
+    receiving(made, callback, ReentrantCallbackGroup()).receive(list(range(6)), True)
     assert made.shutdown(TIMEOUT_S)
     assert most[0] == 3
 
@@ -350,7 +353,7 @@ def test_threads_that_have_not_begun_count(monkeypatch: "pytest.MonkeyPatch") ->
 def test_as_many_messages_wait_as_is_said(queue_size: Optional[int], kept: int) -> None:
     made, node, heard = SingleThreadedExecutor(), Node(Names("/one", True)), []  # type: Any
     made.add_node(node)
-    node.subscribe("topic", String, heard.append, queue_size)
+    node.create_subscription("topic", String, heard.append, queue_size)
     (waiting,) = (each for each in node.callbacks() if isinstance(each, Receiving))
     with waiting.group:
         waiting.receive(list(range(50)), True)
@@ -361,7 +364,7 @@ def test_as_many_messages_wait_as_is_said(queue_size: Optional[int], kept: int) 
 @pytest.mark.parametrize("queue_size", [0, -2, 1.5, "10"])
 def test_queue_size_is_judged(queue_size: Any) -> None:
     with pytest.raises(ValueError, match=f"queue_size: refused {queue_size!r}: must be"):
-        Node(Names("/one", True)).subscribe("topic", String, print, queue_size)
+        Node(Names("/one", True)).create_subscription("topic", String, print, queue_size)
 
 
 @pytest.mark.parametrize("other", [True, False])

@@ -6,7 +6,7 @@ import pytest
 import rospy
 import rospy.core
 
-from nodekit.groups.groups import Group
+from nodekit.groups.callback_groups import Group
 from nodekit.messaging import failures, throttle
 from nodekit.node.callbacks import Callback
 

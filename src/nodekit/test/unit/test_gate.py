@@ -6,7 +6,7 @@ from typing import Any, Callable, Iterator, List, Optional
 import pytest
 from std_msgs.msg import String
 
-from nodekit.groups.groups import Group
+from nodekit.groups.callback_groups import Group
 from nodekit.managed.gate import Gate, ManagedPublisher, ManagedTimer
 from nodekit.messaging.publisher import Publisher
 from nodekit.node.timers import NodeTimer

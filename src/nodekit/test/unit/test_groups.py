@@ -6,7 +6,7 @@ from typing import Any, Callable, List
 
 import pytest
 
-from nodekit.groups.groups import Group, ReentrantGroup
+from nodekit.groups.callback_groups import CallbackGroup, Group, ReentrantCallbackGroup
 from nodekit.node.callbacks import Bell, Callback, Receiving
 from nodekit.testing.waiting import in_thread
 
@@ -16,7 +16,7 @@ TIMEOUT_S = 10.0
 class Busy:
     """A callback in a group that goes on until it is told to end."""
 
-    def __init__(self, group: Group) -> None:
+    def __init__(self, group: CallbackGroup) -> None:
         self.inside = threading.Event()
         self.go_on = threading.Event()
         callback = Callback(group, self._run, "busy")
@@ -34,7 +34,7 @@ class Busy:
         assert not self.thread.is_alive()
 
 
-def queued(group: Group, count: int) -> None:
+def queued(group: CallbackGroup, count: int) -> None:
     """Wait until so many wait for a group."""
     deadline = time.monotonic() + TIMEOUT_S
     while len(group._queue) < count:
@@ -153,7 +153,7 @@ def test_waiting_for_a_group_can_be_limited() -> None:
     assert not group._holder
 
 
-@pytest.mark.parametrize("kind", [Group, ReentrantGroup])
+@pytest.mark.parametrize("kind", [Group, ReentrantCallbackGroup])
 def test_waiting_for_a_group_ends_with_what_was_waited_for(kind: Callable[[], Group]) -> None:
     group = kind()
     assert group.enter()
@@ -269,7 +269,7 @@ def test_two_nodes_that_answer_each_other_in_one_process_do_not_wait_for_each_ot
 
 
 def test_reentrant_group_overlaps_itself() -> None:
-    group = ReentrantGroup()
+    group = ReentrantCallbackGroup()
     one, other = Busy(group), Busy(group)
     calls: List[int] = []
     group.offer(lambda: calls.append(1))
@@ -281,14 +281,14 @@ def test_reentrant_group_overlaps_itself() -> None:
 
 
 def test_closing_a_reentrant_group_does_not_wait_for_the_callers_own_callback() -> None:
-    group = ReentrantGroup()
+    group = ReentrantCallbackGroup()
     left: List[bool] = []
     Callback(group, lambda: left.append(group.wait_until_left(0.0)), "").call()
     assert left == [True]
 
 
 def test_who_is_in_a_reentrant_group_twice_is_waited_for_until_it_has_left_twice() -> None:
-    group, inside, once, twice = ReentrantGroup(), *(threading.Event() for _ in range(3))
+    group, inside, once, twice = ReentrantCallbackGroup(), *(threading.Event() for _ in range(3))
 
     def enter_and_leave() -> None:
         group.enter()
@@ -311,7 +311,7 @@ def test_who_is_in_a_reentrant_group_twice_is_waited_for_until_it_has_left_twice
 
 
 def test_who_leaves_a_reentrant_group_just_then_is_not_waited_for_in_vain() -> None:
-    group = ReentrantGroup()
+    group = ReentrantCallbackGroup()
     for _ in range(100):
         busy, began = Busy(group), time.monotonic()
         busy.go_on.set()

@@ -49,7 +49,7 @@ def test_what_is_made_while_something_else_is_closed_is_closed_with_the_rest() -
 def test_the_latest_is_closed_first_also_what_a_part_has_made() -> None:
     closed: List[str] = []
     node = Node(Names("/whole", True))
-    part = node.lifetime()
+    part = node.create_scope()
     for owner, name in ((node, "second"), (part, "first"), (part, "first too"), (node, "third")):
         owner.own(contextlib.ExitStack()).callback(closed.append, name)
     node.close()

@@ -21,7 +21,7 @@ from rospy.impl.tcpros_pubsub import TCPROSSub
 from std_msgs.msg import Float32, String
 
 from nodekit.messaging.publisher import Publisher
-from nodekit.messaging.subscription import Latest, Subscription
+from nodekit.messaging.subscription import LatestMessage, Subscription
 from nodekit.rospy_internals import latched, registration, subscribers
 from nodekit.testing.waiting import wait_until
 
@@ -566,7 +566,7 @@ def test_where_batches_are_not_possible_closing_ends_it_too(monkeypatch, known):
 
 def test_latest_keeps_the_newest_message_and_knows_how_old_it_is(stack):
     publisher = opened(stack, String)
-    latest = Latest(TOPIC, String)
+    latest = LatestMessage(TOPIC, String)
     assert (latest.message, latest.age) == (None, float("inf"))
     stack.callback(latest.subscription.close)
     latest.subscription.open()

@@ -8,7 +8,7 @@ import rospy
 from std_msgs.msg import Float32
 
 from nodekit import Node
-from nodekit.groups.groups import Group
+from nodekit.groups.callback_groups import Group
 from nodekit.messaging import throttle
 from nodekit.node import callbacks
 from nodekit.node.names import Names
@@ -36,7 +36,9 @@ def test_numbers_that_are_not_finite_are_told_of_once_for_each_topic(logged: Lis
     node = Node(Names("/space/node", True))
     heard: List[float] = []
     ears = [
-        node.subscribe(name, Float32, lambda message: heard.append(message.data), finite=True)
+        node.create_subscription(
+            name, Float32, lambda message: heard.append(message.data), finite=True
+        )
         for name in ("one", "other")
     ]
     for number in (math.nan, math.inf, -math.inf, 1.0):
@@ -53,7 +55,7 @@ def test_of_what_does_not_keep_up_the_newest_is_kept(
     logged: List[str], monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     monkeypatch.setattr(callbacks, "MOST_KEPT", 3)
-    group, heard = Group(), []  # type: Group, List[Any]
+    group, heard = Group(), []  # type: CallbackGroup, List[Any]
     slow = callbacks.Receiving(group, heard.append, "/one", batches=True)
     with group:
         for messages in ([1], [2, 3], [], [4, 5]):

@@ -13,7 +13,7 @@ from collections import deque
 from functools import partial
 from typing import Any, Callable, Deque, List, NamedTuple, Optional, Set
 
-from nodekit.groups.groups import Group
+from nodekit.groups.callback_groups import CallbackGroup
 
 
 class _Arrival(NamedTuple):
@@ -43,7 +43,7 @@ class CallQueue:
     def __init__(
         self,
         ready: "ReadyQueue",
-        group: Group,
+        group: CallbackGroup,
         depth: int,
         run: Callable[[List[Any]], None],
         drop: Callable[[Any], None],

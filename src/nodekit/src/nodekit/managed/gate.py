@@ -5,7 +5,7 @@ from typing import Any, Callable, List, Optional, Sequence, Set, Union
 
 import rospy
 
-from nodekit.groups.groups import Outside
+from nodekit.groups.callback_groups import NoGroup
 from nodekit.messaging.publisher import Publisher
 from nodekit.node.callbacks import Callback
 from nodekit.node.timers import NodeTimer
@@ -80,7 +80,7 @@ class LastWord(Callback):
     """
 
     def __init__(self, gate: Gate, function: Callable[[], Any], what: str) -> None:
-        super().__init__(Outside(), function, what)
+        super().__init__(NoGroup(), function, what)
         self._gate = gate
         gate.last_words.append(self)
 

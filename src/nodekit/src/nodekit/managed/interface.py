@@ -10,7 +10,7 @@ import rospy
 from std_msgs.msg import Header
 
 from lifecycle_msgs import msg, srv
-from nodekit.groups.groups import Outside
+from nodekit.groups.callback_groups import NoGroup
 from nodekit.lifecycle_states import (
     STATES,
     TRANSITIONS,
@@ -45,8 +45,8 @@ class Interface:
     def __init__(self, node: Node, callbacks: Mapping[State, Callable[..., Result]]) -> None:
         self.node = node
         self.lifecycle = Lifecycle(node, callbacks, self._publish_transition)
-        self._event = node.publisher("~transition_event", msg.TransitionEvent)
-        self._state = node.publisher("~state", msg.State, latch=True)
+        self._event = node.create_publisher("~transition_event", msg.TransitionEvent)
+        self._state = node.create_publisher("~state", msg.State, latch=True)
         self._state.publish(_message(self.state))
         Heart(node)
         # In no group: they answer while a transition takes its time.
@@ -57,7 +57,7 @@ class Interface:
             ("get_available_transitions", srv.GetAvailableTransitions, self._get_available),
             ("get_transition_graph", srv.GetAvailableTransitions, lambda _: [_GRAPH]),
         ):
-            node.service(f"~{name}", service_class, handler, group=Outside())
+            node.create_service(f"~{name}", service_class, handler, group=NoGroup())
         change = node.resolve("~change_state")
         self._making = node.own(Answering(node.default_group, self.lifecycle.make, change))
         _all.add(self)
@@ -99,7 +99,7 @@ class Heart:
     """
 
     def __init__(self, node: NodeScope) -> None:
-        self._publisher = node.publisher("~heartbeat", Header)
+        self._publisher = node.create_publisher("~heartbeat", Header)
         self._beats = 0
         self._timer = Timer(_scheduler(), self._beat, BEATS_HZ)
         _scheduler().start([self._timer])

@@ -2,7 +2,7 @@
 
 from typing import Any, Callable, Optional
 
-from nodekit.groups.groups import Group, Outside
+from nodekit.groups.callback_groups import CallbackGroup, NoGroup
 from nodekit.managed.gate import Gate, LastWord, ManagedPublisher, ManagedTimer
 from nodekit.messaging.publisher import Publisher
 from nodekit.node.node_scope import NodeScope
@@ -45,8 +45,8 @@ class LifecycleScope(NodeScope):
         """
         self._opener.start()
 
-    def lifetime(self) -> NodeScope:
-        """Return another scope of the same transition; see :meth:`.NodeScope.lifetime`."""
+    def create_scope(self) -> NodeScope:
+        """Return another scope of the same transition; see :meth:`.NodeScope.create_scope`."""
         return self.own(LifecycleScope(self, self._gate, self._made_at, self._opener))
 
     def before_deactivate(self, callback: Callable[[], Any]) -> None:
@@ -63,7 +63,7 @@ class LifecycleScope(NodeScope):
     ) -> Publisher:
         return ManagedPublisher(self._gate, name, data_class, latch, lifespan)
 
-    def _new_timer(self, scheduler: Scheduler, group: Group, *options: Any) -> NodeTimer:
-        if isinstance(group, Outside):  # a timer of the toolkit itself
+    def _new_timer(self, scheduler: Scheduler, group: CallbackGroup, *options: Any) -> NodeTimer:
+        if isinstance(group, NoGroup):  # a timer of the toolkit itself
             return super()._new_timer(scheduler, group, *options)
         return ManagedTimer(self._gate, scheduler, group, *options)

@@ -73,7 +73,7 @@ class Subscription:
             subscriber.unregister()
 
 
-class Latest:
+class LatestMessage:
     """The latest message of a topic; no callback, so nobody waits for anybody.
 
     :param name: topic, resolved

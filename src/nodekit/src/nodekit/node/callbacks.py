@@ -8,7 +8,7 @@ from weakref import WeakValueDictionary
 import rospy
 
 from nodekit.call_arguments import judge_function
-from nodekit.groups.groups import Group, Outside
+from nodekit.groups.callback_groups import CallbackGroup, NoGroup
 from nodekit.groups.ready_queue import CallQueue, ReadyQueue
 from nodekit.messaging.failures import Failures
 from nodekit.messaging.throttle import Throttle
@@ -37,7 +37,7 @@ class Callback:
     #: What it is, in reports.
     kind = "callback"
 
-    def __init__(self, group: Group, function: Callable[..., Any], what: str) -> None:
+    def __init__(self, group: CallbackGroup, function: Callable[..., Any], what: str) -> None:
         judge_function(function, what)
         self.group = group
         self.function = function
@@ -51,7 +51,7 @@ class Callback:
 
         :param ready: the executor's queue
         """
-        is_attached = ready is not None and not isinstance(self.group, Outside)
+        is_attached = ready is not None and not isinstance(self.group, NoGroup)
         self.calls = self._new_queue(ready) if ready is not None and is_attached else None
 
     def _new_queue(self, ready: ReadyQueue) -> CallQueue:
@@ -109,7 +109,7 @@ class Answering(Callback):
     #: Those of this process by the name of their service.
     offered: "WeakValueDictionary[str, Answering]" = WeakValueDictionary()
 
-    def __init__(self, group: Group, function: Callable[[Any], Any], what: str) -> None:
+    def __init__(self, group: CallbackGroup, function: Callable[[Any], Any], what: str) -> None:
         super().__init__(group, function, what)
         self.offered[what] = self
 
@@ -196,7 +196,7 @@ class Receiving(Callback):
 
     def __init__(
         self,
-        group: Group,
+        group: CallbackGroup,
         function: Callable[[Any], Any],
         what: str,
         batches: bool,

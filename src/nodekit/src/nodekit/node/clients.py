@@ -21,7 +21,7 @@ from nodekit.call_arguments import (
     judge_timeout,
     judge_wait,
 )
-from nodekit.groups.groups import Outside
+from nodekit.groups.callback_groups import NoGroup
 from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.node.callbacks import Answering, Callback
 from nodekit.rospy_internals.shutdown import Ending, at_end
@@ -307,7 +307,7 @@ def call_service(
     :raises CallError: if the request cannot be sent
     :raises ValueError: if the time-out is none
     """
-    done = Callback(Outside(), lambda function, future: function(future), name)
+    done = Callback(NoGroup(), lambda function, future: function(future), name)
     client = Client(name, service_class, done)
     return client.call_async(service_class._request_class(*fields), timeout)
 

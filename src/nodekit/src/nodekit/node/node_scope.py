@@ -7,13 +7,20 @@ import rospy
 from std_srvs.srv import Trigger
 
 from nodekit.call_arguments import judge_function, judge_name, judge_service_class
-from nodekit.groups.groups import Group, Outside, ReentrantGroup
+from nodekit.deprecated import OldMethod, warn_once
+from nodekit.groups.callback_groups import (
+    CallbackGroup,
+    MutuallyExclusiveCallbackGroup,
+    NoGroup,
+    ReentrantCallbackGroup,
+)
 from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.messaging.finite import is_finite
 from nodekit.messaging.publisher import Publisher
 from nodekit.messaging.service import Service
-from nodekit.messaging.stream_log import StreamLog, shortened
-from nodekit.messaging.subscription import Latest, Subscription
+from nodekit.messaging.stream_log import StreamLog as RateLimitedLog
+from nodekit.messaging.stream_log import shortened
+from nodekit.messaging.subscription import LatestMessage, Subscription
 from nodekit.messaging.throttle import Throttle
 from nodekit.node.callbacks import DEPTH, MOST_KEPT, Answering, Callback, Receiving
 from nodekit.node.clients import Client
@@ -53,7 +60,7 @@ class NodeContext:
 
     def __init__(self, names: Names, opener: Opener) -> None:
         self.names, self.opener = names, opener
-        self.group, self.rates = Group(), RateFollowers()
+        self.group, self.rates = MutuallyExclusiveCallbackGroup(), RateFollowers()
         self.ready: Optional[ReadyQueue] = None
         self.live: Optional[LiveParameters[Any]] = None
 
@@ -61,7 +68,7 @@ class NodeContext:
 class NodeScope(Owner):
     """Creates what a node uses, owns it, and closes it.
 
-    A :class:`.Node` is a scope; :meth:`lifetime` returns one, and callbacks of a managed node
+    A :class:`.Node` is a scope; :meth:`create_scope` returns one, and callbacks of a managed node
     receive one. A class that needs only a NodeScope can be run, hosted and managed; a class that
     hosts other nodes or has an executor needs a Node.
 
@@ -89,7 +96,7 @@ class NodeScope(Owner):
         return self._context.names.node
 
     @property
-    def default_group(self) -> Group:
+    def default_group(self) -> CallbackGroup:
         """The group of callbacks that are created without one."""
         return self._context.group
 
@@ -105,7 +112,7 @@ class NodeScope(Owner):
         judge_name(name, "name, which comes first")
         return self._context.names.resolve(name)
 
-    def publisher(
+    def create_publisher(
         self,
         name: str,
         data_class: type,
@@ -124,14 +131,14 @@ class NodeScope(Owner):
         """
         return self._open(self._new_publisher(self.resolve(name), data_class, latch, lifespan))
 
-    def subscribe(
+    def create_subscription(
         self,
         name: str,
         data_class: type,
         callback: Callable[[Any], Any],
         queue_size: Optional[int] = None,
         finite: bool = False,
-        group: Optional[Group] = None,
+        group: Optional[CallbackGroup] = None,
     ) -> Subscription:
         """Subscribe to a topic.
 
@@ -158,12 +165,12 @@ class NodeScope(Owner):
         depth = _depth(queue_size)
         return self._subscribe(name, data_class, only_finite if finite else callback, depth, group)
 
-    def subscribe_batches(
+    def create_batch_subscription(
         self,
         name: str,
         data_class: type,
         callback: Callable[[List[Any]], Any],
-        group: Optional[Group] = None,
+        group: Optional[CallbackGroup] = None,
     ) -> Subscription:
         """Subscribe to a topic, with one call for all messages that have arrived.
 
@@ -182,7 +189,7 @@ class NodeScope(Owner):
         data_class: type,
         callback: Callable[[Any], Any],
         depth: int,
-        group: Optional[Group],
+        group: Optional[CallbackGroup],
         batches: bool = False,
     ) -> Subscription:
         resolved = self.resolve(name)
@@ -192,23 +199,23 @@ class NodeScope(Owner):
         self.own(receiving)
         return self._open(subscription)
 
-    def latest(self, name: str, data_class: type) -> Latest:
+    def create_latest_message(self, name: str, data_class: type) -> LatestMessage:
         """Keep the latest message of a topic.
 
         :param name: topic
         :param data_class: message class
         :returns: an object with ``message``, None before the first, and its ``age`` [s]
         """
-        latest = Latest(self.resolve(name), data_class)
+        latest = LatestMessage(self.resolve(name), data_class)
         self._open(latest.subscription)
         return latest
 
-    def service(
+    def create_service(
         self,
         name: str,
         service_class: type,
         handler: Callable[[Any], Any],
-        group: Optional[Group] = None,
+        group: Optional[CallbackGroup] = None,
     ) -> Service:
         """Offer a service.
 
@@ -222,7 +229,9 @@ class NodeScope(Owner):
         callback = self.own(Answering(group or self.default_group, handler, resolved))
         return self._open(Service(resolved, service_class, callback.answer))
 
-    def client(self, name: str, service_class: type, group: Optional[Group] = None) -> Client:
+    def create_client(
+        self, name: str, service_class: type, group: Optional[CallbackGroup] = None
+    ) -> Client:
         """Return a client of a service.
 
         :param name: name of the service
@@ -236,17 +245,17 @@ class NodeScope(Owner):
         self.own(done)
         return self.own(client)
 
-    def every(
+    def create_timer(
         self,
-        rate: Rate,
+        rate_hz: Rate,
         callback: Callable[[float], Any],
         catch_up: float = 0.0,
         steady: bool = False,
-        group: Optional[Group] = None,
+        group: Optional[CallbackGroup] = None,
     ) -> NodeTimer:
         """Call a function at a fixed rate without drift, the first time at once.
 
-        :param rate: calls per second [Hz]; 0 pauses. A function is called for the rate at the
+        :param rate_hz: calls per second; 0 pauses. A function is called for the rate at the
             start and after each change of this node's parameters
         :param callback: called with the time since the first call [s]; must be short
         :param catch_up: lateness up to which missed calls are made up for [s]; not used with a
@@ -256,20 +265,20 @@ class NodeScope(Owner):
         :raises ValueError: if a timer cannot keep the rate
         """
         group = group or self.default_group
-        if callable(rate):
-            judge_function(rate, f"{self.name}: rate")
+        if callable(rate_hz):
+            judge_function(rate_hz, f"{self.name}: rate")
         what = f"{self.name}: {getattr(callback, '__qualname__', 'a timer')}"
-        timer = self._new_timer(get_scheduler(steady), group, rate, callback, catch_up, what)
-        if callable(rate):
+        timer = self._new_timer(get_scheduler(steady), group, rate_hz, callback, catch_up, what)
+        if callable(rate_hz):
             self._context.rates.add(timer)
         return self._open(timer)
 
-    def parameters(
+    def declare_parameters(
         self,
         declaration: Type[Snapshot],
         on_change: Optional[Callable[[Snapshot, Snapshot], Any]] = None,
         exempt: Collection[str] = (),
-        group: Optional[Group] = None,
+        group: Optional[CallbackGroup] = None,
         rules: Collection[Rule] = (),
     ) -> "LiveParameters[Snapshot]":
         """Read and validate the node's private parameters now, and follow them after the start.
@@ -317,38 +326,30 @@ class NodeScope(Owner):
         """Offer a service of the toolkit itself, in no group: it never waits for a callback."""
         self._open(Service(self.resolve(name), service_class, handler))
 
-    def follow(
-        self, key: str, callback: Callable[[Any], Any], group: Optional[Group] = None
+    def on_parameter(
+        self, key: str, callback: Callable[[Any], Any], group: Optional[CallbackGroup] = None
     ) -> None:
         """Follow a parameter that is not declared, or belongs to another node.
 
         :param key: name of the parameter
         :param callback: called with its value, None if it is not set, at the start and after each
-            change; must be short without an executor, as for :meth:`parameters`
+            change; must be short without an executor, as for :meth:`declare_parameters`
         :param group: the callback's group; the node's default group by default
         """
         group = group or self.default_group
         self._open(FollowCallback(group, self.resolve(key), get_watcher(), callback))
 
-    def stream_log(self, per_second: int = 10) -> StreamLog:
+    def create_rate_limited_log(self, per_second: int = 10) -> RateLimitedLog:
         """Return a rate-limited logger, which logs at info level.
 
         :param per_second: how many lines are logged per second [1/s]
         """
-        log = StreamLog(per_second)
+        log = RateLimitedLog(per_second)
         # By the monotonic clock: /clock may stand still while messages arrive.
-        self.every(1.0, log.end_second, steady=True, group=Outside())
+        self.create_timer(1.0, log.end_second, steady=True, group=NoGroup())
         return log
 
-    def group(self, exclusive: bool = True, urgent: bool = False) -> Group:
-        """Return a new callback group.
-
-        :param exclusive: whether its callbacks exclude each other
-        :param urgent: whether an executor makes its calls before those of all other groups
-        """
-        return Group(urgent) if exclusive else ReentrantGroup(urgent)
-
-    def lifetime(self) -> "NodeScope":
+    def create_scope(self) -> "NodeScope":
         """Return another scope of the node, whose ``close`` closes only what it has created."""
         return self.own(NodeScope(self._context, self))
 
@@ -369,7 +370,7 @@ class NodeScope(Owner):
         if self._parent is not None:
             self._parent.disown(self)
 
-    def before_end(self, callback: Callable[[], Any]) -> None:
+    def on_shutdown(self, callback: Callable[[], Any]) -> None:
         """Call a function when the process is told to end, while everything still works.
 
         These functions are called first, in reverse order of registration. Then managed nodes go
@@ -377,20 +378,20 @@ class NodeScope(Owner):
 
         :param callback: the function, called in no group; it has less than 2 s
         """
-        self._call_at_end(callback, "before_end")
+        self._call_at_end(callback, "on_shutdown")
 
     def before_deactivate(self, callback: Callable[[], Any]) -> None:
         """Call a function whenever the node stops being active, while it still publishes.
 
         A managed node calls it on its way through shutdown too. Any other node is active until the
-        process is told to end: the function is then called as by :meth:`before_end`.
+        process is told to end: the function is then called as by :meth:`on_shutdown`.
 
         :param callback: the function; a managed node calls it in its default group
         """
         self._call_at_end(callback, "before_deactivate")
 
     def _call_at_end(self, callback: Callable[[], Any], what: str) -> None:
-        last = self.own(Callback(Outside(), callback, f"{self.name}: {what}"))
+        last = self.own(Callback(NoGroup(), callback, f"{self.name}: {what}"))
         forgetting = self.own(contextlib.ExitStack())
         forgetting.callback(at_end(Ending.NODES, last.call))
 
@@ -411,12 +412,36 @@ class NodeScope(Owner):
             elif isinstance(thing, NodeScope) and thing._context is self._context:
                 yield from thing.callbacks()
 
+    publisher = OldMethod("create_publisher")
+    subscribe = OldMethod("create_subscription")
+    subscribe_batches = OldMethod("create_batch_subscription")
+    latest = OldMethod("create_latest_message")
+    service = OldMethod("create_service")
+    client = OldMethod("create_client")
+    every = OldMethod("create_timer", rate="rate_hz")
+    parameters = OldMethod("declare_parameters")
+    follow = OldMethod("on_parameter")
+    before_end = OldMethod("on_shutdown")
+    stream_log = OldMethod("create_rate_limited_log")
+    lifetime = OldMethod("create_scope")
+
+    def group(self, exclusive: bool = True, urgent: bool = False) -> CallbackGroup:
+        """Return a new callback group; deprecated, use the classes of callback groups.
+
+        :param exclusive: whether its callbacks exclude each other
+        :param urgent: whether an executor makes its calls before those of all other groups
+        """
+        warn_once("NodeScope.group", "MutuallyExclusiveCallbackGroup or ReentrantCallbackGroup")
+        return (
+            MutuallyExclusiveCallbackGroup(urgent) if exclusive else ReentrantCallbackGroup(urgent)
+        )
+
     def _new_publisher(
         self, name: str, data_class: type, latch: bool, lifespan: float
     ) -> Publisher:
         return Publisher(name, data_class, latch, lifespan)
 
-    def _new_timer(self, scheduler: Scheduler, group: Group, *options: Any) -> NodeTimer:
+    def _new_timer(self, scheduler: Scheduler, group: CallbackGroup, *options: Any) -> NodeTimer:
         return NodeTimer(scheduler, group, *options)
 
 

@@ -7,7 +7,7 @@ from typing import Any, List, Set, TypeVar
 
 import rospy
 
-from nodekit.groups.groups import Group
+from nodekit.groups.callback_groups import CallbackGroup
 from nodekit.node.callbacks import Callback
 from nodekit.node.opening import Opener
 from nodekit.rospy_internals import registration
@@ -61,7 +61,7 @@ class Owner:
         No callback of it begins after this has returned. Those under way are waited for, but not
         the caller's own, and not for longer than :data:`CLOSE_WAIT_S`.
         """
-        groups: Set[Group] = set()
+        groups: Set[CallbackGroup] = set()
         with registration.together():
             self._shut(groups)
         deadline = time.monotonic() + CLOSE_WAIT_S
@@ -74,7 +74,7 @@ class Owner:
         self._opener.add([thing])
         return thing
 
-    def _shut(self, groups: Set[Group]) -> None:
+    def _shut(self, groups: Set[CallbackGroup]) -> None:
         """Close everything without waiting.
 
         :param groups: takes in the groups whose callbacks may be under way

@@ -3,7 +3,7 @@
 from typing import Any, Callable
 
 from nodekit.call_arguments import judge_function
-from nodekit.groups.groups import Group
+from nodekit.groups.callback_groups import CallbackGroup
 from nodekit.node.callbacks import Bell
 from nodekit.parameter_server.followed_parameter import FollowedParameter
 from nodekit.parameter_server.live_parameters import LiveParameters
@@ -21,7 +21,7 @@ class ChangeCallback(Bell):
     kind = "on_change"
 
     def __init__(
-        self, group: Group, live: LiveParameters[Any], on_change: Callable[[Any, Any], Any]
+        self, group: CallbackGroup, live: LiveParameters[Any], on_change: Callable[[Any, Any], Any]
     ) -> None:
         super().__init__(group, self._report_change, f"{live.namespace}: on_change")
         judge_function(on_change, self.what)
@@ -51,7 +51,7 @@ class FollowCallback(Bell):
     kind = "follow"
 
     def __init__(
-        self, group: Group, key: str, watcher: Watcher, callback: Callable[[Any], Any]
+        self, group: CallbackGroup, key: str, watcher: Watcher, callback: Callable[[Any], Any]
     ) -> None:
         super().__init__(group, lambda: callback(self._value), key)
         judge_function(callback, key)

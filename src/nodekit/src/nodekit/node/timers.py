@@ -6,7 +6,7 @@ from typing import Any, Callable, Dict, Iterable, List, Optional, Tuple, Union
 
 import rospy
 
-from nodekit.groups.groups import Group
+from nodekit.groups.callback_groups import CallbackGroup
 from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.node.callbacks import Callback
 from nodekit.timing.scheduler import Scheduler, Timer
@@ -39,7 +39,7 @@ class NodeTimer(Callback):
     def __init__(
         self,
         scheduler: Scheduler,
-        group: Group,
+        group: CallbackGroup,
         rate: Rate,
         callback: Callable[[float], Any],
         catch_up: float,

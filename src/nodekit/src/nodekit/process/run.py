@@ -65,10 +65,10 @@ def run(name: str, cls: NodeClass) -> None:
     end(_status)
 
 
-def give_up(why: object) -> None:
-    """Have the process end with status 1, as the node finds only now that it cannot go on.
+def abort(why: object) -> None:
+    """End the process with status 1, after a start that succeeded.
 
-    :param why: one sentence, which is logged
+    :param why: the reason in one sentence, which is logged
     """
     global _status
     _status = EXIT_REFUSED

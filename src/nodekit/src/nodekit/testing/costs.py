@@ -7,7 +7,7 @@ import timeit
 from typing import Any, Callable, List, Union
 
 from nodekit.executors import MultiThreadedExecutor, SingleThreadedExecutor
-from nodekit.groups.groups import Group
+from nodekit.groups.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup
 from nodekit.groups.ready_queue import CallQueue
 from nodekit.node.callbacks import Callback
 
@@ -19,7 +19,7 @@ CALLS, DELAYED, IN_GROUP = 50_000, 300, 100_000
 LIMIT_S = 120.0
 
 
-def processor_time(executor: Executor, group: Group) -> float:
+def processor_time(executor: Executor, group: CallbackGroup) -> float:
     """Measure the calls of an executor, all of which arrive before the first begins.
 
     :param executor: makes them
@@ -58,7 +58,7 @@ def delay(executor: Executor) -> float:
         delays.append(time.perf_counter() - things[0])
         called.set()
 
-    calls = CallQueue(executor._ready, Group(), 1, run, lambda thing: None)
+    calls = CallQueue(executor._ready, MutuallyExclusiveCallbackGroup(), 1, run, lambda thing: None)
     for _ in range(DELAYED):
         called.clear()
         calls.put(time.perf_counter())
@@ -76,7 +76,10 @@ def time_in_a_group() -> float:
     def nothing() -> None:
         pass
 
-    subjects: List[Callable[[], None]] = [nothing, Callback(Group(), nothing, "nothing").call]
+    subjects: List[Callable[[], None]] = [
+        nothing,
+        Callback(MutuallyExclusiveCallbackGroup(), nothing, "nothing").call,
+    ]
     by_itself, in_group = (
         min(timeit.repeat(function, number=IN_GROUP, repeat=5)) / IN_GROUP for function in subjects
     )

@@ -23,9 +23,9 @@ class MyNode:
     """
 
     def __init__(self, node: Node) -> None:
-        self._parameters = node.parameters(MyNodeParameters)
-        self._publisher = node.publisher("output", String)
-        node.every(lambda: self._parameters.values.rate, self.publish_text)
+        self._parameters = node.declare_parameters(MyNodeParameters)
+        self._publisher = node.create_publisher("output", String)
+        node.create_timer(lambda: self._parameters.values.rate, self.publish_text)
 
     def publish_text(self, elapsed: float) -> None:
         """Publish the text once.

@@ -10,17 +10,16 @@ OLD_NAMES: Dict[str, str] = {"give_up": "abort", "Latest": "LatestMessage"}
 _warned: Set[str] = set()
 
 
-def warn_once(old: str, new: str, stacklevel: int = 3) -> None:
-    """Warn about the use of an old name, once per process.
+def warn_once(old: str, new: str) -> None:
+    """Warn about the use of an old name, once per process, at the line of the caller's caller.
 
     :param old: the name
     :param new: what to use instead
-    :param stacklevel: which caller the warning points to, see :func:`warnings.warn`
     """
     if old not in _warned:
         _warned.add(old)
         text = f"{old}: deprecated name; use {new}"
-        warnings.warn(text, DeprecationWarning, stacklevel)
+        warnings.warn(text, DeprecationWarning, stacklevel=3)
 
 
 class OldMethod:
@@ -32,15 +31,15 @@ class OldMethod:
 
     def __init__(self, new: str, **keywords: str) -> None:
         self._new, self._keywords = new, keywords
-        self._old = self._full_new = ""
+        self._old = ""
 
     def __set_name__(self, owner: type, name: str) -> None:
-        self._old, self._full_new = f"{owner.__name__}.{name}", f"{owner.__name__}.{self._new}"
+        self._old = name
 
     def __get__(self, instance: Any, owner: Any = None) -> Any:
         if instance is None:
             return self
-        warn_once(self._old, self._full_new)
+        warn_once(f"{self._old}()", f"{self._new}()")
         method: Callable[..., Any] = getattr(instance, self._new)
         if not self._keywords:
             return method

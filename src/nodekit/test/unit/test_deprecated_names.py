@@ -12,12 +12,12 @@ from nodekit import (
     FloatParameter,
     MutuallyExclusiveCallbackGroup,
     Node,
-    NodeScope,
     ParameterSet,
     ReentrantCallbackGroup,
     deprecated,
 )
 from nodekit.node.names import Names
+from nodekit.node.old_methods import OldMethods
 
 
 class Settings(ParameterSet):
@@ -60,7 +60,7 @@ def texts(caught: "List[warnings.WarningMessage]") -> List[str]:
 
 
 def test_table_has_each_old_method() -> None:
-    old = [name for name, value in vars(NodeScope).items() if type(value).__name__ == "OldMethod"]
+    old = [name for name, value in vars(OldMethods).items() if type(value).__name__ == "OldMethod"]
     assert sorted(old) == sorted(METHODS)
 
 
@@ -76,7 +76,7 @@ def test_old_method_calls_the_new_one_and_warns_once(
         for _ in range(2):
             getattr(node, old)(*arguments)
     assert calls == 2 * [(arguments, {})]
-    assert texts(caught) == [f"NodeScope.{old}: deprecated name; use NodeScope.{new}"]
+    assert texts(caught) == [f"{old}(): deprecated name; use {new}()"]
 
 
 @pytest.mark.parametrize("new, arguments", METHODS.values())
@@ -114,7 +114,7 @@ def test_old_group_method_returns_a_group_and_warns_once(
         groups = [node.group(**options), node.group(**options)]
     assert [(type(each), each.urgent) for each in groups] == 2 * [(kind, is_urgent)]
     new = "MutuallyExclusiveCallbackGroup or ReentrantCallbackGroup"
-    assert texts(caught) == [f"NodeScope.group: deprecated name; use {new}"]
+    assert texts(caught) == [f"group(): deprecated name; use {new}"]
 
 
 @pytest.mark.parametrize("old, new", deprecated.OLD_NAMES.items())

@@ -48,7 +48,7 @@ class WrappedNode(ManagedNode):
 def wrapped(cls: Callable[[Any], object]) -> Callable[[Node], object]:
     """Return the class of a managed node for a class; for one of a managed node, that itself.
 
-    :param cls: the class, or a function that makes its object; called with a :class:`.NodeScope`, which
+    :param cls: the class, or a function that returns its object; called with a scope, which
         refuses what only a whole node has
     """
     if isinstance(cls, type) and issubclass(cls, ManagedNode):

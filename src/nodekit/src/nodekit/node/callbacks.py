@@ -22,6 +22,22 @@ DEPTH = 10
 MOST_CALLS = 1000
 
 
+def queue_depth(queue_size: Optional[int]) -> int:
+    """Return how many messages may wait for an executor.
+
+    :param queue_size: what the user has set, None if unset, -1 for no limit
+    :raises ValueError: if it is neither positive nor -1
+    """
+    if queue_size is None:
+        return DEPTH
+    if queue_size == -1:
+        return MOST_KEPT
+    if isinstance(queue_size, int) and queue_size > 0:
+        return queue_size
+    allowed = "must be a whole number of at least 1, or -1 for no limit of its own"
+    raise ValueError(f"queue_size: refused {queue_size!r}: {allowed}")
+
+
 class Callback:
     """A function that is called in a group until it is closed.
 

@@ -4,7 +4,8 @@ from typing import Any, Callable, Optional
 
 from nodekit.call_arguments import judge_function
 from nodekit.node.names import Names
-from nodekit.node.node_scope import NodeContext, NodeScope
+from nodekit.node.node_context import NodeContext
+from nodekit.node.node_scope import NodeScope
 from nodekit.node.opening import Opener
 
 

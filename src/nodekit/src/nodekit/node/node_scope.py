@@ -7,13 +7,7 @@ import rospy
 from std_srvs.srv import Trigger
 
 from nodekit.call_arguments import judge_function, judge_name, judge_service_class
-from nodekit.deprecated import OldMethod, warn_once
-from nodekit.groups.callback_groups import (
-    CallbackGroup,
-    MutuallyExclusiveCallbackGroup,
-    NoGroup,
-    ReentrantCallbackGroup,
-)
+from nodekit.groups.callback_groups import CallbackGroup, NoGroup
 from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.messaging.finite import is_finite
 from nodekit.messaging.publisher import Publisher
@@ -22,13 +16,13 @@ from nodekit.messaging.stream_log import StreamLog as RateLimitedLog
 from nodekit.messaging.stream_log import shortened
 from nodekit.messaging.subscription import LatestMessage, Subscription
 from nodekit.messaging.throttle import Throttle
-from nodekit.node.callbacks import DEPTH, MOST_KEPT, Answering, Callback, Receiving
+from nodekit.node.callbacks import MOST_KEPT, Answering, Callback, Receiving, queue_depth
 from nodekit.node.clients import Client
-from nodekit.node.names import Names
-from nodekit.node.opening import Opener
+from nodekit.node.node_context import NodeContext
+from nodekit.node.old_methods import OldMethods
 from nodekit.node.ownership import Owner, Thing
 from nodekit.node.parameter_callbacks import ChangeCallback, FollowCallback
-from nodekit.node.timers import NodeTimer, Rate, RateFollowers
+from nodekit.node.timers import NodeTimer, Rate
 from nodekit.parameter_server import reconfigure
 from nodekit.parameter_server.live_parameters import LiveParameters
 from nodekit.parameter_server.services import change_handler, description_handler
@@ -44,28 +38,7 @@ from nodekit_msgs.srv import SetParameters
 _WARN_EVERY_S = 10.0
 
 
-class NodeContext:
-    """State that all scopes of a node share.
-
-    :param names: resolves the node's names
-    :param opener: opens what the scopes create
-
-    :ivar group: the default group of callbacks
-    :ivar rates: timers whose rates follow the node's parameters
-    :ivar ready: the queue of the executor that makes the calls, None without an executor
-    :ivar live: the parameters declared last, None before
-    """
-
-    __slots__ = ("names", "opener", "group", "rates", "ready", "live")
-
-    def __init__(self, names: Names, opener: Opener) -> None:
-        self.names, self.opener = names, opener
-        self.group, self.rates = MutuallyExclusiveCallbackGroup(), RateFollowers()
-        self.ready: Optional[ReadyQueue] = None
-        self.live: Optional[LiveParameters[Any]] = None
-
-
-class NodeScope(Owner):
+class NodeScope(OldMethods, Owner):
     """Creates what a node uses, owns it, and closes it.
 
     A :class:`.Node` is a scope; :meth:`create_scope` returns one, and callbacks of a managed node
@@ -162,7 +135,7 @@ class NodeScope(Owner):
                 text = shortened(" ".join(str(message).split()))
                 rospy.logwarn("%s: %s is not finite and is ignored", resolved, text)
 
-        depth = _depth(queue_size)
+        depth = queue_depth(queue_size)
         return self._subscribe(name, data_class, only_finite if finite else callback, depth, group)
 
     def create_batch_subscription(
@@ -412,30 +385,6 @@ class NodeScope(Owner):
             elif isinstance(thing, NodeScope) and thing._context is self._context:
                 yield from thing.callbacks()
 
-    publisher = OldMethod("create_publisher")
-    subscribe = OldMethod("create_subscription")
-    subscribe_batches = OldMethod("create_batch_subscription")
-    latest = OldMethod("create_latest_message")
-    service = OldMethod("create_service")
-    client = OldMethod("create_client")
-    every = OldMethod("create_timer", rate="rate_hz")
-    parameters = OldMethod("declare_parameters")
-    follow = OldMethod("on_parameter")
-    before_end = OldMethod("on_shutdown")
-    stream_log = OldMethod("create_rate_limited_log")
-    lifetime = OldMethod("create_scope")
-
-    def group(self, exclusive: bool = True, urgent: bool = False) -> CallbackGroup:
-        """Return a new callback group; deprecated, use the classes of callback groups.
-
-        :param exclusive: whether its callbacks exclude each other
-        :param urgent: whether an executor makes its calls before those of all other groups
-        """
-        warn_once("NodeScope.group", "MutuallyExclusiveCallbackGroup or ReentrantCallbackGroup")
-        return (
-            MutuallyExclusiveCallbackGroup(urgent) if exclusive else ReentrantCallbackGroup(urgent)
-        )
-
     def _new_publisher(
         self, name: str, data_class: type, latch: bool, lifespan: float
     ) -> Publisher:
@@ -447,15 +396,3 @@ class NodeScope(Owner):
 
 #: Another name of :class:`NodeScope`, from nodekit 1.0.
 Maker = NodeScope
-
-
-def _depth(queue_size: Optional[int]) -> int:
-    """Return how many messages wait for an executor."""
-    if queue_size is None:
-        return DEPTH
-    if queue_size == -1:
-        return MOST_KEPT
-    if isinstance(queue_size, int) and queue_size > 0:
-        return queue_size
-    allowed = "must be a whole number of at least 1, or -1 for no limit of its own"
-    raise ValueError(f"queue_size: refused {queue_size!r}: {allowed}")

@@ -5,10 +5,14 @@ import subprocess
 import sys
 from typing import Any, Dict, List
 
-from nodekit.testing.costs import delay, processor_time
+from nodekit import (
+    Group,
+    MultiThreadedExecutor,
+    ReentrantCallbackGroup,
+    SingleThreadedExecutor,
+)
 
-from nodekit import Group, MultiThreadedExecutor, Names, Node, SingleThreadedExecutor
-
+from .call_costs import delay, processor_time
 from .context import Bench, Figures
 from .executor_scenarios import SCENARIOS
 from .lifecycle_cases import cases
@@ -27,10 +31,10 @@ def measure_executor(_bench: Bench, subject: str) -> Figures:
         figures: Figures = _printed(rclpy_peer("executors.py", str(THREADS)), rclpy_environment())
         return figures
     single, multi = SingleThreadedExecutor(), MultiThreadedExecutor(THREADS)
-    idle, node = SingleThreadedExecutor(), Node(Names("/executors", is_hosted=True))
+    idle = SingleThreadedExecutor()
     figures = {
         "single_us": processor_time(single, Group()),
-        "multi_us": processor_time(multi, node.group(exclusive=False)),
+        "multi_us": processor_time(multi, ReentrantCallbackGroup()),
         "delay_us": delay(idle),
     }
     for executor in (single, multi, idle):

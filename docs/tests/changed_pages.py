@@ -5,9 +5,9 @@ import subprocess
 from pathlib import Path
 from typing import Dict, Iterable, Mapping, Set
 
+from console_blocks import instructions_of
 from typist import lines_of
 
-from nodekit.testing.console import instructions_of
 
 #: What has an effect on all pages.
 _OF_ALL = ("ci/", "docs/tests/", "src/nodekit/src/nodekit/testing/")

@@ -15,9 +15,9 @@ from typing import Dict, List, Optional, Union
 
 import rospkg
 from roslib.packages import find_node
+from console_blocks import plain
 from warm_python import Program, WarmProcess, WarmPython, python_file
 
-from nodekit.testing.console import plain
 
 _rospack = rospkg.RosPack()
 

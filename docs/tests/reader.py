@@ -5,11 +5,11 @@ import time
 from pathlib import Path
 from typing import Callable, Dict, Iterable, List, Optional
 
+from console_blocks import INTERRUPT, Instruction, find, instructions_of, is_all
 from job import Job
 from pages import WORKSPACE, environment_of_reader
 from warm_python import WarmPython
 
-from nodekit.testing.console import INTERRUPT, Instruction, find, instructions_of, is_all
 from nodekit.testing.processes import free_ports
 
 #: First and longest pause before a command is run again [s].

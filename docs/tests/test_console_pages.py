@@ -3,11 +3,11 @@
 from concurrent.futures import Future
 
 import pytest
+from console_blocks import instructions_of
 from pages import texts_of_pages
 from reader import Reader
 from warm_python import WarmPython
 
-from nodekit.testing.console import instructions_of
 
 #: Needs ROS 2: typed by a test of ros2_bridge.
 IN_ROS2 = "docs/tutorials/robot_from_ros2.md"

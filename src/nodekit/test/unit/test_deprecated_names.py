@@ -1,5 +1,7 @@
 """Old public names work as the new ones do, and each warns once with the new name."""
 
+import importlib
+import sys
 import warnings
 from typing import Any, Dict, Iterator, List
 
@@ -141,3 +143,26 @@ def test_short_alias_does_not_warn(alias: str, name: str) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error", DeprecationWarning)
         assert getattr(nodekit, alias) is getattr(nodekit, name)
+
+
+@pytest.mark.parametrize("name", ["console", "costs"])
+def test_deprecated_module_warns_when_it_is_imported(name: str, monkeypatch: Any) -> None:
+    monkeypatch.delitem(sys.modules, f"nodekit.testing.{name}", raising=False)
+    with pytest.warns(DeprecationWarning, match=f"nodekit.testing.{name}: deprecated module"):
+        importlib.import_module(f"nodekit.testing.{name}")
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_deprecated_console_parses_and_compares() -> None:
+    console = importlib.import_module("nodekit.testing.console")
+    page = "```console\n$ echo one\none\n```\n"
+    (instruction,) = console.instructions_of(page)
+    assert instruction.typed == "echo one"
+    assert console.is_all(instruction.expected, "one\n")
+    assert console.find(instruction.expected, console.plain("\x1b[0mone\r\n")) == 3
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_deprecated_costs_measure() -> None:
+    costs = importlib.import_module("nodekit.testing.costs")
+    assert 0.0 < costs.time_in_a_group() < 1e3

@@ -1,5 +1,6 @@
 """The tutorial that drives a robot of ROS 1 from ROS 2 does what it says."""
 
+import importlib
 import os
 import pathlib
 import signal
@@ -11,10 +12,11 @@ from typing import IO, Dict, NamedTuple, Optional
 import both
 import rospy
 
-from nodekit.testing.console import INTERRUPT, find, instructions_of, is_all, plain
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 WORKSPACE = both.SOURCES.parent
+sys.path.append(str(WORKSPACE / "docs" / "tests"))
+console_blocks = importlib.import_module("console_blocks")
 PAGE = WORKSPACE / "docs" / "tutorials" / "robot_from_ros2.md"
 
 
@@ -26,7 +28,7 @@ class Terminal(NamedTuple):
 
     def printed(self) -> str:
         """Return all so far."""
-        return plain(pathlib.Path(self.output.name).read_text("utf-8"))
+        return console_blocks.plain(pathlib.Path(self.output.name).read_text("utf-8"))
 
 
 def start(command: str) -> Terminal:
@@ -45,12 +47,12 @@ def start(command: str) -> Terminal:
 
 def test_tutorial_does_what_it_says(ros: both.Both) -> None:
     rospy.set_param("/run_id", "tests")  # or each launch would give the master another one
-    steps = instructions_of(PAGE.read_text("utf-8"))
+    steps = console_blocks.instructions_of(PAGE.read_text("utf-8"))
     terminals: Dict[Optional[str], Terminal] = {}
     read: Dict[Optional[str], int] = {}
     try:
         for step in steps:
-            if step.typed == INTERRUPT:
+            if step.typed == console_blocks.INTERRUPT:
                 terminals[step.terminal].popen.send_signal(signal.SIGINT)
                 assert terminals[step.terminal].popen.wait(TIMEOUT_S) == 0, step
                 continue
@@ -59,10 +61,15 @@ def test_tutorial_does_what_it_says(ros: both.Both) -> None:
             shown = terminals[step.terminal]
             if step.terminal is None:
                 assert shown.popen.wait(2.0 * TIMEOUT_S) == 0, shown.printed()
-                assert is_all(step.expected, shown.printed()), (step, shown.printed())
+                assert console_blocks.is_all(step.expected, shown.printed()), (
+                    step,
+                    shown.printed(),
+                )
             else:
                 read[step.terminal] = wait_until(
-                    lambda: find(step.expected, shown.printed(), read[step.terminal]),
+                    lambda: console_blocks.find(
+                        step.expected, shown.printed(), read[step.terminal]
+                    ),
                     lambda: f"{step}: {shown.printed()}",
                 )
     finally:

@@ -1,4 +1,4 @@
-"""Read what a page of the documentation shows of a console, and compare it with what came.
+"""Console blocks of a documentation page, compared with output; deprecated, kept in 1.x.
 
 Fenced blocks of the language ``console`` are read: a line ``$ command`` is typed, the lines after
 it are what it prints. In those, ``...`` stands for any text, and alone on a line for any lines.
@@ -7,7 +7,10 @@ it ends that; any other block is about commands that end by themselves.
 """
 
 import re
+import warnings
 from typing import List, NamedTuple, Optional, Sequence
+
+warnings.warn("nodekit.testing.console: deprecated module; copy it", DeprecationWarning, 2)
 
 _FENCE = re.compile(r"^```\s*(?:\{code-block\}\s*)?(\w*)\s*$")
 _TERMINAL = re.compile(r"^:caption: *(Terminal .*?)\s*$")

@@ -1,15 +1,18 @@
-"""What nodekit's own part of a call costs, measured without ROS."""
+"""Cost of a call by an executor, measured without ROS; deprecated, kept in 1.x."""
 
 import statistics
 import threading
 import time
 import timeit
+import warnings
 from typing import Any, Callable, List, Union
 
 from nodekit.executors import MultiThreadedExecutor, SingleThreadedExecutor
 from nodekit.groups.callback_groups import CallbackGroup, MutuallyExclusiveCallbackGroup
 from nodekit.groups.ready_queue import CallQueue
 from nodekit.node.callbacks import Callback
+
+warnings.warn("nodekit.testing.costs: deprecated module; copy it", DeprecationWarning, 2)
 
 Executor = Union[SingleThreadedExecutor, MultiThreadedExecutor]
 

@@ -1,8 +1,8 @@
 """Consoles on pages: what is typed, and what counts as the output that is shown."""
 
 import pytest
+from console_blocks import Instruction, find, instructions_of, is_all, plain
 
-from nodekit.testing.console import Instruction, find, instructions_of, is_all, plain
 
 PAGE = """\
 # Title

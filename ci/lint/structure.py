@@ -59,7 +59,7 @@ SUBJECTS: Dict[str, Dict[str, str]] = {
     "nodekit": {
         "deprecated": "old names of the public API, which warn",
         "entry_point": "the first lines of a script, before rospy is imported, and the last ones",
-        "call_arguments": "judges what a node's class hands to nodekit, at its own line",
+        "validation": "checks arguments of nodekit's methods, at the line of the call",
         "message_definitions": "parses message definitions",
         "lifecycle_states": "the states of a managed node, and its transitions",
         "parameters": "declare, validate, reconcile, describe",
@@ -70,7 +70,7 @@ SUBJECTS: Dict[str, Dict[str, str]] = {
         "messaging": "publishers, subscriptions, services, a log for streams",
         "parameter_server": "one watcher, live parameters, `~describe`, `~change`",
         "groups": "callback groups, and the ready queue of an executor",
-        "node": "the class Node: names, lifetimes, topics, timers, clients; the order of opening",
+        "node": "Node and NodeScope: names, topics, timers, clients, ownership, order of opening",
         "executors": "executors with one thread or many; one module",
         "managed": "managed nodes",
         "process": "`run` and `host`",

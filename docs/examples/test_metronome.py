@@ -7,8 +7,8 @@ from pathlib import Path
 import rospy
 import rostest
 from nodekit.testing.graph import Graph
-from nodekit.testing.hearing import Ear
 from nodekit.testing.launching import launched
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process
 from nodekit.testing.waiting import wait_until
 from std_msgs.msg import String
@@ -31,7 +31,7 @@ class MetronomeTest(unittest.TestCase):
             self.assertEqual(launch.graph.parameter("/launch/metronome/tempo"), 90)
 
     def test_a_change_takes_effect(self) -> None:
-        graph, ear = Graph(), Ear("/change/beat", String)
+        graph, ear = Graph(), MessageRecorder("/change/beat", String)
         self.start("__ns:=change", "_tempo:=400")
         ear.wait_for(lambda message: message.data == "tick")
         graph.set_parameter("/change/metronome/sound", "tock")

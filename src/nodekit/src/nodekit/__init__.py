@@ -35,9 +35,9 @@ if TYPE_CHECKING:  # the same once more, for type checkers and editors
     from nodekit.node.clients import NestedCall as NestedCall
     from nodekit.node.clients import call_service as call_service
     from nodekit.node.clients import probe_service as probe_service
-    from nodekit.node.legal_names import LEGAL_NAME as LEGAL_NAME
-    from nodekit.node.legal_names import IllegalName as IllegalName
-    from nodekit.node.legal_names import is_legal_name as is_legal_name
+    from nodekit.node.name_rules import LEGAL_NAME as LEGAL_NAME
+    from nodekit.node.name_rules import IllegalName as IllegalName
+    from nodekit.node.name_rules import is_legal_name as is_legal_name
     from nodekit.node.names import Names as Names
     from nodekit.node.node import Node as Node
     from nodekit.node.node_scope import Maker as Maker
@@ -97,9 +97,9 @@ _HOMES: Dict[str, str] = {
     "Client": "node.clients",
     "NestedCall": "node.clients",
     "probe_service": "node.clients",
-    "IllegalName": "node.legal_names",
-    "is_legal_name": "node.legal_names",
-    "LEGAL_NAME": "node.legal_names",
+    "IllegalName": "node.name_rules",
+    "is_legal_name": "node.name_rules",
+    "LEGAL_NAME": "node.name_rules",
     "Names": "node.names",
     "Node": "node.node",
     "Maker": "node.node_scope",

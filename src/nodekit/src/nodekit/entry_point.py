@@ -76,9 +76,9 @@ def _ended_by_interrupt() -> Iterator[None]:
 
 def _judge_namespace() -> None:
     """End with a sentence where rospy could not be imported because of its namespace."""
-    names = importlib.import_module("nodekit.node.legal_names")
+    names = importlib.import_module("nodekit.node.name_rules")
     try:
-        names.judge_namespace(os.environ, sys.argv)
+        names.check_namespace(os.environ, sys.argv)
     except names.IllegalName as error:
         end(str(error))
 

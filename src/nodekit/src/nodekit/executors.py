@@ -16,15 +16,15 @@ from typing import Any, Dict, Optional
 import yaml
 from std_srvs.srv import Trigger, TriggerResponse
 
-from nodekit.call_arguments import LONGEST_S, judge_wait
 from nodekit.groups.callback_groups import NoGroup
 from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.node.callbacks import Callback
 from nodekit.node.node import Node
 from nodekit.node.node_scope import NodeScope
-from nodekit.node.ownership import Closed
+from nodekit.node.resource_owner import Closed
 from nodekit.node.timers import NodeTimer
 from nodekit.rospy_internals.shutdown import Ending, at_end
+from nodekit.validation import LONGEST_S, check_wait
 
 #: Base name of the service that tells of a node's callbacks.
 SERVICE = "executor"
@@ -91,12 +91,12 @@ class _Executor:
         :returns: whether all calls were made
         :raises ValueError: if the time-out is no number
         """
-        judge_wait(timeout)
+        check_wait(timeout)
         return self._ready.close(min(timeout, LONGEST_S))
 
     def _work(self) -> None:
         while True:
-            turn = self._ready.next_turn()
+            turn = self._ready.next_call()
             if turn is None:
                 return
             self._ready.make_call(turn)

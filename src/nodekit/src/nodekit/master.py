@@ -29,9 +29,9 @@ from typing import (
 import rosgraph
 
 # What a reading holds is public as this module is.
-from nodekit.call_arguments import judge_timeout
 from nodekit.parameters.kinds import MISSING as MISSING
 from nodekit.parameters.kinds import UNREADABLE as UNREADABLE
+from nodekit.validation import check_timeout
 
 T = TypeVar("T")
 
@@ -129,7 +129,7 @@ class MasterClient:
     def __init__(
         self, node_name: str, node_uri: str = "", timeout: float = 5.0, master_uri: str = ""
     ) -> None:
-        judge_timeout(timeout)
+        check_timeout(timeout)
         self._uri = master_uri or rosgraph.get_master_uri()
         self._node_name = node_name
         self._node_uri = node_uri

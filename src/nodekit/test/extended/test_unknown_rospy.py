@@ -15,7 +15,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from nodekit import call_service
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process, Server
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
@@ -76,9 +76,9 @@ class UnknownRospy(unittest.TestCase):
         self.node = Process(echo_node.__file__, environment={"PYTHONPATH": path})
         self.addCleanup(self.node.end)
 
-    def ear(self, topic: str) -> Ear:
+    def ear(self, topic: str) -> MessageRecorder:
         """Return what hears a topic until the end."""
-        ear = Ear(topic, String)
+        ear = MessageRecorder(topic, String)
         self.addCleanup(ear.close)
         return ear
 

@@ -46,14 +46,14 @@ from nodekit import (
     read_once,
 )
 from nodekit.commands import lifecycle
-from nodekit.managed.gate import ManagedPublisher, ManagedTimer
+from nodekit.managed.activation_gate import ManagedPublisher, ManagedTimer
 from nodekit.node.clients import call_service
 from nodekit.node.names import Names
 from nodekit.node.timers import NodeTimer
 from nodekit.parameter_server import reconfigure
 from nodekit.process.run import init_node
 from nodekit.testing.graph import Graph
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process, Server
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
@@ -825,7 +825,7 @@ class Heartbeat(Managed):
 
     def test_beats_in_any_state_and_beside_whatever_takes_long(self) -> None:
         driver = self.driver()
-        ear = Ear(f"{self.space}/driver/heartbeat", Header)
+        ear = MessageRecorder(f"{self.space}/driver/heartbeat", Header)
         self.addCleanup(ear.close)
         beats = [ear.wait_for(lambda beat: True)]
         go_on = threading.Event()
@@ -847,7 +847,7 @@ class Heartbeat(Managed):
     def test_that_of_a_closed_node_stands_still(self) -> None:
         self.driver().node.close()
         self.driver()
-        ear = Ear(f"{self.space}/driver/heartbeat", Header)
+        ear = MessageRecorder(f"{self.space}/driver/heartbeat", Header)
         self.addCleanup(ear.close)
         with mock.patch.object(rospy, "logerr_throttle") as failed:
             wait_until(lambda: ear.count() > 2, lambda: "no heartbeat")

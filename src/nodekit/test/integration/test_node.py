@@ -27,8 +27,8 @@ from lifecycle_msgs.srv import ChangeState
 from nodekit.executors import SingleThreadedExecutor
 from nodekit.managed.managed_node import ManagedNode
 from nodekit.messaging import service
-from nodekit.node import ownership
-from nodekit.node.legal_names import IllegalName
+from nodekit.node import resource_owner
+from nodekit.node.name_rules import IllegalName
 from nodekit.node.names import Names
 from nodekit.node.node import Node
 from nodekit.node.timers import NodeTimer
@@ -44,7 +44,7 @@ from nodekit.parameters.declaration import (
 from nodekit.process.host import host_all
 from nodekit.process.run import init_node
 from nodekit.rospy_internals import publishers, subscribers
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Server
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
@@ -177,7 +177,7 @@ class Start(OnMaster):
             node.start()
         self.publisher("a", latch=True).publish("at a")
         for name in "bd":
-            ear = Ear(f"{self.space}/{name}", String)
+            ear = MessageRecorder(f"{self.space}/{name}", String)
             self.addCleanup(ear.close)
             self.assertEqual(ear.wait_for(lambda message: True).data, f"at {name}")
         wait_until(lambda: heard, lambda: "nothing at a")
@@ -215,7 +215,7 @@ class Start(OnMaster):
         self.assertEqual(told, [(1.0, 5.0)])
 
     def test_statistics_that_rospy_is_to_gather_tell_of_messages_in_the_process_too(self) -> None:
-        name, ear = self.space + "/topic", Ear("/statistics", TopicStatistics)
+        name, ear = self.space + "/topic", MessageRecorder("/statistics", TopicStatistics)
         self.addCleanup(ear.close)
         node = self.node()
         node.create_timer(100.0, lambda elapsed: publisher.publish("news"))
@@ -579,8 +579,8 @@ class Texts(OnMaster):
 
     NO_TEXT = os.fsdecode(b"caf\xe9")
 
-    def ear(self, topic: str, kind: type) -> Ear:
-        ear = Ear(topic, kind)
+    def ear(self, topic: str, kind: type) -> MessageRecorder:
+        ear = MessageRecorder(topic, kind)
         self.addCleanup(ear.close)
         return ear
 
@@ -694,7 +694,7 @@ class Closing(OnMaster):
         threading.Thread(target=lambda: self.quietly(client), daemon=True).start()
         self.assertTrue(inside.wait(TIMEOUT_S))
         threading.Timer(0.3, go_on.set).start()
-        with mock.patch.object(ownership, "CLOSE_WAIT_S", 2.0 * TIMEOUT_S):
+        with mock.patch.object(resource_owner, "CLOSE_WAIT_S", 2.0 * TIMEOUT_S):
             node.close()
         self.assertEqual(done, [True])
 
@@ -740,7 +740,7 @@ class Closing(OnMaster):
             has_closed.set()
 
         node.create_timer(10.0, close_itself)
-        with mock.patch.object(ownership, "CLOSE_WAIT_S", 2.0 * TIMEOUT_S):
+        with mock.patch.object(resource_owner, "CLOSE_WAIT_S", 2.0 * TIMEOUT_S):
             node.start()
             self.assertTrue(has_closed.wait(TIMEOUT_S), "it waits for itself")
 

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from nodekit.node.legal_names import IllegalName
+from nodekit.node.name_rules import IllegalName
 from nodekit.process.arguments import ArgumentError, judge
 
 URI = "http://localhost:11311"

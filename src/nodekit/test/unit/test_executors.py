@@ -12,7 +12,13 @@ from std_msgs.msg import String
 from nodekit.executors import MultiThreadedExecutor, SingleThreadedExecutor, _Executor
 from nodekit.groups.callback_groups import CallbackGroup, Group, ReentrantCallbackGroup
 from nodekit.groups.ready_queue import ReadyQueue
-from nodekit.node.callbacks import DEPTH, Answering, Bell, Callback, Receiving
+from nodekit.node.callbacks import (
+    DEPTH,
+    Callback,
+    CoalescingCallback,
+    ServiceCallback,
+    SubscriptionCallback,
+)
 from nodekit.node.names import Names
 from nodekit.node.node import Node
 from nodekit.node.timers import NodeTimer
@@ -52,14 +58,18 @@ def make(
         timer.attach(ready)
         return lambda: NodeTimer.start_together([timer])
     if kind == "subscription":
-        callback = receiving = Receiving(group, lambda message: function(), kind, batches=False)
+        callback = receiving = SubscriptionCallback(
+            group, lambda message: function(), kind, batches=False
+        )
         callback.attach(ready)
         return lambda: in_thread(receiving.receive, ["message"], True)
     if kind == "service":
-        callback = answering = Answering(group, lambda request: function(), f"/{id(function)}")
+        callback = answering = ServiceCallback(
+            group, lambda request: function(), f"/{id(function)}"
+        )
         callback.attach(ready)
         return lambda: in_thread(answering.answer, "request")
-    callback = bell = Bell(group, function, kind)
+    callback = bell = CoalescingCallback(group, function, kind)
     callback.attach(ready)
     return lambda: in_thread(bell.ring)
 
@@ -112,8 +122,8 @@ def receiving(
     function: Callable[[Any], Any],
     group: Optional[CallbackGroup] = None,
     depth: int = 10,
-) -> Receiving:
-    callback = Receiving(group or Group(), function, "topic", False, depth)
+) -> SubscriptionCallback:
+    callback = SubscriptionCallback(group or Group(), function, "topic", False, depth)
     callback.attach(made._ready)
     return callback
 
@@ -178,7 +188,7 @@ def test_newest_messages_are_kept_and_the_rest_is_counted() -> None:
 
 def test_batch_takes_all_that_waits() -> None:
     made, heard = SingleThreadedExecutor(), []  # type: Any
-    callback = Receiving(Group(), heard.append, "topic", True, 100)
+    callback = SubscriptionCallback(Group(), heard.append, "topic", True, 100)
     callback.attach(made._ready)
     with callback.group:
         callback.receive([1, 2], True)
@@ -249,7 +259,7 @@ def test_service_answers_with_the_error() -> None:
     def fail(request: Any) -> None:
         raise ValueError("on purpose")
 
-    answering = Answering(Group(), fail, "/fails")
+    answering = ServiceCallback(Group(), fail, "/fails")
     answering.attach(made._ready)
     for _ in range(2):
         with pytest.raises(rospy.ServiceException, match="on purpose"):
@@ -290,7 +300,7 @@ def test_shutdown_tells_that_calls_were_dropped() -> None:
 
     callback = receiving(made, hold)
     callback.receive([1, 2, 3], True)
-    answering = Answering(callback.group, lambda request: None, "/waits")
+    answering = ServiceCallback(callback.group, lambda request: None, "/waits")
     answering.attach(made._ready)
     errors: List[str] = []
 
@@ -354,7 +364,7 @@ def test_as_many_messages_wait_as_is_said(queue_size: Optional[int], kept: int) 
     made, node, heard = SingleThreadedExecutor(), Node(Names("/one", True)), []  # type: Any
     made.add_node(node)
     node.create_subscription("topic", String, heard.append, queue_size)
-    (waiting,) = (each for each in node.callbacks() if isinstance(each, Receiving))
+    (waiting,) = (each for each in node.callbacks() if isinstance(each, SubscriptionCallback))
     with waiting.group:
         waiting.receive(list(range(50)), True)
     assert made.shutdown(TIMEOUT_S)
@@ -374,7 +384,7 @@ def test_node_that_leaves_an_executor_that_was_shut_down_goes_on(
     gone = SingleThreadedExecutor()
     ticks, rings = threading.Event(), threading.Event()
     timer = NodeTimer(scheduler, Group(), 100.0, lambda elapsed: ticks.set(), 0.0, "timer")
-    bell = Bell(Group(), rings.set, "bell")
+    bell = CoalescingCallback(Group(), rings.set, "bell")
     callbacks: List[Callback] = [timer, bell]
     for callback in callbacks:
         callback.attach(gone._ready)

@@ -26,7 +26,7 @@ from nodekit.lifecycle_states import (
     available,
     requested,
 )
-from nodekit.managed.machine import Machine
+from nodekit.managed.state_machine import StateMachine
 
 #: Goal of what is asked for, by state and label; what is not here is refused.
 ASKED = {
@@ -154,7 +154,7 @@ def test_table_is_sound() -> None:
 @given(st.lists(st.tuples(st.sampled_from(LABELS[:5]), st.lists(st.sampled_from(Outcome)))))
 def test_any_requests_keep_the_table(plan: List[Tuple[str, List[Outcome]]]) -> None:
     told: List[Transition] = []
-    machine = Machine(told.append)
+    machine = StateMachine(told.append)
     for label, outcomes in plan:
         before = machine.state
         try:
@@ -176,7 +176,7 @@ def test_any_requests_keep_the_table(plan: List[Tuple[str, List[Outcome]]]) -> N
 
 
 def test_one_transition_at_a_time() -> None:
-    machine = Machine(lambda transition: None)
+    machine = StateMachine(lambda transition: None)
     transition = machine.claim("configure")
     with pytest.raises(NotAllowed, match="^shutdown has to wait: configure is under way$"):
         machine.claim("shutdown")
@@ -189,7 +189,7 @@ def test_one_transition_at_a_time() -> None:
 
 
 def test_claim_does_not_wait_unless_it_is_told_to(monkeypatch: "pytest.MonkeyPatch") -> None:
-    machine = Machine(lambda step: None)
+    machine = StateMachine(lambda step: None)
     machine.claim("configure")
     waits: List[float] = []
     monkeypatch.setattr(machine._free, "wait", waits.append)
@@ -199,7 +199,7 @@ def test_claim_does_not_wait_unless_it_is_told_to(monkeypatch: "pytest.MonkeyPat
 
 
 def test_claim_may_wait() -> None:
-    machine = Machine(lambda transition: None)
+    machine = StateMachine(lambda transition: None)
     machine.claim("configure")
     claimed: List[Optional[Transition]] = []
     waiting = threading.Thread(target=lambda: claimed.append(machine.claim("shutdown", 10.0)))
@@ -210,7 +210,7 @@ def test_claim_may_wait() -> None:
 
 
 def test_refused_claim_leaves_nothing_to_release() -> None:
-    machine = Machine(lambda transition: None)
+    machine = StateMachine(lambda transition: None)
     for _ in range(2):
         with pytest.raises(NotAllowed, match="activate is not allowed"):
             machine.claim("activate")
@@ -218,7 +218,7 @@ def test_refused_claim_leaves_nothing_to_release() -> None:
 
 
 def test_step_from_elsewhere_is_refused() -> None:
-    machine = Machine(lambda transition: None)
+    machine = StateMachine(lambda transition: None)
     with pytest.raises(NotAllowed, match="activate does not leave the state unconfigured"):
         machine.advance(REQUESTS[2])
     assert machine.state == UNCONFIGURED

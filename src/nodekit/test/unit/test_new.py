@@ -41,7 +41,7 @@ def test_what_is_made_is_a_package_of_that_name(tmp_path: pathlib.Path) -> None:
 
 @pytest.mark.parametrize("name", ["first_robot", "r2", "a_1", "my_older_package"])
 def test_names_that_are_allowed(name: str) -> None:
-    new.judge_name(name, Packages())
+    new.check_name(name, Packages())
 
 
 @pytest.mark.parametrize(
@@ -57,7 +57,7 @@ def test_names_that_are_allowed(name: str) -> None:
 )
 def test_names_that_are_refused(name: str, why: str) -> None:
     with pytest.raises(new.Refused) as caught:
-        new.judge_name(name, Packages())
+        new.check_name(name, Packages())
     assert str(caught.value).startswith(f"package name '{name}': {why}")
 
 

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from nodekit.groups.callback_groups import CallbackGroup, Group, ReentrantCallbackGroup
-from nodekit.groups.ready_queue import CallQueue, ReadyQueue, Turn
+from nodekit.groups.ready_queue import CallQueue, ReadyCall, ReadyQueue
 
 WORKERS = 3
 DEPTH = 3
@@ -46,7 +46,7 @@ class World:
             Modelled(self.ready, free),
         ]
         self.things = itertools.count()
-        self.turns: List[Tuple[Modelled, Turn]] = []
+        self.turns: List[Tuple[Modelled, ReadyCall]] = []
         self.standing: Deque[Modelled] = deque()
         self.asking: Dict[CallbackGroup, Deque[Modelled]] = {}
         self.kept: List[CallbackGroup] = []
@@ -72,10 +72,10 @@ class World:
         one.waiting.append(thing)
         self.ask(one)
 
-    def next_turn(self) -> None:
+    def next_call(self) -> None:
         if len(self.turns) == WORKERS:
             return
-        turn = self.ready.next_turn(wait=False)
+        turn = self.ready.next_call(wait=False)
         urgent = [one for one in self.standing if one.group.urgent]
         expected = (urgent or list(self.standing) or [None])[0]
         assert (turn and turn.calls) is (expected and expected.calls)
@@ -116,7 +116,7 @@ class World:
             if what == 0:
                 self.put(number)
             elif what == 1:
-                self.next_turn()
+                self.next_call()
             else:
                 self.finish(number)
             self.check()
@@ -124,7 +124,7 @@ class World:
     def end(self) -> None:
         """Bring all that waits to its end: nothing may be left standing."""
         while self.turns or self.standing:
-            self.next_turn()
+            self.next_call()
             self.finish(0)
         self.check()
         assert not any(one.waiting for one in self.queues)
@@ -149,7 +149,7 @@ def test_two_thousand_schedules() -> None:
 
 def served(ready: ReadyQueue) -> Optional[CallQueue]:
     """Have the next call made; return whose it was."""
-    turn = ready.next_turn(wait=False)
+    turn = ready.next_call(wait=False)
     if turn is None:
         return None
     ready.make_call(turn)
@@ -179,7 +179,7 @@ def test_calls_in_a_reentrant_group_overlaps_itself_and_lets_others_in_between()
     for number in range(3):
         one.put(number)
     other.put(0)
-    turns = [ready.next_turn(wait=False) for _ in range(4)]
+    turns = [ready.next_call(wait=False) for _ in range(4)]
     assert [turn and turn.calls for turn in turns] == [one, other, one, one]
     assert one.running == 3
 
@@ -192,7 +192,7 @@ def test_group_that_somebody_else_is_in_keeps_only_its_own_calls_out() -> None:
         kept_out.put(1)
         free.put(1)
         assert served(ready) is free
-        assert ready.next_turn(wait=False) is None
+        assert ready.next_call(wait=False) is None
     assert served(ready) is kept_out
     assert not group._inside.locked()
 
@@ -206,7 +206,7 @@ def test_closed_line_gives_up_what_is_left_and_frees_the_groups(kind: Type[Callb
     for thing in range(700):  # more than there may be calls within each other
         for calls in queues:
             calls.put(thing)
-    under_way = ready.next_turn(wait=False)
+    under_way = ready.next_call(wait=False)
     assert under_way is not None
     assert not ready.close(0.0)
     ready.make_call(under_way)
@@ -215,7 +215,7 @@ def test_closed_line_gives_up_what_is_left_and_frees_the_groups(kind: Type[Callb
     assert not (group._inside.locked() if isinstance(group, Group) else group._depths)
     queues[0].put(700)
     assert given_up[-1] == 700 and queues[0].dropped == 1
-    assert ready.next_turn() is None
+    assert ready.next_call() is None
 
 
 def test_line_tells_how_long_calls_take_and_wait() -> None:

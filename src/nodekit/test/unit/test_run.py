@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from nodekit.parameters.kinds import MISSING, ParameterError
-from nodekit.process.run import as_wanted
+from nodekit.process.run import selected_class
 
 
 class Plain:
@@ -19,13 +19,13 @@ class Plain:
 
 @pytest.mark.parametrize("held", [MISSING, {}, {"rate": 5.0}, {"managed": False}, "a scalar", 1])
 def test_class_stays_itself(held: Any) -> None:
-    assert as_wanted(Plain, "/lab/node", held) is Plain
+    assert selected_class(Plain, "/lab/node", held) is Plain
 
 
 @pytest.mark.parametrize("value", ["true", 1, 0, None, [True], {}])
 def test_no_truth_value_is_refused(value: Any) -> None:
     with pytest.raises(ParameterError) as caught:
-        as_wanted(Plain, "/lab/node", {"managed": value})
+        selected_class(Plain, "/lab/node", {"managed": value})
     text = str(caught.value)
     assert text.startswith("parameter /lab/node/managed: refused ")
     assert text.endswith(": must be true or false")
@@ -34,11 +34,11 @@ def test_no_truth_value_is_refused(value: Any) -> None:
 def test_nothing_of_managed_nodes_is_imported_where_they_are_not_wanted() -> None:
     program = """
 import sys
-from nodekit.process.run import as_wanted
+from nodekit.process.run import selected_class
 found = lambda: [name for name in sys.modules if "lifecycle" in name]
-as_wanted(int, "/node", {"managed": False})
+selected_class(int, "/node", {"managed": False})
 assert not found(), found()
-assert as_wanted(int, "/node", {"managed": True}) is not int
+assert selected_class(int, "/node", {"managed": True}) is not int
 assert found()
 """
     subprocess.run([sys.executable, "-c", program], check=True)

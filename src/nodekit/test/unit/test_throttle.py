@@ -56,7 +56,7 @@ def test_of_what_does_not_keep_up_the_newest_is_kept(
 ) -> None:
     monkeypatch.setattr(callbacks, "MOST_KEPT", 3)
     group, heard = Group(), []  # type: CallbackGroup, List[Any]
-    slow = callbacks.Receiving(group, heard.append, "/one", batches=True)
+    slow = callbacks.SubscriptionCallback(group, heard.append, "/one", batches=True)
     with group:
         for messages in ([1], [2, 3], [], [4, 5]):
             slow.receive(messages, False)
@@ -71,7 +71,7 @@ def test_what_does_not_keep_up_is_told_of_once_for_each_topic(
     monkeypatch.setattr(callbacks, "MOST_KEPT", 0)
     group = Group()
     slow = [
-        callbacks.Receiving(group, lambda message: None, name, batches=False)
+        callbacks.SubscriptionCallback(group, lambda message: None, name, batches=False)
         for name in ("/one", "/other")
     ]
     with group:

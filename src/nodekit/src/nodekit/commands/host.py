@@ -5,7 +5,7 @@ import importlib
 
 import rospy
 
-from nodekit.node.legal_names import IllegalName, judge_base_name
+from nodekit.node.name_rules import IllegalName, check_base_name
 from nodekit.process.host import Member, host
 
 
@@ -41,7 +41,7 @@ def member(text: str) -> Member:
     if not cls:
         raise argparse.ArgumentTypeError(f"'{text}': must be MODULE:CLASS")
     try:
-        judge_base_name(base)
+        check_base_name(base)
         found = getattr(importlib.import_module(module), cls)
     except (IllegalName, ImportError, AttributeError, TypeError, ValueError) as error:
         raise argparse.ArgumentTypeError(f"'{text}': {error}") from None

@@ -37,7 +37,7 @@ def main() -> None:
     packages = rospkg.RosPack()
     template = pathlib.Path(packages.get_path("nodekit"), "template", PLACEHOLDER)
     try:
-        judge_name(arguments.name, packages)
+        check_name(arguments.name, packages)
         folder = arguments.folder or source_folder(pathlib.Path.cwd())
         made = make(arguments.name, pathlib.Path(folder), template)
     except Refused as refusal:
@@ -46,7 +46,7 @@ def main() -> None:
     print(f"  roslaunch {arguments.name} my_node.launch")
 
 
-def judge_name(name: str, packages: rospkg.RosPack) -> None:
+def check_name(name: str, packages: rospkg.RosPack) -> None:
     """Judge the name of a package that does not exist yet.
 
     :param packages: knows those that exist

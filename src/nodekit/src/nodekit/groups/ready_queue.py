@@ -92,7 +92,7 @@ class CallQueue:
         return self._asks and not asks
 
 
-class Turn(NamedTuple):
+class ReadyCall(NamedTuple):
     """A call to be made.
 
     :param calls: whose
@@ -139,7 +139,7 @@ class ReadyQueue:
         for one in dropped:
             calls.drop(one)
 
-    def next_turn(self, wait: bool = True) -> Optional[Turn]:
+    def next_call(self, wait: bool = True) -> Optional[ReadyCall]:
         """Return the next call to be made, which is then to be given to :meth:`make_call`.
 
         :param wait: whether to wait until there is one
@@ -155,12 +155,12 @@ class ReadyQueue:
             must_ask = calls.must_ask()
         if must_ask:
             self._ask(calls)
-        return Turn(calls, things)
+        return ReadyCall(calls, things)
 
-    def make_call(self, turn: Turn) -> None:
+    def make_call(self, turn: ReadyCall) -> None:
         """Make a call.
 
-        :param turn: from :meth:`next_turn`
+        :param turn: from :meth:`next_call`
         """
         calls, things = turn
         calls.group.adopt()
@@ -210,8 +210,8 @@ class ReadyQueue:
         if me in self._dropping:  # it has left a group, whose next one its loop comes to
             return
         self._dropping.add(me)
-        turn = self.next_turn(wait=False)
+        turn = self.next_call(wait=False)
         while turn is not None:
             self.make_call(turn)
-            turn = self.next_turn(wait=False)
+            turn = self.next_call(wait=False)
         self._dropping.discard(me)

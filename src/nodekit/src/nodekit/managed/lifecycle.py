@@ -6,7 +6,6 @@ from typing import Any, Callable, List, Mapping, Union
 
 import rospy
 
-from nodekit.call_arguments import judge_function
 from nodekit.lifecycle_states import (
     ACTIVATING,
     ACTIVE,
@@ -21,11 +20,12 @@ from nodekit.lifecycle_states import (
     Transition,
     requested,
 )
-from nodekit.managed.gate import Gate
-from nodekit.managed.machine import Machine
+from nodekit.managed.activation_gate import ActivationGate
 from nodekit.managed.lifecycle_scope import LifecycleScope
-from nodekit.node import forked
+from nodekit.managed.state_machine import StateMachine
+from nodekit.node import fork_guard
 from nodekit.node.node_scope import NodeScope
+from nodekit.validation import check_function
 
 #: What a callback may return: nothing and True are success, False is failure.
 Result = Union[None, bool, Outcome]
@@ -52,12 +52,12 @@ class Lifecycle:
         tell: Callable[[Transition], None],
     ) -> None:
         for state, callback in callbacks.items():
-            judge_function(callback, f"{node.name}: callback of {state.label}")
-        self.machine = Machine(tell)
+            check_function(callback, f"{node.name}: callback of {state.label}")
+        self.machine = StateMachine(tell)
         self.previous = self.machine.state
         self._node = node
         self._callbacks = callbacks
-        self._gate = Gate()
+        self._gate = ActivationGate()
         self._scopes: List[LifecycleScope] = []
 
     @property
@@ -84,17 +84,17 @@ class Lifecycle:
         return outcomes[0] is Outcome.SUCCESS
 
     def _advance(self, transition: Transition) -> None:
-        """Go to the next state; have what the node has made heed it."""
+        """Go to the next state; have what the node has made update it."""
         goal = transition.goal
-        self._gate.let_tick(False)
+        self._gate.allow_ticking(False)
         # A last message may be sent on the way out, one that stops a motor.
         if goal not in (ACTIVE, DEACTIVATING, SHUTTINGDOWN):
-            self._gate.let_publish(False)
+            self._gate.allow_publishing(False)
         if goal not in self._callbacks:
             while len(self._scopes) > _SCOPES.get(goal, 0):
                 self._scopes.pop().close()
         self.machine.advance(transition)
-        self._gate.let_tick(goal == ACTIVE)
+        self._gate.allow_ticking(goal == ACTIVE)
 
     def _call(self) -> Outcome:
         """Call the node's class, as it is up to in this state; open what it has made."""
@@ -103,15 +103,15 @@ class Lifecycle:
         name = f"{self._node.name}: {callback.__name__}"
         try:
             if state not in (CONFIGURING, ACTIVATING):
-                outcome = _outcome(forked.call(callback))
+                outcome = _outcome(fork_guard.call(callback))
             else:
                 made_at = "configure" if state == CONFIGURING else "activate"
                 scope = self._node.own(LifecycleScope(self._node, self._gate, made_at))
                 self._scopes.append(scope)
-                outcome = _outcome(forked.call(callback, scope))
+                outcome = _outcome(fork_guard.call(callback, scope))
                 if outcome is Outcome.SUCCESS:
                     # What is opened may hear a message, and answer it, at once.
-                    self._gate.let_publish(state == ACTIVATING)
+                    self._gate.allow_publishing(state == ACTIVATING)
                     scope.open()
             if outcome is not Outcome.SUCCESS:
                 rospy.logwarn("%s: %s", name, outcome.name.lower())

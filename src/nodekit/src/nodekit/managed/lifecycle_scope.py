@@ -3,10 +3,15 @@
 from typing import Any, Callable, Optional
 
 from nodekit.groups.callback_groups import CallbackGroup, NoGroup
-from nodekit.managed.gate import Gate, LastWord, ManagedPublisher, ManagedTimer
+from nodekit.managed.activation_gate import (
+    ActivationGate,
+    DeactivateHook,
+    ManagedPublisher,
+    ManagedTimer,
+)
 from nodekit.messaging.publisher import Publisher
 from nodekit.node.node_scope import NodeScope
-from nodekit.node.opening import Opener
+from nodekit.node.start_queue import StartQueue
 from nodekit.node.timers import NodeTimer
 from nodekit.timing.scheduler import Scheduler
 
@@ -26,16 +31,20 @@ class LifecycleScope(NodeScope):
     :param parent: the scope that this one is closed with
     :param gate: says whether the node is active
     :param made_at: label of the transition that creates it
-    :param opener: opens what is created; a new one by default
+    :param start_queue: opens what is created; a new one by default
     """
 
     def __init__(
-        self, parent: NodeScope, gate: Gate, made_at: str, opener: Optional[Opener] = None
+        self,
+        parent: NodeScope,
+        gate: ActivationGate,
+        made_at: str,
+        start_queue: Optional[StartQueue] = None,
     ) -> None:
         super().__init__(parent._context, parent)
         self._made_at = made_at
         self._rereads_at = f"at the next {made_at}"
-        self._opener = opener or Opener()
+        self._start_queue = start_queue or StartQueue()
         self._gate = gate
 
     def open(self) -> None:
@@ -43,15 +52,15 @@ class LifecycleScope(NodeScope):
 
         :raises rospy.ROSException: if a topic is used with two types
         """
-        self._opener.start()
+        self._start_queue.start()
 
     def create_scope(self) -> NodeScope:
         """Return another scope of the same transition; see :meth:`.NodeScope.create_scope`."""
-        return self.own(LifecycleScope(self, self._gate, self._made_at, self._opener))
+        return self.own(LifecycleScope(self, self._gate, self._made_at, self._start_queue))
 
     def before_deactivate(self, callback: Callable[[], Any]) -> None:
         """Call a function before each deactivation; see :meth:`.NodeScope.before_deactivate`."""
-        self.own(LastWord(self._gate, callback, f"{self.name}: before_deactivate"))
+        self.own(DeactivateHook(self._gate, callback, f"{self.name}: before_deactivate"))
 
     def __getattr__(self, name: str) -> Any:
         if name in _ONLY_OF_NODE:

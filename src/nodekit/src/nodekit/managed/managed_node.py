@@ -9,10 +9,10 @@ from nodekit.lifecycle_states import (
     SHUTTINGDOWN,
     State,
 )
-from nodekit.managed.interface import Interface
 from nodekit.managed.lifecycle import Result
-from nodekit.node.node_scope import NodeScope
+from nodekit.managed.lifecycle_services import LifecycleServices
 from nodekit.node.node import Node
+from nodekit.node.node_scope import NodeScope
 
 
 class ManagedNode:
@@ -39,7 +39,7 @@ class ManagedNode:
 
     def __init__(self, node: Node) -> None:
         self.node = node
-        self._managed = Interface(
+        self._managed = LifecycleServices(
             node,
             {
                 CONFIGURING: self.on_configure,

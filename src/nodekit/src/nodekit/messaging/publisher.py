@@ -5,8 +5,8 @@ from typing import Any, List, NamedTuple, Optional, Sequence
 
 import rospy
 
-from nodekit.call_arguments import judge_message_class
 from nodekit.rospy_internals import made, publishers
+from nodekit.validation import check_message_class
 
 #: queue of the plain publisher that stands in where rospy's internals are not as expected
 FALLBACK_QUEUE_SIZE = 100
@@ -61,7 +61,7 @@ class Publisher:
     def __init__(
         self, name: str, data_class: type, latch: bool = False, lifespan: float = 0.0
     ) -> None:
-        judge_message_class(data_class, name)
+        check_message_class(data_class, name)
         self.resolved_name = name
         self.data_class = data_class
         self._latch = latch

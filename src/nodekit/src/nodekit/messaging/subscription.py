@@ -5,8 +5,8 @@ from typing import Any, Callable, List, Optional
 
 import rospy
 
-from nodekit.call_arguments import judge_message_class
 from nodekit.rospy_internals import latched, made, subscribers
+from nodekit.validation import check_message_class
 
 
 class Subscription:
@@ -26,7 +26,7 @@ class Subscription:
     def __init__(
         self, name: str, data_class: type, receive: Callable[[List[Any], bool], None]
     ) -> None:
-        judge_message_class(data_class, name)
+        check_message_class(data_class, name)
         self.resolved_name = name
         self._data_class, self._receive = data_class, receive
         self._subscriber: Optional[rospy.Subscriber] = None

@@ -7,12 +7,12 @@ from weakref import WeakValueDictionary
 
 import rospy
 
-from nodekit.call_arguments import judge_function
 from nodekit.groups.callback_groups import CallbackGroup, NoGroup
 from nodekit.groups.ready_queue import CallQueue, ReadyQueue
 from nodekit.messaging.failures import Failures
 from nodekit.messaging.throttle import Throttle
-from nodekit.node import forked
+from nodekit.node import fork_guard
+from nodekit.validation import check_function
 
 #: Messages of the same process that are kept for a callback that is busy; the newest ones.
 MOST_KEPT = 10_000
@@ -54,7 +54,7 @@ class Callback:
     kind = "callback"
 
     def __init__(self, group: CallbackGroup, function: Callable[..., Any], what: str) -> None:
-        judge_function(function, what)
+        check_function(function, what)
         self.group = group
         self.function = function
         self.closed = False
@@ -96,7 +96,7 @@ class Callback:
         group.enter()
         try:  # in the steps of call_inside, which each message would else call once more
             if not self.closed:
-                forked.call(self.function, *arguments)
+                fork_guard.call(self.function, *arguments)
         except BaseException:
             self.failures.record(self.what, self.closed)
         finally:
@@ -109,7 +109,7 @@ class Callback:
         """
         try:
             if not self.closed:
-                forked.call(self.function, *arguments)
+                fork_guard.call(self.function, *arguments)
         except BaseException:  # SystemExit too: it would end a thread that others rely on
             self.failures.record(self.what, self.closed)
 
@@ -118,12 +118,12 @@ class Callback:
         self.closed = True
 
 
-class Answering(Callback):
+class ServiceCallback(Callback):
     """A function whose result, or exception, somebody waits for."""
 
     kind = "service"
     #: Those of this process by the name of their service.
-    offered: "WeakValueDictionary[str, Answering]" = WeakValueDictionary()
+    offered: "WeakValueDictionary[str, ServiceCallback]" = WeakValueDictionary()
 
     def __init__(self, group: CallbackGroup, function: Callable[[Any], Any], what: str) -> None:
         super().__init__(group, function, what)
@@ -159,7 +159,7 @@ class Answering(Callback):
         if self.closed:
             raise rospy.ServiceException(f"{self.what} is closed")
         try:
-            return forked.call(self.function, request)
+            return fork_guard.call(self.function, request)
         except rospy.ServiceException:
             raise
         except BaseException as error:  # SystemExit too: the client would wait for its answer
@@ -178,7 +178,7 @@ class Answering(Callback):
         call[1].set_exception(rospy.ServiceException(text))
 
 
-class Bell(Callback):
+class CoalescingCallback(Callback):
     """A function to be called because of something new, once for all that is new by then.
 
     Ringing never waits: if the group is taken, the thread that leaves it calls the function.
@@ -200,7 +200,7 @@ class Bell(Callback):
         self.call_inside()
 
 
-class Receiving(Callback):
+class SubscriptionCallback(Callback):
     """A function that messages are handed to, one by one or all that came together.
 
     :param batches: whether it takes lists
@@ -221,7 +221,7 @@ class Receiving(Callback):
         super().__init__(group, function, what)
         self._batches, self._depth = batches, depth
         self._kept: List[Any] = []  # mostly empty, and then a tenth of a deque
-        self._bell = Bell(group, self._receive_kept, what)
+        self._bell = CoalescingCallback(group, self._receive_kept, what)
         self._throttle = Throttle(10.0)
 
     def _new_queue(self, ready: ReadyQueue) -> CallQueue:

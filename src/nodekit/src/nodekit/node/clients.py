@@ -15,17 +15,17 @@ import genpy
 import rospy
 from rosgraph.network import parse_http_host_and_port as host_and_port
 
-from nodekit.call_arguments import (
-    judge_function,
-    judge_service_class,
-    judge_timeout,
-    judge_wait,
-)
 from nodekit.groups.callback_groups import NoGroup
 from nodekit.master import MasterClient, MasterUnreachable
-from nodekit.node.callbacks import Answering, Callback
+from nodekit.node.callbacks import Callback, ServiceCallback
 from nodekit.rospy_internals.shutdown import Ending, at_end
 from nodekit.transport.service_call import CallFailed, ServiceCall
+from nodekit.validation import (
+    check_function,
+    check_service_class,
+    check_timeout,
+    check_wait,
+)
 
 #: How long a call takes at most where the user does not say, s.
 TIMEOUT_S = 5.0
@@ -178,7 +178,7 @@ class CallFuture(concurrent.futures.Future):
         :param function: what to call
         :raises TypeError: if it is no function, or async
         """
-        judge_function(function, f"{self._client.name}: add_done_callback")
+        check_function(function, f"{self._client.name}: add_done_callback")
         super().add_done_callback(lambda _: self._client.done.offer(partial(self._tell, function)))
 
     def _tell(self, function: Callable[["CallFuture"], Any]) -> None:
@@ -211,7 +211,7 @@ class Client:
     """
 
     def __init__(self, name: str, service_class: Any, done: Callback) -> None:
-        judge_service_class(service_class, name)
+        check_service_class(service_class, name)
         self.name, self.done = name, done
         self.server = _Server(name, service_class)
         self.under_way: Set[CallFuture] = set()
@@ -238,7 +238,7 @@ class Client:
         :raises CallError: if the request cannot be sent, or too many are under way
         :raises ValueError: if the time-out is none
         """
-        judge_timeout(timeout)
+        check_timeout(timeout)
         if self._is_closed or rospy.is_shutdown():
             raise CallCancelled(f"{self.name} is not called: its client is closed")
         if len(self.under_way) >= MOST_CALLS:
@@ -259,7 +259,7 @@ class Client:
         :returns: whether it can be called now
         :raises ValueError: if the time-out is no number
         """
-        judge_wait(timeout)
+        check_wait(timeout)
         began = told = time.monotonic()
         while not (self._is_closed or rospy.is_shutdown()):
             left = began + timeout - time.monotonic()
@@ -285,7 +285,7 @@ class Client:
 
         :raises NestedCall: if it does
         """
-        answering = Answering.offered.get(self.name)
+        answering = ServiceCallback.offered.get(self.name)
         if answering is not None and answering.waits_for_caller():
             raise NestedCall(
                 f"{self.name} is not called: it is answered in the callback group or by the thread"
@@ -322,7 +322,7 @@ def probe_service(name: str, timeout: float = ANSWER_S) -> Dict[str, str]:
     :raises CallError: if it does not answer
     :raises ValueError: if the time-out is none
     """
-    judge_timeout(timeout)
+    check_timeout(timeout)
     return _Server(name, None).probe(ServiceCall(timeout))
 
 

@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import rospy
 
-from nodekit.call_arguments import judge_name
-from nodekit.node.legal_names import judged
+from nodekit.node.name_rules import judged
+from nodekit.validation import check_name
 
 
 class Names(NamedTuple):
@@ -33,8 +33,8 @@ class Names(NamedTuple):
         :raises TypeError: if one of them is no text
         :raises IllegalName: if ROS does not allow that name
         """
-        judge_name(namespace, "namespace")
-        judge_name(name, "node name")
+        check_name(namespace, "namespace")
+        check_name(name, "node name")
         node = f"{rospy.resolve_name(namespace).rstrip('/')}/{name}"
         return cls(judged(node, "node name"), True)
 

@@ -2,11 +2,11 @@
 
 from typing import Any, Callable, Optional
 
-from nodekit.call_arguments import judge_function
 from nodekit.node.names import Names
 from nodekit.node.node_context import NodeContext
 from nodekit.node.node_scope import NodeScope
-from nodekit.node.opening import Opener
+from nodekit.node.start_queue import StartQueue
+from nodekit.validation import check_function
 
 
 class Node(NodeScope):
@@ -18,11 +18,13 @@ class Node(NodeScope):
     of a process and starts it.
 
     :param names: where its names are; those of this process's own node by default
-    :param opener: what starts it; another node's where that hosts it
+    :param start_queue: what starts it; another node's where that hosts it
     """
 
-    def __init__(self, names: Optional[Names] = None, opener: Optional[Opener] = None) -> None:
-        super().__init__(NodeContext(names or Names.of_process(), opener or Opener()))
+    def __init__(
+        self, names: Optional[Names] = None, start_queue: Optional[StartQueue] = None
+    ) -> None:
+        super().__init__(NodeContext(names or Names.of_process(), start_queue or StartQueue()))
         self._guest: object = None
         #: The executor that makes its calls, if any; set by that.
         self.executor: Any = None
@@ -34,12 +36,12 @@ class Node(NodeScope):
 
         :raises rospy.ROSException: if a topic is used with two types
         """
-        self._opener.start()
+        self._start_queue.start()
 
     @property
     def is_up(self) -> bool:
         """Whether it was started and is not closed."""
-        return self._opener.has_started and not self._closed
+        return self._start_queue.has_started and not self._closed
 
     def host(self, name: str, namespace: str, cls: Callable[["Node"], object]) -> "Node":
         """Have another node in this process.
@@ -56,11 +58,11 @@ class Node(NodeScope):
         :raises Exception: what its class or its start raises; nothing of it stays then either
         """
         names = Names.hosted(namespace, name)
-        judge_function(cls, f"{names.node}: class")
-        node = Node(names, Opener() if self._opener.has_started else self._opener)
+        check_function(cls, f"{names.node}: class")
+        node = Node(names, StartQueue() if self._start_queue.has_started else self._start_queue)
         try:
             node._guest = cls(node)
-            if node._opener is not self._opener:
+            if node._start_queue is not self._start_queue:
                 node.start()
             return self.own(node)
         except BaseException:

@@ -5,8 +5,8 @@ from typing import Any, Optional
 from nodekit.groups.callback_groups import MutuallyExclusiveCallbackGroup
 from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.node.names import Names
-from nodekit.node.opening import Opener
-from nodekit.node.timers import RateFollowers
+from nodekit.node.start_queue import StartQueue
+from nodekit.node.timers import ParameterRates
 from nodekit.parameter_server.live_parameters import LiveParameters
 
 
@@ -14,7 +14,7 @@ class NodeContext:
     """State that all scopes of a node share.
 
     :param names: resolves the node's names
-    :param opener: opens what the scopes create
+    :param start_queue: opens what the scopes create
 
     :ivar group: the default group of callbacks
     :ivar rates: timers whose rates follow the node's parameters
@@ -22,10 +22,10 @@ class NodeContext:
     :ivar live: the parameters declared last, None before
     """
 
-    __slots__ = ("names", "opener", "group", "rates", "ready", "live")
+    __slots__ = ("names", "start_queue", "group", "rates", "ready", "live")
 
-    def __init__(self, names: Names, opener: Opener) -> None:
-        self.names, self.opener = names, opener
-        self.group, self.rates = MutuallyExclusiveCallbackGroup(), RateFollowers()
+    def __init__(self, names: Names, start_queue: StartQueue) -> None:
+        self.names, self.start_queue = names, start_queue
+        self.group, self.rates = MutuallyExclusiveCallbackGroup(), ParameterRates()
         self.ready: Optional[ReadyQueue] = None
         self.live: Optional[LiveParameters[Any]] = None

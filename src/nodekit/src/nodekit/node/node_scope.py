@@ -6,7 +6,6 @@ from typing import Any, Callable, Collection, Iterator, List, Optional, Type
 import rospy
 from std_srvs.srv import Trigger
 
-from nodekit.call_arguments import judge_function, judge_name, judge_service_class
 from nodekit.groups.callback_groups import CallbackGroup, NoGroup
 from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.messaging.finite import is_finite
@@ -16,12 +15,18 @@ from nodekit.messaging.stream_log import StreamLog as RateLimitedLog
 from nodekit.messaging.stream_log import shortened
 from nodekit.messaging.subscription import LatestMessage, Subscription
 from nodekit.messaging.throttle import Throttle
-from nodekit.node.callbacks import MOST_KEPT, Answering, Callback, Receiving, queue_depth
+from nodekit.node.callbacks import (
+    MOST_KEPT,
+    Callback,
+    ServiceCallback,
+    SubscriptionCallback,
+    queue_depth,
+)
 from nodekit.node.clients import Client
 from nodekit.node.node_context import NodeContext
 from nodekit.node.old_methods import OldMethods
-from nodekit.node.ownership import Owner, Thing
-from nodekit.node.parameter_callbacks import ChangeCallback, FollowCallback
+from nodekit.node.parameter_callbacks import ChangeCallback, ParameterCallback
+from nodekit.node.resource_owner import ResourceOwner, Thing
 from nodekit.node.timers import NodeTimer, Rate
 from nodekit.parameter_server import reconfigure
 from nodekit.parameter_server.live_parameters import LiveParameters
@@ -32,13 +37,14 @@ from nodekit.parameters.declaration import OwnParameters, ParameterSet, Rule, Sn
 from nodekit.parameters.schema import AT_START
 from nodekit.rospy_internals.shutdown import Ending, at_end
 from nodekit.timing.scheduler import Scheduler, get_scheduler
+from nodekit.validation import check_function, check_name, check_service_class
 from nodekit_msgs.srv import SetParameters
 
 #: Least time between two warnings about messages that are ignored [s].
 _WARN_EVERY_S = 10.0
 
 
-class NodeScope(OldMethods, Owner):
+class NodeScope(OldMethods, ResourceOwner):
     """Creates what a node uses, owns it, and closes it.
 
     A :class:`.Node` is a scope; :meth:`create_scope` returns one, and callbacks of a managed node
@@ -59,7 +65,7 @@ class NodeScope(OldMethods, Owner):
     _rereads_at = AT_START
 
     def __init__(self, context: NodeContext, parent: "Optional[NodeScope]" = None) -> None:
-        super().__init__(context.opener)
+        super().__init__(context.start_queue)
         self._context = context
         self._parent = parent
 
@@ -82,7 +88,7 @@ class NodeScope(OldMethods, Owner):
         :param name: relative, private (``~name``) or global
         :raises IllegalName: if ROS does not allow that name, before or after remapping
         """
-        judge_name(name, "name, which comes first")
+        check_name(name, "name, which comes first")
         return self._context.names.resolve(name)
 
     def create_publisher(
@@ -126,7 +132,7 @@ class NodeScope(OldMethods, Owner):
         :raises ValueError: if the queue size is neither positive nor -1
         """
         resolved, throttle = self.resolve(name), Throttle(_WARN_EVERY_S)
-        judge_function(callback, resolved)
+        check_function(callback, resolved)
 
         def only_finite(message: Any) -> None:
             if is_finite(message):
@@ -167,7 +173,7 @@ class NodeScope(OldMethods, Owner):
     ) -> Subscription:
         resolved = self.resolve(name)
         group = group or self.default_group
-        receiving = Receiving(group, callback, resolved, batches, depth)
+        receiving = SubscriptionCallback(group, callback, resolved, batches, depth)
         subscription = Subscription(resolved, data_class, receiving.receive)
         self.own(receiving)
         return self._open(subscription)
@@ -198,8 +204,8 @@ class NodeScope(OldMethods, Owner):
         :param group: the handler's group; the node's default group by default
         """
         resolved = self.resolve(name)
-        judge_service_class(service_class, resolved)
-        callback = self.own(Answering(group or self.default_group, handler, resolved))
+        check_service_class(service_class, resolved)
+        callback = self.own(ServiceCallback(group or self.default_group, handler, resolved))
         return self._open(Service(resolved, service_class, callback.answer))
 
     def create_client(
@@ -239,7 +245,7 @@ class NodeScope(OldMethods, Owner):
         """
         group = group or self.default_group
         if callable(rate_hz):
-            judge_function(rate_hz, f"{self.name}: rate")
+            check_function(rate_hz, f"{self.name}: rate")
         what = f"{self.name}: {getattr(callback, '__qualname__', 'a timer')}"
         timer = self._new_timer(get_scheduler(steady), group, rate_hz, callback, catch_up, what)
         if callable(rate_hz):
@@ -310,7 +316,7 @@ class NodeScope(OldMethods, Owner):
         :param group: the callback's group; the node's default group by default
         """
         group = group or self.default_group
-        self._open(FollowCallback(group, self.resolve(key), get_watcher(), callback))
+        self._open(ParameterCallback(group, self.resolve(key), get_watcher(), callback))
 
     def create_rate_limited_log(self, per_second: int = 10) -> RateLimitedLog:
         """Return a rate-limited logger, which logs at info level.
@@ -338,7 +344,7 @@ class NodeScope(OldMethods, Owner):
         return super().own(thing)
 
     def close(self) -> None:
-        """Close what this scope has created, the latest first; see :meth:`.Owner.close`."""
+        """Close what this scope has created, the latest first; see :meth:`.ResourceOwner.close`."""
         super().close()
         if self._parent is not None:
             self._parent.disown(self)

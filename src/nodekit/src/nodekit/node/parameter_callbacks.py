@@ -2,15 +2,15 @@
 
 from typing import Any, Callable
 
-from nodekit.call_arguments import judge_function
 from nodekit.groups.callback_groups import CallbackGroup
-from nodekit.node.callbacks import Bell
+from nodekit.node.callbacks import CoalescingCallback
 from nodekit.parameter_server.followed_parameter import FollowedParameter
 from nodekit.parameter_server.live_parameters import LiveParameters
 from nodekit.parameter_server.watcher import Watcher
+from nodekit.validation import check_function
 
 
-class ChangeCallback(Bell):
+class ChangeCallback(CoalescingCallback):
     """Called with changes of declared parameters, from what it knows to what is in force now.
 
     :param group: the callback's group
@@ -24,7 +24,7 @@ class ChangeCallback(Bell):
         self, group: CallbackGroup, live: LiveParameters[Any], on_change: Callable[[Any, Any], Any]
     ) -> None:
         super().__init__(group, self._report_change, f"{live.namespace}: on_change")
-        judge_function(on_change, self.what)
+        check_function(on_change, self.what)
         self._live, self._on_change = live, on_change
         self._reported = live.values
 
@@ -39,7 +39,7 @@ class ChangeCallback(Bell):
             self._on_change(self._reported, old)
 
 
-class FollowCallback(Bell):
+class ParameterCallback(CoalescingCallback):
     """Called with a parameter that nobody has declared: at the start, and when it changes.
 
     :param group: the callback's group
@@ -54,7 +54,7 @@ class FollowCallback(Bell):
         self, group: CallbackGroup, key: str, watcher: Watcher, callback: Callable[[Any], Any]
     ) -> None:
         super().__init__(group, lambda: callback(self._value), key)
-        judge_function(callback, key)
+        check_function(callback, key)
         #: What is to be opened before the first ring.
         self.followed = FollowedParameter(key, watcher, self._on_value)
         self._value = self.followed.first()

@@ -4,12 +4,12 @@ from typing import Any, Dict, Mapping
 
 from std_srvs.srv import Trigger
 
-from nodekit.call_arguments import judge_timeout
 from nodekit.node.clients import ANSWER_S, CallError, call_service
 from nodekit.parameter_server.services import CHANGE, DESCRIBE
 from nodekit.parameters import yaml_text
 from nodekit.parameters.kinds import to_wire
 from nodekit.parameters.schema import DescriptionError, description_in
+from nodekit.validation import check_timeout
 from nodekit_msgs.srv import SetParameters
 
 
@@ -30,7 +30,7 @@ class ParameterClient:
     """
 
     def __init__(self, node: str, timeout: float = ANSWER_S) -> None:
-        judge_timeout(timeout)
+        check_timeout(timeout)
         self.node, self._timeout = node.rstrip("/"), timeout
 
     def describe(self) -> Dict[str, Dict[str, Any]]:

@@ -109,7 +109,7 @@ class NodeTimer(Callback):
             scheduler.start(started)
 
 
-class RateFollowers:
+class ParameterRates:
     """The timers of a node whose rates follow its parameters."""
 
     __slots__ = ("_timers",)

@@ -3,11 +3,11 @@
 import copy
 from typing import Any, Callable, Optional, Sequence
 
-from nodekit.call_arguments import judge_function
 from nodekit.parameter_server.watched_key import WatchedKey, call_listener
 from nodekit.parameter_server.watcher import Watcher, get_watcher
 from nodekit.parameters.kinds import MISSING, UNREADABLE, NoValue, is_same
 from nodekit.parameters.reconciler import Seen
+from nodekit.validation import check_function
 
 _UNKNOWN = NoValue("UNKNOWN")
 
@@ -25,7 +25,7 @@ class FollowedParameter:
     """
 
     def __init__(self, key: str, watcher: Watcher, callback: Callable[[Optional[Any]], object]):
-        judge_function(callback, key)
+        check_function(callback, key)
         self.key = key.rstrip("/")
         self._watcher = watcher
         self._callback = callback

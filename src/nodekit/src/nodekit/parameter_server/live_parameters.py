@@ -7,7 +7,6 @@ from typing import Any, Callable, Collection, Dict, Generic, List, Mapping, Sequ
 
 import rospy
 
-from nodekit.call_arguments import judge_function
 from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.parameter_server.watched_key import WatchedKey, call_listener
 from nodekit.parameter_server.watcher import Watcher
@@ -16,6 +15,7 @@ from nodekit.parameters.judging import on_wire
 from nodekit.parameters.kinds import MISSING, ParameterError, format_value
 from nodekit.parameters.reconciler import Reconciler, Seen, Verdict
 from nodekit.parameters.schema import AT_START
+from nodekit.validation import check_function
 
 Bell = Callable[[], None]
 #: Most namespaces that are opened at a time: what they hold takes memory until then.
@@ -117,7 +117,7 @@ class LiveParameters(Generic[Snapshot]):
         :returns: a function that ends this
         :raises TypeError: if it is no function, or async
         """
-        judge_function(bell, f"{self.namespace}: add_listener")
+        check_function(bell, f"{self.namespace}: add_listener")
         with self._lock:
             self._bells += (bell,)
 

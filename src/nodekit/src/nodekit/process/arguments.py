@@ -10,7 +10,7 @@ from urllib.parse import urlsplit
 import rosgraph
 from rospy.client import load_command_line_node_params
 
-from nodekit.node import legal_names
+from nodekit.node import name_rules
 
 _VALUE = (
     "must have one YAML value after :=, of a kind that the parameter server accepts "
@@ -32,8 +32,8 @@ def judge(name: str, environ: Mapping[str, str], argv: Sequence[str]) -> None:
     :raises IllegalName: if ROS does not allow the node's name or its namespace
     :raises ArgumentError: if anything else is malformed
     """
-    legal_names.judge_namespace(environ, argv)
-    legal_names.judge_base_name(name)
+    name_rules.check_namespace(environ, argv)
+    name_rules.check_base_name(name)
     _judge_master_uri(environ, argv)
     for argument in argv:
         _judge_parameter(argument)

@@ -6,12 +6,12 @@ from typing import List, Sequence, Tuple
 
 import rospy
 
-from nodekit.node.legal_names import IllegalName
+from nodekit.node.name_rules import IllegalName
 from nodekit.node.names import Names
 from nodekit.node.node import Node
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.kinds import ParameterError
-from nodekit.process.run import NodeClass, as_wanted, run
+from nodekit.process.run import NodeClass, run, selected_class
 from nodekit.rospy_internals import parameters
 
 #: Base name, namespace and class of a node.
@@ -49,7 +49,7 @@ def host_all(node: Node, members: Sequence[Member]) -> List[Node]:
     with get_watcher().reading_ahead(names) as held:
         for name, (base, namespace, cls) in zip(names, members):
             try:
-                up.append(node.host(base, namespace, as_wanted(cls, name, held[name])))
+                up.append(node.host(base, namespace, selected_class(cls, name, held[name])))
             except ParameterError as error:
                 rospy.logerr("%s; %s is not started", error, name)
     return up

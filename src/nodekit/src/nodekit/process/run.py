@@ -9,10 +9,9 @@ from typing import Any, Callable, List
 
 import rospy
 
-from nodekit.call_arguments import judge_function, judge_name
 from nodekit.entry_point import end
 from nodekit.master import MasterClient, MasterUnreachable
-from nodekit.node.legal_names import IllegalName
+from nodekit.node.name_rules import IllegalName
 from nodekit.node.node import Node
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.declaration import OwnParameters
@@ -20,6 +19,7 @@ from nodekit.parameters.kinds import ParameterError
 from nodekit.process import arguments, launch_arguments
 from nodekit.rospy_internals import registration, start
 from nodekit.rospy_internals.made import NameTaken
+from nodekit.validation import check_function, check_name
 
 #: A node's class, or a function that makes its object.
 NodeClass = Callable[[Node], object]
@@ -43,8 +43,8 @@ def run(name: str, cls: NodeClass) -> None:
     :param cls: the node's class, called with the process's :class:`.Node`
     :raises TypeError: if the name is no text, or the class cannot be called
     """
-    judge_name(name, "run: name, which comes first")
-    judge_function(cls, "run: class")
+    check_name(name, "run: name, which comes first")
+    check_function(cls, "run: class")
     try:
         arguments.judge(rospy.names.get_mappings().get("__name", name), os.environ, sys.argv)
         start.register_signals()
@@ -144,7 +144,7 @@ def _start_beside(name: str, cls: NodeClass) -> List[object]:
             for warning in launch_arguments.warnings():
                 rospy.logwarn("%s", warning)
             with get_watcher().reading_ahead([node.name]) as held:
-                made.extend([node, as_wanted(cls, node.name, held[node.name])(node)])
+                made.extend([node, selected_class(cls, node.name, held[node.name])(node)])
             node.start()
         except BaseException as error:
             errors.append(error)
@@ -159,7 +159,7 @@ def _start_beside(name: str, cls: NodeClass) -> List[object]:
     return made
 
 
-def as_wanted(cls: NodeClass, node: str, held: Any) -> NodeClass:
+def selected_class(cls: NodeClass, node: str, held: Any) -> NodeClass:
     """Return a node's class, or that of a managed node which makes it at configure.
 
     :param cls: the class
@@ -176,5 +176,7 @@ def as_wanted(cls: NodeClass, node: str, held: Any) -> NodeClass:
     if not own.managed:
         return cls
     # Imported only where it is wanted: it takes time and memory.
-    wrapped: NodeClass = importlib.import_module("nodekit.managed.wrapped").wrapped(cls)
+    wrapped: NodeClass = importlib.import_module("nodekit.managed.managed_adapter").managed_class(
+        cls
+    )
     return wrapped

@@ -6,8 +6,8 @@ import unittest
 import rospy
 from std_msgs.msg import String
 
-from nodekit.testing.hearing import Ear
 from nodekit.testing.launching import launched
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 
 
@@ -15,7 +15,7 @@ class MyNodeTest(unittest.TestCase):
     """The launch file starts the node."""
 
     def test_it_says_its_text_and_follows_a_change(self) -> None:
-        ear = Ear("/test/output", String)
+        ear = MessageRecorder("/test/output", String)
         with launched("package_name my_node.launch rate:=20 __ns:=test") as launch:
             ear.wait_for(lambda message: message.data == "Hello")
             launch.graph.set_parameter("/test/my_node/text", "Good morning")

@@ -7,7 +7,7 @@ from typing import Any, Callable, List
 import pytest
 
 from nodekit.groups.callback_groups import CallbackGroup, Group, ReentrantCallbackGroup
-from nodekit.node.callbacks import Bell, Callback, Receiving
+from nodekit.node.callbacks import Callback, CoalescingCallback, SubscriptionCallback
 from nodekit.testing.waiting import in_thread
 
 TIMEOUT_S = 10.0
@@ -54,7 +54,7 @@ def test_callbacks_of_one_group_never_overlap_and_none_is_left_out() -> None:
 
     callback = Callback(group, work, "work")
     threads = [in_thread(lambda: [callback.call() for _ in range(500)]) for _ in range(4)]
-    bell = Bell(group, work, "bell")
+    bell = CoalescingCallback(group, work, "bell")
     for _ in range(500):
         bell.ring()
     for thread in threads:
@@ -104,7 +104,7 @@ def test_waiting_for_a_group_does_not_wait_for_the_callers_own_callback() -> Non
 
 def test_work_offered_from_inside_is_done_after_the_callback() -> None:
     group, calls = Group(), []  # type: Any
-    bell = Bell(group, lambda: calls.append("bell"), "")
+    bell = CoalescingCallback(group, lambda: calls.append("bell"), "")
 
     def callback() -> None:
         bell.ring()
@@ -125,7 +125,7 @@ def test_offering_never_waits_and_the_leaving_thread_does_the_work() -> None:
 
 def test_bell_that_rings_again_and_again_is_answered_once() -> None:
     group, calls = Group(), []  # type: Any
-    bell = Bell(group, lambda: calls.append(1), "")
+    bell = CoalescingCallback(group, lambda: calls.append(1), "")
     busy = Busy(group)
     for _ in range(5):
         bell.ring()
@@ -137,7 +137,9 @@ def test_bell_that_rings_again_and_again_is_answered_once() -> None:
 
 def test_bell_that_rings_while_it_is_answered_is_answered_again() -> None:
     calls: List[int] = []
-    bell = Bell(Group(), lambda: (calls.append(1), bell.ring() if len(calls) < 3 else None), "")
+    bell = CoalescingCallback(
+        Group(), lambda: (calls.append(1), bell.ring() if len(calls) < 3 else None), ""
+    )
     bell.ring()
     assert calls == [1, 1, 1]
 
@@ -211,7 +213,10 @@ def test_callback_that_raises_leaves_the_group_and_goes_on(error: type) -> None:
         calls.append(1)
         raise error
 
-    for callback in (Callback(group, fail, "fail").call, Bell(group, fail, "fail").ring):
+    for callback in (
+        Callback(group, fail, "fail").call,
+        CoalescingCallback(group, fail, "fail").ring,
+    ):
         callback()
         callback()
     assert calls == [1, 1, 1, 1]
@@ -221,7 +226,7 @@ def test_callback_that_raises_leaves_the_group_and_goes_on(error: type) -> None:
 def test_nothing_begins_once_a_callback_is_closed() -> None:
     group, calls = Group(), []  # type: Any
     callback = Callback(group, lambda: calls.append("callback"), "")
-    bell = Bell(group, lambda: calls.append("bell"), "")
+    bell = CoalescingCallback(group, lambda: calls.append("bell"), "")
     busy = Busy(group)
     waits = in_thread(callback.call)
     queued(group, 1)
@@ -235,7 +240,7 @@ def test_nothing_begins_once_a_callback_is_closed() -> None:
 
 def test_messages_of_another_thread_wait_for_the_group_one_by_one() -> None:
     heard: List[int] = []
-    receiving = Receiving(Group(), heard.append, "", batches=False)
+    receiving = SubscriptionCallback(Group(), heard.append, "", batches=False)
     receiving.receive([1, 2, 3], may_wait=True)
     assert heard == [1, 2, 3]
 
@@ -243,7 +248,7 @@ def test_messages_of_another_thread_wait_for_the_group_one_by_one() -> None:
 def test_messages_of_this_process_never_wait_and_none_is_lost() -> None:
     group = Group()
     heard: List[List[int]] = []
-    receiving = Receiving(group, heard.append, "", batches=True)
+    receiving = SubscriptionCallback(group, heard.append, "", batches=True)
     busy = Busy(group)
     receiving.receive([1, 2], may_wait=False)
     receiving.receive([3], may_wait=False)
@@ -261,7 +266,9 @@ def test_two_nodes_that_answer_each_other_in_one_process_do_not_wait_for_each_ot
         both.wait()  # both are in their own groups now
         receivings[1 - number].receive([number], may_wait=False)
 
-    receivings = [Receiving(group, heard[i].append, "", False) for i, group in enumerate(groups)]
+    receivings = [
+        SubscriptionCallback(group, heard[i].append, "", False) for i, group in enumerate(groups)
+    ]
     threads = [in_thread(Callback(groups[i], send, "").call, i) for i in range(2)]
     for thread in threads:
         thread.join(TIMEOUT_S)

@@ -12,19 +12,19 @@ from nodekit.node.timers import NodeTimer
 from nodekit.timing.scheduler import checked_rate
 
 
-class Gate:
+class ActivationGate:
     """What a managed node's publishers and timers ask, and are told by.
 
     :ivar publishes: whether messages pass
     :ivar ticks: whether timers tick
     :ivar closings: how often it has kept messages from passing
-    :ivar last_words: what is called before it does so
+    :ivar deactivate_hooks: what is called before it does so
     """
 
     def __init__(self) -> None:
         self.publishes = self.ticks = False
         self.closings = 0
-        self.last_words: List[LastWord] = []
+        self.deactivate_hooks: List[DeactivateHook] = []
         self._lock = threading.Lock()
         self._told: Set[Union[ManagedPublisher, ManagedTimer]] = set()
 
@@ -44,19 +44,19 @@ class Gate:
         with self._lock:
             self._told.discard(thing)
 
-    def let_publish(self, publishes: bool) -> None:
+    def allow_publishing(self, publishes: bool) -> None:
         """Let messages pass, or keep them.
 
         :param publishes: whether they pass
         """
         if self.publishes and not publishes:
             self.closings += 1
-            for word in list(self.last_words):
+            for word in list(self.deactivate_hooks):
                 word.call()
         self.publishes = publishes
         self._notify()
 
-    def let_tick(self, ticks: bool) -> None:
+    def allow_ticking(self, ticks: bool) -> None:
         """Let timers tick, the first time at once, or hold them.
 
         :param ticks: whether they tick
@@ -68,10 +68,10 @@ class Gate:
         with self._lock:
             told = list(self._told)
         for thing in told:  # without the lock: a timer asks the node's code for its rate
-            thing.heed()
+            thing.update()
 
 
-class LastWord(Callback):
+class DeactivateHook(Callback):
     """A function that is called while messages pass, just before they do no more.
 
     :param gate: calls it; within a transition, so in the node's default group already
@@ -79,14 +79,14 @@ class LastWord(Callback):
     :param what: names it in the log
     """
 
-    def __init__(self, gate: Gate, function: Callable[[], Any], what: str) -> None:
+    def __init__(self, gate: ActivationGate, function: Callable[[], Any], what: str) -> None:
         super().__init__(NoGroup(), function, what)
         self._gate = gate
-        gate.last_words.append(self)
+        gate.deactivate_hooks.append(self)
 
     def close(self) -> None:
         """Make no call any more."""
-        self._gate.last_words.remove(self)
+        self._gate.deactivate_hooks.remove(self)
         super().close()
 
 
@@ -106,7 +106,7 @@ class ManagedPublisher(Publisher):
     """
 
     def __init__(
-        self, gate: Gate, name: str, data_class: type, latch: bool, lifespan: float = 0.0
+        self, gate: ActivationGate, name: str, data_class: type, latch: bool, lifespan: float = 0.0
     ) -> None:
         super().__init__(name, data_class, latch, lifespan)
         self.dropped = 0
@@ -139,7 +139,7 @@ class ManagedPublisher(Publisher):
         """Whether a message goes out at once: the gate is open, and none is before it."""
         return self._is_closed or (self._gate.publishes and self._kept is None)
 
-    def heed(self) -> None:
+    def update(self) -> None:
         """Send what was kept, if the gate is open; what comes meanwhile goes out after it."""
         # One thread sends, and none waits for it: who hears a message may publish one in turn.
         while self._gate.publishes and self._kept is not None and self._sending.acquire(False):
@@ -162,7 +162,7 @@ class ManagedPublisher(Publisher):
     def _keep(self, message: Any) -> None:
         with self._keeping:
             self._kept = message
-        self.heed()  # it may have been opened meanwhile
+        self.update()  # it may have been opened meanwhile
 
     def _drop(self, count: int) -> None:
         self.dropped += count
@@ -179,12 +179,12 @@ class ManagedTimer(NodeTimer):
     :param options: as for :class:`.NodeTimer`
     """
 
-    def __init__(self, gate: Gate, *options: Any) -> None:
+    def __init__(self, gate: ActivationGate, *options: Any) -> None:
         super().__init__(*options)
         self._gate = gate
         self._wanted = self._rate
         gate.add(self)
-        self.heed()
+        self.update()
 
     def set_rate(self, rate: float) -> None:
         """Change the rate, at once or from when the node is active again.
@@ -193,15 +193,15 @@ class ManagedTimer(NodeTimer):
         :raises ValueError: if it is not one to keep; the old one stays
         """
         self._wanted = checked_rate(rate)
-        self.heed()
+        self.update()
 
     def follow(self) -> None:
         """Ask for the rate, where it is a function, unless the timer is held."""
         if callable(self._rate):
             self._wanted = self._rate
-        self.heed()
+        self.update()
 
-    def heed(self) -> None:
+    def update(self) -> None:
         """Tick or do not, as the gate has it."""
         ticks: Optional[bool] = None
         while ticks is not self._gate.ticks:  # it may change while the rate is asked for

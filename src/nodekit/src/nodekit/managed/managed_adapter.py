@@ -5,14 +5,14 @@ from typing import Any, Callable
 
 import rospy
 
-from nodekit.managed.managed_node import ManagedNode
 from nodekit.managed.lifecycle_scope import CannotManage
-from nodekit.node.node_scope import NodeScope
+from nodekit.managed.managed_node import ManagedNode
 from nodekit.node.node import Node
+from nodekit.node.node_scope import NodeScope
 from nodekit.parameters.kinds import ParameterError
 
 
-class WrappedNode(ManagedNode):
+class ManagedAdapter(ManagedNode):
     """Makes a node's class at configure; its publishers and timers wait until the node is active.
 
     :param cls: the class, called with what makes things until cleanup
@@ -45,7 +45,7 @@ class WrappedNode(ManagedNode):
     on_shutdown = on_error = on_cleanup
 
 
-def wrapped(cls: Callable[[Any], object]) -> Callable[[Node], object]:
+def managed_class(cls: Callable[[Any], object]) -> Callable[[Node], object]:
     """Return the class of a managed node for a class; for one of a managed node, that itself.
 
     :param cls: the class, or a function that returns its object; called with a scope, which
@@ -53,4 +53,4 @@ def wrapped(cls: Callable[[Any], object]) -> Callable[[Node], object]:
     """
     if isinstance(cls, type) and issubclass(cls, ManagedNode):
         return cls
-    return functools.partial(WrappedNode, cls)
+    return functools.partial(ManagedAdapter, cls)

@@ -7,7 +7,7 @@ from typing import Callable, Optional, Union
 from nodekit.lifecycle_states import UNCONFIGURED, NotAllowed, State, Transition, requested
 
 
-class Machine:
+class StateMachine:
     """The state of one managed node.
 
     Whoever wants a transition claims the machine for it, makes its two or three steps, and

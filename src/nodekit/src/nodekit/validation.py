@@ -12,7 +12,7 @@ import numbers
 LONGEST_S = 1e9
 
 
-def judge_name(name: object, what: str) -> None:
+def check_name(name: object, what: str) -> None:
     """Judge whether a name is text.
 
     :param name: what was given
@@ -23,7 +23,7 @@ def judge_name(name: object, what: str) -> None:
         raise TypeError(f"{what}: refused {_shown(name)}: must be text")
 
 
-def judge_function(function: object, what: str) -> None:
+def check_function(function: object, what: str) -> None:
     """Judge what is to be called later.
 
     :param function: what was given
@@ -42,7 +42,7 @@ def judge_function(function: object, what: str) -> None:
             raise TypeError(f"{what}: refused {_shown(function)}: {why}")
 
 
-def judge_message_class(given: object, topic: str) -> None:
+def check_message_class(given: object, topic: str) -> None:
     """Judge the type of a topic.
 
     :param given: what was given
@@ -54,7 +54,7 @@ def judge_message_class(given: object, topic: str) -> None:
         raise TypeError(f"topic {topic}: refused {_shown(given)}: {must}")
 
 
-def judge_service_class(given: object, service: str) -> None:
+def check_service_class(given: object, service: str) -> None:
     """Judge the type of a service.
 
     :param given: what was given
@@ -66,7 +66,7 @@ def judge_service_class(given: object, service: str) -> None:
         raise TypeError(f"service {service}: refused {_shown(given)}: {must}")
 
 
-def judge_timeout(timeout: object) -> None:
+def check_timeout(timeout: object) -> None:
     """Judge the time-out of a request, which must end.
 
     :param timeout: what was given, s
@@ -77,7 +77,7 @@ def judge_timeout(timeout: object) -> None:
         raise ValueError(f"timeout: refused {timeout!r} s: {must}")
 
 
-def judge_wait(timeout: object) -> None:
+def check_wait(timeout: object) -> None:
     """Judge how long to wait at most.
 
     :param timeout: what was given, s; infinity for ever

@@ -22,14 +22,14 @@ from nodekit import (
     probe_service,
     run,
 )
-from nodekit.call_arguments import judge_function
 from nodekit.groups.callback_groups import NoGroup
-from nodekit.managed.gate import Gate
+from nodekit.managed.activation_gate import ActivationGate
 from nodekit.managed.lifecycle_scope import LifecycleScope
 from nodekit.master import MasterClient
 from nodekit.node.callbacks import Callback
 from nodekit.node.clients import CallFuture
 from nodekit.node.names import Names
+from nodekit.validation import check_function
 
 NO_WATCHER: Any = None
 
@@ -69,7 +69,7 @@ def future() -> Any:
 
 
 def lifecycle_scope() -> Any:
-    return LifecycleScope(node(), Gate(), "configure")
+    return LifecycleScope(node(), ActivationGate(), "configure")
 
 
 #: What takes a function, and what the refusal says it is for.
@@ -116,7 +116,7 @@ def test_the_way_out_of_async_is_one() -> None:
     def callback(argument: Any) -> None:
         asyncio.run(awaited(argument))
 
-    judge_function(callback, "callback")
+    check_function(callback, "callback")
     callback(1)
 
 

@@ -7,14 +7,14 @@ from nodekit.messaging.publisher import Publisher
 from nodekit.messaging.service import Service
 from nodekit.messaging.subscription import Subscription
 from nodekit.node.callbacks import Callback
-from nodekit.node.parameter_callbacks import ChangeCallback, FollowCallback
+from nodekit.node.parameter_callbacks import ChangeCallback, ParameterCallback
 from nodekit.node.timers import NodeTimer
 from nodekit.parameter_server import followed_parameter, live_parameters
 from nodekit.parameter_server.live_parameters import LiveParameters
 from nodekit.rospy_internals import registration
 
 
-class Opener:
+class StartQueue:
     """Keeps what is made until the start; from then on, opens it at once."""
 
     def __init__(self) -> None:
@@ -71,11 +71,11 @@ def _open_together(things: List[Any]) -> None:
         for thing in things
         if isinstance(thing, (Callback, LiveParameters)) and not _is_closed(thing)
     ]
-    followed = [thing for thing in rest if isinstance(thing, FollowCallback)]
+    followed = [thing for thing in rest if isinstance(thing, ParameterCallback)]
     live_parameters.open_all([thing for thing in rest if isinstance(thing, LiveParameters)])
     followed_parameter.open_all([one.followed for one in followed])
     for thing in rest:
-        if isinstance(thing, (ChangeCallback, FollowCallback)):
+        if isinstance(thing, (ChangeCallback, ParameterCallback)):
             thing.start()
     NodeTimer.start_together([thing for thing in rest if isinstance(thing, NodeTimer)])
     for thing in rest:

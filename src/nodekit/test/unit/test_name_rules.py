@@ -3,18 +3,18 @@
 import pytest
 import rosgraph.names
 
-from nodekit.node.legal_names import (
+from nodekit.node.name_rules import (
     IllegalName,
     is_legal_name,
-    judge_base_name,
-    judge_namespace,
+    check_base_name,
+    check_namespace,
     judged,
 )
 from nodekit.node.names import Names
 
 
 @pytest.mark.parametrize("name", ["/", "/a", "/a/b_1/C", "/a/", "/5", "/_a", "/a" * 5000])
-def test_legal_names(name):
+def test_name_rules(name):
     assert is_legal_name(name) and rosgraph.names.is_legal_name(name)
 
 
@@ -33,24 +33,24 @@ def test_illegal_names_are_told_with_what_a_name_may_be(name):
 
 @pytest.mark.parametrize("name", ["talker", "t", "Talker_2"])
 def test_legal_base_names(name):
-    judge_base_name(name)
+    check_base_name(name)
 
 
 @pytest.mark.parametrize("name", ["", "a b", "a/b", "/a", "~a", "5", "_a", "aö"])
 def test_illegal_base_names(name):
     with pytest.raises(IllegalName, match=f"^node name '{name}': must be a letter"):
-        judge_base_name(name)
+        check_base_name(name)
 
 
 def test_namespaces():
     for namespace in ("", "/", "a", "/a/b", "a/", "5"):
-        judge_namespace({}, ["__ns:=" + namespace])
-        judge_namespace({"ROS_NAMESPACE": namespace}, [])
+        check_namespace({}, ["__ns:=" + namespace])
+        check_namespace({"ROS_NAMESPACE": namespace}, [])
     for namespace in ("a b", "ä ö", "a//b", "~a", "~"):
         with pytest.raises(IllegalName, match=f"namespace.*{namespace}.*must be letters"):
-            judge_namespace({}, ["__ns:=" + namespace])
+            check_namespace({}, ["__ns:=" + namespace])
         with pytest.raises(IllegalName, match=f"namespace.*{namespace}.*must be letters"):
-            judge_namespace({"ROS_NAMESPACE": namespace}, [])
+            check_namespace({"ROS_NAMESPACE": namespace}, [])
 
 
 def test_names_of_a_node_are_judged():

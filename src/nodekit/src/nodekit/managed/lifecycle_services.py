@@ -20,9 +20,9 @@ from nodekit.lifecycle_states import (
     available,
 )
 from nodekit.managed.lifecycle import Lifecycle, Result
-from nodekit.node.callbacks import Answering
-from nodekit.node.node_scope import NodeScope
+from nodekit.node.callbacks import ServiceCallback
 from nodekit.node.node import Node
+from nodekit.node.node_scope import NodeScope
 from nodekit.rospy_internals.shutdown import Ending, at_end
 from nodekit.timing.clocks import MonotonicClock
 from nodekit.timing.scheduler import Scheduler, Timer
@@ -33,7 +33,7 @@ BEATS_HZ = 5.0
 END_WAIT_S = 2.0
 
 
-class Interface:
+class LifecycleServices:
     """Asks for transitions of a node in the name of others, and tells them of its state.
 
     :param node: the node
@@ -48,7 +48,7 @@ class Interface:
         self._event = node.create_publisher("~transition_event", msg.TransitionEvent)
         self._state = node.create_publisher("~state", msg.State, latch=True)
         self._state.publish(_message(self.state))
-        Heart(node)
+        Heartbeat(node)
         # In no group: they answer while a transition takes its time.
         for name, service_class, handler in (
             ("change_state", srv.ChangeState, self._change_state),
@@ -59,7 +59,7 @@ class Interface:
         ):
             node.create_service(f"~{name}", service_class, handler, group=NoGroup())
         change = node.resolve("~change_state")
-        self._making = node.own(Answering(node.default_group, self.lifecycle.make, change))
+        self._making = node.own(ServiceCallback(node.default_group, self.lifecycle.make, change))
         _all.add(self)
 
     @property
@@ -90,7 +90,7 @@ class Interface:
         self._event.publish(now, *_parts(transition))
 
 
-class Heart:
+class Heartbeat:
     """Publishes ``~heartbeat`` in any state, beside all callbacks: one that takes long stops none.
 
     Except those that hear a heartbeat in this process. Without a subscriber nothing is sent.
@@ -140,7 +140,7 @@ def _description(transition: Transition) -> msg.TransitionDescription:
 _STATES = [_message(state) for state in STATES]
 _GRAPH = [_description(transition) for transition in TRANSITIONS]
 
-_all: "weakref.WeakSet[Interface]" = weakref.WeakSet()
+_all: "weakref.WeakSet[LifecycleServices]" = weakref.WeakSet()
 
 
 def _end_all() -> None:
@@ -167,7 +167,7 @@ def _end_all() -> None:
         group.adopt()
 
 
-def _warn_of_busy(managed: Interface, waited: float) -> None:
+def _warn_of_busy(managed: LifecycleServices, waited: float) -> None:
     text = "%s ends without its shutdown: it is %s, and still busy after %g s"
     rospy.logwarn(text, managed.node.name, managed.state.label, waited)
 

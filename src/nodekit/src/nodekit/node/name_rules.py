@@ -41,7 +41,7 @@ def judged(name: str, what: str = "name") -> str:
     return name
 
 
-def judge_base_name(name: str) -> None:
+def check_base_name(name: str) -> None:
     """Judge the name of a node without its namespace.
 
     :raises IllegalName: if it is not legal
@@ -50,7 +50,7 @@ def judge_base_name(name: str) -> None:
         raise IllegalName(f"node name '{name}': {_MUST_BE_BASE}")
 
 
-def judge_namespace(environ: Mapping[str, str], argv: Sequence[str]) -> None:
+def check_namespace(environ: Mapping[str, str], argv: Sequence[str]) -> None:
     """Judge the namespace that this process is given by ``__ns`` or ``ROS_NAMESPACE``.
 
     Importing rospy raises where one begins with a tilde.

@@ -9,8 +9,8 @@ import rospy
 
 from nodekit import Node
 from nodekit.node.names import Names
-from nodekit.node.opening import Opener
-from nodekit.node.ownership import Closed, Owner
+from nodekit.node.resource_owner import Closed, ResourceOwner
+from nodekit.node.start_queue import StartQueue
 
 
 class Thing:
@@ -37,7 +37,7 @@ class Interrupted(List[Any]):
 
 
 def test_what_is_made_while_something_else_is_closed_is_closed_with_the_rest() -> None:
-    owner, gone, late = Owner(Opener()), Thing(), Thing()
+    owner, gone, late = ResourceOwner(StartQueue()), Thing(), Thing()
     other = threading.Thread(target=owner.own, args=(late,))
     owner._made = Interrupted([gone], other)
     owner.disown(gone)

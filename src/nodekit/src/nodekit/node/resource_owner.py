@@ -9,7 +9,7 @@ import rospy
 
 from nodekit.groups.callback_groups import CallbackGroup
 from nodekit.node.callbacks import Callback
-from nodekit.node.opening import Opener
+from nodekit.node.start_queue import StartQueue
 from nodekit.rospy_internals import registration
 
 Thing = TypeVar("Thing")
@@ -22,14 +22,14 @@ class Closed(RuntimeError):
     """Something was to be made by what is closed."""
 
 
-class Owner:
+class ResourceOwner:
     """Has things opened, and closes them.
 
-    :param opener: opens them at the node's start, or at once after it
+    :param start_queue: opens them at the node's start, or at once after it
     """
 
-    def __init__(self, opener: Opener) -> None:
-        self._opener = opener
+    def __init__(self, start_queue: StartQueue) -> None:
+        self._start_queue = start_queue
         self._made: List[Any] = []
         self._closed = False
         self._lock = threading.Lock()
@@ -71,7 +71,7 @@ class Owner:
     def _open(self, thing: Thing) -> Thing:
         """Own a thing, and open it now or at the start."""
         self.own(thing)
-        self._opener.add([thing])
+        self._start_queue.add([thing])
         return thing
 
     def _shut(self, groups: Set[CallbackGroup]) -> None:
@@ -82,10 +82,10 @@ class Owner:
         with self._lock:
             self._closed = True
             made, self._made = self._made, []
-        self._opener.forget(made)
+        self._start_queue.forget(made)
         for thing in reversed(made):
             try:
-                if isinstance(thing, Owner):
+                if isinstance(thing, ResourceOwner):
                     thing._shut(groups)
                 else:
                     if isinstance(thing, Callback):

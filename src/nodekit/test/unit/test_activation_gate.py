@@ -7,7 +7,7 @@ import pytest
 from std_msgs.msg import String
 
 from nodekit.groups.callback_groups import Group
-from nodekit.managed.gate import Gate, ManagedPublisher, ManagedTimer
+from nodekit.managed.activation_gate import ActivationGate, ManagedPublisher, ManagedTimer
 from nodekit.messaging.publisher import Publisher
 from nodekit.node.timers import NodeTimer
 from nodekit.testing.waiting import in_thread
@@ -54,7 +54,7 @@ def wait_for(function: Callable[..., Any], *arguments: Any) -> None:
 def test_state_of_before_goes_out_before_what_is_published_meanwhile(
     sent: Sent, thread: bool
 ) -> None:
-    gate = Gate()
+    gate = ActivationGate()
     state = ManagedPublisher(gate, "/state", String, latch=True)
     state.publish(String("older"))
 
@@ -62,25 +62,25 @@ def test_state_of_before_goes_out_before_what_is_published_meanwhile(
         state.publish(String("newer"))
 
     sent.meanwhile = (lambda: wait_for(publish_newer)) if thread else publish_newer
-    gate.let_publish(True)
+    gate.allow_publishing(True)
     state.publish(String("newest"))
     assert sent.words == ["older", "newer", "newest"]
 
 
 def test_state_of_before_is_sent_once(sent: Sent) -> None:
-    gate = Gate()
+    gate = ActivationGate()
     state = ManagedPublisher(gate, "/state", String, latch=True)
     state.publish(String("older"))
-    sent.meanwhile = lambda: wait_for(state.heed)
-    gate.let_publish(True)
-    state.heed()
+    sent.meanwhile = lambda: wait_for(state.update)
+    gate.allow_publishing(True)
+    state.update()
     assert sent.words == ["older"]
 
 
 def test_state_that_cannot_be_sent_keeps_none_back_that_can(
     sent: Sent, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
-    gate = Gate()
+    gate = ActivationGate()
     state = ManagedPublisher(gate, "/state", String, latch=True)
     state.publish(String("bad"))
 
@@ -89,7 +89,7 @@ def test_state_that_cannot_be_sent_keeps_none_back_that_can(
 
     sent.meanwhile = fail
     with pytest.raises(ValueError, match="on purpose"):
-        gate.let_publish(True)
+        gate.allow_publishing(True)
     state.publish(String("good"))
     assert sent.words == ["good"]
 
@@ -97,7 +97,7 @@ def test_state_that_cannot_be_sent_keeps_none_back_that_can(
 def test_timer_is_held_that_asks_for_its_rate_as_the_node_ceases_to_be_active(
     scheduler: Scheduler,
 ) -> None:
-    gate = Gate()
+    gate = ActivationGate()
     meanwhile: Optional[Callable[[], None]] = None
 
     def rate() -> float:
@@ -107,9 +107,9 @@ def test_timer_is_held_that_asks_for_its_rate_as_the_node_ceases_to_be_active(
 
     timer = ManagedTimer(gate, scheduler, Group(), rate, lambda elapsed: None, 0.0, "timer")
     ManagedTimer.start_together([timer])
-    gate.let_tick(True)
+    gate.allow_ticking(True)
     assert timer._timer.timetable.deadline is not None
-    meanwhile = lambda: wait_for(gate.let_tick, False) if gate.ticks else None  # noqa: E731
+    meanwhile = lambda: wait_for(gate.allow_ticking, False) if gate.ticks else None  # noqa: E731
     timer.follow()
     assert timer._timer.timetable.deadline is None
     timer.close()
@@ -130,8 +130,8 @@ def test_rate_of_before_a_change_is_not_set_after_that_of_it(
         return found
 
     options = scheduler, Group(), rate, lambda elapsed: None, 0.0, "timer"
-    gate = Gate()
-    gate.let_tick(True)
+    gate = ActivationGate()
+    gate.allow_ticking(True)
     timer = ManagedTimer(gate, *options) if managed else NodeTimer(*options)
     NodeTimer.start_together([timer])
     meanwhile = lambda: wait_for(timer.follow)  # noqa: E731
@@ -143,8 +143,8 @@ def test_rate_of_before_a_change_is_not_set_after_that_of_it(
 def test_managed_timer_has_the_rate_that_is_wanted_last(
     scheduler: Scheduler, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
-    gate = Gate()
-    gate.let_tick(True)
+    gate = ActivationGate()
+    gate.allow_ticking(True)
     timer = ManagedTimer(gate, scheduler, Group(), 5.0, lambda elapsed: None, 0.0, "timer")
     set_rate = timer._timer.set_rate
     other = threading.Thread(target=timer.set_rate, args=(7.0,), daemon=True)

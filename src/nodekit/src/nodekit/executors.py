@@ -1,9 +1,9 @@
-"""Executors: how many threads make the calls of which nodes.
+"""Executors: threads that make the calls of nodes.
 
-Without one, rospy's threads make them: a thread for each connection, one for all timers. That is
-quick and loses nothing, but a callback that takes its time holds up whoever shares its thread. An
-executor has threads of its own, so timers and services may take long; what comes quicker than it is
-handled is dropped, the oldest first, as ROS 2 does it.
+Without an executor, rospy's threads make them: one per connection, one for all timers. That is
+fast and loses nothing, but a slow callback delays all others of its thread. An executor has its own
+threads, so timers and services may take long; messages that arrive faster than they are handled are
+dropped, the oldest first, as in ROS 2.
 """
 
 import contextlib
@@ -26,16 +26,16 @@ from nodekit.node.timers import NodeTimer
 from nodekit.rospy_internals.shutdown import Ending, at_end
 from nodekit.validation import LONGEST_S, check_wait
 
-#: Base name of the service that tells of a node's callbacks.
+#: Base name of the service that reports a node's callbacks.
 SERVICE = "executor"
 
 _numbers = itertools.count(1)
 
 
 class _Executor:
-    """Makes the calls of the nodes that are added to it, until it is shut down.
+    """Executor: makes the calls of added nodes until it is shut down.
 
-    :param threads: how many calls are made at once, at most
+    :param threads: most calls at the same time
     :raises ValueError: if that is less than 1
     """
 
@@ -55,10 +55,10 @@ class _Executor:
     def add_node(self, node: Node) -> None:
         """Make the calls of a node from now on: its timers, subscriptions, services, changes.
 
-        A node that was with another executor leaves that. Nodes that it hosts are added apart. One
-        that is closed has no calls to be made.
+        The node is removed from its previous executor. Nodes that it hosts must be added
+        separately. A closed node has no calls to make.
 
-        :param node: started or not
+        :param node: the node, started or not
         """
         if node.executor is self:
             return
@@ -66,53 +66,53 @@ class _Executor:
             node.executor.remove_node(node)
         node.executor = self
         node.attach(self._ready)
-        with contextlib.suppress(Closed):  # by another thread, or before: it has no more calls
+        with contextlib.suppress(Closed):  # closed by another thread or before
             report = self._reports[node] = node.create_scope()
-            report.create_service(f"~{SERVICE}", Trigger, lambda _: _tell_of(node), group=NoGroup())
+            report.create_service(f"~{SERVICE}", Trigger, lambda _: _report(node), group=NoGroup())
 
     def remove_node(self, node: Node) -> None:
         """Make no calls of a node from now on; rospy's threads make them again.
 
-        What waits by then is still called.
+        Calls that are waiting are still made.
 
-        :param node: one that was added
+        :param node: a node that was added
         """
         if node.executor is self:
             node.executor = None
             node.attach(None)
-            report = self._reports.pop(node, None)  # none where it was closed already
+            report = self._reports.pop(node, None)  # None if the node was closed already
             if report is not None:
                 report.close()
 
     def shutdown(self, timeout: float = 1.0) -> bool:
-        """Make the calls that wait, and no more; what cannot be done in time is dropped.
+        """Make the waiting calls and accept no others; drop those not made in time.
 
-        :param timeout: longest wait for that, s
+        :param timeout: longest wait [s]
         :returns: whether all calls were made
-        :raises ValueError: if the time-out is no number
+        :raises ValueError: if the time-out is not a number
         """
         check_wait(timeout)
         return self._ready.close(min(timeout, LONGEST_S))
 
     def _work(self) -> None:
         while True:
-            turn = self._ready.next_call()
-            if turn is None:
+            call = self._ready.next_call()
+            if call is None:
                 return
-            self._ready.make_call(turn)
+            self._ready.make_call(call)
 
 
 class SingleThreadedExecutor(_Executor):
-    """Makes one call after the other, whatever their groups."""
+    """Executor that makes one call after the other, whatever their groups."""
 
     def __init__(self) -> None:
         super().__init__(1)
 
 
 class MultiThreadedExecutor(_Executor):
-    """Makes calls at once, as far as their groups allow.
+    """Executor that makes calls at the same time, as far as their groups allow.
 
-    :param threads: how many, at most; by default as many as the machine has cores, but two
+    :param threads: number of threads; by default one per core, at least two
     :raises ValueError: if that is less than 1
     """
 
@@ -120,13 +120,13 @@ class MultiThreadedExecutor(_Executor):
         super().__init__(max(2, os.cpu_count() or 1) if threads is None else threads)
 
 
-def _tell_of(node: Node) -> TriggerResponse:
+def _report(node: Node) -> TriggerResponse:
     entries = [entry for entry in map(_entry, node.callbacks()) if entry is not None]
     return TriggerResponse(True, yaml.safe_dump(entries, sort_keys=False))
 
 
 def _entry(callback: Callback) -> Optional[Dict[str, Any]]:
-    """Return what is told of a callback; None if no executor makes its calls."""
+    """Return the report of a callback; None if no executor makes its calls."""
     calls = callback.calls
     if calls is None:
         return None
@@ -147,9 +147,9 @@ def _entry(callback: Callback) -> Optional[Dict[str, Any]]:
 _executors: "weakref.WeakSet[_Executor]" = weakref.WeakSet()
 
 
-def _shut_all_down() -> None:
+def _shut_down_all() -> None:
     for executor in list(_executors):
         executor.shutdown(0.0)
 
 
-at_end(Ending.TOOLKIT, _shut_all_down)
+at_end(Ending.TOOLKIT, _shut_down_all)

@@ -1,12 +1,12 @@
 # Pure: knows no ROS.
-"""The states of a managed node and the ways between them, with ROS 2's ids and labels."""
+"""States and transitions of managed nodes, with ROS 2's ids and labels."""
 
 import enum
 from typing import Dict, List, NamedTuple, Tuple, Union
 
 
 class State(NamedTuple):
-    """A state.
+    """State of a managed node.
 
     :param id: ROS 2's number
     :param label: its name
@@ -17,10 +17,10 @@ class State(NamedTuple):
 
 
 class Transition(NamedTuple):
-    """A way from one state to another.
+    """Transition from one state to another.
 
     :param id: ROS 2's number
-    :param label: its name; several may have the same
+    :param label: its name, which is not unique
     :param start: the state that it leaves
     :param goal: the state that it leads to
     """
@@ -32,7 +32,7 @@ class Transition(NamedTuple):
 
 
 class Outcome(enum.IntEnum):
-    """What became of a callback, with ROS 2's numbers."""
+    """Outcome of a callback, with ROS 2's numbers."""
 
     SUCCESS = 97
     FAILURE = 98
@@ -40,7 +40,7 @@ class Outcome(enum.IntEnum):
 
 
 class NotAllowed(ValueError):
-    """A transition that does not exist, or not from here; the text lists those that do."""
+    """Error of a transition that the present state does not allow; the text lists those it does."""
 
 
 UNKNOWN = State(0, "unknown")
@@ -55,13 +55,13 @@ ACTIVATING = State(13, "activating")
 DEACTIVATING = State(14, "deactivating")
 ERRORPROCESSING = State(15, "errorprocessing")
 
-#: All states. A node rests in the first five, and in the others one of its callbacks is under way.
+#: All states: the first five are primary, in the others a callback is running.
 STATES = (
     *(UNKNOWN, UNCONFIGURED, INACTIVE, ACTIVE, FINALIZED),
     *(CONFIGURING, CLEANINGUP, SHUTTINGDOWN, ACTIVATING, DEACTIVATING, ERRORPROCESSING),
 )
 
-#: Those that may be asked for.
+#: Transitions that can be requested.
 REQUESTS = (
     Transition(1, "configure", UNCONFIGURED, CONFIGURING),
     Transition(2, "cleanup", INACTIVE, CLEANINGUP),
@@ -72,8 +72,8 @@ REQUESTS = (
     Transition(7, "shutdown", ACTIVE, SHUTTINGDOWN),
 )
 
-#: Where each callback leads to: number of the transition at success, goals at success, failure
-#: and error. Failure and error have the next two numbers.
+#: For each callback the number of the transition at success, and the goals at success, failure
+#: and error. The transitions at failure and error have the next two numbers.
 _GOALS: Dict[State, Tuple[int, State, State, State]] = {
     CONFIGURING: (10, INACTIVE, UNCONFIGURED, ERRORPROCESSING),
     CLEANINGUP: (20, UNCONFIGURED, INACTIVE, ERRORPROCESSING),
@@ -83,7 +83,7 @@ _GOALS: Dict[State, Tuple[int, State, State, State]] = {
     ERRORPROCESSING: (60, UNCONFIGURED, FINALIZED, FINALIZED),
 }
 
-#: Those that follow from what became of a callback.
+#: Transitions that follow from the outcome of a callback.
 OUTCOMES: Dict[Tuple[State, Outcome], Transition] = {
     (state, outcome): Transition(
         first + number, f"transition_{outcome.name.lower()}", state, goals[number]
@@ -105,11 +105,11 @@ def available(state: State) -> List[Transition]:
 
 
 def requested(state: State, wanted: Union[int, str]) -> Transition:
-    """Return the transition that is asked for.
+    """Return the requested transition.
 
     :param state: the present state
     :param wanted: label, or number
-    :raises NotAllowed: if it may not be asked for in this state
+    :raises NotAllowed: if this state does not allow it
     """
     allowed = [transition for transition in REQUESTS if transition.start == state]
     for transition in allowed:

@@ -1,22 +1,22 @@
 # Pure: knows no ROS.
-"""Judge what a node's class hands to nodekit, so that an error comes at its own line.
+"""Checks of arguments that a node's class passes, at the line of the call.
 
-Otherwise it would come at the node's start or at the first message, where nothing names that line.
+Otherwise the error would occur at the node's start or at the first message, far from that line.
 """
 
 import inspect
 import math
 import numbers
 
-#: The longest time-out of a request, s.
+#: Longest time-out of a request [s].
 LONGEST_S = 1e9
 
 
 def check_name(name: object, what: str) -> None:
-    """Judge whether a name is text.
+    """Check that a name is text.
 
-    :param name: what was given
-    :param what: what it names, for the error
+    :param name: the argument
+    :param what: subject of the name, for the error
     :raises TypeError: if it is not
     """
     if not isinstance(name, str):
@@ -24,18 +24,18 @@ def check_name(name: object, what: str) -> None:
 
 
 def check_function(function: object, what: str) -> None:
-    """Judge what is to be called later.
+    """Check that a callback is a plain function.
 
-    :param function: what was given
-    :param what: what it is for, for the error
-    :raises TypeError: if it cannot be called, or if that would only make a coroutine or a generator
+    :param function: the argument
+    :param what: purpose of the function, for the error
+    :raises TypeError: if it is not callable, or is a coroutine or generator function
     """
     if not callable(function):
         raise TypeError(f"{what}: refused {_shown(function)}: must be a function")
     for called in (function, getattr(type(function), "__call__")):
         if inspect.iscoroutinefunction(called) or inspect.isasyncgenfunction(called):
             advice = "write def, and in it asyncio.run(...) around what must be awaited"
-            why = f"must not be async def, as nobody awaits it: {advice}"
+            why = f"must not be async def, as it is never awaited: {advice}"
             raise TypeError(f"{what}: refused {_shown(function)}: {why}")
         if inspect.isgeneratorfunction(called):
             why = "must not have a yield, as it would do nothing: write return, or call a function"
@@ -43,9 +43,9 @@ def check_function(function: object, what: str) -> None:
 
 
 def check_message_class(given: object, topic: str) -> None:
-    """Judge the type of a topic.
+    """Check the type of a topic.
 
-    :param given: what was given
+    :param given: the argument
     :param topic: the topic, for the error
     :raises TypeError: if it is not a message class
     """
@@ -55,9 +55,9 @@ def check_message_class(given: object, topic: str) -> None:
 
 
 def check_service_class(given: object, service: str) -> None:
-    """Judge the type of a service.
+    """Check the type of a service.
 
-    :param given: what was given
+    :param given: the argument
     :param service: the service, for the error
     :raises TypeError: if it is not a service class
     """
@@ -67,10 +67,10 @@ def check_service_class(given: object, service: str) -> None:
 
 
 def check_timeout(timeout: object) -> None:
-    """Judge the time-out of a request, which must end.
+    """Check the time-out of a request, which must be finite.
 
-    :param timeout: what was given, s
-    :raises ValueError: if it is not one
+    :param timeout: the argument [s]
+    :raises ValueError: if it is not in (0, LONGEST_S]
     """
     if not (isinstance(timeout, numbers.Real) and 0.0 < float(timeout) <= LONGEST_S):
         must = f"must be a number in (0, {LONGEST_S:g}]"
@@ -78,16 +78,16 @@ def check_timeout(timeout: object) -> None:
 
 
 def check_wait(timeout: object) -> None:
-    """Judge how long to wait at most.
+    """Check a longest wait.
 
-    :param timeout: what was given, s; infinity for ever
-    :raises ValueError: if it is no number
+    :param timeout: the argument [s]; infinity for no limit
+    :raises ValueError: if it is not a number
     """
     if not isinstance(timeout, numbers.Real) or math.isnan(timeout):
-        must = "must be a number, math.inf to wait as long as it takes"
+        must = "must be a number, or math.inf for no limit"
         raise ValueError(f"timeout: refused {timeout!r} s: {must}")
 
 
 def _shown(given: object) -> str:
-    """Return what was given, as its author knows it."""
+    """Return an argument as its author knows it."""
     return str(getattr(given, "__qualname__", " ".join(repr(given).split())[:80]))

@@ -338,7 +338,7 @@ class Table(Managed):
         wait_until(lambda: self.state() == "configuring", self.state)
         with self.assertLogs("rosout", "WARNING") as logged:
             self.assertFalse(self.change("shutdown"))
-        self.assertIn("shutdown has to wait: configure is under way", logged.output[0])
+        self.assertIn("shutdown is not allowed while configure is running", logged.output[0])
         available = self.call("get_available_transitions", GetAvailableTransitions)
         ids = [each.transition.id for each in available.available_transitions]
         self.assertEqual(ids, [10, 11, 12])

@@ -110,7 +110,7 @@ def test_timer_is_held_that_asks_for_its_rate_as_the_node_ceases_to_be_active(
     gate.allow_ticking(True)
     assert timer._timer.timetable.deadline is not None
     meanwhile = lambda: wait_for(gate.allow_ticking, False) if gate.ticks else None  # noqa: E731
-    timer.follow()
+    timer.update_rate()
     assert timer._timer.timetable.deadline is None
     timer.close()
 
@@ -134,8 +134,8 @@ def test_rate_of_before_a_change_is_not_set_after_that_of_it(
     gate.allow_ticking(True)
     timer = ManagedTimer(gate, *options) if managed else NodeTimer(*options)
     NodeTimer.start_together([timer])
-    meanwhile = lambda: wait_for(timer.follow)  # noqa: E731
-    timer.follow()
+    meanwhile = lambda: wait_for(timer.update_rate)  # noqa: E731
+    timer.update_rate()
     assert timer._timer.timetable._rate == 7.0
     timer.close()
 

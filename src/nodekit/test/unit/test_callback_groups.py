@@ -54,9 +54,9 @@ def test_callbacks_of_one_group_never_overlap_and_none_is_left_out() -> None:
 
     callback = Callback(group, work, "work")
     threads = [in_thread(lambda: [callback.call() for _ in range(500)]) for _ in range(4)]
-    bell = CoalescingCallback(group, work, "bell")
+    coalescing = CoalescingCallback(group, work, "bell")
     for _ in range(500):
-        bell.ring()
+        coalescing.trigger()
     for thread in threads:
         thread.join(TIMEOUT_S)
     assert 2000 < calls[0] <= 2500
@@ -104,10 +104,10 @@ def test_waiting_for_a_group_does_not_wait_for_the_callers_own_callback() -> Non
 
 def test_work_offered_from_inside_is_done_after_the_callback() -> None:
     group, calls = Group(), []  # type: Any
-    bell = CoalescingCallback(group, lambda: calls.append("bell"), "")
+    coalescing = CoalescingCallback(group, lambda: calls.append("bell"), "")
 
     def callback() -> None:
-        bell.ring()
+        coalescing.trigger()
         calls.append("callback")
 
     Callback(group, callback, "").call()
@@ -125,22 +125,22 @@ def test_offering_never_waits_and_the_leaving_thread_does_the_work() -> None:
 
 def test_bell_that_rings_again_and_again_is_answered_once() -> None:
     group, calls = Group(), []  # type: Any
-    bell = CoalescingCallback(group, lambda: calls.append(1), "")
+    coalescing = CoalescingCallback(group, lambda: calls.append(1), "")
     busy = Busy(group)
     for _ in range(5):
-        bell.ring()
+        coalescing.trigger()
     busy.end()
     assert calls == [1]
-    bell.ring()
+    coalescing.trigger()
     assert calls == [1, 1]
 
 
 def test_bell_that_rings_while_it_is_answered_is_answered_again() -> None:
     calls: List[int] = []
-    bell = CoalescingCallback(
-        Group(), lambda: (calls.append(1), bell.ring() if len(calls) < 3 else None), ""
+    coalescing = CoalescingCallback(
+        Group(), lambda: (calls.append(1), coalescing.trigger() if len(calls) < 3 else None), ""
     )
-    bell.ring()
+    coalescing.trigger()
     assert calls == [1, 1, 1]
 
 
@@ -215,7 +215,7 @@ def test_callback_that_raises_leaves_the_group_and_goes_on(error: type) -> None:
 
     for callback in (
         Callback(group, fail, "fail").call,
-        CoalescingCallback(group, fail, "fail").ring,
+        CoalescingCallback(group, fail, "fail").trigger,
     ):
         callback()
         callback()
@@ -226,13 +226,13 @@ def test_callback_that_raises_leaves_the_group_and_goes_on(error: type) -> None:
 def test_nothing_begins_once_a_callback_is_closed() -> None:
     group, calls = Group(), []  # type: Any
     callback = Callback(group, lambda: calls.append("callback"), "")
-    bell = CoalescingCallback(group, lambda: calls.append("bell"), "")
+    coalescing = CoalescingCallback(group, lambda: calls.append("bell"), "")
     busy = Busy(group)
     waits = in_thread(callback.call)
     queued(group, 1)
-    bell.ring()
+    coalescing.trigger()
     callback.close()
-    bell.close()
+    coalescing.close()
     busy.end()
     waits.join(TIMEOUT_S)
     assert calls == []

@@ -68,10 +68,10 @@ def make(
             group, lambda request: function(), f"/{id(function)}"
         )
         callback.attach(ready)
-        return lambda: in_thread(answering.answer, "request")
+        return lambda: in_thread(answering.respond, "request")
     callback = bell = CoalescingCallback(group, function, kind)
     callback.attach(ready)
-    return lambda: in_thread(bell.ring)
+    return lambda: in_thread(bell.trigger)
 
 
 def overlap(one: str, other: str, groups: str, name: str) -> bool:
@@ -263,7 +263,7 @@ def test_service_answers_with_the_error() -> None:
     answering.attach(made._ready)
     for _ in range(2):
         with pytest.raises(rospy.ServiceException, match="on purpose"):
-            answering.answer("request")
+            answering.respond("request")
     assert answering.failures.count == 2
 
 
@@ -306,7 +306,7 @@ def test_shutdown_tells_that_calls_were_dropped() -> None:
 
     def call() -> None:
         try:
-            answering.answer("request")
+            answering.respond("request")
         except rospy.ServiceException as error:
             errors.append(str(error))
 
@@ -321,7 +321,7 @@ def test_shutdown_tells_that_calls_were_dropped() -> None:
     assert errors and "/waits" in errors[0] and "shut down" in errors[0]
     assert heard == [1]
     with pytest.raises(rospy.ServiceException, match="shut down"):
-        answering.answer("request")
+        answering.respond("request")
     assert callback.group.enter(TIMEOUT_S)
 
 
@@ -389,13 +389,13 @@ def test_node_that_leaves_an_executor_that_was_shut_down_goes_on(
     for callback in callbacks:
         callback.attach(gone._ready)
     assert gone.shutdown(TIMEOUT_S)
-    bell.ring()
+    bell.trigger()
     NodeTimer.start_together([timer])
     wait_until(lambda: timer.calls and timer.calls.dropped > 1, lambda: "no tick was dropped")
     assert not (ticks.is_set() or rings.is_set())
     new = SingleThreadedExecutor() if other else None
     for callback in callbacks:
         callback.attach(new._ready if new else None)
-    bell.ring()
+    bell.trigger()
     assert rings.wait(TIMEOUT_S) and ticks.wait(TIMEOUT_S)
     timer.close()

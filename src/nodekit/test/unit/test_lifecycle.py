@@ -178,10 +178,10 @@ def test_any_requests_keep_the_table(plan: List[Tuple[str, List[Outcome]]]) -> N
 def test_one_transition_at_a_time() -> None:
     machine = StateMachine(lambda transition: None)
     transition = machine.claim("configure")
-    with pytest.raises(NotAllowed, match="^shutdown has to wait: configure is under way$"):
+    with pytest.raises(NotAllowed, match="^shutdown is not allowed while configure is running$"):
         machine.claim("shutdown")
     machine.advance(transition)
-    with pytest.raises(NotAllowed, match="^2 has to wait: configure is under way$"):
+    with pytest.raises(NotAllowed, match="^2 is not allowed while configure is running$"):
         machine.claim(2)
     machine.advance(OUTCOMES[machine.state, Outcome.SUCCESS])
     machine.release()

@@ -39,7 +39,7 @@ class Interrupted(List[Any]):
 def test_what_is_made_while_something_else_is_closed_is_closed_with_the_rest() -> None:
     owner, gone, late = ResourceOwner(StartQueue()), Thing(), Thing()
     other = threading.Thread(target=owner.own, args=(late,))
-    owner._made = Interrupted([gone], other)
+    owner._owned = Interrupted([gone], other)
     owner.disown(gone)
     other.join()
     owner.close()

@@ -78,5 +78,5 @@ def test_what_does_not_keep_up_is_told_of_once_for_each_topic(
         for message in range(3):  # type: Any
             for each in slow:
                 each.receive([message], False)
-    text = "does not keep up: messages are lost"
-    assert logged == [f"/one {text}", f"/other {text}"]
+    text = "callback is too slow, messages are dropped"
+    assert logged == [f"/one: {text}", f"/other: {text}"]

@@ -108,7 +108,7 @@ def test_callback_that_is_no_function(what: str, take: Callable[[Any], Any], giv
 def test_callback_that_nobody_awaits(what: str, take: Callable[[Any], Any]) -> None:
     text = refusal(lambda: take(awaited))
     assert text.startswith(what)
-    assert ": refused awaited: must not be async def, as nobody awaits it: " in text
+    assert ": refused awaited: must not be async def, as it is never awaited: " in text
     assert text.endswith("write def, and in it asyncio.run(...) around what must be awaited")
 
 
@@ -279,7 +279,7 @@ def test_request_without_a_time_out(give: Callable[[Any], Any], timeout: Any) ->
 )
 def test_waiting_without_a_time_out(give: Callable[[Any], Any], timeout: Any) -> None:
     text = refusal(lambda: give(timeout), ValueError)
-    must = "must be a number, math.inf to wait as long as it takes"
+    must = "must be a number, or math.inf for no limit"
     assert text == f"timeout: refused {timeout!r} s: {must}"
 
 

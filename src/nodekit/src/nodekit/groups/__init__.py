@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""Callback groups, and what waits for a thread of an executor."""
+"""Callback groups, and the ready queue of an executor."""

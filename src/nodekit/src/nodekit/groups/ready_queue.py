@@ -1,10 +1,10 @@
-"""What waits to be called by an executor, and whose turn it is; without a thread of its own.
+"""Ready queue of an executor, and the call queue of each callback; without threads of their own.
 
-Each subscription, timer or service keeps what waits for it in a call queue. That asks its group to
-be let in, and is ready only when the group is kept for it: so no thread of the executor ever waits
-for a group. In the ready queue, the first comes first, but those of urgent groups come before all
-others. A call queue that has more goes to the end: so a timer is not kept from its turns by a slow
-subscription with many messages.
+Each subscription, timer or service has a call queue for waiting items. The call queue requests
+admission to its group, and is ready only when the group is reserved for it: so no thread of the
+executor ever waits for a group. The ready queue is first in, first out, but urgent groups precede
+all others. A call queue with more items goes to the end, so that a slow subscription with many
+messages does not hold up a timer.
 """
 
 import threading
@@ -17,27 +17,27 @@ from nodekit.groups.callback_groups import CallbackGroup
 
 
 class _Arrival(NamedTuple):
-    """Something that waits, since a time on the monotonic clock, s."""
+    """Waiting item, with its time of arrival on the monotonic clock [s]."""
 
     thing: Any
     at: float
 
 
 class CallQueue:
-    """What the calls of one callback are made for.
+    """Queue of the items that one callback is to be called for.
 
-    :param ready: where it waits for a thread, when its group is kept for it
+    :param ready: where it waits for a thread once its group is reserved for it
     :param group: its group
-    :param depth: how much may wait; of more, the newest is kept
-    :param run: makes one call for a list of things, inside the group; raises nothing
-    :param drop: is told of what no call is made for; raises nothing
-    :param together: whether one call is made for all that waits
+    :param depth: most waiting items; more drop the oldest
+    :param run: makes one call for a list of items, inside the group; raises nothing
+    :param drop: called with each dropped item; raises nothing
+    :param together: whether one call is made for all waiting items
 
-    :ivar running: calls under way
-    :ivar made: calls begun
-    :ivar dropped: how much was dropped
-    :ivar longest: longest call, s
-    :ivar longest_wait: longest time from an arrival to its call, s
+    :ivar running: number of running calls
+    :ivar made: number of calls begun
+    :ivar dropped: number of dropped items
+    :ivar longest: longest call [s]
+    :ivar longest_wait: longest time from an arrival to its call [s]
     """
 
     def __init__(
@@ -55,48 +55,48 @@ class CallQueue:
         self.longest = self.longest_wait = 0.0
         self._most_at_once = depth if together else 1
         self._waiting: Deque[_Arrival] = deque()
-        self._asks = False
+        self._requested = False
 
     @property
     def waiting(self) -> int:
-        """How much waits."""
+        """Number of waiting items."""
         return len(self._waiting)
 
     def put(self, thing: Any) -> None:
-        """Have a call made for something.
+        """Add an item.
 
-        :param thing: what ``run`` and ``drop`` know
+        :param thing: item for ``run`` or ``drop``
         """
         self.ready.put(self, thing)
 
-    # For the ready queue, which has locked itself:
+    # For the ready queue, which holds its lock:
 
     def add(self, thing: Any) -> List[Any]:
-        """Add something that waits; return what is dropped for it."""
+        """Add a waiting item; return the items dropped for it."""
         dropped = [self._waiting.popleft().thing] if len(self._waiting) >= self.depth else []
         self._waiting.append(_Arrival(thing, time.monotonic()))
         return dropped
 
     def begin_call(self) -> List[Any]:
-        """Return what the next call is made for, which begins now."""
+        """Return the items of the next call, which begins now."""
         count = min(self._most_at_once, len(self._waiting))
         self.longest_wait = max(self.longest_wait, time.monotonic() - self._waiting[0].at)
         self.made += 1
         self.running += 1
-        self._asks = False
+        self._requested = False
         return [self._waiting.popleft().thing for _ in range(count)]
 
-    def must_ask(self) -> bool:
-        """Tell whether it is to ask its group now: if something waits, and it does not already."""
-        asks, self._asks = self._asks, bool(self._waiting)
-        return self._asks and not asks
+    def must_request(self) -> bool:
+        """Return whether it must request admission now: an item waits, and no request does."""
+        requested, self._requested = self._requested, bool(self._waiting)
+        return self._requested and not requested
 
 
 class ReadyCall(NamedTuple):
-    """A call to be made.
+    """Call that is ready to be made.
 
-    :param calls: whose
-    :param things: what it is made for
+    :param calls: queue of the callback
+    :param things: items of the call
     """
 
     calls: CallQueue
@@ -104,65 +104,65 @@ class ReadyCall(NamedTuple):
 
 
 class ReadyQueue:
-    """The call queues whose groups are kept for them; any thread may call its methods."""
+    """Queue of the call queues whose groups are reserved for them; thread-safe."""
 
     def __init__(self) -> None:
         lock = threading.Lock()
-        self._news, self._finished = threading.Condition(lock), threading.Condition(lock)
+        self._arrived, self._finished = threading.Condition(lock), threading.Condition(lock)
         self._urgent: Deque[CallQueue] = deque()
         self._usual: Deque[CallQueue] = deque()
-        self._unfinished = 0  # how much waits or is under way
-        #: Threads that take from it.
+        self._unfinished = 0  # number of items waiting or running
+        #: Threads that make its calls.
         self.workers: Set[threading.Thread] = set()
         self._is_closed = self._is_over = False
-        self._dropping: Set[int] = set()  # threads that drop what is left
+        self._dropping: Set[int] = set()  # threads that drop remaining items
 
     def is_served_by_caller_alone(self) -> bool:
-        """Tell whether all that waits has to wait for the calling thread."""
+        """Return whether the calling thread is the only worker."""
         return self.workers == {threading.current_thread()}
 
     def put(self, calls: CallQueue, thing: Any) -> None:
-        """Have a call made for something, unless this is closed.
+        """Add an item to a call queue; drop it if this queue is closed.
 
-        :param calls: where it waits
-        :param thing: see :class:`CallQueue`
+        :param calls: the call queue
+        :param thing: the item
         """
         dropped = [thing]
-        with self._news:
+        with self._arrived:
             if not self._is_closed:
                 dropped = calls.add(thing)
                 self._unfinished += 1 - len(dropped)
             calls.dropped += len(dropped)
-            must_ask = calls.must_ask()
-        if must_ask:
-            self._ask(calls)
+            must_request = calls.must_request()
+        if must_request:
+            self._request_admission(calls)
         for one in dropped:
             calls.drop(one)
 
     def next_call(self, wait: bool = True) -> Optional[ReadyCall]:
-        """Return the next call to be made, which is then to be given to :meth:`make_call`.
+        """Return the next call, for :meth:`make_call`.
 
-        :param wait: whether to wait until there is one
-        :returns: None if there is none, or will be none as this is closed
+        :param wait: whether to wait for one
+        :returns: None if no call is ready, or the queue is closed
         """
-        with self._news:
+        with self._arrived:
             while not (self._urgent or self._usual):
                 if self._is_over or not wait:
                     return None
-                self._news.wait()
+                self._arrived.wait()
             calls = (self._urgent or self._usual).popleft()
             things = calls.begin_call()
-            must_ask = calls.must_ask()
-        if must_ask:
-            self._ask(calls)
+            must_request = calls.must_request()
+        if must_request:
+            self._request_admission(calls)
         return ReadyCall(calls, things)
 
-    def make_call(self, turn: ReadyCall) -> None:
+    def make_call(self, call: ReadyCall) -> None:
         """Make a call.
 
-        :param turn: from :meth:`next_call`
+        :param call: result of :meth:`next_call`
         """
-        calls, things = turn
+        calls, things = call
         calls.group.adopt()
         began = time.monotonic()
         try:
@@ -173,7 +173,7 @@ class ReadyQueue:
                 calls.run(things)
         finally:
             calls.group.leave()
-            with self._news:
+            with self._arrived:
                 calls.longest = max(calls.longest, time.monotonic() - began)
                 calls.running -= 1
                 self._unfinished -= len(things)
@@ -181,37 +181,37 @@ class ReadyQueue:
                     self._finished.notify_all()
 
     def close(self, timeout: float) -> bool:
-        """Take in nothing more, and wait until all calls are made; drop what then still waits.
+        """Accept no new items, and wait until all calls are made; then drop the waiting items.
 
-        :param timeout: longest wait, s
+        :param timeout: longest wait [s]
         :returns: whether all calls were made
         """
-        with self._news:
+        with self._arrived:
             self._is_closed = True
             is_done = self._finished.wait_for(lambda: not self._unfinished, timeout)
             self._is_over = True
-            self._news.notify_all()
+            self._arrived.notify_all()
         self._drop_rest()
         return is_done
 
-    def _ask(self, calls: CallQueue) -> None:
+    def _request_admission(self, calls: CallQueue) -> None:
         calls.group.admit(partial(self._append, calls))
 
     def _append(self, calls: CallQueue) -> None:
-        with self._news:
+        with self._arrived:
             (self._urgent if calls.group.urgent else self._usual).append(calls)
-            self._news.notify()
+            self._arrived.notify()
             is_over = self._is_over
-        if is_over:  # there may be no thread left
+        if is_over:  # the workers may have ended
             self._drop_rest()
 
     def _drop_rest(self) -> None:
         me = threading.get_ident()
-        if me in self._dropping:  # it has left a group, whose next one its loop comes to
+        if me in self._dropping:  # a recursive call: the loop below goes on with the rest
             return
         self._dropping.add(me)
-        turn = self.next_call(wait=False)
-        while turn is not None:
-            self.make_call(turn)
-            turn = self.next_call(wait=False)
+        call = self.next_call(wait=False)
+        while call is not None:
+            self.make_call(call)
+            call = self.next_call(wait=False)
         self._dropping.discard(me)

@@ -1,4 +1,4 @@
-"""What speaks only while its node is active: publishers and timers."""
+"""Publishers and timers that work only while their node is active, and the gate they obey."""
 
 import threading
 from typing import Any, Callable, List, Optional, Sequence, Set, Union
@@ -13,12 +13,12 @@ from nodekit.timing.scheduler import checked_rate
 
 
 class ActivationGate:
-    """What a managed node's publishers and timers ask, and are told by.
+    """Switch of a managed node's publishers and timers.
 
-    :ivar publishes: whether messages pass
+    :ivar publishes: whether messages are published
     :ivar ticks: whether timers tick
-    :ivar closings: how often it has kept messages from passing
-    :ivar deactivate_hooks: what is called before it does so
+    :ivar closings: how often publishing was switched off
+    :ivar deactivate_hooks: callbacks to call before publishing is switched off
     """
 
     def __init__(self) -> None:
@@ -26,38 +26,38 @@ class ActivationGate:
         self.closings = 0
         self.deactivate_hooks: List[DeactivateHook] = []
         self._lock = threading.Lock()
-        self._told: Set[Union[ManagedPublisher, ManagedTimer]] = set()
+        self._members: Set[Union[ManagedPublisher, ManagedTimer]] = set()
 
     def add(self, thing: "Union[ManagedPublisher, ManagedTimer]") -> None:
-        """Tell a publisher or a timer from now on.
+        """Notify a publisher or a timer from now on.
 
-        :param thing: one that is held
+        :param thing: a new one
         """
         with self._lock:
-            self._told.add(thing)
+            self._members.add(thing)
 
-    def forget(self, thing: "Union[ManagedPublisher, ManagedTimer]") -> None:
-        """Tell one nothing any more.
+    def remove(self, thing: "Union[ManagedPublisher, ManagedTimer]") -> None:
+        """Notify a publisher or a timer no longer.
 
         :param thing: one that was added
         """
         with self._lock:
-            self._told.discard(thing)
+            self._members.discard(thing)
 
     def allow_publishing(self, publishes: bool) -> None:
-        """Let messages pass, or keep them.
+        """Switch publishing on or off.
 
-        :param publishes: whether they pass
+        :param publishes: whether messages are published
         """
         if self.publishes and not publishes:
             self.closings += 1
-            for word in list(self.deactivate_hooks):
-                word.call()
+            for hook in list(self.deactivate_hooks):
+                hook.call()
         self.publishes = publishes
         self._notify()
 
     def allow_ticking(self, ticks: bool) -> None:
-        """Let timers tick, the first time at once, or hold them.
+        """Switch timers on, with a first tick at once, or off.
 
         :param ticks: whether they tick
         """
@@ -66,15 +66,15 @@ class ActivationGate:
 
     def _notify(self) -> None:
         with self._lock:
-            told = list(self._told)
-        for thing in told:  # without the lock: a timer asks the node's code for its rate
+            members = list(self._members)
+        for thing in members:  # without the lock: a timer calls the node's code for its rate
             thing.update()
 
 
 class DeactivateHook(Callback):
-    """A function that is called while messages pass, just before they do no more.
+    """Callback that is called just before publishing is switched off.
 
-    :param gate: calls it; within a transition, so in the node's default group already
+    :param gate: calls it, within a transition and so inside the node's default group
     :param function: the function
     :param what: names it in the log
     """
@@ -85,24 +85,24 @@ class DeactivateHook(Callback):
         gate.deactivate_hooks.append(self)
 
     def close(self) -> None:
-        """Make no call any more."""
+        """Remove the callback from the gate."""
         self._gate.deactivate_hooks.remove(self)
         super().close()
 
 
 class ManagedPublisher(Publisher):
-    """A publisher that publishes only while its node is active.
+    """Publisher that publishes only while its node is active.
 
-    What it is given at other times is dropped; of a latched topic, which tells a state, the last
-    message is kept and sent when the node becomes active.
+    Messages at other times are dropped. The last message of a latched topic, which stands for a
+    state, is kept and sent when the node becomes active.
 
-    :param gate: says whether it is
+    :param gate: says whether the node is active
     :param name: topic, resolved
     :param data_class: message class
     :param latch: whether later subscribers get the last message
-    :param lifespan: for how long they get it where it is not latched, s
+    :param lifespan: how long they get the last message if it is not latched [s]
 
-    :ivar dropped: how many messages were not sent
+    :ivar dropped: number of dropped messages
     """
 
     def __init__(
@@ -117,7 +117,7 @@ class ManagedPublisher(Publisher):
         gate.add(self)
 
     def publish(self, *args: Any, **kwds: Any) -> None:
-        """Send a message, see :meth:`.Publisher.publish`, or drop it if the node is not active."""
+        """Send a message, see :meth:`.Publisher.publish`; drop it if the node is not active."""
         if self._passes:
             super().publish(*args, **kwds)
         elif self._latch:
@@ -126,7 +126,7 @@ class ManagedPublisher(Publisher):
             self._drop(1)
 
     def publish_all(self, messages: Sequence[Any]) -> None:
-        """Send messages, see :meth:`.Publisher.publish_all`, or drop them likewise."""
+        """Send messages, see :meth:`.Publisher.publish_all`, or drop them."""
         if self._passes:
             super().publish_all(messages)
         elif not self._latch:
@@ -136,16 +136,16 @@ class ManagedPublisher(Publisher):
 
     @property
     def _passes(self) -> bool:
-        """Whether a message goes out at once: the gate is open, and none is before it."""
+        """Whether a message is sent at once: the gate is open, and no kept message precedes it."""
         return self._is_closed or (self._gate.publishes and self._kept is None)
 
     def update(self) -> None:
-        """Send what was kept, if the gate is open; what comes meanwhile goes out after it."""
-        # One thread sends, and none waits for it: who hears a message may publish one in turn.
+        """Send the kept message if the gate is open; later messages follow it."""
+        # One thread sends, and no other waits for it: a subscriber may publish in its callback.
         while self._gate.publishes and self._kept is not None and self._sending.acquire(False):
             kept = self._kept
             try:
-                if kept is not None:  # another thread may have sent it just before
+                if kept is not None:  # else another thread has just sent it
                     super().publish(kept)
             finally:
                 with self._keeping:
@@ -154,28 +154,28 @@ class ManagedPublisher(Publisher):
                 self._sending.release()
 
     def close(self) -> None:
-        """Publish no longer."""
-        self._gate.forget(self)
+        """Stop publishing."""
+        self._gate.remove(self)
         self._kept = None
         super().close()
 
     def _keep(self, message: Any) -> None:
         with self._keeping:
             self._kept = message
-        self.update()  # it may have been opened meanwhile
+        self.update()  # the gate may have opened meanwhile
 
     def _drop(self, count: int) -> None:
         self.dropped += count
-        if self._warned_of != self._gate.closings:  # once in a while of silence
+        if self._warned_of != self._gate.closings:  # once per inactive phase
             self._warned_of = self._gate.closings
             text = "%s: messages are dropped because the node is not active; %d in all"
             rospy.logwarn(text, self.resolved_name, self.dropped)
 
 
 class ManagedTimer(NodeTimer):
-    """A timer that ticks only while its node is active.
+    """Timer that ticks only while its node is active.
 
-    :param gate: says whether it is
+    :param gate: says whether the node is active
     :param options: as for :class:`.NodeTimer`
     """
 
@@ -187,34 +187,34 @@ class ManagedTimer(NodeTimer):
         self.update()
 
     def set_rate(self, rate: float) -> None:
-        """Change the rate, at once or from when the node is active again.
+        """Change the rate, now or once the node is active.
 
-        :param rate: calls a second, Hz; 0 pauses
-        :raises ValueError: if it is not one to keep; the old one stays
+        :param rate: calls per second [Hz]; 0 pauses
+        :raises ValueError: if a timer cannot keep it; the old rate stays
         """
         self._wanted = checked_rate(rate)
         self.update()
 
-    def follow(self) -> None:
-        """Ask for the rate, where it is a function, unless the timer is held."""
+    def update_rate(self) -> None:
+        """Call the rate function, if there is one, unless the gate is closed."""
         if callable(self._rate):
             self._wanted = self._rate
         self.update()
 
     def update(self) -> None:
-        """Tick or do not, as the gate has it."""
+        """Start or stop ticking, as the gate says."""
         ticks: Optional[bool] = None
-        while ticks is not self._gate.ticks:  # it may change while the rate is asked for
+        while ticks is not self._gate.ticks:  # the gate may change while the rate function runs
             ticks = self._gate.ticks
             if not ticks:
                 self._timer.set_rate(0.0)
             elif callable(self._wanted):
-                super().follow()
+                super().update_rate()
             else:
-                with self._lock:  # so that what is wanted last is set last
+                with self._lock:  # so that the latest rate is set last
                     self._timer.set_rate(self._wanted)
 
     def close(self) -> None:
-        """Make no call any more."""
-        self._gate.forget(self)
+        """Stop the timer, and start no new calls."""
+        self._gate.remove(self)
         super().close()

@@ -1,4 +1,4 @@
-"""Leads a node through its transitions: calls its class, and opens and closes what that makes."""
+"""Transitions of a managed node: callbacks of its class, and the scopes these create."""
 
 import contextlib
 import traceback
@@ -27,33 +27,33 @@ from nodekit.node import fork_guard
 from nodekit.node.node_scope import NodeScope
 from nodekit.validation import check_function
 
-#: What a callback may return: nothing and True are success, False is failure.
+#: Result of a callback: None and True are success, False is failure.
 Result = Union[None, bool, Outcome]
 
-#: How many scopes live on in a state: what on_configure has made, and on_activate. None in others.
+#: Number of scopes that stay open in a state, of on_configure and on_activate; 0 in others.
 _SCOPES = {INACTIVE: 1, ACTIVE: 2}
 
 
 class Lifecycle:
-    """A node's way through its states.
+    """Lifecycle of a node: performs its transitions.
 
-    :param node: whose
-    :param callbacks: what to call in each transition state; the first two get a maker of their own
-    :param tell: called after each step, with it
-    :raises TypeError: if a callback is no function, or async
+    :param node: the node
+    :param callbacks: callback of each transition state; the first two get a scope of their own
+    :param on_step: called after each step, with its transition
+    :raises TypeError: if a callback is not callable, or async
 
-    :ivar previous: the state before the latest transition, which may be under way
+    :ivar previous: the state before the latest transition, which may be running
     """
 
     def __init__(
         self,
         node: NodeScope,
         callbacks: Mapping[State, Callable[..., Result]],
-        tell: Callable[[Transition], None],
+        on_step: Callable[[Transition], None],
     ) -> None:
         for state, callback in callbacks.items():
             check_function(callback, f"{node.name}: callback of {state.label}")
-        self.machine = StateMachine(tell)
+        self.machine = StateMachine(on_step)
         self.previous = self.machine.state
         self._node = node
         self._callbacks = callbacks
@@ -61,17 +61,17 @@ class Lifecycle:
         self._scopes: List[LifecycleScope] = []
 
     @property
-    def is_under_way(self) -> bool:
-        """Whether a callback of a transition is."""
+    def is_in_transition(self) -> bool:
+        """Whether a callback of a transition is running."""
         return self.machine.state in self._callbacks
 
-    def make(self, transition: Transition) -> bool:
-        """Make a transition that the machine was claimed for; called in the node's group.
+    def perform(self, transition: Transition) -> bool:
+        """Perform the transition that the machine was claimed for; called in the node's group.
 
-        :param transition: one that is allowed
-        :returns: whether the callback has succeeded
+        :param transition: an allowed transition
+        :returns: whether the callback succeeded
         """
-        if self.machine.state != transition.start:  # a callback was ending the process meanwhile
+        if self.machine.state != transition.start:  # a callback has ended the process meanwhile
             text = "%s: %s comes too late: the node is %s"
             rospy.logwarn(text, self._node.name, transition.label, self.machine.state.label)
             return False
@@ -84,10 +84,10 @@ class Lifecycle:
         return outcomes[0] is Outcome.SUCCESS
 
     def _advance(self, transition: Transition) -> None:
-        """Go to the next state; have what the node has made update it."""
+        """Go to the next state, and switch publishers and timers accordingly."""
         goal = transition.goal
         self._gate.allow_ticking(False)
-        # A last message may be sent on the way out, one that stops a motor.
+        # A last message may be sent on the way out, such as one that stops a motor.
         if goal not in (ACTIVE, DEACTIVATING, SHUTTINGDOWN):
             self._gate.allow_publishing(False)
         if goal not in self._callbacks:
@@ -97,7 +97,7 @@ class Lifecycle:
         self._gate.allow_ticking(goal == ACTIVE)
 
     def _call(self) -> Outcome:
-        """Call the node's class, as it is up to in this state; open what it has made."""
+        """Call the callback of this state; open what it has created."""
         state = self.machine.state
         callback = self._callbacks[state]
         name = f"{self._node.name}: {callback.__name__}"
@@ -105,44 +105,44 @@ class Lifecycle:
             if state not in (CONFIGURING, ACTIVATING):
                 outcome = _outcome(fork_guard.call(callback))
             else:
-                made_at = "configure" if state == CONFIGURING else "activate"
-                scope = self._node.own(LifecycleScope(self._node, self._gate, made_at))
+                created_at = "configure" if state == CONFIGURING else "activate"
+                scope = self._node.own(LifecycleScope(self._node, self._gate, created_at))
                 self._scopes.append(scope)
                 outcome = _outcome(fork_guard.call(callback, scope))
                 if outcome is Outcome.SUCCESS:
-                    # What is opened may hear a message, and answer it, at once.
+                    # A subscription may receive a message, and reply to it, as soon as it is open.
                     self._gate.allow_publishing(state == ACTIVATING)
                     scope.open()
             if outcome is not Outcome.SUCCESS:
                 rospy.logwarn("%s: %s", name, outcome.name.lower())
             return outcome
-        except BaseException:  # SystemExit too: the client would wait for its answer
+        except BaseException:  # SystemExit too: the client would wait for its response
             rospy.logerr("%s failed:\n%s", name, traceback.format_exc().rstrip())
             return Outcome.ERROR
 
     def shut_down(self) -> None:
-        """Go through shutdown as soon as nothing else is under way, as the process ends."""
-        with contextlib.suppress(NotAllowed):  # it is finalized
+        """Go through shutdown at the end of the process, after a running transition."""
+        with contextlib.suppress(NotAllowed):  # already finalized
             transition = self.machine.claim("shutdown", None)
             with self._node.default_group:
-                self.make(transition)
+                self.perform(transition)
             self.machine.release()
 
     def shut_down_inside(self) -> None:
         """Go through shutdown at once, in place of a thread whose callback ends the process.
 
-        That thread waits meanwhile, and is then to adopt the group again. Who has claimed the
-        machine now is waiting for the group, or about to release it.
+        That thread waits meanwhile, and must then adopt the group again. A caller that has claimed
+        the machine is waiting for the group, or about to release the machine.
         """
         self._node.default_group.adopt()
-        with contextlib.suppress(NotAllowed):  # it is finalized
-            self.make(requested(self.machine.state, "shutdown"))
+        with contextlib.suppress(NotAllowed):  # already finalized
+            self.perform(requested(self.machine.state, "shutdown"))
 
 
 def _outcome(result: Any) -> Outcome:
-    """Return what a callback means.
+    """Return the outcome for the result of a callback.
 
-    :raises TypeError: if it means nothing
+    :raises TypeError: if the result is invalid
     """
     if result is None or result is True:
         return Outcome.SUCCESS

@@ -30,7 +30,7 @@ class LifecycleScope(NodeScope):
 
     :param parent: the scope that this one is closed with
     :param gate: says whether the node is active
-    :param made_at: label of the transition that creates it
+    :param created_at: label of the transition that creates it
     :param start_queue: opens what is created; a new one by default
     """
 
@@ -38,12 +38,12 @@ class LifecycleScope(NodeScope):
         self,
         parent: NodeScope,
         gate: ActivationGate,
-        made_at: str,
+        created_at: str,
         start_queue: Optional[StartQueue] = None,
     ) -> None:
         super().__init__(parent._context, parent)
-        self._made_at = made_at
-        self._rereads_at = f"at the next {made_at}"
+        self._created_at = created_at
+        self._rereads_at = f"at the next {created_at}"
         self._start_queue = start_queue or StartQueue()
         self._gate = gate
 
@@ -56,7 +56,7 @@ class LifecycleScope(NodeScope):
 
     def create_scope(self) -> NodeScope:
         """Return another scope of the same transition; see :meth:`.NodeScope.create_scope`."""
-        return self.own(LifecycleScope(self, self._gate, self._made_at, self._start_queue))
+        return self.own(LifecycleScope(self, self._gate, self._created_at, self._start_queue))
 
     def before_deactivate(self, callback: Callable[[], Any]) -> None:
         """Call a function before each deactivation; see :meth:`.NodeScope.before_deactivate`."""
@@ -67,10 +67,8 @@ class LifecycleScope(NodeScope):
             raise CannotManage(_ONLY_OF_NODE[name])
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
-    def _new_publisher(
-        self, name: str, data_class: type, latch: bool, lifespan: float
-    ) -> Publisher:
-        return ManagedPublisher(self._gate, name, data_class, latch, lifespan)
+    def _new_publisher(self, name: str, data_class: type, *options: Any) -> Publisher:
+        return ManagedPublisher(self._gate, name, data_class, *options)
 
     def _new_timer(self, scheduler: Scheduler, group: CallbackGroup, *options: Any) -> NodeTimer:
         if isinstance(group, NoGroup):  # a timer of the toolkit itself

@@ -1,4 +1,4 @@
-"""What others see of a managed node: the services and topics of ROS 2's lifecycle."""
+"""Services and topics of a managed node, as of ROS 2's lifecycle."""
 
 import functools
 import threading
@@ -27,19 +27,19 @@ from nodekit.rospy_internals.shutdown import Ending, at_end
 from nodekit.timing.clocks import MonotonicClock
 from nodekit.timing.scheduler import Scheduler, Timer
 
-#: Rate of the heartbeat, Hz, by the machine's clock.
+#: Rate of the heartbeat on the monotonic clock [Hz].
 BEATS_HZ = 5.0
-#: Longest wait for callbacks as the process ends, s.
+#: Longest wait for callbacks at the end of the process [s].
 END_WAIT_S = 2.0
 
 
 class LifecycleServices:
-    """Asks for transitions of a node in the name of others, and tells them of its state.
+    """Services that request transitions of a node, and topics with its state.
 
     :param node: the node
-    :param callbacks: what to call in each transition state, see :class:`.Lifecycle`
+    :param callbacks: callback of each transition state, see :class:`.Lifecycle`
 
-    :ivar lifecycle: the node's way through its states
+    :ivar lifecycle: performs the node's transitions
     """
 
     def __init__(self, node: Node, callbacks: Mapping[State, Callable[..., Result]]) -> None:
@@ -49,7 +49,7 @@ class LifecycleServices:
         self._state = node.create_publisher("~state", msg.State, latch=True)
         self._state.publish(_message(self.state))
         Heartbeat(node)
-        # In no group: they answer while a transition takes its time.
+        # In no group: they respond during a transition.
         for name, service_class, handler in (
             ("change_state", srv.ChangeState, self._change_state),
             ("get_state", srv.GetState, lambda _: _message(self.state)),
@@ -59,7 +59,9 @@ class LifecycleServices:
         ):
             node.create_service(f"~{name}", service_class, handler, group=NoGroup())
         change = node.resolve("~change_state")
-        self._making = node.own(ServiceCallback(node.default_group, self.lifecycle.make, change))
+        self._performing = node.own(
+            ServiceCallback(node.default_group, self.lifecycle.perform, change)
+        )
         _all.add(self)
 
     @property
@@ -68,16 +70,16 @@ class LifecycleServices:
         return self.lifecycle.machine.state
 
     def _change_state(self, request: Any) -> bool:
-        """Answer the service; of a refusal, the reason is logged."""
+        """Handle a request; log the reason of a rejection."""
         wanted: Union[int, str] = request.transition.label or request.transition.id
         machine = self.lifecycle.machine
         try:
             transition = machine.claim(wanted)
-        except NotAllowed as refusal:
-            rospy.logwarn("%s: %s", self.node.name, refusal)
+        except NotAllowed as reason:
+            rospy.logwarn("%s: %s", self.node.name, reason)
             return False
         try:
-            return bool(self._making.answer(transition))
+            return bool(self._performing.respond(transition))
         finally:
             machine.release()
 
@@ -91,11 +93,12 @@ class LifecycleServices:
 
 
 class Heartbeat:
-    """Publishes ``~heartbeat`` in any state, beside all callbacks: one that takes long stops none.
+    """Publisher of ``~heartbeat`` in any state, which long callbacks do not delay.
 
-    Except those that hear a heartbeat in this process. Without a subscriber nothing is sent.
+    Only callbacks that subscribe to a heartbeat in this process do. Without a subscriber nothing is
+    sent.
 
-    :param node: the node; the heart is closed with it
+    :param node: the node, which owns the heartbeat
     """
 
     def __init__(self, node: NodeScope) -> None:
@@ -110,13 +113,13 @@ class Heartbeat:
         self._publisher.publish(self._beats, rospy.get_rostime(), "")
 
     def close(self) -> None:
-        """Beat no longer."""
+        """Stop the heartbeat."""
         self._timer.close()
 
 
 @functools.lru_cache(maxsize=None)
 def _scheduler() -> Scheduler:
-    """Return the scheduler of all hearts of this process, whose thread calls no node's timer."""
+    """Return the scheduler of all heartbeats of this process, which calls no timers of nodes."""
     return Scheduler(MonotonicClock())
 
 
@@ -144,15 +147,15 @@ _all: "weakref.WeakSet[LifecycleServices]" = weakref.WeakSet()
 
 
 def _end_all() -> None:
-    """Have all that have started go through shutdown; leave behind those that do not come to it."""
+    """Shut down all started managed nodes; abandon those that do not finish in time."""
     ending, lent = {}, []
     for managed in list(_all):
         if not managed.node.is_up:
             continue
         work, group = managed.lifecycle.shut_down, managed.node.default_group
         if group.is_mine:  # one of its callbacks ends the process
-            if managed.lifecycle.is_under_way:  # which is one of a transition: it cannot be left
-                _warn_of_busy(managed, 0.0)
+            if managed.lifecycle.is_in_transition:  # a callback of a transition: it cannot be left
+                _warn_about_busy(managed, 0.0)
                 continue
             work = managed.lifecycle.shut_down_inside
             lent.append(group)
@@ -162,12 +165,12 @@ def _end_all() -> None:
     for managed, thread in ending.items():
         thread.join(max(0.0, deadline - time.monotonic()))
         if thread.is_alive():
-            _warn_of_busy(managed, END_WAIT_S)
+            _warn_about_busy(managed, END_WAIT_S)
     for group in lent:
         group.adopt()
 
 
-def _warn_of_busy(managed: LifecycleServices, waited: float) -> None:
+def _warn_about_busy(managed: LifecycleServices, waited: float) -> None:
     text = "%s ends without its shutdown: it is %s, and still busy after %g s"
     rospy.logwarn(text, managed.node.name, managed.state.label, waited)
 

@@ -1,4 +1,4 @@
-"""A managed node of a class that knows nothing of it."""
+"""Adapter that makes a managed node of any node's class."""
 
 import functools
 from typing import Any, Callable
@@ -13,9 +13,11 @@ from nodekit.parameters.kinds import ParameterError
 
 
 class ManagedAdapter(ManagedNode):
-    """Makes a node's class at configure; its publishers and timers wait until the node is active.
+    """Managed node that creates an object of another class at configure.
 
-    :param cls: the class, called with what makes things until cleanup
+    Publishers and timers of that object wait until the node is active.
+
+    :param cls: the class, called with a scope that is closed at cleanup
     :param node: the node
     """
 
@@ -25,13 +27,13 @@ class ManagedAdapter(ManagedNode):
         self._guest: object = None
         rospy.loginfo("%s is managed: waiting to be configured", node.name)
 
-    def on_configure(self, made: NodeScope) -> bool:
-        """Make the class; it fails with a sentence where parameters are refused, or the class."""
+    def on_configure(self, scope: NodeScope) -> bool:
+        """Create the object; fail with one log line if its parameters or class are rejected."""
         try:
-            self._guest = self._cls(made)
+            self._guest = self._cls(scope)
             return True
-        except ParameterError as refused:
-            error = refused
+        except ParameterError as rejected:
+            error = rejected
         except CannotManage as reason:
             allowed = f"false for a class that {reason}"
             error = ParameterError("managed", True, allowed).in_namespace(self.node.name)
@@ -39,17 +41,17 @@ class ManagedAdapter(ManagedNode):
         return False
 
     def on_cleanup(self) -> None:
-        """Give the class up; what it has made is closed without further ado."""
+        """Drop the object; what it has created is closed in any case."""
         self._guest = None
 
     on_shutdown = on_error = on_cleanup
 
 
 def managed_class(cls: Callable[[Any], object]) -> Callable[[Node], object]:
-    """Return the class of a managed node for a class; for one of a managed node, that itself.
+    """Return a managed node's class for a class; a managed node's class itself.
 
     :param cls: the class, or a function that returns its object; called with a scope, which
-        refuses what only a whole node has
+        rejects the use of what only a whole node has
     """
     if isinstance(cls, type) and issubclass(cls, ManagedNode):
         return cls

@@ -1,4 +1,4 @@
-"""A node that waits for others to configure and activate it: ROS 2's lifecycle."""
+"""Base class of managed nodes, which others configure and activate: ROS 2's lifecycle."""
 
 from nodekit.lifecycle_states import (
     ACTIVATING,
@@ -16,11 +16,11 @@ from nodekit.node.node_scope import NodeScope
 
 
 class ManagedNode:
-    """What the class of a managed node derives from; each callback may be left out.
+    """Base class of managed nodes; each callback is optional.
 
-    A callback returns None or True where it has succeeded, False where it has not: then the state
-    stays what it was. What it raises is logged, and :meth:`on_error` is called. All are called one
-    at a time, in the node's default group.
+    A callback returns None or True on success, False on failure: the state then stays as it was.
+    An exception is logged, and :meth:`on_error` is called. Callbacks run one at a time, in the
+    node's default group.
 
     :ROS Publishers:
         - ``~transition_event`` (lifecycle_msgs/TransitionEvent): each step
@@ -58,33 +58,33 @@ class ManagedNode:
 
     @property
     def previous_state(self) -> State:
-        """The state before the latest transition, which may be under way."""
+        """The state before the latest transition, which may be running."""
         return self._managed.lifecycle.previous
 
-    def on_configure(self, made: NodeScope) -> Result:
-        """Get ready.
+    def on_configure(self, scope: NodeScope) -> Result:
+        """Prepare the node.
 
-        :param made: makes what lives until cleanup. It is opened when this has succeeded, and
+        :param scope: creates what lives until cleanup; it is opened when this has succeeded, and
             publishes and ticks only while the node is active
         """
 
-    def on_activate(self, made: NodeScope) -> Result:
-        """Begin to work.
+    def on_activate(self, scope: NodeScope) -> Result:
+        """Start to work.
 
-        :param made: makes what lives until the node is active no longer; opened as above
+        :param scope: creates what lives until deactivation; opened as above
         """
 
     def on_deactivate(self) -> Result:
         """Stop working; a last message may still be published."""
 
     def on_cleanup(self) -> Result:
-        """Give up what :meth:`on_configure` got, besides what it has made."""
+        """Release what :meth:`on_configure` got, except what its scope has created."""
 
     def on_shutdown(self) -> Result:
-        """Get ready for the end, which comes from any state."""
+        """Prepare for the end, from any state."""
 
     def on_error(self) -> Result:
-        """Tidy up after a callback that failed with an error: then all can begin anew.
+        """Clean up after a callback that ended with an error; the node is unconfigured then.
 
-        Where this fails too, the node is finalized.
+        If this fails too, the node is finalized.
         """

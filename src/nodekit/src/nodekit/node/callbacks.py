@@ -1,4 +1,4 @@
-"""A user's function as nodekit calls it: in its group, guarded, and no more once it is closed."""
+"""Callbacks: user functions, called in their group until they are closed."""
 
 import threading
 from concurrent.futures import Future
@@ -14,11 +14,11 @@ from nodekit.messaging.throttle import Throttle
 from nodekit.node import fork_guard
 from nodekit.validation import check_function
 
-#: Messages of the same process that are kept for a callback that is busy; the newest ones.
+#: Most messages kept for a busy callback, from publishers of the same process; the newest.
 MOST_KEPT = 10_000
-#: Messages that wait for an executor, where the user does not say how many; the newest ones.
+#: Default of how many messages wait for an executor; the newest.
 DEPTH = 10
-#: Calls of a service that wait for an executor: each has a thread and a connection already.
+#: Most calls of a service that wait for an executor: each has a thread and a connection.
 MOST_CALLS = 1000
 
 
@@ -44,13 +44,13 @@ class Callback:
     :param group: its group
     :param function: the function
     :param what: names it in the log
-    :raises TypeError: if the function is none, or async
+    :raises TypeError: if the function is not callable, or async
 
-    :ivar failures: what it has raised
-    :ivar calls: what waits for an executor, None without one
+    :ivar failures: the exceptions it has raised
+    :ivar calls: its queue at an executor, None without one
     """
 
-    #: What it is, in reports.
+    #: Type of the callback in reports.
     kind = "callback"
 
     def __init__(self, group: CallbackGroup, function: Callable[..., Any], what: str) -> None:
@@ -63,9 +63,9 @@ class Callback:
         self.what = what
 
     def attach(self, ready: Optional[ReadyQueue]) -> None:
-        """Have the calls made by an executor, or none; what waits by then stays with the old one.
+        """Set the executor that makes the calls; waiting calls stay with the old one.
 
-        :param ready: the executor's queue
+        :param ready: the executor's queue, None for rospy's threads
         """
         is_attached = ready is not None and not isinstance(self.group, NoGroup)
         self.calls = self._new_queue(ready) if ready is not None and is_attached else None
@@ -74,10 +74,10 @@ class Callback:
         return CallQueue(ready, self.group, MOST_KEPT, lambda works: works[0](), self._drop)
 
     def _drop(self, _thing: Any) -> None:
-        """Note that something is dropped: an executor has no time for it, or is shut down."""
+        """Handle an item that an executor drops, because its queue is full or it is shut down."""
 
     def offer(self, work: Callable[[], None]) -> None:
-        """Have something done in the group without waiting.
+        """Do some work in the group without waiting.
 
         :param work: what to do; raises nothing
         """
@@ -88,13 +88,13 @@ class Callback:
             calls.put(work)
 
     def call(self, *arguments: Any) -> None:
-        """Call the function when it is its turn; what it raises is logged and harms nothing else.
+        """Call the function in its group; log an exception instead of raising it.
 
-        :param arguments: what to call it with
+        :param arguments: its arguments
         """
         group = self.group
         group.enter()
-        try:  # in the steps of call_inside, which each message would else call once more
+        try:  # a copy of call_inside, which saves a call per message
             if not self.closed:
                 fork_guard.call(self.function, *arguments)
         except BaseException:
@@ -103,9 +103,9 @@ class Callback:
             group.leave()
 
     def call_inside(self, *arguments: Any) -> None:
-        """Call the function from within the group, as :meth:`call` does.
+        """Call the function as :meth:`call` does, from inside the group.
 
-        :param arguments: what to call it with
+        :param arguments: its arguments
         """
         try:
             if not self.closed:
@@ -114,15 +114,15 @@ class Callback:
             self.failures.record(self.what, self.closed)
 
     def close(self) -> None:
-        """Begin no call any more; one that is under way goes on."""
+        """Start no new calls; let a running one finish."""
         self.closed = True
 
 
 class ServiceCallback(Callback):
-    """A function whose result, or exception, somebody waits for."""
+    """Callback of a service, whose caller waits for the result or exception."""
 
     kind = "service"
-    #: Those of this process by the name of their service.
+    #: The callbacks of this process by the name of their service.
     offered: "WeakValueDictionary[str, ServiceCallback]" = WeakValueDictionary()
 
     def __init__(self, group: CallbackGroup, function: Callable[[Any], Any], what: str) -> None:
@@ -130,19 +130,18 @@ class ServiceCallback(Callback):
         self.offered[what] = self
 
     def waits_for_caller(self) -> bool:
-        """Tell whether a call now would have to wait for the calling thread."""
+        """Return whether a call made now would wait for the calling thread."""
         is_its_thread = self.calls is not None and self.calls.ready.is_served_by_caller_alone()
         return not self.closed and (self.group.is_mine or is_its_thread)
 
     def _new_queue(self, ready: ReadyQueue) -> CallQueue:
-        return CallQueue(ready, self.group, MOST_CALLS, self._answer_waiting, self._refuse)
+        return CallQueue(ready, self.group, MOST_CALLS, self._respond_queued, self._reject)
 
-    def answer(self, request: Any) -> Any:
-        """Call the function when it is its turn.
+    def respond(self, request: Any) -> Any:
+        """Call the function in its group, and return its result.
 
-        :param request: what to call it with
-        :returns: what it returns
-        :raises rospy.ServiceException: if it is closed, or the function raises something
+        :param request: its argument
+        :raises rospy.ServiceException: if it is closed, or the function raises an exception
         """
         calls = self.calls
         if calls is not None:
@@ -151,64 +150,64 @@ class ServiceCallback(Callback):
             return answer.result()
         self.group.enter()
         try:
-            return self._answer_inside(request)
+            return self._respond_inside(request)
         finally:
             self.group.leave()
 
-    def _answer_inside(self, request: Any) -> Any:
+    def _respond_inside(self, request: Any) -> Any:
         if self.closed:
             raise rospy.ServiceException(f"{self.what} is closed")
         try:
             return fork_guard.call(self.function, request)
         except rospy.ServiceException:
             raise
-        except BaseException as error:  # SystemExit too: the client would wait for its answer
+        except BaseException as error:  # SystemExit too: the client would wait for its response
             self.failures.record(self.what, self.closed)
             raise rospy.ServiceException(str(error) or repr(error)) from error
 
-    def _answer_waiting(self, calls: "List[Tuple[Any, Future[Any]]]") -> None:
+    def _respond_queued(self, calls: "List[Tuple[Any, Future[Any]]]") -> None:
         ((request, answer),) = calls
         try:
-            answer.set_result(self._answer_inside(request))
+            answer.set_result(self._respond_inside(request))
         except BaseException as error:
             answer.set_exception(error)
 
-    def _refuse(self, call: "Tuple[Any, Future[Any]]") -> None:
+    def _reject(self, call: "Tuple[Any, Future[Any]]") -> None:
         text = f"{self.what}: too many calls wait, or its executor is shut down"
         call[1].set_exception(rospy.ServiceException(text))
 
 
 class CoalescingCallback(Callback):
-    """A function to be called because of something new, once for all that is new by then.
+    """A function that is called once for any number of triggers since its last call.
 
-    Ringing never waits: if the group is taken, the thread that leaves it calls the function.
+    A trigger never waits: if the group is taken, the thread that leaves it calls the function.
     """
 
-    _rung = False
+    _triggered = False
 
-    def ring(self) -> None:
-        """Have the function called, after all that is new by now was noted."""
-        if not self._rung:
-            self._rung = True
-            self.offer(self._answer)
+    def trigger(self) -> None:
+        """Call the function, now or when the group is free."""
+        if not self._triggered:
+            self._triggered = True
+            self.offer(self._call_once)
 
     def _drop(self, _thing: Any) -> None:
-        self._rung = False
+        self._triggered = False
 
-    def _answer(self) -> None:
-        self._rung = False  # before: what comes from now on may be missed by this call
+    def _call_once(self) -> None:
+        self._triggered = False  # before the call, which may miss later triggers
         self.call_inside()
 
 
 class SubscriptionCallback(Callback):
-    """A function that messages are handed to, one by one or all that came together.
+    """Callback of a subscription, for single messages or batches.
 
-    :param batches: whether it takes lists
-    :param depth: messages that wait for an executor; the newest ones
+    :param batches: whether the function takes lists
+    :param depth: most messages that wait for an executor; the newest
     """
 
     kind = "subscription"
-    _keeping = threading.Lock()  # one for all: held for a moment, while messages are kept or taken
+    _keeping = threading.Lock()  # shared by all, held only to add or take messages
 
     def __init__(
         self,
@@ -220,19 +219,19 @@ class SubscriptionCallback(Callback):
     ) -> None:
         super().__init__(group, function, what)
         self._batches, self._depth = batches, depth
-        self._kept: List[Any] = []  # mostly empty, and then a tenth of a deque
-        self._bell = CoalescingCallback(group, self._receive_kept, what)
+        self._kept: List[Any] = []  # mostly empty: a list takes a tenth of a deque's memory then
+        self._retry = CoalescingCallback(group, self._deliver_kept, what)
         self._throttle = Throttle(10.0)
 
     def _new_queue(self, ready: ReadyQueue) -> CallQueue:
-        return CallQueue(ready, self.group, self._depth, self._hand_over, self._drop, self._batches)
+        return CallQueue(ready, self.group, self._depth, self._deliver, self._drop, self._batches)
 
     def receive(self, messages: List[Any], may_wait: bool) -> None:
-        """Hand messages over.
+        """Pass messages to the function.
 
         :param messages: the messages, oldest first
-        :param may_wait: whether the calling thread serves nobody else. One that has published
-            these in a callback must not: two nodes of one process would wait for each other.
+        :param may_wait: whether the calling thread may wait for the group. A thread that published
+            them in a callback may not: two nodes of one process would wait for each other.
         """
         calls = self.calls
         if calls is not None:
@@ -240,7 +239,7 @@ class SubscriptionCallback(Callback):
                 calls.put(message)
         elif not may_wait:
             if not self._kept and self.group.try_enter():
-                self._hand_over(messages)
+                self._deliver(messages)
                 self.group.leave()
                 return
             with self._keeping:
@@ -248,21 +247,21 @@ class SubscriptionCallback(Callback):
                 lost = max(0, len(self._kept) - MOST_KEPT)
                 del self._kept[:lost]
             if lost and self._throttle.is_due():
-                rospy.logwarn("%s does not keep up: messages are lost", self.what)
-            self._bell.ring()
+                rospy.logwarn("%s: callback is too slow, messages are dropped", self.what)
+            self._retry.trigger()
         elif self._batches:
             self.call(messages)
         else:
             for message in messages:
                 self.call(message)
 
-    def _receive_kept(self) -> None:
+    def _deliver_kept(self) -> None:
         while self._kept:
             with self._keeping:
                 kept, self._kept = self._kept, []
-            self._hand_over(kept)
+            self._deliver(kept)
 
-    def _hand_over(self, messages: List[Any]) -> None:
+    def _deliver(self, messages: List[Any]) -> None:
         if self._batches:
             self.call_inside(messages)
         else:

@@ -1,4 +1,4 @@
-"""The front door: what a node's class is given, and makes everything through."""
+"""Node: the scope of a whole node, which starts it and hosts others."""
 
 from typing import Any, Callable, Optional
 
@@ -10,15 +10,14 @@ from nodekit.validation import check_function
 
 
 class Node(NodeScope):
-    """A node: a name, and all that is made under it.
+    """A node, through which its class creates publishers, subscriptions, services and timers.
 
-    A class that is a node takes one in its constructor, and makes publishers, subscriptions,
-    services, timers and parameters through it. Parameters are read there; the rest is only noted,
-    so no callback is called before the constructor has returned. :func:`nodekit.run` makes the node
-    of a process and starts it.
+    The class receives it in its constructor. Parameters are read there; the rest is opened at the
+    start, so no callback is called before the constructor has returned. :func:`nodekit.run` creates
+    the node of a process and starts it.
 
-    :param names: where its names are; those of this process's own node by default
-    :param start_queue: what starts it; another node's where that hosts it
+    :param names: resolves its names; those of this process's own node by default
+    :param start_queue: opens its resources; the hosting node's for a hosted one
     """
 
     def __init__(
@@ -26,13 +25,13 @@ class Node(NodeScope):
     ) -> None:
         super().__init__(NodeContext(names or Names.of_process(), start_queue or StartQueue()))
         self._guest: object = None
-        #: The executor that makes its calls, if any; set by that.
+        #: The executor that makes its calls, set by :meth:`add_node`; None without one.
         self.executor: Any = None
 
     def start(self) -> None:
-        """Open all that was made, here and by nodes that this one hosts, with a few requests.
+        """Open all resources of this node and of hosted ones, with a few requests.
 
-        Subscriptions come before timers.
+        Subscriptions are opened before timers.
 
         :raises rospy.ROSException: if a topic is used with two types
         """
@@ -40,22 +39,22 @@ class Node(NodeScope):
 
     @property
     def is_up(self) -> bool:
-        """Whether it was started and is not closed."""
+        """Whether the node is started and not closed."""
         return self._start_queue.has_started and not self._closed
 
     def host(self, name: str, namespace: str, cls: Callable[["Node"], object]) -> "Node":
-        """Have another node in this process.
+        """Create another node in this process.
 
-        It looks like a node of its own: its topics stand in its namespace, its private names in
-        ``namespace/name``. It starts with this one or, if that has been, at once.
+        Its topics are in its namespace, its private names in ``namespace/name``. It starts with
+        this node, or at once if this one has started.
 
         :param name: base name
-        :param namespace: its namespace; a relative one is in that of the process
+        :param namespace: its namespace; relative to that of the process
         :param cls: its class, called with the node
-        :returns: the node, which is closed with this one
-        :raises TypeError: if a name is no text, or the class cannot be called
-        :raises ParameterError: if one of its parameters is refused
-        :raises Exception: what its class or its start raises; nothing of it stays then either
+        :returns: the node, which this one owns
+        :raises TypeError: if a name is not text, or the class not callable
+        :raises ParameterError: if one of its parameters is rejected
+        :raises Exception: from its class or its start; the node is closed then
         """
         names = Names.hosted(namespace, name)
         check_function(cls, f"{names.node}: class")

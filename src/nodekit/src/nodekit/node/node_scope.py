@@ -153,8 +153,6 @@ class NodeScope(OldMethods, ResourceOwner):
     ) -> Subscription:
         """Subscribe to a topic, with one call for all messages that have arrived.
 
-        After a delay the callback gets many messages at once, and can handle them together.
-
         :param name: topic
         :param data_class: message class
         :param callback: called with a list of messages, oldest first
@@ -173,9 +171,9 @@ class NodeScope(OldMethods, ResourceOwner):
     ) -> Subscription:
         resolved = self.resolve(name)
         group = group or self.default_group
-        receiving = SubscriptionCallback(group, callback, resolved, batches, depth)
-        subscription = Subscription(resolved, data_class, receiving.receive)
-        self.own(receiving)
+        handler = SubscriptionCallback(group, callback, resolved, batches, depth)
+        subscription = Subscription(resolved, data_class, handler.receive)
+        self.own(handler)
         return self._open(subscription)
 
     def create_latest_message(self, name: str, data_class: type) -> LatestMessage:
@@ -206,7 +204,7 @@ class NodeScope(OldMethods, ResourceOwner):
         resolved = self.resolve(name)
         check_service_class(service_class, resolved)
         callback = self.own(ServiceCallback(group or self.default_group, handler, resolved))
-        return self._open(Service(resolved, service_class, callback.answer))
+        return self._open(Service(resolved, service_class, callback.respond))
 
     def create_client(
         self, name: str, service_class: type, group: Optional[CallbackGroup] = None
@@ -273,12 +271,12 @@ class NodeScope(OldMethods, ResourceOwner):
         :raises ValueError: if this node has declared parameters already
         :raises ParameterError: if a value on the server is not allowed
         """
-        self._judge_declaration(declaration)
+        self._check_declaration(declaration)
         judge_rules(declaration.__name__, rules, declaration.declared)
         used = (*exempt, *OwnParameters.declared)
         live = LiveParameters(declaration, self.name, get_watcher(), used, self._rereads_at, rules)
         self._context.live = live
-        live.add_listener(self._context.rates.follow)
+        live.add_listener(self._context.rates.update)
         if on_change is not None:
             self._open(ChangeCallback(group or self.default_group, live, on_change))
         self._serve("~describe", Trigger, description_handler(live))
@@ -287,7 +285,7 @@ class NodeScope(OldMethods, ResourceOwner):
             self.own(reconfigure.ReconfigureInterface(live, self._publish, self._serve))
         return self._open(live)
 
-    def _judge_declaration(self, declaration: Any) -> None:
+    def _check_declaration(self, declaration: Any) -> None:
         if not (isinstance(declaration, type) and issubclass(declaration, ParameterSet)):
             must = "must be a class that derives from ParameterSet"
             raise TypeError(f"{self.name}: parameters: refused {declaration!r:.80}: {must}")
@@ -370,9 +368,9 @@ class NodeScope(OldMethods, ResourceOwner):
         self._call_at_end(callback, "before_deactivate")
 
     def _call_at_end(self, callback: Callable[[], Any], what: str) -> None:
-        last = self.own(Callback(NoGroup(), callback, f"{self.name}: {what}"))
-        forgetting = self.own(contextlib.ExitStack())
-        forgetting.callback(at_end(Ending.NODES, last.call))
+        hook = self.own(Callback(NoGroup(), callback, f"{self.name}: {what}"))
+        unregistration = self.own(contextlib.ExitStack())
+        unregistration.callback(at_end(Ending.NODES, hook.call))
 
     def attach(self, ready: Optional[ReadyQueue]) -> None:
         """Let an executor make the calls of this node from now on, or rospy's threads.
@@ -384,17 +382,15 @@ class NodeScope(OldMethods, ResourceOwner):
             callback.attach(ready)
 
     def callbacks(self) -> Iterator[Callback]:
-        """Return the callbacks of this node, but not those of nodes that it hosts."""
-        for thing in list(self._made):
+        """Return the callbacks of this node, without those of hosted nodes."""
+        for thing in list(self._owned):
             if isinstance(thing, Callback):
                 yield thing
             elif isinstance(thing, NodeScope) and thing._context is self._context:
                 yield from thing.callbacks()
 
-    def _new_publisher(
-        self, name: str, data_class: type, latch: bool, lifespan: float
-    ) -> Publisher:
-        return Publisher(name, data_class, latch, lifespan)
+    def _new_publisher(self, name: str, data_class: type, *options: Any) -> Publisher:
+        return Publisher(name, data_class, *options)
 
     def _new_timer(self, scheduler: Scheduler, group: CallbackGroup, *options: Any) -> NodeTimer:
         return NodeTimer(scheduler, group, *options)

@@ -1,4 +1,4 @@
-"""Call back when parameters have changed, in a callback group."""
+"""Callbacks for changes of parameters."""
 
 from typing import Any, Callable
 
@@ -11,7 +11,7 @@ from nodekit.validation import check_function
 
 
 class ChangeCallback(CoalescingCallback):
-    """Called with changes of declared parameters, from what it knows to what is in force now.
+    """Callback for changes of declared parameters, from the last reported values to the current.
 
     :param group: the callback's group
     :param live: the parameters
@@ -29,9 +29,9 @@ class ChangeCallback(CoalescingCallback):
         self._reported = live.values
 
     def start(self) -> None:
-        """Call back for changes from now on, and for one that has been."""
-        self._live.add_listener(self.ring)
-        self.ring()
+        """Report changes from now on, and one that has happened before."""
+        self._live.add_listener(self.trigger)
+        self.trigger()
 
     def _report_change(self) -> None:
         old, self._reported = self._reported, self._live.values
@@ -40,12 +40,12 @@ class ChangeCallback(CoalescingCallback):
 
 
 class ParameterCallback(CoalescingCallback):
-    """Called with a parameter that nobody has declared: at the start, and when it changes.
+    """Callback for an undeclared parameter: at the start, and when it changes.
 
     :param group: the callback's group
     :param key: global name
-    :param watcher: reads the server
-    :param callback: called with the value, None where it is not set
+    :param watcher: polls the parameter server
+    :param callback: called with the value, None if it is not set
     """
 
     kind = "follow"
@@ -55,19 +55,19 @@ class ParameterCallback(CoalescingCallback):
     ) -> None:
         super().__init__(group, lambda: callback(self._value), key)
         check_function(callback, key)
-        #: What is to be opened before the first ring.
+        #: To be opened before the first trigger.
         self.followed = FollowedParameter(key, watcher, self._on_value)
         self._value = self.followed.first()
 
     def start(self) -> None:
-        """Call back with the value there is; to be called when :attr:`followed` was opened."""
-        self.ring()
+        """Report the current value; call this once :attr:`followed` is open."""
+        self.trigger()
 
     def close(self) -> None:
-        """Call back no more."""
+        """Start no new calls, and stop following the parameter."""
         super().close()
         self.followed.close()
 
     def _on_value(self, value: Any) -> None:
         self._value = value
-        self.ring()
+        self.trigger()

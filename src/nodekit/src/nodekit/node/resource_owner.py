@@ -1,4 +1,4 @@
-"""What somebody has made is theirs, and is closed with them."""
+"""ResourceOwner: owns resources, and closes them with itself."""
 
 import threading
 import time
@@ -19,77 +19,77 @@ CLOSE_WAIT_S = 1.0
 
 
 class Closed(RuntimeError):
-    """Something was to be made by what is closed."""
+    """Error of an owner that is closed and creates nothing."""
 
 
 class ResourceOwner:
-    """Has things opened, and closes them.
+    """Opens resources through a start queue, and closes them together.
 
-    :param start_queue: opens them at the node's start, or at once after it
+    :param start_queue: opens them at the node's start, later ones at once
     """
 
     def __init__(self, start_queue: StartQueue) -> None:
         self._start_queue = start_queue
-        self._made: List[Any] = []
+        self._owned: List[Any] = []
         self._closed = False
         self._lock = threading.Lock()
 
     def own(self, thing: Thing) -> Thing:
-        """Close something with the rest.
+        """Close a resource together with the others.
 
         :param thing: anything with a method ``close``
-        :returns: the thing
+        :returns: the resource
         :raises Closed: if the owner is closed
         """
         with self._lock:
             if self._closed:
-                raise Closed(f"{self} is closed and creates nothing more")
-            self._made.append(thing)
+                raise Closed(f"{self} is closed and cannot create anything")
+            self._owned.append(thing)
         return thing
 
     def disown(self, thing: object) -> None:
-        """Forget something that was closed.
+        """Remove a resource that was closed.
 
-        :param thing: what :meth:`own` was given
+        :param thing: argument of :meth:`own`
         """
         with self._lock:
-            self._made = [other for other in self._made if other is not thing]
+            self._owned = [other for other in self._owned if other is not thing]
 
     def close(self) -> None:
-        """Close all that was made, the latest first; without effect a second time.
+        """Close all resources, the latest first; a second call has no effect.
 
-        No callback of it begins after this has returned. Those under way are waited for, but not
-        the caller's own, and not for longer than :data:`CLOSE_WAIT_S`.
+        None of their callbacks begins after this has returned. Running callbacks are waited for,
+        but not the caller's own, and not for longer than :data:`CLOSE_WAIT_S`.
         """
         groups: Set[CallbackGroup] = set()
         with registration.together():
-            self._shut(groups)
+            self._close_all(groups)
         deadline = time.monotonic() + CLOSE_WAIT_S
         for group in groups:
             group.wait_until_left(max(0.0, deadline - time.monotonic()))
 
     def _open(self, thing: Thing) -> Thing:
-        """Own a thing, and open it now or at the start."""
+        """Own a resource, and open it now or at the start."""
         self.own(thing)
         self._start_queue.add([thing])
         return thing
 
-    def _shut(self, groups: Set[CallbackGroup]) -> None:
-        """Close everything without waiting.
+    def _close_all(self, groups: Set[CallbackGroup]) -> None:
+        """Close all resources without waiting for callbacks.
 
-        :param groups: takes in the groups whose callbacks may be under way
+        :param groups: collects the groups whose callbacks may be running
         """
         with self._lock:
             self._closed = True
-            made, self._made = self._made, []
-        self._start_queue.forget(made)
-        for thing in reversed(made):
+            owned, self._owned = self._owned, []
+        self._start_queue.remove(owned)
+        for thing in reversed(owned):
             try:
                 if isinstance(thing, ResourceOwner):
-                    thing._shut(groups)
+                    thing._close_all(groups)
                 else:
                     if isinstance(thing, Callback):
                         groups.add(thing.group)
                     thing.close()
-            except Exception:  # what fails must not keep the rest open
+            except Exception:  # one failure must not leave the others open
                 rospy.logerr("closing %s failed:\n%s", thing, traceback.format_exc())

@@ -1,4 +1,4 @@
-"""Open what nodes have made: nothing before their constructors have returned, then all together."""
+"""StartQueue: opens the resources of nodes together, once their constructors have returned."""
 
 import threading
 from typing import Any, Iterable, List, Optional, Union
@@ -15,47 +15,47 @@ from nodekit.rospy_internals import registration
 
 
 class StartQueue:
-    """Keeps what is made until the start; from then on, opens it at once."""
+    """Keeps resources until the start; opens later ones at once."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._noted: Optional[List[Any]] = []
+        self._waiting: Optional[List[Any]] = []
 
     @property
     def has_started(self) -> bool:
-        """Whether what is made is opened at once."""
-        return self._noted is None
+        """Whether resources are opened at once."""
+        return self._waiting is None
 
     def add(self, things: List[Any]) -> None:
-        """Open things now or at the start.
+        """Open resources now or at the start.
 
         :param things: publishers, services, subscriptions, parameters, timers
         """
         with self._lock:
-            if self._noted is not None:
-                self._noted += things
+            if self._waiting is not None:
+                self._waiting += things
                 return
         _open_together(things)
 
-    def forget(self, things: Iterable[Any]) -> None:
-        """Do not open things that were closed before the start.
+    def remove(self, things: Iterable[Any]) -> None:
+        """Remove resources that were closed before the start.
 
-        :param things: some of those that were added
+        :param things: some that were added
         """
         gone = set(map(id, things))
         with self._lock:
-            if self._noted is not None:
-                self._noted = [thing for thing in self._noted if id(thing) not in gone]
+            if self._waiting is not None:
+                self._waiting = [thing for thing in self._waiting if id(thing) not in gone]
 
     def start(self) -> None:
-        """Open what has been made up to now."""
+        """Open the resources created so far."""
         with self._lock:
-            noted, self._noted = self._noted, None
-        _open_together(noted or [])
+            waiting, self._waiting = self._waiting, None
+        _open_together(waiting or [])
 
 
 def _open_together(things: List[Any]) -> None:
-    """Open things with a few requests to the master, those last that begin to call back."""
+    """Open resources with a few requests to the master, those with callbacks last."""
     subscriptions = [thing for thing in things if isinstance(thing, Subscription)]
     with registration.together():
         for thing in things:
@@ -65,7 +65,7 @@ def _open_together(things: List[Any]) -> None:
             subscription.open()
     for subscription in subscriptions:
         subscription.receive_latched()
-    # Another thread may have closed some of the rest by now, or does so while it is opened.
+    # Another thread may close some of the rest, before or while they are opened.
     rest = [
         thing
         for thing in things

@@ -1,4 +1,4 @@
-"""The timers of a node: in its callback group, and following its parameters."""
+"""Timers of a node, which run in a callback group and can follow its parameters."""
 
 import itertools
 import threading
@@ -16,25 +16,25 @@ Rate = Union[float, Callable[[], float]]
 
 
 class NodeTimer(Callback):
-    """A function that is called at a rate, in a group.
+    """Callback that is called at a fixed rate, in a group.
 
-    Where the group is taken when a call is due, the thread that leaves it makes the call, or the
-    executor when it can; a tick that comes meanwhile is left out, and counted.
+    If the group is taken when a call is due, the thread that leaves it makes the call, or the
+    executor when it can; further ticks until then are skipped and counted.
 
-    :param scheduler: who says when a call is due
+    :param scheduler: dispatches the calls when they are due
     :param group: the function's group
-    :param rate: calls a second, Hz; 0 pauses. Of a function the result, see :meth:`follow`
-    :param callback: called with the time since the first call, s
-    :param catch_up: lateness up to which calls are made up for, s
+    :param rate: calls per second [Hz], or a function that returns it; 0 pauses
+    :param callback: called with the time since the first call [s]
+    :param catch_up: lateness up to which missed calls are made up for [s]
     :param what: names it in the log
-    :raises ValueError: if the rate is a number that no timer can keep
+    :raises ValueError: if a timer cannot keep the rate
     """
 
     kind = "timer"
-    #: Held for a moment, while a rate is set; one for all.
+    #: Shared by all, held only to set a rate.
     _lock = threading.Lock()
-    #: Numbers the questions for rates.
-    _questions = itertools.count(1)
+    #: Numbers of the calls of rate functions, in order.
+    _queries = itertools.count(1)
 
     def __init__(
         self,
@@ -51,11 +51,11 @@ class NodeTimer(Callback):
         self._scheduler = scheduler
         self._rate = rate
         self._is_started = False
-        #: The latest question for its rate that was answered, and the rate set.
+        #: Number of the latest query whose rate is set.
         self._answered = 0
 
     def attach(self, ready: Optional[ReadyQueue]) -> None:
-        """Have the calls made by an executor, or none; see :meth:`.Callback.attach`."""
+        """Set the executor that makes the calls; see :meth:`.Callback.attach`."""
         super().attach(ready)
         calls = self.calls
         self._timer.dispatch = self.group.offer if calls is None else calls.put
@@ -65,52 +65,52 @@ class NodeTimer(Callback):
 
     @property
     def skipped(self) -> int:
-        """Calls that were left out so far, because they would have come too late."""
+        """Number of calls skipped so far because they were late."""
         return self._timer.skipped
 
     def set_rate(self, rate: float) -> None:
         """Change the rate with immediate effect.
 
-        :param rate: calls a second, Hz; 0 pauses
-        :raises ValueError: if it is not one to keep; the old one stays
+        :param rate: calls per second [Hz]; 0 pauses
+        :raises ValueError: if a timer cannot keep it; the old rate stays
         """
         self._timer.set_rate(rate)
 
-    def follow(self) -> None:
-        """Ask for the rate, where it is a function; one that fails leaves the old rate."""
+    def update_rate(self) -> None:
+        """Call the rate function, if there is one; keep the old rate if it raises an exception."""
         if callable(self._rate) and self._is_started:
-            question = next(self._questions)
+            query = next(self._queries)
             try:
                 rate = self._rate()
                 with self._lock:
-                    if question > self._answered:  # or it has been asked since, and answered
-                        self._answered = question
+                    if query > self._answered:  # else a later query has set its rate
+                        self._answered = query
                         self._timer.set_rate(rate)
             except Exception as error:
-                rospy.logerr("%s keeps its rate: %s: %s", self.what, type(error).__name__, error)
+                rospy.logerr("%s: rate unchanged: %s: %s", self.what, type(error).__name__, error)
 
     def close(self) -> None:
-        """Make no call any more."""
+        """Stop the timer, and start no new calls."""
         super().close()
         self._timer.close()
 
     @staticmethod
     def start_together(timers: Iterable["NodeTimer"]) -> None:
-        """Begin to call timers; see :meth:`.Scheduler.start`.
+        """Start timers together; see :meth:`.Scheduler.start`.
 
         :param timers: new ones
         """
         by_scheduler: Dict[Scheduler, List[Timer]] = {}
         for timer in timers:
             timer._is_started = True
-            timer.follow()
+            timer.update_rate()
             by_scheduler.setdefault(timer._scheduler, []).append(timer._timer)
         for scheduler, started in by_scheduler.items():
             scheduler.start(started)
 
 
 class ParameterRates:
-    """The timers of a node whose rates follow its parameters."""
+    """Rates of timers that follow the parameters of a node."""
 
     __slots__ = ("_timers",)
 
@@ -118,13 +118,13 @@ class ParameterRates:
         self._timers: Tuple[NodeTimer, ...] = ()
 
     def add(self, timer: NodeTimer) -> None:
-        """Have a timer follow until it is closed.
+        """Update a timer until it is closed.
 
-        :param timer: one whose rate is a function
+        :param timer: a timer whose rate is a function
         """
         self._timers = (*(other for other in self._timers if not other.closed), timer)
 
-    def follow(self) -> None:
-        """Ask for all rates, as parameters have changed."""
+    def update(self) -> None:
+        """Update all rates after a change of parameters."""
         for timer in self._timers:
-            timer.follow()
+            timer.update_rate()

@@ -1,8 +1,8 @@
-"""What rclpy's Node gives, on rospy.
+"""rclpy's Node on rospy.
 
-This module is the front door. What is named here is public and stable; the rest may change. Each
-name is imported when it is first used: a program that only judges parameters does without rospy,
-and :mod:`nodekit.entry_point` is there before it.
+The names here are public and stable; modules below may change. Each name is imported at its first
+use, so that a program that only validates parameters does not import rospy, and
+:mod:`nodekit.entry_point` runs before it.
 """
 
 import importlib
@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Dict
 
 from nodekit.deprecated import OLD_NAMES, warn_once
 
-if TYPE_CHECKING:  # the same once more, for type checkers and editors
+if TYPE_CHECKING:  # the same names for type checkers and editors
     from nodekit.executors import MultiThreadedExecutor as MultiThreadedExecutor
     from nodekit.executors import SingleThreadedExecutor as SingleThreadedExecutor
     from nodekit.groups.callback_groups import CallbackGroup as CallbackGroup

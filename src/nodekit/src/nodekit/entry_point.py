@@ -1,4 +1,4 @@
-"""The first lines of a node's process, before rospy is imported, and the last ones."""
+"""Start of a node's process, before rospy is imported, and its end."""
 
 import contextlib
 import importlib
@@ -18,7 +18,7 @@ def main(node: str) -> None:
         _replace_closed_output()
         with _ended_by_interrupt():
             import_ros()
-            _judge_namespace()
+            _check_namespace()
             module = importlib.import_module(node)
         module.main()
     except KeyboardInterrupt:
@@ -36,8 +36,8 @@ def run_command(name: str) -> None:
 def end(status: object) -> NoReturn:
     """End the process with a status that no further signal changes.
 
-    Python gives up its handlers before it has ended, so that a SIGTERM soon after a SIGINT would
-    kill it; what is ignored stays so. Called by the main thread.
+    Python resets its handlers before it has ended, so that a SIGTERM soon after a SIGINT would kill
+    it; an ignored signal stays ignored. Must be called by the main thread.
 
     :param status: as for ``sys.exit``
     """
@@ -47,7 +47,7 @@ def end(status: object) -> NoReturn:
 
 
 def _replace_closed_output() -> None:
-    """Let a node write where it was started without an output, as by ``>&-``: nobody reads it.
+    """Replace an output that is closed at the start, as by ``>&-``, by the null device.
 
     Python has no object for it then, and the first line of rospy's log would end the node.
     """
@@ -58,10 +58,10 @@ def _replace_closed_output() -> None:
 
 @contextlib.contextmanager
 def _ended_by_interrupt() -> Iterator[None]:
-    """End the process at Ctrl-C, at once.
+    """End the process at once on Ctrl-C.
 
-    Much of what is imported takes any exception for something optional that is missing: one that
-    Ctrl-C raised would be swallowed now and then, and the node start all the same.
+    Many imported modules treat any exception as a missing optional module: a KeyboardInterrupt
+    could be lost there, and the node would start after all.
     """
     before = signal.getsignal(signal.SIGINT)
     if before is not signal.default_int_handler:  # ignored, as in the background of a script
@@ -74,8 +74,8 @@ def _ended_by_interrupt() -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-def _judge_namespace() -> None:
-    """End with a sentence where rospy could not be imported because of its namespace."""
+def _check_namespace() -> None:
+    """End with one line if rospy cannot be imported because of its namespace."""
     names = importlib.import_module("nodekit.node.name_rules")
     try:
         names.check_namespace(os.environ, sys.argv)
@@ -84,26 +84,25 @@ def _judge_namespace() -> None:
 
 
 def import_ros() -> None:
-    """Leave out what ROS imports and a node does not need: a third of the time of all imports.
+    """Import ROS without modules that a node does not need: this saves a third of the import time.
 
-    The messages import numpy wherever it is installed, only to take its numbers as well as
-    Python's: 30 ms and 14 MB (measured on Debian 12). roslib imports catkin's search for files,
-    which rospy never asks for, and that a parser generator: 40 ms. Both are there again for
-    whoever wants them afterwards.
+    Messages import numpy if it is installed, only to accept its numbers as well: 30 ms and 14 MB
+    (measured on Debian 12). roslib imports catkin's file search, which rospy never uses, and with
+    it a parser generator: 40 ms. Both can be imported normally afterwards.
     """
     with _stand_in("numpy", None):
         importlib.import_module("genpy.message")
     catkin = "catkin.find_in_workspaces"
-    with _stand_in(catkin, _late(catkin, "find_in_workspaces")):
+    with _stand_in(catkin, _lazy(catkin, "find_in_workspaces")):
         importlib.import_module("roslib.packages")
 
 
 @contextlib.contextmanager
 def _stand_in(name: str, module: Optional[types.ModuleType]) -> Iterator[None]:
-    """Put a module in place of another, unless that is there already.
+    """Put a module in place of another that is not imported yet.
 
     :param name: full name of the module
-    :param module: what is imported instead; None for an ImportError
+    :param module: the module to import instead; None for an ImportError
     """
     if name in sys.modules:
         yield
@@ -116,8 +115,8 @@ def _stand_in(name: str, module: Optional[types.ModuleType]) -> Iterator[None]:
             del sys.modules[name]
 
 
-def _late(name: str, function: str) -> types.ModuleType:
-    """Return a module with a function that imports the true one when it is called.
+def _lazy(name: str, function: str) -> types.ModuleType:
+    """Return a module with one function, which imports the real module when called.
 
     :param name: full name of the module
     :param function: name of the function

@@ -13,7 +13,7 @@ import rospy
 from roscpp.srv import GetLoggers, GetLoggersRequest
 
 from nodekit import ManagedNode, Node, NodeScope, abort, host
-from nodekit.managed import interface
+from nodekit.managed import lifecycle_services
 
 
 class Driver(ManagedNode):
@@ -49,6 +49,6 @@ class Driver(ManagedNode):
 
 
 if __name__ == "__main__":
-    interface.END_WAIT_S = 5.0  # a busy machine may need more than it has as a rule
+    lifecycle_services.END_WAIT_S = 5.0  # a busy machine may need more than it has as a rule
     names = [name for name in sys.argv[1:] if ":=" not in name]
     host("drivers", [(name, "/", Driver) for name in names])

@@ -78,7 +78,7 @@ class Clients(unittest.TestCase):
         patience = 4.0 * TIMEOUT_S
         futures = [client.call_async(SetBoolRequest(data), patience) for data in wanted]
         self.assertEqual([future.result().success for future in futures], wanted)
-        wait_until(lambda: not client.under_way, lambda: str(client.under_way))
+        wait_until(lambda: not client.running_calls, lambda: str(client.running_calls))
 
     def test_done_is_told_in_the_group(self) -> None:
         self.server()
@@ -111,7 +111,7 @@ class Clients(unittest.TestCase):
         with self.assertRaises(CallTimeout):
             future.result()
         wait_until(lambda: told == [future], lambda: str(told))
-        self.assertEqual(client.under_way, set())
+        self.assertEqual(client.running_calls, set())
 
     def test_hanging_master_costs_the_time_out_too(self) -> None:
         client = self.node.create_client("slow", Trigger)
@@ -133,7 +133,7 @@ class Clients(unittest.TestCase):
         self.assertTrue(future.cancel())
         with self.assertRaisesRegex(CallCancelled, f"the call of {self.space}/slow was cancelled"):
             future.result()
-        wait_until(lambda: not client.under_way, lambda: "its thread still waits")
+        wait_until(lambda: not client.running_calls, lambda: "its thread still waits")
         self.assertTrue(future.cancelled() and future.done())
 
     def test_closing_ends_what_is_under_way(self) -> None:
@@ -163,7 +163,7 @@ class Clients(unittest.TestCase):
         client = self.node.create_client("slow", Trigger)
         for _ in range(MOST_CALLS):
             client.call_async(TriggerRequest(), TIMEOUT_S)
-        with self.assertRaisesRegex(CallError, f"{MOST_CALLS} calls are under way already"):
+        with self.assertRaisesRegex(CallError, f"{MOST_CALLS} calls are running already"):
             client.call_async(TriggerRequest())
         client.close()
 

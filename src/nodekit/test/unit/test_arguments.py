@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from nodekit.node.name_rules import IllegalName
-from nodekit.process.arguments import ArgumentError, judge
+from nodekit.process.arguments import ArgumentError, check
 
 URI = "http://localhost:11311"
 
@@ -18,7 +18,7 @@ URI = "http://localhost:11311"
     ["_rate:=5", "_on:=true", "_text:=a: b", "_x:=[1, {a: .nan}]", "_empty:=", "x:=y", "5"],
 )
 def test_what_makes_sense(argument):
-    judge("node", {}, ["node.py", argument])
+    check("node", {}, ["node.py", argument])
 
 
 @pytest.mark.parametrize(
@@ -36,13 +36,13 @@ def test_what_makes_sense(argument):
 def test_parameter_that_the_server_cannot_take_is_named(argument):
     sentence = re.escape(f"argument '{argument}': must have one YAML value")
     with pytest.raises(ArgumentError, match="^" + sentence):
-        judge("node", {}, ["node.py", "_rate:=5", argument])
+        check("node", {}, ["node.py", "_rate:=5", argument])
 
 
 @pytest.mark.parametrize("uri", [URI, URI + "/", "http://127.0.0.1", "http://[::1]:1/"])
 def test_addresses_of_a_master(uri):
-    judge("node", {"ROS_MASTER_URI": uri}, [])
-    judge("node", {"ROS_MASTER_URI": "garbage"}, ["__master:=" + uri])
+    check("node", {"ROS_MASTER_URI": uri}, [])
+    check("node", {"ROS_MASTER_URI": "garbage"}, ["__master:=" + uri])
 
 
 @pytest.mark.parametrize(
@@ -53,9 +53,9 @@ def test_addresses_of_a_master(uri):
 def test_address_that_is_none_is_named_with_its_source(uri):
     must_be = f"'{uri}': must be the URI of a ROS master, such as {URI}"
     with pytest.raises(ArgumentError, match=re.escape("ROS_MASTER_URI " + must_be)):
-        judge("node", {"ROS_MASTER_URI": uri}, [])
+        check("node", {"ROS_MASTER_URI": uri}, [])
     with pytest.raises(ArgumentError, match=re.escape("__master " + must_be)):
-        judge("node", {"ROS_MASTER_URI": URI}, ["__master:=" + uri])
+        check("node", {"ROS_MASTER_URI": URI}, ["__master:=" + uri])
 
 
 def test_names_are_judged():
@@ -65,7 +65,7 @@ def test_names_are_judged():
         ("node", {}, ["__ns:=a b"]),
     ):
         with pytest.raises(IllegalName, match="a b"):
-            judge(name, environ, argv)
+            check(name, environ, argv)
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from nodekit.node.name_rules import (
     is_legal_name,
     check_base_name,
     check_namespace,
-    judged,
+    checked,
 )
 from nodekit.node.names import Names
 
@@ -24,7 +24,7 @@ def test_name_rules(name):
 def test_illegal_names_are_told_with_what_a_name_may_be(name):
     assert not is_legal_name(name)
     with pytest.raises(IllegalName) as error:
-        judged(name, "topic")
+        checked(name, "topic")
     assert str(error.value) == (
         f"topic '{name}': must be letters (a-z, A-Z), digits and underscores, separated by "
         "single slashes"

@@ -9,7 +9,7 @@ import rospy
 import yaml
 from std_srvs.srv import Trigger
 
-from nodekit.commands.calling import ending_with_a_sentence
+from nodekit.commands.request_errors import exit_on_error
 from nodekit.executors import SERVICE
 from nodekit.master import MasterClient
 from nodekit.node.clients import call_service
@@ -27,7 +27,7 @@ def main() -> None:
     )
     parser.add_argument("node", metavar="NODE", help="name of the node")
     node = rosgraph.names.make_global_ns(parser.parse_args(rospy.myargv()[1:]).node).rstrip("/")
-    with ending_with_a_sentence("callbacks", node):
+    with exit_on_error("callbacks", node):
         master = MasterClient("/callbacks")
         if master.lookup_service(f"{node}/{SERVICE}") is None:
             sys.exit(f"callbacks: {node} has no executor; {master.who_offers(SERVICE, node)}")

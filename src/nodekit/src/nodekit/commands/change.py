@@ -8,7 +8,7 @@ import rosgraph
 import rospy
 import yaml
 
-from nodekit.commands.calling import ending_with_a_sentence
+from nodekit.commands.request_errors import exit_on_error
 from nodekit.master import MasterClient
 from nodekit.node.parameter_client import ChangeRefused, ParameterClient
 from nodekit.parameter_server.services import CHANGE
@@ -32,7 +32,7 @@ def main() -> None:
         settings = _settings(arguments.settings)
     except (ValueError, LookupError, yaml.YAMLError) as error:
         parser.error(str(error))
-    with ending_with_a_sentence("change", arguments.namespace):
+    with exit_on_error("change", arguments.namespace):
         sys.exit(_change(rosgraph.names.make_global_ns(arguments.namespace), settings))
 
 

@@ -11,7 +11,7 @@ import rospy
 import yaml
 from std_srvs.srv import Trigger
 
-from nodekit.commands.calling import ending_with_a_sentence
+from nodekit.commands.request_errors import exit_on_error
 from nodekit.master import MasterClient
 from nodekit.node.clients import CallError, call_service
 from nodekit.parameter_server.services import DESCRIBE
@@ -35,7 +35,7 @@ def main() -> None:
     parser.add_argument("namespace", metavar="NAMESPACE", help="a node or a group; / for all")
     parser.add_argument("--yaml", action="store_true", help="print YAML for programs to read")
     arguments = parser.parse_args(rospy.myargv()[1:])
-    with ending_with_a_sentence("describe", arguments.namespace):
+    with exit_on_error("describe", arguments.namespace):
         sys.exit(_describe(rosgraph.names.make_global_ns(arguments.namespace), arguments.yaml))
 
 

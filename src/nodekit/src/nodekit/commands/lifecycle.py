@@ -9,7 +9,7 @@ import rospy
 
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
-from nodekit.commands.calling import ending_with_a_sentence
+from nodekit.commands.request_errors import exit_on_error
 from nodekit.lifecycle_states import NotAllowed, State, requested
 from nodekit.master import MasterClient
 from nodekit.node.clients import CallError, call_service
@@ -26,7 +26,7 @@ def main() -> None:
     node = getattr(arguments, "node", None)
     node = node and rosgraph.names.make_global_ns(node).rstrip("/")
     try:
-        with ending_with_a_sentence("lifecycle", node or "a node"):
+        with exit_on_error("lifecycle", node or "a node"):
             master = MasterClient("/lifecycle")
             if node and master.lookup_service(f"{node}/{SERVICE}") is None:
                 hint = master.who_offers(SERVICE, node)

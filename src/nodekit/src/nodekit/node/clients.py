@@ -1,4 +1,4 @@
-"""Call services, with a time-out and without waiting where one would wait for ever."""
+"""Clients of services, with time-outs and without deadlocks."""
 
 import concurrent.futures
 import contextlib
@@ -27,48 +27,48 @@ from nodekit.validation import (
     check_wait,
 )
 
-#: How long a call takes at most where the user does not say, s.
+#: Default time-out of a call [s].
 TIMEOUT_S = 5.0
-#: How long a node may take to answer whoever only looks, s.
+#: Default time-out of a single query [s].
 ANSWER_S = 2.0
-#: Most calls of one client that are under way at once.
+#: Most calls of one client at the same time.
 MOST_CALLS = 200
-#: Time between two looks for a service that is not there yet, s, and between two lines about it.
-_LOOK_EVERY_S, _TELL_EVERY_S = 0.1, 1.0
+#: Pauses between two probes of a missing service, and between two log lines about it [s].
+_PROBE_EVERY_S, _LOG_EVERY_S = 0.1, 1.0
 
 
 class CallError(rospy.ServiceException):
-    """A call without an answer; the text names the service and says why."""
+    """Error of a call without a response; the text names the service and the reason."""
 
 
 class CallTimeout(CallError):
-    """A call that was not answered in time."""
+    """Error of a call without a response in time."""
 
 
 class CallCancelled(CallError):
-    """A call that was cancelled, or ended by the end of its node."""
+    """Error of a call that was cancelled, or ended with its node."""
 
 
 class NestedCall(CallError):
-    """A call that would wait for its own caller; it is refused."""
+    """Error of a call that would wait for its own caller."""
 
 
 class _Server:
-    """Whoever offers a service at the moment.
+    """Server of a service, looked up for each call.
 
-    :param name: of the service, resolved
-    :param service_class: its type
+    :param name: name of the service, resolved
+    :param service_class: service class
     """
 
     def __init__(self, name: str, service_class: Any) -> None:
         self.name = name
         self._class = service_class
 
-    def serialised(self, request: Any) -> bytes:
-        """Return a request as it is sent.
+    def serialize(self, request: Any) -> bytes:
+        """Return a serialized request.
 
         :param request: of the service's request class
-        :raises CallError: if it is none, or holds what its fields cannot
+        :raises CallError: if it is of another class, or a field has an invalid value
         """
         expected = self._class._request_class
         if not isinstance(request, expected):
@@ -83,12 +83,12 @@ class _Server:
     def _refuse(self, why: str) -> NoReturn:
         raise CallError(f"{self.name} is not called: {why}") from None
 
-    def answer(self, call: ServiceCall, request: bytes) -> Any:
-        """Send a request and wait for the answer.
+    def request(self, call: ServiceCall, request: bytes) -> Any:
+        """Send a request, and return the response.
 
-        :param call: how, and how long
-        :param request: from :meth:`serialised`
-        :raises CallError: if there is no answer
+        :param call: the connection and its time-out
+        :param request: from :meth:`serialize`
+        :raises CallError: if there is no response
         """
         header = {"md5sum": self._class._md5sum, "type": self._class._type}
         try:
@@ -97,10 +97,10 @@ class _Server:
             raise CallError(f"{self.name} sent a malformed reply: {error}") from None
 
     def probe(self, call: ServiceCall) -> Dict[str, str]:
-        """Return what it says of itself, if it could answer.
+        """Return the header of its response to a probe.
 
-        :param call: how, and how long
-        :raises CallError: if it could not
+        :param call: the connection and its time-out
+        :raises CallError: if it does not respond
         """
         self._send(call, {"md5sum": "*", "probe": "1"}, None)
         return call.said
@@ -112,7 +112,7 @@ class _Server:
         except CallFailed as error:
             raise CallError(f"{self.name} replied with an error: {error}") from None
         except (OSError, MasterUnreachable) as error:
-            # The master, too, may be what has taken all the time.
+            # The master may have used up the time.
             if isinstance(error, socket.timeout) or time.monotonic() >= call.deadline:
                 raise CallTimeout(f"{self.name}: no answer within {call.timeout:g} s") from None
             raise CallError(f"{self.name} cannot be called: {error}") from None
@@ -124,17 +124,17 @@ class _Server:
             raise ConnectionError("no node offers it")
         try:
             host, port = host_and_port(found.replace("rosrpc://", "http://", 1))
-            host.encode("idna")  # as connecting to it does
+            host.encode("idna")  # raises what connecting would
         except ValueError as error:
             raise ConnectionError(f"it is offered at {found!r}: {error}") from None
         return host, port
 
 
 class CallFuture(concurrent.futures.Future):
-    """The answer to a call, which comes later, but by the deadline.
+    """Future response to a call, which is done by the deadline.
 
-    :param client: whose
-    :param timeout: longest time to it, s
+    :param client: the client that makes the call
+    :param timeout: time-out of the call [s]
     """
 
     def __init__(self, client: "Client", timeout: float) -> None:
@@ -143,16 +143,16 @@ class CallFuture(concurrent.futures.Future):
         self._call = ServiceCall(timeout)
 
     def result(self, timeout: Optional[float] = None) -> Any:
-        """Wait for the answer.
+        """Wait for the response.
 
-        :param timeout: longest wait, s; at most, and by default, up to the call's own deadline
-        :raises CallTimeout: if there is none in time
+        :param timeout: longest wait [s]; at most, and by default, up to the call's own deadline
+        :raises CallTimeout: if there is no response in time
         :raises CallCancelled: if the call was cancelled
         :raises NestedCall: if the server waits for the calling thread
-        :raises CallError: if the service is not there, or replied with an error
+        :raises CallError: if the service is missing, or replied with an error
         """
         if not self.done():
-            self._client.refuse_nested()
+            self._client.reject_nested()
         left = max(0.0, self._call.deadline - time.monotonic())
         wait = left if timeout is None else min(timeout, left)
         try:
@@ -164,129 +164,131 @@ class CallFuture(concurrent.futures.Future):
             raise CallTimeout(f"{self._client.name}: no answer within {waited:g} s") from None
 
     def cancel(self) -> bool:
-        """Wait for the answer no longer; the server learns of it only if it looks.
+        """Cancel the call; the server notices only if it checks the connection.
 
-        :returns: whether it was cancelled; False where it is done
+        :returns: whether it was cancelled; False if it is done
         """
         is_cancelled = super().cancel()
         self._call.cancel()
         return is_cancelled
 
     def add_done_callback(self, function: Callable[["CallFuture"], Any]) -> None:
-        """Have a function called with this when it is done, in the client's callback group.
+        """Call a function with this future when it is done, in the client's callback group.
 
-        :param function: what to call
-        :raises TypeError: if it is no function, or async
+        :param function: the function
+        :raises TypeError: if it is not callable, or async
         """
         check_function(function, f"{self._client.name}: add_done_callback")
-        super().add_done_callback(lambda _: self._client.done.offer(partial(self._tell, function)))
+        super().add_done_callback(
+            lambda _: self._client.done.offer(partial(self._call_back, function))
+        )
 
-    def _tell(self, function: Callable[["CallFuture"], Any]) -> None:
+    def _call_back(self, function: Callable[["CallFuture"], Any]) -> None:
         self._client.done.call_inside(function, self)
 
     def run(self, request: bytes) -> None:
-        """Make the call, in a thread of its own.
+        """Make the call; run in a thread of its own.
 
-        :param request: serialised
+        :param request: serialized request
         """
         try:
-            answer, error = self._client.server.answer(self._call, request), None
-        except Exception as failure:  # of any kind: it is told where the answer is waited for
-            answer, error = None, failure
-        with contextlib.suppress(concurrent.futures.InvalidStateError):  # cancelled: nobody waits
+            response, error = self._client.server.request(self._call, request), None
+        except Exception as failure:  # of any type: result() raises it
+            response, error = None, failure
+        with contextlib.suppress(concurrent.futures.InvalidStateError):  # cancelled
             if error is None:
-                self.set_result(answer)
+                self.set_result(response)
             else:
                 self.set_exception(error)
-        self._client.under_way.discard(self)
+        self._client.running_calls.discard(self)
 
 
 class Client:
-    """Calls one service; each call has a connection of its own, so that answers never swap.
+    """Client of one service; each call has its own connection, so responses are never swapped.
 
-    :param name: of the service, resolved
-    :param service_class: its type
-    :param done: calls back when calls are done
-    :raises TypeError: if the class is not that of a service
+    :param name: name of the service, resolved
+    :param service_class: service class
+    :param done: callback for calls that are done
+    :raises TypeError: if the class is not a service class
     """
 
     def __init__(self, name: str, service_class: Any, done: Callback) -> None:
         check_service_class(service_class, name)
         self.name, self.done = name, done
         self.server = _Server(name, service_class)
-        self.under_way: Set[CallFuture] = set()
+        self.running_calls: Set[CallFuture] = set()
         self._is_closed = False
         _clients.add(self)
 
     def call(self, request: Any, timeout: float = TIMEOUT_S) -> Any:
-        """Call the service and wait for the answer.
+        """Call the service, and wait for the response.
 
         :param request: of the service's request class
-        :param timeout: longest wait, s
-        :returns: the answer
-        :raises CallError: if there is none, see :meth:`CallFuture.result`
+        :param timeout: longest wait [s]
+        :returns: the response
+        :raises CallError: if there is no response, see :meth:`CallFuture.result`
         """
-        self.refuse_nested()
+        self.reject_nested()
         return self.call_async(request, timeout).result()
 
     def call_async(self, request: Any, timeout: float = TIMEOUT_S) -> CallFuture:
-        """Call the service.
+        """Call the service without waiting.
 
         :param request: of the service's request class
-        :param timeout: longest time to the answer, s
-        :returns: the answer, which comes later
-        :raises CallError: if the request cannot be sent, or too many are under way
-        :raises ValueError: if the time-out is none
+        :param timeout: longest time to the response [s]
+        :returns: the future response
+        :raises CallError: if the request cannot be sent, or too many calls are running
+        :raises ValueError: if the time-out is invalid
         """
         check_timeout(timeout)
         if self._is_closed or rospy.is_shutdown():
             raise CallCancelled(f"{self.name} is not called: its client is closed")
-        if len(self.under_way) >= MOST_CALLS:
-            raise CallError(f"{self.name} is not called: {MOST_CALLS} calls are under way already")
-        content = self.server.serialised(request)
+        if len(self.running_calls) >= MOST_CALLS:
+            raise CallError(f"{self.name} is not called: {MOST_CALLS} calls are running already")
+        content = self.server.serialize(request)
         future = CallFuture(self, timeout)
-        self.under_way.add(future)
+        self.running_calls.add(future)
         threading.Thread(
             target=future.run, args=(content,), name=f"call of {self.name}", daemon=True
         ).start()
         return future
 
     def wait_for_service(self, timeout: float = math.inf) -> bool:
-        """Wait until the service can be called; say each second that it cannot.
+        """Wait until the service is available; log each second that it is not.
 
-        :param timeout: longest wait, s; by default, until the node ends. With 0 it is looked once,
-            which takes up to 0.1 s where the server does not answer
-        :returns: whether it can be called now
-        :raises ValueError: if the time-out is no number
+        :param timeout: longest wait [s]; by default until the node ends. With 0 the service is
+            probed once, which takes up to 0.1 s if the server does not respond
+        :returns: whether the service is available
+        :raises ValueError: if the time-out is not a number
         """
         check_wait(timeout)
-        began = told = time.monotonic()
+        began = logged = time.monotonic()
         while not (self._is_closed or rospy.is_shutdown()):
             left = began + timeout - time.monotonic()
             with contextlib.suppress(CallError):
-                self.server.probe(ServiceCall(min(max(left, _LOOK_EVERY_S), _TELL_EVERY_S)))
+                self.server.probe(ServiceCall(min(max(left, _PROBE_EVERY_S), _LOG_EVERY_S)))
                 return True
-            if time.monotonic() >= told + _TELL_EVERY_S:
-                told = time.monotonic()
+            if time.monotonic() >= logged + _LOG_EVERY_S:
+                logged = time.monotonic()
                 rospy.loginfo("service %s is not available, waiting again...", self.name)
             if left <= 0.0:
                 break
-            time.sleep(min(_LOOK_EVERY_S, max(0.0, left)))
+            time.sleep(min(_PROBE_EVERY_S, max(0.0, left)))
         return False
 
     def close(self) -> None:
-        """Cancel all calls that are under way, and make none any more."""
+        """Cancel all running calls, and make no others."""
         self._is_closed = True
-        for future in list(self.under_way):
+        for future in list(self.running_calls):
             future.cancel()
 
-    def refuse_nested(self) -> None:
-        """Refuse to wait for a service of this process that waits for the calling thread.
+    def reject_nested(self) -> None:
+        """Reject a call of a service in this process that waits for the calling thread.
 
-        :raises NestedCall: if it does
+        :raises NestedCall: if the service does
         """
-        answering = ServiceCallback.offered.get(self.name)
-        if answering is not None and answering.waits_for_caller():
+        callback = ServiceCallback.offered.get(self.name)
+        if callback is not None and callback.waits_for_caller():
             raise NestedCall(
                 f"{self.name} is not called: it is answered in the callback group or by the thread"
                 " that would wait for it; give the service a group of its own, or call it"
@@ -297,15 +299,15 @@ class Client:
 def call_service(
     name: str, service_class: Any, *fields: Any, timeout: float = ANSWER_S
 ) -> CallFuture:
-    """Call a service once, without a node's class, as a command or another node's tool does.
+    """Call a service once, without a node's class, for commands and tools.
 
     :param name: global name of the service
-    :param service_class: its type
-    :param fields: of the request, in their order
-    :param timeout: longest time to the answer, s
-    :returns: the answer, which comes later
+    :param service_class: service class
+    :param fields: fields of the request, in their order
+    :param timeout: longest time to the response [s]
+    :returns: the future response
     :raises CallError: if the request cannot be sent
-    :raises ValueError: if the time-out is none
+    :raises ValueError: if the time-out is invalid
     """
     done = Callback(NoGroup(), lambda function, future: function(future), name)
     client = Client(name, service_class, done)
@@ -313,14 +315,14 @@ def call_service(
 
 
 def probe_service(name: str, timeout: float = ANSWER_S) -> Dict[str, str]:
-    """Ask a service of any type what it is, without calling it.
+    """Return the type of a service and the name of its node, without calling it.
 
     :param name: global name of the service
-    :param timeout: longest wait, s
-    :returns: what its server says of itself: ``type`` and ``md5sum`` of the service, ``callerid``
-        for the name of the node
-    :raises CallError: if it does not answer
-    :raises ValueError: if the time-out is none
+    :param timeout: longest wait [s]
+    :returns: the server's header: ``type`` and ``md5sum`` of the service, ``callerid`` for the name
+        of the node
+    :raises CallError: if the service does not respond
+    :raises ValueError: if the time-out is invalid
     """
     check_timeout(timeout)
     return _Server(name, None).probe(ServiceCall(timeout))

@@ -1,7 +1,7 @@
-"""End a process that was forked in a callback, when the callback has ended.
+"""Guard of callbacks that fork: a child process ends with the callback.
 
-Otherwise it would go on where its parent does, with that one's connections: read what others send
-to the parent, publish in its name, or wait for threads that it has not got.
+Otherwise the child would continue in its parent's place, with the parent's connections: read what
+is sent to the parent, publish in its name, or wait for threads that the child does not have.
 """
 
 import contextlib
@@ -10,17 +10,17 @@ import sys
 import traceback
 from typing import Any, Callable, NoReturn, Optional
 
-#: How often this process was forked off since its program was begun.
+#: Number of forks between the start of the program and this process.
 _count = 0
 
 
 def call(function: Callable[..., Any], *arguments: Any) -> Any:
-    """Call a user's function; in a child that is forked meanwhile, this does not return.
+    """Call a user's function; in a child forked by it, do not return.
 
     :param function: the function
-    :param arguments: what to call it with
-    :returns: what it returns
-    :raises BaseException: what it raises
+    :param arguments: its arguments
+    :returns: its result
+    :raises BaseException: its exception
     """
     count = _count
     try:
@@ -35,10 +35,10 @@ def call(function: Callable[..., Any], *arguments: Any) -> Any:
 
 
 def _end_child(error: Optional[BaseException] = None) -> NoReturn:
-    """End this process, and nothing of its parent's: no handler of the end is called.
+    """End this process without calling its parent's exit handlers.
 
-    :param error: what the function has raised: the status is that of a SystemExit, and 1 of any
-        other exception, which is printed
+    :param error: exception of the function: the status is that of a SystemExit, 1 for any other,
+        which is printed
     """
     status = 0
     if isinstance(error, SystemExit):
@@ -47,14 +47,14 @@ def _end_child(error: Optional[BaseException] = None) -> NoReturn:
         status = 1
         traceback.print_exception(type(error), error, error.__traceback__)
     for stream in (sys.stdout, sys.stderr):
-        with contextlib.suppress(Exception):  # closed, or none
+        with contextlib.suppress(Exception):  # closed or None
             stream.flush()
     os._exit(status & 0xFF)
 
 
-def _count_on() -> None:
+def _increment() -> None:
     global _count
     _count += 1
 
 
-os.register_at_fork(after_in_child=_count_on)
+os.register_at_fork(after_in_child=_increment)

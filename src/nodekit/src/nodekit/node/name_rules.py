@@ -1,7 +1,7 @@
-"""What a name may be in ROS: http://wiki.ros.org/Names, as roscpp enforces it.
+"""Rules for names in ROS: http://wiki.ros.org/Names, as roscpp enforces them.
 
-rospy only warns, and ``rosgraph.names.is_legal_name`` lets letters of any script pass. But the
-master refuses blanks and colons, and programs in C++, rosout and ``rosbag record`` among them,
+rospy only warns, and ``rosgraph.names.is_legal_name`` accepts letters of any script. But the
+master rejects blanks and colons, and programs in C++, rosout and ``rosbag record`` among them,
 abort at the first name with a letter beyond ASCII.
 """
 
@@ -13,27 +13,27 @@ from rosgraph.names import get_ros_namespace
 _BASE = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _GLOBAL = re.compile(r"/|(/[A-Za-z0-9_]+)+/?")
 _MUST_BE_BASE = "must be a letter (a-z, A-Z), then letters, digits and underscores"
-#: What :func:`is_legal_name` judges by, in words.
+#: The rule of :func:`is_legal_name`, in words.
 LEGAL_NAME = "must be letters (a-z, A-Z), digits and underscores, separated by single slashes"
 
 
 class IllegalName(ValueError):
-    """A name that ROS does not allow; the text says which, and what a name may be."""
+    """Error of a name that ROS does not allow; the text has the name and the rule."""
 
 
 def is_legal_name(name: str) -> bool:
-    """Tell whether a global name is legal.
+    """Return whether a global name is legal.
 
-    :param name: of a node, topic, service, parameter or namespace
+    :param name: name of a node, topic, service, parameter or namespace
     """
     return _GLOBAL.fullmatch(name) is not None
 
 
-def judged(name: str, what: str = "name") -> str:
-    """Return a global name.
+def checked(name: str, what: str = "name") -> str:
+    """Return a global name after a check.
 
-    :param name: of a node, topic, service, parameter or namespace
-    :param what: what it is the name of, for the error
+    :param name: name of a node, topic, service, parameter or namespace
+    :param what: subject of the name, for the error
     :raises IllegalName: if it is not legal
     """
     if not is_legal_name(name):
@@ -42,7 +42,7 @@ def judged(name: str, what: str = "name") -> str:
 
 
 def check_base_name(name: str) -> None:
-    """Judge the name of a node without its namespace.
+    """Check the name of a node without its namespace.
 
     :raises IllegalName: if it is not legal
     """
@@ -51,9 +51,9 @@ def check_base_name(name: str) -> None:
 
 
 def check_namespace(environ: Mapping[str, str], argv: Sequence[str]) -> None:
-    """Judge the namespace that this process is given by ``__ns`` or ``ROS_NAMESPACE``.
+    """Check the namespace of this process, from ``__ns`` or ``ROS_NAMESPACE``.
 
-    Importing rospy raises where one begins with a tilde.
+    Importing rospy raises an exception if it begins with a tilde.
 
     :param environ: variables of the environment
     :param argv: arguments of the command line
@@ -63,4 +63,4 @@ def check_namespace(environ: Mapping[str, str], argv: Sequence[str]) -> None:
         namespace = get_ros_namespace(environ, argv)
     except ValueError as error:  # private
         raise IllegalName(f"namespace: {error}: {LEGAL_NAME}") from None
-    judged(namespace, "namespace")
+    checked(namespace, "namespace")

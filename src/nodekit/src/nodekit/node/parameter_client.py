@@ -1,4 +1,4 @@
-"""The parameters of another node: what they are, and changes that are answered."""
+"""Client of another node's parameters."""
 
 from typing import Any, Dict, Mapping
 
@@ -14,19 +14,19 @@ from nodekit_msgs.srv import SetParameters
 
 
 class ChangeRefused(ValueError):
-    """A change that a node refuses; the text is what the node says of each value."""
+    """Error of a change that a node rejects; the text is the node's message for each value."""
 
 
 class ParameterClient:
-    """Asks one node for its parameters, and has it change them.
+    """Client that reads and changes the parameters of one node.
 
-    Meant for nodes that describe their parameters, as those of nodekit do. Of any other, each
-    method raises a :class:`.CallError` that names the service it does not offer: its parameters
-    are on the parameter server alone, see :class:`nodekit.master.MasterClient`.
+    The node must describe its parameters, as nodes of nodekit do. For any other node, each method
+    raises a :class:`.CallError` with the name of the missing service: use the parameter server
+    instead, see :class:`nodekit.master.MasterClient`.
 
     :param node: global name of the node
-    :param timeout: longest wait for an answer, s
-    :raises ValueError: if that is none
+    :param timeout: longest wait for a response [s]
+    :raises ValueError: if the time-out is invalid
     """
 
     def __init__(self, node: str, timeout: float = ANSWER_S) -> None:
@@ -34,13 +34,13 @@ class ParameterClient:
         self.node, self._timeout = node.rstrip("/"), timeout
 
     def describe(self) -> Dict[str, Dict[str, Any]]:
-        """Ask for all parameters.
+        """Return the description of all parameters.
 
-        :returns: of each, by name and in the order of declaration, what :func:`nodekit.describe`
-            says: its ``value``, ``type``, ``unit``, ``range``, ``default``, ``help`` and more;
-            :func:`nodekit.parameter_of` makes of it a parameter that judges values
-        :raises CallError: if the node does not answer
-        :raises DescriptionError: if it answers with something else
+        :returns: by name, in the order of declaration, the entry of :func:`nodekit.describe`: its
+            ``value``, ``type``, ``unit``, ``range``, ``default``, ``help`` and more;
+            :func:`nodekit.parameter_of` returns a parameter for it that validates values
+        :raises CallError: if the node does not respond
+        :raises DescriptionError: if the response is malformed
         """
         service = f"{self.node}/{DESCRIBE}"
         answer = call_service(service, Trigger, timeout=self._timeout).result()
@@ -50,21 +50,20 @@ class ParameterClient:
             raise DescriptionError(f"{service} sent a malformed reply: {error}") from None
 
     def get(self) -> Dict[str, Any]:
-        """Ask for the values in force.
+        """Return the current values by name.
 
-        :returns: the values by name
-        :raises CallError: if the node does not answer
-        :raises DescriptionError: if it answers with something else
+        :raises CallError: if the node does not respond
+        :raises DescriptionError: if the response is malformed
         """
         return {name: entry["value"] for name, entry in self.describe().items()}
 
     def change(self, values: Mapping[str, Any]) -> Dict[str, Any]:
-        """Have parameters changed, all of them or none.
+        """Change parameters, all or none.
 
         :param values: new values by name
-        :returns: the values in force of all parameters, by name
-        :raises ChangeRefused: if the node refuses one of them; nothing has changed then
-        :raises CallError: if the node does not answer: then nobody knows what has changed
+        :returns: the current values of all parameters, by name
+        :raises ChangeRefused: if the node rejects one of them; nothing has changed then
+        :raises CallError: if the node does not respond; it is unknown then whether it has changed
         """
         service = f"{self.node}/{CHANGE}"
         text = request_text(values)
@@ -81,10 +80,10 @@ class ParameterClient:
 
 
 def request_text(values: Mapping[str, Any]) -> str:
-    """Return values as a node's ``~change`` takes them.
+    """Return the request for a node's ``~change``.
 
-    :param values: by name
-    :raises ValueError: if one of them is of a kind that no parameter has
+    :param values: new values by name
+    :raises ValueError: if a value has a type that no parameter has
     """
     plain = {name: to_wire(value) for name, value in values.items()}
     try:

@@ -1,6 +1,6 @@
-"""Judge what a node is given from outside, before rospy sees it.
+"""Checks of a node's command line and environment, before rospy reads them.
 
-rospy answers malformed arguments with a traceback, or by waiting for ever.
+rospy reacts to malformed arguments with a traceback, or waits for ever.
 """
 
 import xmlrpc.client
@@ -13,18 +13,18 @@ from rospy.client import load_command_line_node_params
 from nodekit.node import name_rules
 
 _VALUE = (
-    "must have one YAML value after :=, of a kind that the parameter server accepts "
+    "must have one YAML value after :=, of a type that the parameter server accepts "
     "(true, a whole number of 32 bits, 2.5, 'text', or a list or mapping of these)"
 )
 _URI = "must be the URI of a ROS master, such as http://localhost:11311"
 
 
 class ArgumentError(ValueError):
-    """A malformed argument or variable; the text says which, and what it must be."""
+    """Error of a malformed argument or variable; the text has its name and the rule."""
 
 
-def judge(name: str, environ: Mapping[str, str], argv: Sequence[str]) -> None:
-    """Judge names, private parameters and the master's address.
+def check(name: str, environ: Mapping[str, str], argv: Sequence[str]) -> None:
+    """Check names, private parameters and the master's address.
 
     :param name: name of the node, without its namespace
     :param environ: variables of the environment
@@ -34,22 +34,22 @@ def judge(name: str, environ: Mapping[str, str], argv: Sequence[str]) -> None:
     """
     name_rules.check_namespace(environ, argv)
     name_rules.check_base_name(name)
-    _judge_master_uri(environ, argv)
+    _check_master_uri(environ, argv)
     for argument in argv:
-        _judge_parameter(argument)
+        _check_parameter(argument)
 
 
-def _judge_parameter(argument: str) -> None:
-    """Judge an argument that may be one as ``_rate:=5``."""
+def _check_parameter(argument: str) -> None:
+    """Check an argument if it sets a private parameter, such as ``_rate:=5``."""
     try:
         for value in load_command_line_node_params([argument]).values():
-            # There and back: the parser of XML refuses characters that the writer lets pass.
+            # Both ways: the XML parser rejects characters that the writer accepts.
             xmlrpc.client.loads(xmlrpc.client.dumps((value,)))
-    except Exception:  # of any kind: YAML and XML-RPC have many
+    except Exception:  # of any type: YAML and XML-RPC have many
         raise ArgumentError(f"argument '{argument}': {_VALUE}") from None
 
 
-def _judge_master_uri(environ: Mapping[str, str], argv: Sequence[str]) -> None:
+def _check_master_uri(environ: Mapping[str, str], argv: Sequence[str]) -> None:
     source, uri = "ROS_MASTER_URI", ""
     try:
         given = [argument for argument in argv if argument.startswith("__master:=")]
@@ -59,7 +59,7 @@ def _judge_master_uri(environ: Mapping[str, str], argv: Sequence[str]) -> None:
             uri = rosgraph.get_master_uri(environ, argv)
         parts = urlsplit(uri)
         is_valid = parts.scheme == "http" and parts.hostname and parts.port != 0
-    except ValueError:  # a port that is none
+    except ValueError:  # an invalid port
         is_valid = False
     if not is_valid:
         raise ArgumentError(f"{source} '{uri}': {_URI}")

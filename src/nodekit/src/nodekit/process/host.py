@@ -1,4 +1,4 @@
-"""Many nodes in one process, which start together."""
+"""Hosting of many nodes in one process, which start together."""
 
 import resource
 from collections import Counter
@@ -21,25 +21,25 @@ Member = Tuple[str, str, NodeClass]
 def host(name: str, members: Sequence[Member]) -> None:
     """Run nodes in one process until it is shut down, as :func:`.run` does with one.
 
-    :param name: name of the process's own node, which has nothing but its members
+    :param name: name of the process's own node, which only hosts the others
     :param members: base name, namespace and class of each
     """
     run(name, lambda node: host_all(node, members))
 
 
 def host_all(node: Node, members: Sequence[Member]) -> List[Node]:
-    """Have many nodes in one; their parameters are read with a few requests.
+    """Host many nodes in one; read their parameters with a few requests.
 
-    One whose parameters are refused is not started, and the log says why.
+    A node whose parameters are rejected is not started, and the log says why.
 
-    :param node: the node that hosts them
+    :param node: the hosting node
     :param members: base name, namespace and class of each
-    :returns: those that are up
+    :returns: the nodes that are up
     :raises IllegalName: if ROS does not allow a member's name, or two have the same
-    :raises MasterUnreachable: if the master does not answer
+    :raises MasterUnreachable: if the master does not respond
     """
     _allow_many_connections()
-    # Or rospy sends the names of all topics, theirs too, with each line of the log.
+    # Otherwise rospy sends the names of all topics, including theirs, with each log line.
     parameters.cache(parameters.ROSOUT_PARAMETER, True)
     up = []
     names = [Names.hosted(namespace, base).node for base, namespace, _ in members]
@@ -56,6 +56,6 @@ def host_all(node: Node, members: Sequence[Member]) -> List[Node]:
 
 
 def _allow_many_connections() -> None:
-    """Raise the limit of open files as far as this user may: each connection takes one."""
+    """Raise the limit of open files as far as allowed: each connection takes one."""
     _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     resource.setrlimit(resource.RLIMIT_NOFILE, (hard, hard))

@@ -1,6 +1,6 @@
-"""Arguments that roslaunch was given and ignores, as no launch file takes them.
+"""Warnings about arguments of roslaunch that no launch file declares.
 
-A node tells of them, since roslaunch does not: the first one that it has started.
+roslaunch ignores them silently, so the first node that it starts warns.
 """
 
 import contextlib
@@ -16,9 +16,9 @@ from nodekit.parameters.judging import unknown_names
 
 
 def warnings() -> List[str]:
-    """Return what to warn of in this node: a sentence for each argument that is ignored.
+    """Return a warning for each ignored argument.
 
-    :returns: none where something else has started this process, or where it is not the first node
+    :returns: empty if roslaunch has not started this process, or it is not the first node
     """
     process = os.getpid()
     try:
@@ -32,21 +32,21 @@ def warnings() -> List[str]:
                 return found if found and _is_first(process, parent) else []
             process = parent
     except (OSError, ElementTree.ParseError, rospkg.ResourceNotFound):
-        pass  # whatever keeps this from being told, keeps no node from its work
+        pass  # a missing warning must not stop the node
     return []
 
 
 def ignored(words: Sequence[str], folder: str) -> List[str]:
-    """Return a sentence for each argument that is ignored.
+    """Return a warning for each ignored argument of a command line.
 
-    :param words: what was typed after ``roslaunch``
-    :param folder: where it was typed
-    :raises OSError: if there is no such file
-    :raises xml.etree.ElementTree.ParseError: if it is malformed
-    :raises rospkg.ResourceNotFound: if what it includes is not there
+    :param words: arguments of ``roslaunch``
+    :param folder: its working directory
+    :raises OSError: if a launch file cannot be read
+    :raises xml.etree.ElementTree.ParseError: if a launch file is malformed
+    :raises rospkg.ResourceNotFound: if an included package is missing
     """
     given = [word.partition(":=")[0] for word in words if ":=" in word]
-    names = [name for name in given if not name.startswith("_")]  # which are ROS's own
+    names = [name for name in given if not name.startswith("_")]  # those are ROS's own
     paths = _launch_files([word for word in words if ":=" not in word], folder) if names else []
     if not paths:
         return []
@@ -62,22 +62,22 @@ def ignored(words: Sequence[str], folder: str) -> List[str]:
 
 
 def _launch_files(words: Sequence[str], folder: str) -> List[str]:
-    """Return the launch files that a command line names, each by its path or after its package."""
+    """Return the launch files of a command line, named by path or by package and file."""
     paths = []
     for before, word in zip(["", *words], words):
         if word.endswith((".launch", ".xml")):
             found = []
-            with contextlib.suppress(rospkg.ResourceNotFound):  # no package, but an option
+            with contextlib.suppress(rospkg.ResourceNotFound):  # an option instead of a package
                 found = find_resource(before, word) if before else []
             paths.append(str(found[0]) if found else os.path.join(folder, word))
     return paths
 
 
 def _collect(path: str, taken: Set[str], seen: Set[str]) -> None:
-    """Add the arguments that a launch file takes, and hands on to others as they are.
+    """Add the declared arguments of a launch file, and of those it passes all to.
 
-    :param path: of the file
-    :param taken: their names
+    :param path: path of the file
+    :param taken: collects the names
     :param seen: files that were read already
     """
     if path in seen:
@@ -101,7 +101,7 @@ def _resolved(text: str, path: str) -> str:
 
 
 def _is_first(process: int, parent: int) -> bool:
-    """Tell whether a process is the first node that roslaunch has started, its own rosout apart."""
+    """Return whether a process is the first node of roslaunch, apart from its own rosout."""
     numbers = [int(name) for name in os.listdir("/proc") if name.isdigit()]
     return process == min(number for number in numbers if _is_node(number, parent))
 

@@ -1,4 +1,4 @@
-"""The life of a node's process, the same for every node: start, spin, exit status."""
+"""Life of a node's process: start, spin, exit status."""
 
 import importlib
 import os
@@ -21,14 +21,14 @@ from nodekit.rospy_internals import registration, start
 from nodekit.rospy_internals.made import NameTaken
 from nodekit.validation import check_function, check_name
 
-#: A node's class, or a function that makes its object.
+#: A node's class, or a function that returns its object.
 NodeClass = Callable[[Node], object]
 
 EXIT_OK, EXIT_REFUSED = 0, 1
-#: What the process ends with, unless its start is refused.
+#: Exit status of the process, unless its start is refused.
 _status = EXIT_OK
 
-#: Longest wait for a start that is under way when the node is told to end, s.
+#: Longest wait for a running start when the node is told to end [s].
 _START_WAIT_S = 1.0
 
 
@@ -36,17 +36,17 @@ def run(name: str, cls: NodeClass) -> None:
     """Run a node until it is shut down, then end the process.
 
     The exit status is 0 after SIGINT, SIGTERM, SIGHUP or ``rosnode kill``, and 1
-    where the start was refused because of an argument, a name, a parameter or an
-    unreachable master, or where the node gave up.
+    if the start was refused because of an argument, a name, a parameter or an
+    unreachable master, or if the node called :func:`abort`.
 
-    :param name: name of the node where none is given by ``__name``
+    :param name: name of the node unless ``__name`` is given
     :param cls: the node's class, called with the process's :class:`.Node`
-    :raises TypeError: if the name is no text, or the class cannot be called
+    :raises TypeError: if the name is not text, or the class not callable
     """
     check_name(name, "run: name, which comes first")
     check_function(cls, "run: class")
     try:
-        arguments.judge(rospy.names.get_mappings().get("__name", name), os.environ, sys.argv)
+        arguments.check(rospy.names.get_mappings().get("__name", name), os.environ, sys.argv)
         start.register_signals()
         _tighten_timer_slack()
         _wait_for_master(name)
@@ -77,28 +77,28 @@ def abort(why: object) -> None:
 
 
 def init_node(name: str) -> Node:
-    """Make this process a node of the graph, whose class is to be made and started next.
+    """Make this process a node of the graph; its class is created and started next.
 
-    :func:`run` does this; a test that has a node within itself calls it instead of
+    :func:`run` does this; a test with a node in its own process calls it instead of
     ``rospy.init_node``.
 
-    :param name: name of the node where none is given by ``__name``
-    :returns: what its class makes everything through
-    :raises MasterUnreachable: if the master does not answer
+    :param name: name of the node unless ``__name`` is given
+    :returns: the node, an argument of its class
+    :raises MasterUnreachable: if the master does not respond
     """
     start.apply_patches()
     with start.looking_often():
         rospy.init_node(name, disable_signals=True)
-    # The watcher also registers the node again, should the master be restarted.
+    # The watcher also registers the node again after a restart of the master.
     registration.take_over(get_watcher().client.request)
     return Node()
 
 
 def _tighten_timer_slack() -> None:
-    """Have the kernel wake threads on time, not up to 50 us later as it does to save energy.
+    """Let the kernel wake threads on time, not up to 50 us later to save energy.
 
-    Holds for the calling thread and for those that it starts from now on, see ``proc(5)``.
-    Where the kernel has no such setting, nothing changes.
+    Applies to the calling thread and those it starts from now on, see ``proc(5)``. Nothing changes
+    if the kernel has no such setting.
     """
     try:
         with open("/proc/self/timerslack_ns", "w") as slack:
@@ -108,32 +108,31 @@ def _tighten_timer_slack() -> None:
 
 
 def _wait_for_master(name: str) -> None:
-    """Wait until the master answers or the node is told to end.
+    """Wait until the master responds or the node is told to end.
 
-    ``rospy.init_node`` waits too, but holds a lock that the answer to a signal needs.
+    ``rospy.init_node`` waits too, but holds a lock that its signal handler needs.
     """
-    told = False
+    is_logged = False
     with MasterClient("/" + name, timeout=1.0) as master:
         while not rospy.is_shutdown():
             try:
                 master.read([])
                 return
             except MasterUnreachable as error:
-                if not told:
+                if not is_logged:
                     rospy.logwarn("waiting for the master: %s", error)
-                    told = True
+                    is_logged = True
                 time.sleep(0.1)
 
 
 def _start_beside(name: str, cls: NodeClass) -> List[object]:
-    """Start a node in a thread of its own, while this one stays free for signals.
+    """Start a node in a thread of its own, so that this one can handle signals.
 
-    rospy answers a signal by talking to the master, over a connection with a
-    lock. In the very thread that was registering a topic over it, it would wait
-    for itself for ever.
+    rospy handles a signal by a request to the master, over a connection with a lock. In a thread
+    that is registering a topic over it, it would deadlock.
 
-    :returns: the node and the class's object, none where a signal came first
-    :raises Exception: what the start raised, unless the node is shutting down
+    :returns: the node and the object of its class; empty if a signal came first
+    :raises Exception: from the start, unless the node is shutting down
     """
     made: List[object] = []
     errors: List[BaseException] = []
@@ -160,12 +159,12 @@ def _start_beside(name: str, cls: NodeClass) -> List[object]:
 
 
 def selected_class(cls: NodeClass, node: str, held: Any) -> NodeClass:
-    """Return a node's class, or that of a managed node which makes it at configure.
+    """Return a node's class, or a managed node's class that creates it at configure.
 
     :param cls: the class
     :param node: global name of the node
-    :param held: the raw value of its private parameters; ``managed`` of them says which
-    :raises ParameterError: if that is no truth value
+    :param held: raw value of its private parameters; ``managed`` selects the class
+    :raises ParameterError: if ``managed`` is not a truth value
     """
     known = OwnParameters.declared
     given = {name: held[name] for name in known if name in held} if isinstance(held, dict) else {}
@@ -175,7 +174,7 @@ def selected_class(cls: NodeClass, node: str, held: Any) -> NodeClass:
         raise error.in_namespace(node) from None
     if not own.managed:
         return cls
-    # Imported only where it is wanted: it takes time and memory.
+    # Imported only if needed: it takes time and memory.
     wrapped: NodeClass = importlib.import_module("nodekit.managed.managed_adapter").managed_class(
         cls
     )

@@ -1,4 +1,4 @@
-"""How commands end where somebody does not answer."""
+"""Errors of requests to a node, as messages of a command."""
 
 import contextlib
 import sys
@@ -9,11 +9,11 @@ from nodekit.node.clients import CallError
 
 
 @contextlib.contextmanager
-def ending_with_a_sentence(command: str, node: str) -> Iterator[None]:
-    """End a command where somebody does not answer, and at Ctrl-C; never with status 0.
+def exit_on_error(command: str, node: str) -> Iterator[None]:
+    """End a command if the master or the node does not respond, and on Ctrl-C.
 
-    :param command: its name
-    :param node: who is asked
+    :param command: name of the command
+    :param node: name of the node
     """
     try:
         yield

@@ -358,10 +358,10 @@ class Table(Managed):
         self.assertEqual(self.state(), "inactive")
 
     def claims(self) -> bool:
-        """Tell whether a request is judged by the table, not refused as one is under way."""
+        """Return whether a request is rejected by the table, not because a transition is running."""
         with self.assertLogs("rosout", "WARNING") as logged:
             self.assertFalse(self.change("cleanup"))
-        return "not allowed" in logged.output[0]
+        return "is not allowed in the state" in logged.output[0]
 
     def test_executor_makes_the_calls(self) -> None:
         driver = self.driver(on_configure=lambda: names.append(threading.current_thread().name))

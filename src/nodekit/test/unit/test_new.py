@@ -47,16 +47,19 @@ def test_names_that_are_allowed(name: str) -> None:
 @pytest.mark.parametrize(
     "name, why",
     [
-        ("", "must be small letters"),
-        *((name, "must be small letters") for name in ("a", "1a", "Robot", "my-robot", "a b")),
-        *((name, "must be small letters") for name in ("a__b", "ab_", "_ab", "a/b", "ab\n", "ä1")),
+        ("", "must be lowercase letters"),
+        *((name, "must be lowercase letters") for name in ("a", "1a", "Robot", "my-robot", "a b")),
+        *(
+            (name, "must be lowercase letters")
+            for name in ("a__b", "ab_", "_ab", "a/b", "ab\n", "ä1")
+        ),
         *((name, "already used by Python") for name in ("class", "json", "sys", "yaml")),
         ("package_name", "already used by Python"),
         ("my_old_package", "there is one in /somewhere/my_old_package"),
     ],
 )
 def test_names_that_are_refused(name: str, why: str) -> None:
-    with pytest.raises(new.Refused) as caught:
+    with pytest.raises(new.NewPackageError) as caught:
         new.check_name(name, Packages())
     assert str(caught.value).startswith(f"package name '{name}': {why}")
 
@@ -65,14 +68,14 @@ def test_what_is_there_stays(tmp_path: pathlib.Path) -> None:
     (tmp_path / "first_robot").mkdir()
     (tmp_path / "second_robot").write_text("mine")
     for name in ("first_robot", "second_robot"):
-        with pytest.raises(new.Refused, match=f"{name} cannot be created: File exists$"):
+        with pytest.raises(new.NewPackageError, match=f"{name} cannot be created: File exists$"):
             new.make(name, tmp_path, TEMPLATE)
     assert list((tmp_path / "first_robot").iterdir()) == []
     assert (tmp_path / "second_robot").read_text() == "mine"
 
 
 def test_a_folder_that_is_not_there_is_not_made(tmp_path: pathlib.Path) -> None:
-    with pytest.raises(new.Refused, match="cannot be created: No such file or directory$"):
+    with pytest.raises(new.NewPackageError, match="cannot be created: No such file or directory$"):
         new.make("first_robot", tmp_path / "none", TEMPLATE)
     assert list(tmp_path.iterdir()) == []
 
@@ -80,7 +83,9 @@ def test_a_folder_that_is_not_there_is_not_made(tmp_path: pathlib.Path) -> None:
 def test_a_package_within_a_package_is_refused(tmp_path: pathlib.Path) -> None:
     outer = new.make("first_robot", tmp_path, TEMPLATE)
     before = sorted(outer.rglob("*"))
-    with pytest.raises(new.Refused, match="is inside the package .*/first_robot, where catkin"):
+    with pytest.raises(
+        new.NewPackageError, match="is inside the package .*/first_robot, where catkin"
+    ):
         new.make("second_robot", outer / "src", TEMPLATE)
     assert sorted(outer.rglob("*")) == before
 
@@ -97,13 +102,13 @@ def test_nothing_stays_of_what_could_not_be_written(
         path.touch()
 
     monkeypatch.setattr(pathlib.Path, "write_text", write_text)
-    with pytest.raises(new.Refused, match="cannot be created: No space left on device$"):
+    with pytest.raises(new.NewPackageError, match="cannot be created: No space left on device$"):
         new.make("first_robot", tmp_path, TEMPLATE)
     assert len(written) == 3 and list(tmp_path.iterdir()) == []
 
 
 def test_the_workspace_is_the_one_around_wherever_one_stands_in_it(tmp_path: pathlib.Path) -> None:
-    with pytest.raises(new.Refused, match="is not in a workspace"):
+    with pytest.raises(new.NewPackageError, match="is not in a workspace"):
         new.source_folder(tmp_path)
     (tmp_path / "src").mkdir()
     package = new.make("first_robot", tmp_path / "src", TEMPLATE)

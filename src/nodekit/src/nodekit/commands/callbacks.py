@@ -14,12 +14,12 @@ from nodekit.executors import SERVICE
 from nodekit.master import MasterClient
 from nodekit.node.clients import call_service
 
-#: Keys of which the table shows milliseconds.
+#: Keys of times, which the table shows in ms.
 _TIMES = ("longest", "longest_wait")
 
 
 def main() -> None:
-    """Print what a node with an executor says of its callbacks."""
+    """Print the report of a node with an executor about its callbacks."""
     parser = argparse.ArgumentParser(
         prog="callbacks",
         description="List the callbacks of a running node that uses an executor: how much is"
@@ -38,7 +38,7 @@ def main() -> None:
 def as_table(entries: List[Dict[str, Any]]) -> str:
     """Return callbacks as lines of text with aligned columns.
 
-    :param entries: what the node says of each
+    :param entries: the node's report of each
     """
     rows = [list(entries[0])] if entries else []
     for entry in entries:

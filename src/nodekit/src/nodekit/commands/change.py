@@ -15,7 +15,7 @@ from nodekit.parameter_server.services import CHANGE
 
 
 def main() -> None:
-    """Change parameters of one node: all or, where one is refused, none."""
+    """Change parameters of one node: all, or none if one is refused."""
     parser = argparse.ArgumentParser(
         prog="change",
         description="Change parameters of a running node: all or, where one is refused, none.",

@@ -17,16 +17,16 @@ from nodekit.node.clients import CallError, call_service
 from nodekit.parameter_server.services import DESCRIBE
 from nodekit.parameters.schema import DescriptionError, as_table, description_in
 
-#: How long those that answer may keep others that did waiting, for the order of the names, s.
+#: Longest wait for all responses before printing, so that names are in order [s].
 _ORDER_S = 0.5
-#: Most nodes that are asked at a time.
+#: Most nodes that are queried at a time.
 _TOGETHER = 50
 
 
 def main() -> None:
-    """Print what the nodes below a namespace say of their parameters.
+    """Print the descriptions of parameters of the nodes below a namespace.
 
-    A table is as wide as the terminal, 80 columns where there is none, or COLUMNS.
+    A table is as wide as the terminal, 80 columns without one, or COLUMNS.
     """
     parser = argparse.ArgumentParser(
         prog="describe",
@@ -51,7 +51,7 @@ def _describe(namespace: str, wants_yaml: bool) -> int:
 
 
 def _describe_together(names: List[str], wants_yaml: bool) -> bool:
-    """Describe nodes, those that are slow to answer last; tell whether all have answered."""
+    """Describe nodes, slow ones last; return whether all have responded."""
     calls = {name: call_service(f"{name}/{DESCRIBE}", Trigger) for name in names}
     _, late = futures.wait(calls.values(), _ORDER_S)
     columns = shutil.get_terminal_size().columns
@@ -64,7 +64,11 @@ def _describe_together(names: List[str], wants_yaml: bool) -> bool:
             print(f"describe: {name} does not answer: {error}", file=sys.stderr)
             missing += 1
             continue
-        except (DescriptionError, LookupError, TypeError):  # of that name, but somebody else's
+        except (
+            DescriptionError,
+            LookupError,
+            TypeError,
+        ):  # a service of that name from another kind of node
             print(f"describe: {name}/{DESCRIBE} does not describe parameters", file=sys.stderr)
             missing += 1
             continue

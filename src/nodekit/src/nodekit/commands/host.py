@@ -32,7 +32,7 @@ def member(text: str) -> Member:
 
     :param text: ``MODULE:CLASS``, or the same with ``NAME=`` in front
     :returns: its base name, namespace and class
-    :raises argparse.ArgumentTypeError: if it names nothing that there is
+    :raises argparse.ArgumentTypeError: if the name is illegal or the class missing
     """
     name, _, place = text.rpartition("=")
     module, _, cls = place.partition(":")

@@ -14,9 +14,9 @@ from nodekit.lifecycle_states import NotAllowed, State, requested
 from nodekit.master import MasterClient
 from nodekit.node.clients import CallError, call_service
 
-#: What managed nodes are known by: a service of which nobody else has the name.
+#: Service that only managed nodes offer.
 SERVICE = "get_transition_graph"
-#: Longest wait for a transition where the user does not say, s.
+#: Default time-out of a transition [s].
 TRANSITION_S = 60.0
 
 
@@ -33,7 +33,7 @@ def main() -> None:
                 sys.exit(f"lifecycle: {node} is not a managed node; {hint}")
             names = [node] if node else master.namespaces_offering(SERVICE)
             sys.exit(arguments.verb(names, arguments))
-    except ValueError as error:  # a time-out that is none
+    except ValueError as error:  # an invalid time-out
         sys.exit(f"lifecycle: {error}")
 
 

@@ -12,19 +12,19 @@ from typing import Dict, Optional
 
 import rospkg
 
-#: What stands in the template, in its texts and in its paths, for the name of the package.
+#: Placeholder of the package name in the template's texts and paths.
 PLACEHOLDER = "package_name"
-#: What REP 144 allows, and Python as well.
+#: Names that both REP 144 and Python allow.
 _NAME = re.compile(r"[a-z](_?[a-z0-9])+")
-_MUST_BE = "must be small letters, digits and single underscores, a letter first, at least two"
+_MUST_BE = "must be lowercase letters, digits and single underscores, a letter first, at least two"
 
 
-class Refused(Exception):
-    """What cannot be made; the text is the sentence for the user."""
+class NewPackageError(Exception):
+    """Error of a package that cannot be created; the text is for the user."""
 
 
 def main() -> None:
-    """Make a package that builds, runs and passes its test."""
+    """Create a package that builds, runs and passes its test."""
     parser = argparse.ArgumentParser(
         prog="new",
         description="Create a package with a node, its live parameters, its launch file and its"
@@ -39,31 +39,33 @@ def main() -> None:
     try:
         check_name(arguments.name, packages)
         folder = arguments.folder or source_folder(pathlib.Path.cwd())
-        made = make(arguments.name, pathlib.Path(folder), template)
-    except Refused as refusal:
-        sys.exit(f"new: {refusal}")
-    print(f"made {made}\nnext: build the workspace with catkin_make, source devel/setup.bash, then")
+        created = make(arguments.name, pathlib.Path(folder), template)
+    except NewPackageError as error:
+        sys.exit(f"new: {error}")
+    print(
+        f"made {created}\nnext: build the workspace with catkin_make, source devel/setup.bash, then"
+    )
     print(f"  roslaunch {arguments.name} my_node.launch")
 
 
 def check_name(name: str, packages: rospkg.RosPack) -> None:
-    """Judge the name of a package that does not exist yet.
+    """Check the name of a new package.
 
-    :param packages: knows those that exist
-    :raises Refused: if the name is not allowed, or taken
+    :param packages: the existing packages
+    :raises NewPackageError: if the name is not allowed, or taken
     """
     if _NAME.fullmatch(name) is None:
-        raise Refused(f"package name '{name}': {_MUST_BE}")
+        raise NewPackageError(f"package name '{name}': {_MUST_BE}")
     if name == PLACEHOLDER or keyword.iskeyword(name) or _is_taken_by_python(name):
-        raise Refused(f"package name '{name}': already used by Python")
+        raise NewPackageError(f"package name '{name}': already used by Python")
     if name in packages.list():
-        raise Refused(f"package name '{name}': there is one in {packages.get_path(name)}")
+        raise NewPackageError(f"package name '{name}': there is one in {packages.get_path(name)}")
 
 
 def _is_taken_by_python(name: str) -> bool:
-    """Tell whether the system has a module of that name.
+    """Return whether the system has a module of that name.
 
-    One in a workspace may be what is left of a package that was removed.
+    A module in a workspace may be left over from a package that was removed.
     """
     spec = importlib.util.find_spec(name)
     if spec is None:
@@ -77,12 +79,14 @@ def source_folder(here: pathlib.Path) -> pathlib.Path:
     """Return the src of the workspace that a folder is in.
 
     :param here: the folder
-    :raises Refused: if it is in none
+    :raises NewPackageError: if it is not in a workspace
     """
     for folder in (here, *here.parents):
         if (folder / "src").is_dir() and not _package_around(folder):
             return folder / "src"
-    raise Refused(f"{here} is not in a workspace: go to one that has a src, or name a FOLDER")
+    raise NewPackageError(
+        f"{here} is not in a workspace: go to one that has a src, or name a FOLDER"
+    )
 
 
 def _package_around(folder: pathlib.Path) -> Optional[pathlib.Path]:
@@ -92,18 +96,20 @@ def _package_around(folder: pathlib.Path) -> Optional[pathlib.Path]:
 
 
 def make(name: str, folder: pathlib.Path, template: pathlib.Path) -> pathlib.Path:
-    """Make a package, or nothing.
+    """Create a package, or nothing on an error.
 
-    :param name: its name, which has been judged
-    :param folder: where to make it
+    :param name: its name, already checked
+    :param folder: the folder to create it in
     :param template: what to make it from
     :returns: its folder
-    :raises Refused: if it cannot be made
+    :raises NewPackageError: if it cannot be made
     """
     folder = folder.resolve()
     package, around = folder / name, _package_around(folder)
     if around:
-        raise Refused(f"{folder} is inside the package {around}, where catkin finds no other")
+        raise NewPackageError(
+            f"{folder} is inside the package {around}, where catkin finds no other"
+        )
     files: Dict[str, str] = {}
     for path in sorted(template.rglob("*")):
         if path.is_file() and path.suffix != ".pyc":
@@ -112,7 +118,7 @@ def make(name: str, folder: pathlib.Path, template: pathlib.Path) -> pathlib.Pat
     try:
         package.mkdir()
     except OSError as error:
-        raise Refused(f"{package} cannot be created: {error.strerror}") from None
+        raise NewPackageError(f"{package} cannot be created: {error.strerror}") from None
     try:
         for relative, text in files.items():
             path = package / relative
@@ -122,5 +128,5 @@ def make(name: str, folder: pathlib.Path, template: pathlib.Path) -> pathlib.Pat
                 path.chmod(path.stat().st_mode | 0o111)
     except OSError as error:
         shutil.rmtree(str(package), ignore_errors=True)
-        raise Refused(f"{package} cannot be created: {error.strerror}") from None
+        raise NewPackageError(f"{package} cannot be created: {error.strerror}") from None
     return package

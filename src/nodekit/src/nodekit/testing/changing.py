@@ -1,4 +1,4 @@
-"""Change parameters of a node, and know when it goes by them."""
+"""Changes of a node's parameters that are in effect on return."""
 
 from typing import Any
 
@@ -8,14 +8,14 @@ from nodekit.node.parameter_client import ParameterClient
 
 
 def change(node: str, **values: Any) -> None:
-    """Change parameters; a message that is sent after this finds the node with the new values.
+    """Change parameters; the node handles later messages with the new values.
 
-    After ``rosparam set`` nothing tells of that: what the log says comes before the node's class
-    hears of it.
+    After ``rosparam set`` there is no such point: the log line comes before the node's class is
+    notified.
 
-    :param node: its global name
-    :param values: by name
-    :raises ChangeRefused: if the node refuses them
+    :param node: global name of the node
+    :param values: new values by name
+    :raises ChangeRefused: if the node rejects one of them
     """
     rospy.wait_for_service(f"{node}/change", 30.0)
     ParameterClient(node, timeout=30.0).change(values)

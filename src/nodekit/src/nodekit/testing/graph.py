@@ -1,4 +1,4 @@
-"""An observer of the ROS graph for tests: it asks the master and needs no node of its own."""
+"""Observer of the ROS graph for tests, which queries the master and is not a node."""
 
 import os
 from typing import Any, Dict, Set
@@ -7,16 +7,16 @@ from xmlrpc.client import ServerProxy
 from nodekit.master import MISSING, MasterClient, Registrations
 from nodekit.testing.waiting import wait_until
 
-#: Longest wait for the master, which tests may keep busy, s.
+#: Longest wait for the master, which tests may keep busy [s].
 _TIMEOUT_S = 30.0
 
 
 class Graph:
-    """What has been added to the graph since this object was made.
+    """Nodes, topics and parameters added to the graph since the creation of this object.
 
-    Nodes that exist already (rosout, the test itself) are left out of every answer. The
-    ``wait_for_…`` methods return as soon as the state is reached and raise AssertionError, saying
-    what was seen instead, when it is not reached in good time.
+    Nodes that existed before (rosout, the test itself) are excluded. The ``wait_for_…`` methods
+    return as soon as the state is reached, and raise an AssertionError with the actual state if it
+    is not reached in time.
     """
 
     def __init__(self, caller_id: str = "/graph_observer") -> None:
@@ -28,7 +28,7 @@ class Graph:
     def nodes(self, under: str = "/") -> Set[str]:
         """Return the names of all nodes that publish, subscribe or serve.
 
-        :param under: start of the names, for one part of the graph
+        :param under: prefix of the names, for a part of the graph
         """
         registered = {
             node for part in self._master.system_state() for _, nodes in part for node in nodes
@@ -44,13 +44,13 @@ class Graph:
         return self._registered(self._master.system_state().subscribers, topic)
 
     def topics(self) -> Dict[str, str]:
-        """Return the type of every topic that anyone has published."""
+        """Return the type of every topic that was ever published."""
         return self._master.topic_types()
 
     def parameter(self, name: str) -> Any:
         """Return a parameter's value, or a namespace of them as a dict.
 
-        :raises KeyError: when there is none
+        :raises KeyError: if it is not set
         """
         value = self._master.read([name]).values[name]
         if value is MISSING:
@@ -81,12 +81,12 @@ class Graph:
             return {name: value for name, _, value in pairs}
 
     def hearers(self, node: str, topic: str) -> Set[str]:
-        """Return the names of the nodes that get what a running node publishes."""
+        """Return the names of the nodes connected to a topic of a running node."""
         connections: Any = self._node(node).getBusInfo(self._caller_id)
         return {entry[1] for entry in connections[2] if entry[2] == "o" and entry[4] == topic}
 
     def niceness(self, node: str) -> int:
-        """Return the scheduling priority of a running node: higher gives way to others."""
+        """Return the niceness of a running node; a higher one has a lower priority."""
         return os.getpriority(os.PRIO_PROCESS, self.pid(node))
 
     def kill(self, node: str) -> None:
@@ -94,13 +94,13 @@ class Graph:
         try:
             self._node(node).shutdown(self._caller_id, "ended by a test")
         except ConnectionError:
-            pass  # it was gone before it had answered
+            pass  # it ended before it had responded
 
     def wait_for_nodes(self, *names: str, under: str = "/") -> None:
-        """Wait until exactly these nodes are there, and have come to the end of init_node.
+        """Wait until exactly these nodes exist, and have finished init_node.
 
         :param names: names of the nodes
-        :param under: look only at nodes whose names start so
+        :param under: prefix of the names to consider
         """
         wait_until(
             lambda: self.nodes(under) == set(names) and self.initialised(*names),
@@ -108,21 +108,21 @@ class Graph:
         )
 
     def initialised(self, *names: str) -> bool:
-        """Return whether all these nodes have come to the end of init_node.
+        """Return whether all these nodes have finished init_node.
 
-        The last thing that a node does there is to offer the service that sets its log level.
+        Its last step is to offer the service that sets the log level.
         """
         services = {service for service, _ in self._master.system_state().services}
         return all(name + "/set_logger_level" in services for name in names)
 
     def wait_until_heard(self, node: str, topic: str, *hearers: str) -> None:
-        """Wait until all these nodes get what a running node publishes.
+        """Wait until all these nodes are connected to a topic of a running node.
 
-        rospy's subscriber calls itself connected when it only begins to connect.
+        rospy's subscriber reports a connection when it only begins to connect.
 
         :param node: name of the publishing node
         :param topic: global name of the topic
-        :param hearers: names of the nodes that are to hear it
+        :param hearers: names of the subscribing nodes
         """
         wait_until(
             lambda: self.hearers(node, topic).issuperset(hearers),

@@ -1,4 +1,4 @@
-"""Read launch files as roslaunch does, without starting anything."""
+"""Launch files, loaded as roslaunch does without starting nodes."""
 
 from typing import Any, Dict, List
 
@@ -9,12 +9,12 @@ from nodekit.testing.launching import launch_file
 
 
 def load_launch(package: str, name: str, *arguments: str) -> ROSLaunchConfig:
-    """Return what roslaunch would start.
+    """Return the configuration that roslaunch would start.
 
-    :param package: the package whose launch file it is
+    :param package: package of the launch file
     :param name: path in its folder launch
-    :param arguments: as they are typed, e.g. ``ns:=robot``
-    :raises roslaunch.RLException: if roslaunch would refuse it
+    :param arguments: arguments as on the command line, e.g. ``ns:=robot``
+    :raises roslaunch.RLException: if roslaunch would reject it
     """
     config, loader = ROSLaunchConfig(), XmlLoader()
     loader.ignore_unset_args = False
@@ -32,7 +32,7 @@ def node_names(config: ROSLaunchConfig) -> List[str]:
 def private_parameters(config: ROSLaunchConfig, node: str) -> Dict[str, Any]:
     """Return the private parameters of a node by name, without ``managed``.
 
-    :param config: what :func:`load_launch` has returned
+    :param config: result of :func:`load_launch`
     :param node: global name of the node
     """
     prefix = node + "/"

@@ -1,4 +1,4 @@
-"""Start launch files from within a test, on the test's own master."""
+"""Launch files started by a test, on the test's own master."""
 
 import os
 import shlex
@@ -15,18 +15,17 @@ from nodekit.testing.waiting import wait_until
 def launch_file(package: str, name: str) -> str:
     """Return the path of a launch file.
 
-    :param package: the package whose it is
+    :param package: package of the launch file
     :param name: path in its folder launch, e.g. ``features/remap.launch``
-    :raises rospkg.ResourceNotFound: if there is no such package
+    :raises rospkg.ResourceNotFound: if the package does not exist
     """
     return os.path.join(rospkg.RosPack().get_path(package), "launch", name)
 
 
 class Process(NamedTuple):
-    """A process at one moment.
+    """Process of a node at one moment.
 
-    :param program: what it runs, e.g. talker.py; of a launch-prefix, the prefix itself until it
-        has become the node (exec)
+    :param program: its program, e.g. talker.py; a launch-prefix until it has become the node (exec)
     :param pid: process id
     """
 
@@ -35,7 +34,7 @@ class Process(NamedTuple):
 
 
 class Launched:
-    """Launch files that are running, and the part of the graph that came with them."""
+    """Running launch files, and the part of the graph that they have added."""
 
     def __init__(self, parent: ROSLaunchParent, graph: Graph) -> None:
         self._parent = parent
@@ -47,13 +46,13 @@ class Launched:
         return {node.namespace + node.name for node in config.nodes} if config else set()
 
     def owns_parameter(self, name: str) -> bool:
-        """Return whether the files set a parameter, or it is private to one of their nodes."""
+        """Return whether a parameter is set by the files, or private to one of their nodes."""
         config = self._parent.config
         private = any(name.startswith(node + "/") for node in self.nodes())
         return private or (config is not None and name in config.params)
 
     def wait_until_up(self) -> None:
-        """Wait until all nodes have come to the end of init_node."""
+        """Wait until all nodes have finished init_node."""
         wait_until(
             lambda: self.graph.initialised(*self.nodes()),
             lambda: f"missing: {sorted(self.nodes() - self.graph.nodes())}",
@@ -64,28 +63,28 @@ class Launched:
         return bool(self._parent.pm.is_shutdown)
 
     def processes(self) -> Dict[str, Process]:
-        """Return the processes that run now by the names of their nodes."""
+        """Return the running processes by the names of their nodes."""
         processes = {}
         for process in list(self._parent.pm.procs):
             try:
                 with open(f"/proc/{process.pid}/cmdline") as line:
                     words = [os.path.basename(word) for word in line.read().split("\0")]
             except OSError:
-                continue  # it has just ended
+                continue  # just ended
             script = words[0].startswith("python") and len(words) > 1
             node = "/" + process.name.rpartition("-")[0]
             processes[node] = Process(words[1] if script else words[0], process.pid)
         return processes
 
     def wait_for_new_process(self, node: str, old: Process) -> None:
-        """Wait until a node has a process with another id."""
+        """Wait until a node has a new process."""
         wait_until(
             lambda: self.processes().get(node, old).pid != old.pid,
             lambda: f"the processes are {self.processes()}",
         )
 
     def machines(self) -> Dict[str, str]:
-        """Return the name of the machine of each node; local ones need none."""
+        """Return the name of the machine of each node; empty for local ones."""
         return {node.namespace + node.name: node.machine.name for node in self._parent.config.nodes}
 
 
@@ -95,7 +94,7 @@ def launched(*commands: str) -> Iterator[Launched]:
 
     Several at once take little longer than one; ``__ns:=`` keeps them apart.
 
-    :param commands: as they are typed after ``roslaunch``: ``basic_comms cw1.launch ns:=a``, or
+    :param commands: arguments of ``roslaunch``: ``basic_comms cw1.launch ns:=a``, or
         a path and arguments
     """
     graph = Graph()

@@ -1,4 +1,4 @@
-"""Parameters that are judged as a node judges its own, without a node and without a master."""
+"""Parameters that are validated as in a node, without a node or a master."""
 
 from typing import Any, Dict, Generic, List, Mapping, Type
 
@@ -7,16 +7,16 @@ from nodekit.parameters.judging import on_wire
 from nodekit.parameters.kinds import ParameterError
 from nodekit.parameters.reconciler import Reconciler, Seen
 
-#: Time between two readings, s: values that do not go together have come to rest by then.
+#: Time between two readings [s]: long enough for inconsistent values to settle.
 _BETWEEN_S = 10.0
 
 
 class OfflineParameters(Generic[Snapshot]):
-    """A node's parameters, and a parameter server that nobody else writes to.
+    """A node's parameters with a parameter server of their own.
 
     :param declaration: the class that declares them
 
-    :ivar server: what the server holds, by name
+    :ivar server: values on the server, by name
     """
 
     def __init__(self, declaration: Type[Snapshot]) -> None:
@@ -26,14 +26,14 @@ class OfflineParameters(Generic[Snapshot]):
 
     @property
     def values(self) -> Snapshot:
-        """The values in force."""
+        """The current values."""
         return self._reconciler.values
 
     def set(self, raw: Mapping[str, Any]) -> List[ParameterError]:
-        """Set values as ``rosparam set`` does, and have them judged when they have come to rest.
+        """Set values as ``rosparam set`` does, and validate them once they have settled.
 
-        :param raw: new values by name, of any kind
-        :returns: what is refused; the good values are put back
+        :param raw: new values by name, of any type
+        :returns: the errors of rejected values, which are reset
         """
         self.server.update(raw)
         again = True
@@ -49,7 +49,7 @@ class OfflineParameters(Generic[Snapshot]):
         """Change all of some values or none, as the service ``~change`` does.
 
         :param values: new values by name
-        :raises ParameterError: if one of them is refused
+        :raises ParameterError: if one of them is rejected
         """
         self._reconciler.adopt(self._reconciler.judge(values), self._now)
         self.server.update(on_wire(self.values))

@@ -1,4 +1,4 @@
-"""Processes that a test starts and ends, a master among them, and a client of the master."""
+"""Processes that a test starts and ends, including a master, and a client of the master."""
 
 import contextlib
 import errno
@@ -16,18 +16,17 @@ import rosgraph
 
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
-#: Ports that Linux gives to nobody who does not name them (its ip_local_port_range begins behind):
-#: one of another test's nodes could have any other before it is made use of. They begin behind
-#: those of ROS itself: 11311, a master's, and 11411, where rosserial listens for boards.
+#: Ports below Linux's ip_local_port_range, whose ports another test's node could get at any time,
+#: and above those of ROS: 11311 of the master, and 11411, where rosserial listens for boards.
 _PORTS = range(12_000, 32_768)
-#: Tests seed the module's own, all alike.
+#: Not the module's generator, which all tests seed alike.
 _random = random.SystemRandom()
 
 
 def free_ports(count: int) -> List[int]:
-    """Return different TCP ports of localhost that nothing listens on.
+    """Return different free TCP ports of localhost.
 
-    :param count: how many
+    :param count: number of ports
     """
     ports: List[int] = []
     with contextlib.ExitStack() as probes:
@@ -44,15 +43,15 @@ def free_ports(count: int) -> List[int]:
 
 
 def free_port() -> int:
-    """Return a TCP port of localhost that nothing listens on."""
+    """Return a free TCP port of localhost."""
     return free_ports(1)[0]
 
 
 class Process:
-    """A Python program of which every line of output is kept.
+    """Process of a Python program, whose output lines are recorded.
 
     :param script: path of the program
-    :param arguments: of the command line
+    :param arguments: arguments of the command line
     :param environment: variables to set on top of the test's own
     """
 
@@ -98,7 +97,7 @@ class Process:
         wait_until(lambda: self.logged(*words), lambda: f"{words} in {self.logged()}")
 
     def interrupt(self) -> int:
-        """Press Ctrl-C; return the exit status."""
+        """Send SIGINT as Ctrl-C does; return the exit status."""
         self.popen.send_signal(signal.SIGINT)
         return self.wait()
 
@@ -110,31 +109,31 @@ class Process:
         return status
 
     def end(self) -> None:
-        """Kill it, if it has not ended yet."""
+        """Kill the process if it is running."""
         self.popen.kill()
         self.wait()
 
 
 class Master:
-    """A master that can be killed and started again; its parameters go with it.
+    """Master that can be killed and started again; a restart loses its parameters.
 
-    :param start_new_session: whether Ctrl-C in a terminal is kept from it
+    :param start_new_session: whether it does not receive Ctrl-C of the terminal
     """
 
     def __init__(self, start_new_session: bool = False) -> None:
         self._start_new_session = start_new_session
-        self._take_port()
-        while self._pid_there() != self._popen.pid:  # another process has taken the port, too
+        self._start_at_free_port()
+        while self._pid_there() != self._popen.pid:  # another process has taken the port
             self.kill()
-            self._take_port()
+            self._start_at_free_port()
 
-    def _take_port(self) -> None:
+    def _start_at_free_port(self) -> None:
         self._port = free_port()
         self.uri = f"http://localhost:{self._port}/"
         self.start()
 
     def start(self) -> None:
-        """Start it and wait until it answers."""
+        """Start the master, and wait until it responds."""
         self._popen = subprocess.Popen(
             ["rosmaster", "--core", "-p", str(self._port)],
             stdout=subprocess.DEVNULL,
@@ -148,18 +147,18 @@ class Master:
             raise
 
     def kill(self) -> None:
-        """End it at once."""
+        """Kill the master."""
         self._popen.kill()
         self._popen.wait(TIMEOUT_S)
 
     def send_signal(self, number: int) -> None:
-        """Send it a signal, as SIGSTOP to have it hang; that is waited for."""
+        """Send a signal; after SIGSTOP, wait until the master is stopped."""
         self._popen.send_signal(number)
         if number == signal.SIGSTOP:
-            wait_until(lambda: is_stopped(self._popen.pid), lambda: "the master goes on")
+            wait_until(lambda: is_stopped(self._popen.pid), lambda: "the master is still running")
 
     def _pid_there(self) -> Optional[int]:
-        """Return the process id of the master that answers, None where none does."""
+        """Return the process id of the master that responds, None without one."""
         try:
             with ServerProxy(self.uri) as proxy:
                 answer: Any = proxy.getPid("/test")
@@ -169,13 +168,13 @@ class Master:
 
 
 def is_stopped(pid: int) -> bool:
-    """Tell whether all threads of a process have been stopped by a signal.
+    """Return whether all threads of a process are stopped by a signal.
 
-    :param pid: its process id
+    :param pid: process id
     """
     states = []
     for thread in os.listdir(f"/proc/{pid}/task"):
-        with contextlib.suppress(FileNotFoundError, ProcessLookupError):  # it has just ended
+        with contextlib.suppress(FileNotFoundError, ProcessLookupError):  # just ended
             with open(f"/proc/{pid}/task/{thread}/stat") as stat:
                 states.append(stat.read().rpartition(")")[2].split()[0])
     return set(states) == {"T"}
@@ -183,24 +182,24 @@ def is_stopped(pid: int) -> bool:
 
 @contextlib.contextmanager
 def hanging(pid: int) -> Iterator[None]:
-    """Have a process hang for a while, which it does at once, however busy the machine is.
+    """Stop a process for a while; it is stopped on entry, however busy the machine is.
 
-    :param pid: its process id
+    :param pid: process id
     """
     os.kill(pid, signal.SIGSTOP)
     try:
-        # Until the thread that takes the signal has had its turn, the others go on.
-        wait_until(lambda: is_stopped(pid), lambda: f"process {pid} goes on")
+        # The other threads run until the one that handles the signal is scheduled.
+        wait_until(lambda: is_stopped(pid), lambda: f"process {pid} is still running")
         yield
     finally:
-        with contextlib.suppress(ProcessLookupError):  # it was killed meanwhile
+        with contextlib.suppress(ProcessLookupError):  # killed meanwhile
             os.kill(pid, signal.SIGCONT)
 
 
 class Server:
-    """The parameter server as some other node sees it.
+    """Parameter server as another node sees it.
 
-    :param uri: of the master; the test's own by default
+    :param uri: URI of the master; the test's own by default
     """
 
     def __init__(self, uri: Optional[str] = None) -> None:
@@ -209,13 +208,13 @@ class Server:
 
     @property
     def master(self) -> Any:
-        """The master's own interface; a connection for each thread."""
+        """The master's XML-RPC interface, with a connection per thread."""
         if not hasattr(self._local, "proxy"):
             self._local.proxy = ServerProxy(self.uri)
         return self._local.proxy
 
     def get(self, key: str) -> Any:
-        """Return a value or a namespace, None where nothing is set."""
+        """Return a value or a namespace, None if it is not set."""
         code, _, value = self.master.getParam("/test", key)
         return value if code == 1 else None
 
@@ -228,7 +227,7 @@ class Server:
         self.master.deleteParam("/test", key)
 
     def knows(self, node: str) -> bool:
-        """Tell whether anything is registered under the name of a node, parameters included."""
+        """Return whether a node has any registration, including parameters."""
         return bool(self.master.lookupNode("/test", node)[0] == 1)
 
     def services(self) -> List[str]:
@@ -244,5 +243,5 @@ class Server:
 
 
 def same(one: Any, other: Any) -> bool:
-    """Compare values as users see them: 1, 1.0 and True are three."""
+    """Return whether values look the same to users: 1, 1.0 and True differ."""
     return repr(one) == repr(other)

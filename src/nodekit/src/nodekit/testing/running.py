@@ -1,4 +1,4 @@
-"""Run the tests of a file under rostest, and tell of all that fails."""
+"""Test runner for rostest that reports all failures."""
 
 import os
 import unittest
@@ -8,15 +8,15 @@ import rostest
 from rosunit import xmlrunner
 
 
-#: Where this variable of the environment is set, a run ends with the first test that fails, as
-#: where it is enough to know that one does: what follows would often wait for the same in vain.
+#: Environment variable that ends a run at the first failing test: later tests would often wait in
+#: vain for the same condition.
 FAIL_FAST = "NODEKIT_TESTS_FAIL_FAST"
-#: The name of the only tests to run, where this variable is set.
+#: Environment variable with the name of the only test to run.
 ONLY = "NODEKIT_TESTS_ONLY"
 
 
 class Result(xmlrunner._XMLTestResult):
-    """What has come out; rosunit's own only counts what fails in a subTest or in setUpClass."""
+    """Result with the errors of subTest and setUpClass, which rosunit's own only counts."""
 
     def __init__(self, name: str) -> None:
         super().__init__(name)
@@ -25,21 +25,21 @@ class Result(xmlrunner._XMLTestResult):
     def addSubTest(self, test: unittest.TestCase, subtest: Any, error: Any) -> None:
         super().addSubTest(test, subtest, error)
         if error is not None:
-            self._error = error  # the whole test's, which is told when it stops
+            self._error = error  # of the whole test, reported when it stops
 
     def addError(self, test: Any, error: Any) -> None:
         super().addError(test, error)
-        if not isinstance(test, unittest.TestCase):  # nothing that starts and stops
+        if not isinstance(test, unittest.TestCase):  # an error of setUpClass
             self._tests.append(xmlrunner._TestInfo.create_error(test, 0.0, error))
 
 
 def rosrun(package: str, name: str, case: Type[unittest.TestCase]) -> None:
-    """Run a test case as ``rostest.rosrun`` does; the results tell why, wherever it failed.
+    """Run a test case as ``rostest.rosrun`` does, with the reason of each failure in the results.
 
     :param package: name of the package
     :param name: name of the test, as in the launch file
-    :param case: the class of the tests
-    :raises SystemExit: with status 1 when a test fails
+    :param case: test case class
+    :raises SystemExit: with status 1 if a test fails
     """
     xmlrunner._XMLTestResult = Result
     if os.environ.get(ONLY):

@@ -1,4 +1,4 @@
-"""A master that can be told to keep a node waiting in the middle of one call."""
+"""Proxy of a master that holds one call of a node until it is released."""
 
 import socketserver
 import threading
@@ -12,14 +12,14 @@ class _Server(socketserver.ThreadingMixIn, SimpleXMLRPCServer):
 
 
 class SlowMaster:
-    """Hands every call on to a real master, one of them only when it is told to.
+    """Proxy that forwards every call to a real master, one of them only on :attr:`go_on`.
 
     :param master_uri: URI of the real master
-    :param method: name of the call that has to wait, e.g. registerService
-    :param ending: how one of its arguments ends, e.g. /set_logger_level
+    :param method: name of the call to hold, e.g. registerService
+    :param ending: suffix of one of its arguments, e.g. /set_logger_level
 
-    :ivar asked: how many calls have come
-    :ivar calls: the names of all calls that have been answered
+    :ivar asked: number of calls received
+    :ivar calls: names of the calls that were answered
     """
 
     def __init__(self, master_uri: str, method: str, ending: str) -> None:
@@ -41,7 +41,7 @@ class SlowMaster:
         return f"http://localhost:{self._server.server_address[1]}"
 
     def close(self) -> None:
-        """Let everything go on, and stop answering."""
+        """Release the held call, and close the server."""
         self.go_on.set()
         self._server.shutdown()
         self._server.server_close()

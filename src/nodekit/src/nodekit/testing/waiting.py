@@ -1,4 +1,4 @@
-"""Wait for a condition instead of sleeping and hoping; have a thread do what has to wait."""
+"""Waiting for conditions in tests, instead of sleeping."""
 
 import threading
 import time
@@ -6,10 +6,9 @@ from typing import Any, Callable, Optional, TypeVar
 
 Value = TypeVar("Value")
 
-#: Long enough for a loaded machine, s: a condition that holds is seen at once all the same.
+#: Default time-out [s], long enough for a loaded machine.
 TIMEOUT_S = 30.0
-#: First and longest pause before it is asked again, s: what holds at once is seen at once, and what
-#: takes long is not slowed down by the questions.
+#: First and longest pause between two polls [s]: short waits end early, long ones poll rarely.
 _SHORTEST_S, _LONGEST_S = 0.001, 0.05
 
 
@@ -20,11 +19,11 @@ def wait_until(
 ) -> Value:
     """Poll until the condition holds.
 
-    :param condition: asked again and again; holds when its answer is truthy
-    :param what: asked only on failure, for the text that says what was missing
-    :param timeout: how long to wait at most, s
-    :returns: the truthy answer
-    :raises AssertionError: when the time is over
+    :param condition: called repeatedly, until its result is truthy
+    :param what: called on failure, for a text that says what was missing
+    :param timeout: longest wait [s]
+    :returns: the truthy result
+    :raises AssertionError: after the time-out
     """
     deadline, pause = time.monotonic() + timeout, _SHORTEST_S
     while True:
@@ -38,11 +37,11 @@ def wait_until(
 
 
 def in_thread(function: Callable[..., Any], *arguments: Any) -> threading.Thread:
-    """Call a function in a thread of its own, which does not keep the process from ending.
+    """Call a function in a daemon thread.
 
-    :param function: what to call
-    :param arguments: what to call it with
-    :returns: the thread, which has been started
+    :param function: the function
+    :param arguments: its arguments
+    :returns: the started thread
     """
     thread = threading.Thread(target=function, args=arguments, daemon=True)
     thread.start()

@@ -4,7 +4,7 @@
 import os
 import time
 
-from nodekit import Maker, ManagedNode, Node, run
+from nodekit import ManagedNode, Node, NodeScope, run
 
 
 class DiaryNode(ManagedNode):
@@ -19,10 +19,10 @@ class DiaryNode(ManagedNode):
         with open(os.environ["DIARY"], "ab", buffering=0) as diary:
             diary.write(f"{time.monotonic()} {self.node.name} {what}\n".encode())
 
-    def on_configure(self, made: Maker) -> None:
+    def on_configure(self, scope: NodeScope) -> None:
         self.write_down("configured")
 
-    def on_activate(self, made: Maker) -> None:
+    def on_activate(self, scope: NodeScope) -> None:
         self.write_down("activated")
 
     def on_deactivate(self) -> None:

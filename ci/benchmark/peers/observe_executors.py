@@ -5,7 +5,13 @@ from typing import Any
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from ci.benchmark.executor_scenarios import CALL_S, TICK_S, Observation, Scenario, print_all
-from nodekit import MultiThreadedExecutor, Node, init_node
+from nodekit import (
+    MultiThreadedExecutor,
+    MutuallyExclusiveCallbackGroup,
+    Node,
+    ReentrantCallbackGroup,
+    init_node,
+)
 
 root = init_node("overlap")
 
@@ -20,13 +26,17 @@ def run(number: int, scenario: Scenario, seen: Observation) -> None:
     class Served:
         def __init__(self, node: Node) -> None:
             MultiThreadedExecutor(scenario.threads).add_node(node)
-            group = node.group(exclusive=not scenario.is_reentrant)
-            timers = group if scenario.is_shared else node.group()
-            node.every(1.0 / TICK_S, seen.tick, group=timers)
-            node.service("slow", Trigger, answer, group=group)
+            group = (
+                MutuallyExclusiveCallbackGroup
+                if not scenario.is_reentrant
+                else ReentrantCallbackGroup
+            )()
+            timers = group if scenario.is_shared else MutuallyExclusiveCallbackGroup()
+            node.create_timer(1.0 / TICK_S, seen.tick, group=timers)
+            node.create_service("slow", Trigger, answer, group=group)
 
     node = root.host("served", f"/scenario{number}", Served)
-    client = root.client(node.resolve("slow"), Trigger)
+    client = root.create_client(node.resolve("slow"), Trigger)
     for call in [client.call_async(TriggerRequest(), 10.0 * CALL_S) for _ in range(2)]:
         call.result()
     node.close()

@@ -36,11 +36,11 @@ class Subject(lifecycle_cases.Subject):
 
         self._node = root.host("subject", f"/case{next(_numbers)}", make)
         made[0].plan, self.calls = plan, made[0].calls
-        self._scope = root.lifetime()
+        self._scope = root.create_scope()
         topic = self._node.resolve("~transition_event")
-        self._scope.subscribe(topic, msg.TransitionEvent, self.add_event)
+        self._scope.create_subscription(topic, msg.TransitionEvent, self.add_event)
         self._clients = {
-            name: self._scope.client(self._node.resolve("~" + name), getattr(srv, kind))
+            name: self._scope.create_client(self._node.resolve("~" + name), getattr(srv, kind))
             for name, kind in lifecycle_cases.SERVICES.items()
         }
 

@@ -435,7 +435,7 @@ class Robots(unittest.TestCase):
             heard.append(command.linear.x)
             commands.publish(STOP)
 
-        node.subscribe("cmd_vel", Twist, stop)
+        node.create_subscription("cmd_vel", Twist, stop)
         node.start()
         commands.publish(Velocity(0.1, 0.0))
         self.assertEqual(heard, [0.1, 0.0])

@@ -40,11 +40,11 @@ class Moments(unittest.TestCase):
         self.node = Node(Names.hosted("/here", "diff_drive"))
         self.addCleanup(self.node.close)
         DiffDrive(self.node)
-        self.node.service("~idle", Trigger, lambda _: TriggerResponse(True, ""))
+        self.node.create_service("~idle", Trigger, lambda _: TriggerResponse(True, ""))
         self.odometry, self.scans = Ear("/here/odom", Odometry), Ear("/here/scan", LaserScan)
         driver = Node(Names.hosted("/here", "driver"))
         self.addCleanup(driver.close)
-        self.commands = driver.publisher("cmd_vel", Twist)
+        self.commands = driver.create_publisher("cmd_vel", Twist)
         driver.start()
         own_name = rospy.get_name()  # the robots beside this test hear /clock too, perhaps earlier
         Graph().wait_until_heard(own_name, "/clock", own_name)

@@ -69,7 +69,7 @@ class Demo(Generic[Settings]):
     """
 
     def __init__(self, node: Node, declaration: Type[Settings]) -> None:
-        self.parameters = node.parameters(declaration, on_change=self._on_change)
+        self.parameters = node.declare_parameters(declaration, on_change=self._on_change)
         self._call_log = CallLog(_print)
         self._executor = self.parameters.values.new_executor()
         self._nodes: List[Node] = []

@@ -34,10 +34,10 @@ class FourTimers(Demo[FourTimersParameters]):
 
         :param group1: that of timer1, and so on
         """
-        self._node.every(self._rate, self.timer1, group=group1)
-        self._node.every(self._rate, self.timer2, group=group2)
-        self._node.every(self._rate, self.timer3, group=group3)
-        self._node.every(self._rate, self.timer4, group=group4)
+        self._node.create_timer(self._rate, self.timer1, group=group1)
+        self._node.create_timer(self._rate, self.timer2, group=group2)
+        self._node.create_timer(self._rate, self.timer3, group=group3)
+        self._node.create_timer(self._rate, self.timer4, group=group4)
 
     def _rate(self) -> float:
         return 1.0 / self.settings.period

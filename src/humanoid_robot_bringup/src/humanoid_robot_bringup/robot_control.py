@@ -15,7 +15,7 @@ from nodekit import (
     FloatParameter,
     Node,
     ParameterSet,
-    give_up,
+    abort,
     run,
 )
 
@@ -64,15 +64,15 @@ class RobotControl:
     """
 
     def __init__(self, node: Node) -> None:
-        self._parameters = node.parameters(RobotControlParameters, self._on_change)
-        self._client = node.client(_CONTROLLER + "/set_goal", SetGoal)
+        self._parameters = node.declare_parameters(RobotControlParameters, self._on_change)
+        self._client = node.create_client(_CONTROLLER + "/set_goal", SetGoal)
         self._progress = Progress()
         self._call: Optional[CallFuture] = None
         self._set_at: Optional[rospy.Time] = None
         self._heard_at = rospy.Time()
-        node.subscribe(_CONTROLLER + "/current_goal", PoseStamped, self._on_goal)
-        node.subscribe(_CONTROLLER + "/progress", Progress, self._on_progress)
-        node.every(1.0, self._tick)
+        node.create_subscription(_CONTROLLER + "/current_goal", PoseStamped, self._on_goal)
+        node.create_subscription(_CONTROLLER + "/progress", Progress, self._on_progress)
+        node.create_timer(1.0, self._tick)
 
     def _tick(self, _elapsed: float) -> None:
         if self._set_at is not None:
@@ -108,7 +108,7 @@ class RobotControl:
         is_new = self._set_at is not None and goal.header.stamp > self._set_at
         if is_new and not self._parameters.values.is_at(goal):
             where = goal.pose.position
-            give_up(f"the robot was sent elsewhere: to x {where.x:g} m, y {where.y:g} m")
+            abort(f"the robot was sent elsewhere: to x {where.x:g} m, y {where.y:g} m")
 
     def _on_progress(self, progress: Progress) -> None:
         self._progress, self._heard_at = progress, rospy.Time.now()
@@ -117,7 +117,7 @@ class RobotControl:
         if is_new and progress.phase == Progress.ARRIVED:
             rospy.signal_shutdown("arrived")
         elif is_new and progress.phase == _GIVEN_UP:
-            give_up(f"the robot makes no progress: {progress.distance:.2f} m are left")
+            abort(f"the robot makes no progress: {progress.distance:.2f} m are left")
 
     def _on_change(self, new: RobotControlParameters, old: RobotControlParameters) -> None:
         self._set_at = self._call = None

@@ -116,7 +116,7 @@ def test_robot_that_somebody_else_sends_elsewhere_is_given_up(
     monkeypatch: "pytest.MonkeyPatch", told: PoseStamped, is_over: bool
 ) -> None:
     given_up: List[str] = []
-    monkeypatch.setattr(robot_control, "give_up", given_up.append)
+    monkeypatch.setattr(robot_control, "abort", given_up.append)
     monkeypatch.setattr(rospy.Time, "now", lambda: rospy.Time(10))
     node: Any = FakeNode()
     RobotControl(node)

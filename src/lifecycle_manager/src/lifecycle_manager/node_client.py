@@ -30,10 +30,12 @@ class NodeClient:
         self.member = member
         self._system = system
         self._on_change = on_change
-        self._heartbeat = node.subscribe(f"{member.name}/heartbeat", Header, self._on_heartbeat)
-        node.subscribe(f"{member.name}/state", State, self._on_state)
-        self._change = node.client(f"{member.name}/change_state", ChangeState)
-        self._get = node.client(f"{member.name}/get_state", GetState)
+        self._heartbeat = node.create_subscription(
+            f"{member.name}/heartbeat", Header, self._on_heartbeat
+        )
+        node.create_subscription(f"{member.name}/state", State, self._on_state)
+        self._change = node.create_client(f"{member.name}/change_state", ChangeState)
+        self._get = node.create_client(f"{member.name}/get_state", GetState)
         self._call: Optional[CallFuture] = None
         self._connections = 0
 

@@ -43,7 +43,7 @@ def find_other_manager(node: Node, names: Sequence[str]) -> Optional[str]:
 
 def _is_there(node: Node, manager: str) -> bool:
     """Tell whether a manager still runs; one that is suspended does."""
-    client = node.client(f"{manager}/is_active", Trigger)
+    client = node.create_client(f"{manager}/is_active", Trigger)
     try:
         client.call(TriggerRequest(), TIMEOUT_S)
     except CallTimeout:

@@ -3,7 +3,7 @@
 
 import sys
 
-from nodekit import Maker, ManagedNode, run
+from nodekit import ManagedNode, NodeScope, run
 
 
 def say(text: str) -> None:
@@ -12,10 +12,10 @@ def say(text: str) -> None:
 
 
 class Driver(ManagedNode):
-    def on_configure(self, made: Maker) -> None:
+    def on_configure(self, scope: NodeScope) -> None:
         say("configure")
 
-    def on_activate(self, made: Maker) -> None:
+    def on_activate(self, scope: NodeScope) -> None:
         say("activate")
 
     def on_deactivate(self) -> None:

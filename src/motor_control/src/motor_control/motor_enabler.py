@@ -8,7 +8,7 @@ from std_msgs.msg import String
 
 from motor_control.enable_sequence import EnableSequence
 from motor_control_msgs.srv import SetProcessBool, SetProcessBoolRequest
-from nodekit import CallError, CallFuture, Node
+from nodekit import CallError, CallFuture, MutuallyExclusiveCallbackGroup, Node
 
 #: Pauses after calls that fail: the first one, and the longest, up to which they double, s.
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.2, 1.0
@@ -37,13 +37,13 @@ class MotorEnabler:
         self._call: Optional[CallFuture] = None
         self._waits_for = "no answer yet"
         self._was_connected = False
-        self._group = node.group()
-        self._motor = node.client("EnableProcess", SetProcessBool, group=self._group)
-        self._subscription = node.subscribe(
+        self._group = MutuallyExclusiveCallbackGroup()
+        self._motor = node.create_client("EnableProcess", SetProcessBool, group=self._group)
+        self._subscription = node.create_subscription(
             "motor_state", String, self._on_state, group=self._group
         )
-        node.every(_CHECK_HZ, self._check_connection, steady=True, group=self._group)
-        node.every(1.0, self._log_waiting, steady=True, group=self._group)
+        node.create_timer(_CHECK_HZ, self._check_connection, steady=True, group=self._group)
+        node.create_timer(1.0, self._log_waiting, steady=True, group=self._group)
 
     @property
     def may_publish(self) -> bool:

@@ -53,7 +53,7 @@ class Fleet:
 
     def __init__(self, node: Node) -> None:
         sys.setswitchinterval(_SWITCH_INTERVAL_S)
-        settings = node.parameters(FleetParameters).values
+        settings = node.declare_parameters(FleetParameters).values
         groups = [f"{settings.prefix}{number}" for number in range(1, settings.count + 1)]
         # The process first, so that it receives the generator's first sample.
         members = host_all(

@@ -13,8 +13,8 @@ class Listener:
     """
 
     def __init__(self, node: Node) -> None:
-        self._log = node.stream_log()
-        node.subscribe("chatter", String, self._on_chatter)
+        self._log = node.create_rate_limited_log()
+        node.create_subscription("chatter", String, self._on_chatter)
 
     def _on_chatter(self, message: String) -> None:
         publisher = message._connection_header["callerid"]

@@ -32,16 +32,16 @@ class Process:
     """
 
     def __init__(self, node: Node) -> None:
-        self._settings = node.parameters(ProcessParameters)
+        self._settings = node.declare_parameters(ProcessParameters)
         self._conditioner = Conditioner()
         self._lateness = LatenessMonitor()
         # time_x follows /clock where there is one.
         self._now = time.monotonic if rospy.rostime.is_wallclock() else rospy.get_time
         self._latest: Optional[float] = None
-        self._publisher = node.publisher("proc_signal", Float32, lifespan=_LIFESPAN_S)
+        self._publisher = node.create_publisher("proc_signal", Float32, lifespan=_LIFESPAN_S)
         self._input = node.resolve("signal")
-        node.subscribe_batches("signal", signal_msg, self._on_signal)
-        node.every(lambda: self._settings.values.rate, self._publish_latest)
+        node.create_batch_subscription("signal", signal_msg, self._on_signal)
+        node.create_timer(lambda: self._settings.values.rate, self._publish_latest)
 
     def _on_signal(self, samples: List[signal_msg]) -> None:
         settings = self._settings.values

@@ -47,7 +47,7 @@ class SignalGenerator:
     """
 
     def __init__(self, node: Node) -> None:
-        self._settings = node.parameters(SignalParameters, on_change=self._on_change)
+        self._settings = node.declare_parameters(SignalParameters, on_change=self._on_change)
         self._source = SignalSource()
         self._enabled = self._settings.values.autostart
         self._run_control = RunControl(self._enabled)
@@ -55,11 +55,11 @@ class SignalGenerator:
         self._wanted: Optional[bool] = None
         self._reset_wanted = False
         self._state = ""
-        self._publisher = node.publisher("signal", signal_msg, lifespan=_LIFESPAN_S)
-        self._status_publisher = node.publisher("~status", String, latch=True)
-        node.service("~enable", SetBool, self._enable)
-        node.service("~reset", Trigger, self._reset)
-        node.every(lambda: self._settings.values.rate, self._publish, catch_up=_CATCH_UP_S)
+        self._publisher = node.create_publisher("signal", signal_msg, lifespan=_LIFESPAN_S)
+        self._status_publisher = node.create_publisher("~status", String, latch=True)
+        node.create_service("~enable", SetBool, self._enable)
+        node.create_service("~reset", Trigger, self._reset)
+        node.create_timer(lambda: self._settings.values.rate, self._publish, catch_up=_CATCH_UP_S)
         self._warn_of_aliasing(self._settings.values)
 
     def _on_change(self, new: SignalParameters, _old: SignalParameters) -> None:

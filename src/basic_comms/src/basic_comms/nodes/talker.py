@@ -34,14 +34,14 @@ class Talker:
     """
 
     def __init__(self, node: Node) -> None:
-        self._settings = node.parameters(TalkerParameters, exempt=["Message"])
+        self._settings = node.declare_parameters(TalkerParameters, exempt=["Message"])
         self._places = candidates(node.name)
         self._texts: Dict[str, Optional[str]] = {}
         for place in self._places:
-            node.follow(place, partial(self._set_text, place))
-        self._publisher = node.publisher("chatter", String)
-        self._log = node.stream_log()
-        node.every(lambda: self._settings.values.rate, self._publish)
+            node.on_parameter(place, partial(self._set_text, place))
+        self._publisher = node.create_publisher("chatter", String)
+        self._log = node.create_rate_limited_log()
+        node.create_timer(lambda: self._settings.values.rate, self._publish)
 
     def _set_text(self, place: str, value: Any) -> None:
         self._texts[place] = as_text(value)

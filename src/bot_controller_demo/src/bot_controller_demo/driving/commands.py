@@ -30,13 +30,13 @@ class Commands:
         if self._is_stamped:
             self._message = TwistStamped()
             self._message.header.frame_id = _FRAME
-        self._publisher = node.publisher("cmd_vel", type(self._message))
+        self._publisher = node.create_publisher("cmd_vel", type(self._message))
         self._last = STOP
         self._is_closed = False
         self._lock = threading.RLock()  # a subscriber in this process may publish in turn
         node.own(self)
         node.before_deactivate(lambda: self.publish(STOP))
-        node.before_end(self.close)
+        node.on_shutdown(self.close)
 
     def publish(self, velocity: Velocity) -> None:
         """Command the robot.

@@ -48,10 +48,10 @@ class Driver:
     def __init__(self, node: Node, parameters: "LiveParameters[Any]") -> None:
         self._parameters = parameters
         self._commands = Commands(node, parameters.values.controller_type)
-        self._progress = node.publisher("~progress", Progress)
+        self._progress = node.create_publisher("~progress", Progress)
         self._progress_message = Progress()
-        self._arrived = node.publisher("~arrived", Bool, latch=True)
-        self._current_goal = node.publisher("~current_goal", PoseStamped, latch=True)
+        self._arrived = node.create_publisher("~arrived", Bool, latch=True)
+        self._current_goal = node.create_publisher("~current_goal", PoseStamped, latch=True)
         self._controller: Optional[GoalController] = None
         self._pose = Pose(0.0, 0.0, 0.0)
         self._stamp = rospy.Time()
@@ -61,7 +61,7 @@ class Driver:
         self._odometry_name = node.resolve("odom")
         self._is_waiting = False
         self._checked: Optional[DrivingParameters] = None
-        node.subscribe("odom", Odometry, self._on_odometry)
+        node.create_subscription("odom", Odometry, self._on_odometry)
 
     def head_for(self, goal: Goal) -> None:
         """Drive to a goal from now on.

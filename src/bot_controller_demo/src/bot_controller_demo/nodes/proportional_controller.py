@@ -52,12 +52,12 @@ class ProportionalController:
     """
 
     def __init__(self, node: Node) -> None:
-        parameters = node.parameters(ProportionalControllerParameters, self._on_change)
+        parameters = node.declare_parameters(ProportionalControllerParameters, self._on_change)
         self._go_to = GoToServer(node, self._accept, self._stop)
         self._driver = Driver(node, parameters)
-        node.subscribe("~goal", PoseStamped, self._on_goal)
-        node.service("~set_goal", SetGoal, self._set_goal)
-        node.every(lambda: parameters.values.control_frequency, self._step)
+        node.create_subscription("~goal", PoseStamped, self._on_goal)
+        node.create_service("~set_goal", SetGoal, self._set_goal)
+        node.create_timer(lambda: parameters.values.control_frequency, self._step)
         self._driver.head_for(parameters.values.goal)
 
     def _step(self, _elapsed: float) -> None:

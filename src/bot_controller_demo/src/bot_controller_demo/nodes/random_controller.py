@@ -60,12 +60,12 @@ class RandomController:
     """
 
     def __init__(self, node: Node) -> None:
-        self._parameters = node.parameters(RandomControllerParameters, self._on_change)
+        self._parameters = node.declare_parameters(RandomControllerParameters, self._on_change)
         self._wanderer = Wanderer(self._parameters.values.seed)
         self._commands = Commands(node, self._parameters.values.controller_type)
         self._has_touched = False
-        node.subscribe("contact", Bool, self._on_contact)
-        node.every(lambda: 1000.0 / self._parameters.values.timer_period_ms, self._drive)
+        node.create_subscription("contact", Bool, self._on_contact)
+        node.create_timer(lambda: 1000.0 / self._parameters.values.timer_period_ms, self._drive)
 
     def _on_change(self, new: RandomControllerParameters, old: RandomControllerParameters) -> None:
         if new.seed != old.seed:

@@ -89,14 +89,14 @@ class TeleopKeyboard:
     """
 
     def __init__(self, node: Node) -> None:
-        self._parameters = node.parameters(TeleopKeyboardParameters, self._on_change)
+        self._parameters = node.declare_parameters(TeleopKeyboardParameters, self._on_change)
         self._commands = Commands(node, self._parameters.values.controller_type)
         self._teleoperation = Teleoperation()
         self._lock = threading.Lock()
         self._terminal = node.own(KeyTerminal(sys.stdin.fileno()))
-        node.before_end(self._terminal.close)
+        node.on_shutdown(self._terminal.close)
         # Keys are held for so long by the machine's clock: /clock may stand still.
-        node.every(lambda: self._parameters.values.rate, self._drive, steady=True)
+        node.create_timer(lambda: self._parameters.values.rate, self._drive, steady=True)
         print(HELP, flush=True)
         self._print_speeds()
         threading.Thread(target=self._read, name="keys", daemon=True).start()

@@ -45,11 +45,11 @@ class WaypointController:
     """
 
     def __init__(self, node: Node) -> None:
-        self._parameters = node.parameters(WaypointControllerParameters, self._on_change)
+        self._parameters = node.declare_parameters(WaypointControllerParameters, self._on_change)
         self._driver = Driver(node, self._parameters)
         self._ahead: List[Goal] = []
         self._has_driven = False
-        node.every(lambda: self._parameters.values.control_frequency, self._step)
+        node.create_timer(lambda: self._parameters.values.control_frequency, self._step)
         self._start()
 
     def _on_change(

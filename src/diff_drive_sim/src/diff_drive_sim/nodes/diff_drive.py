@@ -50,26 +50,26 @@ class DiffDrive:
 
     def __init__(self, node: Node, declaration: Type[RobotParameters] = RobotParameters) -> None:
         self._node = node
-        self._parameters = node.parameters(declaration, on_change=self._on_change)
+        self._parameters = node.declare_parameters(declaration, on_change=self._on_change)
         values = self._parameters.values
         self._robot = Robot(values.robot, values.world, values.initial_pose, values.seed)
         self._messages = RobotMessages(values.frame_prefix, values.laser_x)
         self._scanner: Optional[Scanner] = None
         self._now = rospy.Time()
         self._touched = False
-        self._odom = node.publisher("odom", Odometry)
-        self._truth = node.publisher("ground_truth", Odometry)
-        self._joints = node.publisher("joint_states", JointState)
-        self._tf = node.publisher("/tf", TFMessage)
-        self._scan = node.publisher("scan", LaserScan)
-        self._contact = node.publisher("contact", Bool, latch=True)
-        self._world = node.publisher("world", MarkerArray, latch=True)
+        self._odom = node.create_publisher("odom", Odometry)
+        self._truth = node.create_publisher("ground_truth", Odometry)
+        self._joints = node.create_publisher("joint_states", JointState)
+        self._tf = node.create_publisher("/tf", TFMessage)
+        self._scan = node.create_publisher("scan", LaserScan)
+        self._contact = node.create_publisher("contact", Bool, latch=True)
+        self._world = node.create_publisher("world", MarkerArray, latch=True)
         self._contact.publish(False)
         self._publish_world(values)
         self._subscribe_commands(values)
-        node.service("~reset", Trigger, self._reset)
-        node.every(lambda: self._parameters.values.publish_rate, self._publish_state)
-        node.every(lambda: self._parameters.values.scan_rate, self._publish_scan)
+        node.create_service("~reset", Trigger, self._reset)
+        node.create_timer(lambda: self._parameters.values.publish_rate, self._publish_state)
+        node.create_timer(lambda: self._parameters.values.scan_rate, self._publish_scan)
 
     def _publish_world(self, values: RobotParameters) -> None:
         frame = values.frame_prefix + ODOM
@@ -80,8 +80,8 @@ class DiffDrive:
         stamped = values.controller_type == GAZEBO
         kind = TwistStamped if stamped else Twist
         self._decode = decoder(kind, "controller_type must be the same in both nodes")
-        self._subscription = self._node.lifetime()
-        self._subscription.subscribe("cmd_vel", any_type_as(kind), self._on_command)
+        self._subscription = self._node.create_scope()
+        self._subscription.create_subscription("cmd_vel", any_type_as(kind), self._on_command)
 
     def _on_command(self, raw: Any) -> None:
         message = self._decode(raw)

@@ -79,7 +79,7 @@ class DiffDriveFleet:
     """
 
     def __init__(self, node: Node) -> None:
-        fleet = node.parameters(FleetParameters).values
+        fleet = node.declare_parameters(FleetParameters).values
         members = []
         for number in range(fleet.count):
             own = RobotParameters.with_defaults(**fleet.defaults(number))

@@ -3,7 +3,14 @@
 from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
 
 from executors_demo.demo import Demo, ExecutorParameters, period_of, sleep_of
-from nodekit import BoolParameter, IntParameter, Node, read_once, run
+from nodekit import (
+    BoolParameter,
+    IntParameter,
+    MutuallyExclusiveCallbackGroup,
+    Node,
+    read_once,
+    run,
+)
 
 
 class EmergencyStopParameters(ExecutorParameters):
@@ -35,9 +42,13 @@ class EmergencyStop(Demo[EmergencyStopParameters]):
         self._is_stopped = False
         for number in range(1, self.settings.jobs + 1):
             job = Job(self, f"job{number}")
-            node.every(lambda: 1.0 / self.settings.job_period, job.work, group=node.group())
-        urgent = node.group(urgent=self.settings.urgent)
-        node.service("stop", SetBool, self.stop, group=urgent)
+            node.create_timer(
+                lambda: 1.0 / self.settings.job_period,
+                job.work,
+                group=MutuallyExclusiveCallbackGroup(),
+            )
+        urgent = MutuallyExclusiveCallbackGroup(urgent=self.settings.urgent)
+        node.create_service("stop", SetBool, self.stop, group=urgent)
 
     @property
     def is_stopped(self) -> bool:

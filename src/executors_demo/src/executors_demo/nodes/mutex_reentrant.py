@@ -1,7 +1,7 @@
 """Two timers in a reentrant group, and two that exclude each other."""
 
 from executors_demo.four_timers import FourTimers
-from nodekit import Node, run
+from nodekit import MutuallyExclusiveCallbackGroup, Node, ReentrantCallbackGroup, run
 
 
 class MutexReentrant(FourTimers):
@@ -19,7 +19,7 @@ class MutexReentrant(FourTimers):
 
     def __init__(self, node: Node) -> None:
         super().__init__(node)
-        reentrant, mutex = node.group(exclusive=False), node.group()
+        reentrant, mutex = ReentrantCallbackGroup(), MutuallyExclusiveCallbackGroup()
         self.start_timers(reentrant, reentrant, mutex, mutex)
 
 

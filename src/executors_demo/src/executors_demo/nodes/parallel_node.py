@@ -3,7 +3,7 @@
 from std_msgs.msg import String
 
 from executors_demo.demo import Demo, ExecutorParameters, period_of, sleep_of
-from nodekit import Node, run
+from nodekit import MutuallyExclusiveCallbackGroup, Node, ReentrantCallbackGroup, run
 
 
 class ParallelNodeParameters(ExecutorParameters):
@@ -30,10 +30,10 @@ class ParallelNode(Demo[ParallelNodeParameters]):
 
     def __init__(self, node: Node) -> None:
         super().__init__(node, ParallelNodeParameters)
-        timers, commands = node.group(exclusive=False), node.group()
-        node.every(lambda: 1.0 / self.settings.fast_period, self.fast, group=timers)
-        node.every(lambda: 1.0 / self.settings.slow_period, self.slow, group=timers)
-        node.subscribe("commands", String, self.command, group=commands)
+        timers, commands = ReentrantCallbackGroup(), MutuallyExclusiveCallbackGroup()
+        node.create_timer(lambda: 1.0 / self.settings.fast_period, self.fast, group=timers)
+        node.create_timer(lambda: 1.0 / self.settings.slow_period, self.slow, group=timers)
+        node.create_subscription("commands", String, self.command, group=commands)
 
     def fast(self, elapsed: float) -> None:
         """Be done at once."""

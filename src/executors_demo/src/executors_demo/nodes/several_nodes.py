@@ -44,8 +44,8 @@ class Member:
     def __init__(self, node: Node, demo: SeveralNodes) -> None:
         self._demo = demo
         self._name = node.name.rpartition("/")[2]
-        self._parameters = node.parameters(MemberParameters)
-        node.every(lambda: 1.0 / self._parameters.values.period, self.timer)
+        self._parameters = node.declare_parameters(MemberParameters)
+        node.create_timer(lambda: 1.0 / self._parameters.values.period, self.timer)
 
     def timer(self, elapsed: float) -> None:
         """Work for ``~sleep``."""

@@ -1,7 +1,7 @@
 """Four timers on one thread."""
 
 from executors_demo.four_timers import FourTimers, FourTimersParameters
-from nodekit import EnumParameter, Node, run
+from nodekit import EnumParameter, MutuallyExclusiveCallbackGroup, Node, run
 
 
 class SingleThreadedParameters(FourTimersParameters):
@@ -25,7 +25,12 @@ class SingleThreaded(FourTimers):
 
     def __init__(self, node: Node) -> None:
         super().__init__(node, SingleThreadedParameters)
-        self.start_timers(node.group(), node.group(), node.group(), node.group())
+        self.start_timers(
+            MutuallyExclusiveCallbackGroup(),
+            MutuallyExclusiveCallbackGroup(),
+            MutuallyExclusiveCallbackGroup(),
+            MutuallyExclusiveCallbackGroup(),
+        )
 
 
 def main() -> None:

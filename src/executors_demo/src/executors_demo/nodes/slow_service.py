@@ -3,7 +3,14 @@
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
 from executors_demo.demo import Demo, ExecutorParameters, period_of, sleep_of
-from nodekit import BoolParameter, Node, read_once, run
+from nodekit import (
+    BoolParameter,
+    MutuallyExclusiveCallbackGroup,
+    Node,
+    ReentrantCallbackGroup,
+    read_once,
+    run,
+)
 
 
 class SlowServiceParameters(ExecutorParameters):
@@ -33,9 +40,11 @@ class SlowService(Demo[SlowServiceParameters]):
 
     def __init__(self, node: Node) -> None:
         super().__init__(node, SlowServiceParameters)
-        services = node.group(exclusive=self.settings.exclusive)
-        node.service("slow_service", Trigger, self.serve, group=services)
-        node.every(lambda: 1.0 / self.settings.timer_period, self.timer)
+        services = (
+            MutuallyExclusiveCallbackGroup if self.settings.exclusive else ReentrantCallbackGroup
+        )()
+        node.create_service("slow_service", Trigger, self.serve, group=services)
+        node.create_timer(lambda: 1.0 / self.settings.timer_period, self.timer)
 
     def serve(self, request: TriggerRequest) -> TriggerResponse:
         """Answer after ``~service_sleep``."""

@@ -1,7 +1,7 @@
 """Two pairs of timers; those of a pair exclude each other."""
 
 from executors_demo.four_timers import FourTimers
-from nodekit import Node, run
+from nodekit import MutuallyExclusiveCallbackGroup, Node, run
 
 
 class TwoMutex(FourTimers):
@@ -18,7 +18,7 @@ class TwoMutex(FourTimers):
 
     def __init__(self, node: Node) -> None:
         super().__init__(node)
-        first, second = node.group(), node.group()
+        first, second = MutuallyExclusiveCallbackGroup(), MutuallyExclusiveCallbackGroup()
         self.start_timers(first, first, second, second)
 
 

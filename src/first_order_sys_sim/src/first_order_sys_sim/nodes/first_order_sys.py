@@ -28,7 +28,7 @@ class FirstOrderSystem:
     """
 
     def __init__(self, node: Node) -> None:
-        self._settings = node.parameters(SystemParameters, on_change=self._on_change)
+        self._settings = node.declare_parameters(SystemParameters, on_change=self._on_change)
         values = self._settings.values
         self._plant = SampledPlant(
             values.plant, values.system_sample_time, values.system_initial_conditions
@@ -37,9 +37,9 @@ class FirstOrderSystem:
         # the last one went out.
         self._due = self._next_due = 0.0
         self._published_at = 0.0
-        self._publisher = node.publisher("output", Float32)
-        node.subscribe("input", Float32, self._on_input, finite=True)
-        node.every(
+        self._publisher = node.create_publisher("output", Float32)
+        node.create_subscription("input", Float32, self._on_input, finite=True)
+        node.create_timer(
             lambda: self._settings.values.system_node_rate, self._publish, catch_up=_CATCH_UP_S
         )
 

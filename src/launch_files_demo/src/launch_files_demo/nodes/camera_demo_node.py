@@ -21,8 +21,8 @@ class CameraDemoNode:
     def __init__(self, node: Node) -> None:
         self._picture = Picture(node.name.rpartition("/")[2])
         self._frames = 0
-        self._images = node.publisher("data/camera", Image)
-        node.every(_RATE_HZ, self.publish)
+        self._images = node.create_publisher("data/camera", Image)
+        node.create_timer(_RATE_HZ, self.publish)
 
     def publish(self, elapsed: float) -> None:
         """Publish the next frame."""

@@ -23,8 +23,8 @@ class LidarDemoNode:
     """
 
     def __init__(self, node: Node) -> None:
-        self._scans = node.publisher("data/lidar", LaserScan)
-        node.every(_RATE_HZ, self.publish)
+        self._scans = node.create_publisher("data/lidar", LaserScan)
+        node.create_timer(_RATE_HZ, self.publish)
 
     def publish(self, elapsed: float) -> None:
         """Publish a scan."""

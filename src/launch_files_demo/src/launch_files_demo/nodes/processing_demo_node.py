@@ -18,9 +18,9 @@ class ProcessingDemoNode:
 
     def __init__(self, node: Node) -> None:
         MultiThreadedExecutor(2).add_node(node)
-        node.subscribe("data/lidar", LaserScan, self.on_lidar)
-        node.subscribe("data/camera", Image, self.on_camera)
-        node.subscribe("data/temperature", Temperature, self.on_temperature)
+        node.create_subscription("data/lidar", LaserScan, self.on_lidar)
+        node.create_subscription("data/camera", Image, self.on_camera)
+        node.create_subscription("data/temperature", Temperature, self.on_temperature)
 
     def on_lidar(self, scan: LaserScan) -> None:
         """Log what is nearest."""

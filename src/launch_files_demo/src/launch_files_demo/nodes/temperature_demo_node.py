@@ -21,8 +21,8 @@ class TemperatureDemoNode:
 
     def __init__(self, node: Node) -> None:
         self._chance = random.Random()
-        self._temperatures = node.publisher("data/temperature", Temperature)
-        node.every(_RATE_HZ, self.publish)
+        self._temperatures = node.create_publisher("data/temperature", Temperature)
+        node.create_timer(_RATE_HZ, self.publish)
 
     def publish(self, elapsed: float) -> None:
         """Publish what is measured now."""

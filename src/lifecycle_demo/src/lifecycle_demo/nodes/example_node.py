@@ -24,8 +24,8 @@ class ExampleNode:
         rospy.loginfo("Namespace: %s", namespace or "/")
         rospy.loginfo("Fully qualified name: %s", node.name)
         rospy.loginfo("Current time: %d ns", rospy.get_rostime().to_nsec())
-        settings = node.parameters(ExampleNodeParameters)
-        node.every(lambda: settings.values.rate, self.log)
+        settings = node.declare_parameters(ExampleNodeParameters)
+        node.create_timer(lambda: settings.values.rate, self.log)
 
     def log(self, elapsed: float) -> None:
         """Log a line of each level; debug messages are shown only when asked for."""

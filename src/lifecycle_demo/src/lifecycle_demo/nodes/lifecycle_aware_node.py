@@ -7,9 +7,9 @@ from lifecycle_msgs.srv import ChangeState, ChangeStateRequest
 from nodekit import (
     BoolParameter,
     CallFuture,
-    Maker,
     ManagedNode,
     Node,
+    NodeScope,
     ParameterSet,
     StringParameter,
     read_once,
@@ -43,11 +43,11 @@ class LifecycleAwareNode(ManagedNode):
 
     def __init__(self, node: Node) -> None:
         super().__init__(node)
-        self.settings = node.parameters(LifecycleAwareNodeParameters)
+        self.settings = node.declare_parameters(LifecycleAwareNodeParameters)
         rospy.loginfo("Node created (unconfigured)")
         if not self.settings.values.wait_for_manager:
-            self._change_state = node.client("~change_state", ChangeState)
-            self._start = node.every(1.0, self._bring_up)
+            self._change_state = node.create_client("~change_state", ChangeState)
+            self._start = node.create_timer(1.0, self._bring_up)
 
     def _bring_up(self, _elapsed: float) -> None:
         """Do once what a manager would."""
@@ -57,15 +57,15 @@ class LifecycleAwareNode(ManagedNode):
     def _request(self, label: str) -> CallFuture:
         return self._change_state.call_async(ChangeStateRequest(Transition(label=label)))
 
-    def on_configure(self, made: Maker) -> None:
+    def on_configure(self, scope: NodeScope) -> None:
         """Get ready for the robot that the parameters name."""
         rospy.loginfo("Configuring...")
         rospy.loginfo("Configured for robot: %s", self.settings.values.robot_name)
 
-    def on_activate(self, made: Maker) -> None:
+    def on_activate(self, scope: NodeScope) -> None:
         """Start the heartbeat."""
         rospy.loginfo("Activating...")
-        made.every(1.0, self.beat)
+        scope.create_timer(1.0, self.beat)
         rospy.loginfo("Active and running")
 
     def on_deactivate(self) -> None:
@@ -74,7 +74,7 @@ class LifecycleAwareNode(ManagedNode):
         rospy.loginfo("Deactivated")
 
     def on_cleanup(self) -> None:
-        """Log it; what :meth:`on_configure` made would be given up by itself."""
+        """Log it; what :meth:`on_configure` created is closed without it."""
         rospy.loginfo("Cleaning up...")
 
     def on_shutdown(self) -> None:

@@ -24,8 +24,9 @@ from nodekit import (
     Node,
     ParameterError,
     ParameterSet,
+    ReentrantCallbackGroup,
     StringParameter,
-    give_up,
+    abort,
     read_once,
     rule,
     run,
@@ -102,7 +103,9 @@ class LifecycleManager:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._settings = node.parameters(LifecycleManagerParameters, rules=[self.can_be_managed])
+        self._settings = node.declare_parameters(
+            LifecycleManagerParameters, rules=[self.can_be_managed]
+        )
         values = self._settings.values
         names = [node.resolve(name) for name in values.node_names]
         claimed = find_other_manager(node, names)
@@ -117,13 +120,13 @@ class LifecycleManager:
         self._has_begun = threading.Event()
         self._is_alone = False  # until it is known that the nodes have no other manager
         self._reported = ""
-        self._diagnostics = node.publisher("/diagnostics", DiagnosticArray)
-        waiting = node.group(exclusive=False)
-        node.service("~manage_nodes", ManageNodes, self.manage, group=waiting)
-        node.service("~is_active", Trigger, self.is_active)
-        node.every(CHECK_HZ, self.check_nodes, steady=True)
-        node.every(REPORT_HZ, self.report, steady=True)
-        node.before_end(self.end)
+        self._diagnostics = node.create_publisher("/diagnostics", DiagnosticArray)
+        waiting = ReentrantCallbackGroup()
+        node.create_service("~manage_nodes", ManageNodes, self.manage, group=waiting)
+        node.create_service("~is_active", Trigger, self.is_active)
+        node.create_timer(CHECK_HZ, self.check_nodes, steady=True)
+        node.create_timer(REPORT_HZ, self.report, steady=True)
+        node.on_shutdown(self.end)
 
     @rule("node_names")
     def can_be_managed(self, values: LifecycleManagerParameters) -> None:
@@ -224,7 +227,7 @@ class LifecycleManager:
         """Check again for another manager, which may have started at the same time."""
         claimed = find_other_manager(self._node, [member.name for member in self._clients])
         if claimed:
-            give_up(self._has_rival(claimed))
+            abort(self._has_rival(claimed))
         self._is_alone = not claimed
 
 

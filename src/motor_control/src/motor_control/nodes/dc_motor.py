@@ -33,18 +33,18 @@ class DcMotor:
     """
 
     def __init__(self, node: Node) -> None:
-        self._parameters = node.parameters(MotorParameters)
+        self._parameters = node.declare_parameters(MotorParameters)
         self._settings = self._parameters.values
         self._input = 0.0
         # None while it stands still; its time starts with the first step, at _begun_at.
         self._plant: Optional[FirstOrderPlant] = None
         self._begun_at: Optional[float] = None
-        self._speed_publisher = node.publisher("motor_speed_y", Float32)
-        self._state_publisher = node.publisher("motor_state", String, latch=True)
+        self._speed_publisher = node.create_publisher("motor_speed_y", Float32)
+        self._state_publisher = node.create_publisher("motor_state", String, latch=True)
         self._service_name = node.resolve("EnableProcess")
-        node.subscribe("motor_input_u", Float32, self._on_input, finite=True)
-        node.service("EnableProcess", SetProcessBool, self._enable)
-        node.every(lambda: 1.0 / self._parameters.values.sample_time, self._step)
+        node.create_subscription("motor_input_u", Float32, self._on_input, finite=True)
+        node.create_service("EnableProcess", SetProcessBool, self._enable)
+        node.create_timer(lambda: 1.0 / self._parameters.values.sample_time, self._step)
         self._state = ""
         self._tell(WAITING)
 

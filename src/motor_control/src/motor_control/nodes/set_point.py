@@ -49,17 +49,17 @@ class SetPoint:
     """
 
     def __init__(self, node: Node) -> None:
-        self._settings = node.parameters(SetPointParameters, on_change=self._on_change)
+        self._settings = node.declare_parameters(SetPointParameters, on_change=self._on_change)
         self._source = SignalSource()
         self._run_control = RunControl(enabled=False)
         #: Whether the motor must be stopped, and whether the set point has ended.
         self._has_to_stop = self._has_ended = False
         self._group = node.default_group
-        self._publisher = node.publisher("motor_input_u", Float32)
+        self._publisher = node.create_publisher("motor_input_u", Float32)
         self._motor = MotorEnabler(node)
-        node.every(lambda: self._settings.values.rate, self._publish)
+        node.create_timer(lambda: self._settings.values.rate, self._publish)
         node.before_deactivate(self._stop)
-        node.before_end(self._end)
+        node.on_shutdown(self._end)
         self._warn_of_aliasing(self._settings.values)
 
     def _on_change(self, new: SetPointParameters, _old: SetPointParameters) -> None:

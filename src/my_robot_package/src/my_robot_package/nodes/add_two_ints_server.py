@@ -16,6 +16,7 @@ from nodekit import (
     MultiThreadedExecutor,
     Node,
     ParameterSet,
+    ReentrantCallbackGroup,
     read_once,
     run,
 )
@@ -61,10 +62,10 @@ class AddTwoIntsServer:
     """
 
     def __init__(self, node: Node) -> None:
-        self._parameters = node.parameters(AddTwoIntsServerParameters)
+        self._parameters = node.declare_parameters(AddTwoIntsServerParameters)
         MultiThreadedExecutor(self._parameters.values.threads).add_node(node)
-        group = node.group(exclusive=False)
-        node.service("add_two_ints", AddTwoInts, self.add_two_ints, group=group)
+        group = ReentrantCallbackGroup()
+        node.create_service("add_two_ints", AddTwoInts, self.add_two_ints, group=group)
 
     def add_two_ints(self, request: AddTwoIntsRequest) -> AddTwoIntsResponse:
         """Answer with the sum."""

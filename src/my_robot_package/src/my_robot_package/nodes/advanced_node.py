@@ -6,7 +6,14 @@ import time
 import rospy
 from std_msgs.msg import String
 
-from nodekit import FloatParameter, MultiThreadedExecutor, Node, ParameterSet, run
+from nodekit import (
+    FloatParameter,
+    MultiThreadedExecutor,
+    MutuallyExclusiveCallbackGroup,
+    Node,
+    ParameterSet,
+    run,
+)
 
 
 def _period(default: float, what: str) -> FloatParameter:
@@ -37,12 +44,16 @@ class AdvancedNode:
     """
 
     def __init__(self, node: Node) -> None:
-        self._parameters = node.parameters(AdvancedNodeParameters)
+        self._parameters = node.declare_parameters(AdvancedNodeParameters)
         MultiThreadedExecutor(2).add_node(node)
-        timers, subscriptions = node.group(), node.group()
-        node.every(lambda: 1.0 / self._parameters.values.timer1_period, self.timer1, group=timers)
-        node.every(lambda: 1.0 / self._parameters.values.timer2_period, self.timer2, group=timers)
-        node.subscribe("input_topic", String, self.on_input, group=subscriptions)
+        timers, subscriptions = MutuallyExclusiveCallbackGroup(), MutuallyExclusiveCallbackGroup()
+        node.create_timer(
+            lambda: 1.0 / self._parameters.values.timer1_period, self.timer1, group=timers
+        )
+        node.create_timer(
+            lambda: 1.0 / self._parameters.values.timer2_period, self.timer2, group=timers
+        )
+        node.create_subscription("input_topic", String, self.on_input, group=subscriptions)
 
     def timer1(self, elapsed: float) -> None:
         """Work for ``~timer1_sleep``."""

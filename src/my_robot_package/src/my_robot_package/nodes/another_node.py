@@ -22,9 +22,9 @@ class AnotherNode:
     """
 
     def __init__(self, node: Node) -> None:
-        self._parameters = node.parameters(AnotherNodeParameters)
-        self._publisher = node.publisher("output_topic", String)
-        node.every(1.0, self.publish)
+        self._parameters = node.declare_parameters(AnotherNodeParameters)
+        self._publisher = node.create_publisher("output_topic", String)
+        node.create_timer(1.0, self.publish)
 
     def publish(self, elapsed: float) -> None:
         """Publish it once."""

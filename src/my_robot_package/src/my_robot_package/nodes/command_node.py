@@ -36,8 +36,10 @@ class CommandNode:
     """
 
     def __init__(self, node: Node) -> None:
-        self._publisher = node.publisher("robot_command", RobotCommand, latch=True)
-        self.on_change(node.parameters(CommandNodeParameters, on_change=self.on_change).values)
+        self._publisher = node.create_publisher("robot_command", RobotCommand, latch=True)
+        self.on_change(
+            node.declare_parameters(CommandNodeParameters, on_change=self.on_change).values
+        )
 
     def on_change(self, new: CommandNodeParameters, *old: CommandNodeParameters) -> None:
         """Send the command of the parameters."""

@@ -36,12 +36,12 @@ class EfficientNode:
     """
 
     def __init__(self, node: Node) -> None:
-        self._parameters = node.parameters(EfficientNodeParameters)
+        self._parameters = node.declare_parameters(EfficientNodeParameters)
         SingleThreadedExecutor().add_node(node)
         self._answer = Float32()
-        self._publisher = node.publisher("mean_brightness", Float32)
+        self._publisher = node.create_publisher("mean_brightness", Float32)
         # tcp_nodelay is what nodekit asks of every publisher.
-        node.subscribe("image_topic", Image, self.image_callback, queue_size=1)
+        node.create_subscription("image_topic", Image, self.image_callback, queue_size=1)
 
     def image_callback(self, image: Image) -> None:
         """Publish how bright an image is."""

@@ -32,10 +32,10 @@ class LoggingNode:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._parameters = node.parameters(LoggingNodeParameters)
+        self._parameters = node.declare_parameters(LoggingNodeParameters)
         # A thread of its own: the master may take its time to answer.
         SingleThreadedExecutor().add_node(node)
-        node.service("~debug_node_info", Trigger, self.debug_node_info)
+        node.create_service("~debug_node_info", Trigger, self.debug_node_info)
         self._log()
 
     def _log(self) -> None:

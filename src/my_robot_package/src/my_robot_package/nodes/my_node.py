@@ -21,11 +21,11 @@ class MyRobotNode:
     """
 
     def __init__(self, node: Node) -> None:
-        node.parameters(RobotParameters)
+        node.declare_parameters(RobotParameters)
         self._text = "Hello from " + node.name.rpartition("/")[2]
-        self._publisher = node.publisher("topic_name", String)
-        node.subscribe("input_topic", String, self.listener_callback)
-        node.every(2.0, self.timer_callback)
+        self._publisher = node.create_publisher("topic_name", String)
+        node.create_subscription("input_topic", String, self.listener_callback)
+        node.create_timer(2.0, self.timer_callback)
         rospy.loginfo("MyRobotNode initialized")
 
     def timer_callback(self, elapsed: float) -> None:

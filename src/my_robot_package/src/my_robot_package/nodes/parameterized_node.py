@@ -14,7 +14,7 @@ class ParameterizedNode:
     """
 
     def __init__(self, node: Node) -> None:
-        values = node.parameters(RobotParameters, on_change=self.on_change).values
+        values = node.declare_parameters(RobotParameters, on_change=self.on_change).values
         mode = "on" if values.safety_mode else "off"
         rospy.loginfo("%s: up to %s m/s, safety %s", values.robot_name, values.max_velocity, mode)
 

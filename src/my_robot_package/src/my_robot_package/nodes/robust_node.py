@@ -60,7 +60,7 @@ class RobustNode:
     """
 
     def __init__(self, node: Node) -> None:
-        self._settings = node.parameters(RobustNodeParameters).values
+        self._settings = node.declare_parameters(RobustNodeParameters).values
         self._failures_left = self._settings.failures
         try:
             tries = set_up(self.setup_components, self.recovery_procedure, self._settings.attempts)
@@ -68,7 +68,7 @@ class RobustNode:
             rospy.logfatal("Failed to initialize components: %s", error)
             sys.exit(1)
         rospy.loginfo("Components initialized at attempt %d", tries)
-        node.before_end(self.shut_down)
+        node.on_shutdown(self.shut_down)
 
     def setup_components(self) -> None:
         """Start everything."""

@@ -50,11 +50,11 @@ class ServiceClientNode:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._parameters = node.parameters(ServiceClientNodeParameters)
+        self._parameters = node.declare_parameters(ServiceClientNodeParameters)
         MultiThreadedExecutor(2).add_node(node)
-        self._client = node.client("add_two_ints", AddTwoInts)
+        self._client = node.create_client("add_two_ints", AddTwoInts)
         self._has_found = False
-        node.every(lambda: 1.0 / self._parameters.values.period, self.send_requests)
+        node.create_timer(lambda: 1.0 / self._parameters.values.period, self.send_requests)
 
     def send_requests(self, elapsed: float) -> None:
         """Wait for the service, the first time, then send both requests."""

@@ -38,13 +38,13 @@ class CameraDemo:
     """
 
     def __init__(self, node: Node) -> None:
-        self._parameters = node.parameters(CameraDemoParameters, on_change=self._on_change)
+        self._parameters = node.declare_parameters(CameraDemoParameters, on_change=self._on_change)
         self._picture = Picture(self._parameters.values.camera_name)
         self._frames = 0
-        self._images = node.publisher("camera/image_color", Image)
-        self._infos = node.publisher("camera/camera_info", CameraInfo)
-        node.service("~slow_down", Trigger, self.slow_down)
-        node.every(lambda: self._parameters.values.camera_rate, self.publish)
+        self._images = node.create_publisher("camera/image_color", Image)
+        self._infos = node.create_publisher("camera/camera_info", CameraInfo)
+        node.create_service("~slow_down", Trigger, self.slow_down)
+        node.create_timer(lambda: self._parameters.values.camera_rate, self.publish)
 
     def publish(self, elapsed: float) -> None:
         """Publish the next frame."""

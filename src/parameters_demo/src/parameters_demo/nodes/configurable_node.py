@@ -30,11 +30,13 @@ class ConfigurableNode:
     """
 
     def __init__(self, node: Node) -> None:
-        self._parameters = node.parameters(ConfigurableNodeParameters, on_change=self._on_change)
-        self._log = node.stream_log()
+        self._parameters = node.declare_parameters(
+            ConfigurableNodeParameters, on_change=self._on_change
+        )
+        self._log = node.create_rate_limited_log()
         settings = self._parameters.values
         rospy.loginfo("Started: robot=%s, rate=%sHz", settings.robot_name, settings.update_rate)
-        node.every(lambda: self._parameters.values.update_rate, self.tick)
+        node.create_timer(lambda: self._parameters.values.update_rate, self.tick)
 
     def tick(self, elapsed: float) -> None:
         """Log a tick, if it is enabled."""

@@ -32,9 +32,9 @@ class LidarDemo:
     """
 
     def __init__(self, node: Node) -> None:
-        self._parameters = node.parameters(LidarDemoParameters)
-        self._scans = node.publisher("lidar/points", LaserScan)
-        node.every(lambda: self._parameters.values.lidar_rate, self.publish)
+        self._parameters = node.declare_parameters(LidarDemoParameters)
+        self._scans = node.create_publisher("lidar/points", LaserScan)
+        node.create_timer(lambda: self._parameters.values.lidar_rate, self.publish)
 
     def publish(self, elapsed: float) -> None:
         """Publish a scan."""

@@ -43,8 +43,10 @@ class ParameterTypes:
     """
 
     def __init__(self, node: Node) -> None:
-        node.parameters(ParameterTypesParameters, on_change=self._on_change, exempt=["limits"])
-        node.follow("~limits", self._on_limits)
+        node.declare_parameters(
+            ParameterTypesParameters, on_change=self._on_change, exempt=["limits"]
+        )
+        node.on_parameter("~limits", self._on_limits)
 
     def _on_change(self, new: ParameterTypesParameters, old: ParameterTypesParameters) -> None:
         before = old.as_dict()

@@ -23,11 +23,11 @@ class ParameterizedPublisher:
     """
 
     def __init__(self, node: Node) -> None:
-        self._parameters = node.parameters(ParameterizedPublisherParameters)
+        self._parameters = node.declare_parameters(ParameterizedPublisherParameters)
         self._count = 0
-        self._publisher = node.publisher("chatter", String)
-        self._log = node.stream_log()
-        node.every(lambda: self._parameters.values.publish_rate, self.publish)
+        self._publisher = node.create_publisher("chatter", String)
+        self._log = node.create_rate_limited_log()
+        node.create_timer(lambda: self._parameters.values.publish_rate, self.publish)
 
     def publish(self, elapsed: float) -> None:
         """Publish the next message."""

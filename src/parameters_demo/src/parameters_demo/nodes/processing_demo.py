@@ -5,7 +5,15 @@ from typing import Any, Dict
 
 import rospy
 
-from nodekit import EnumParameter, IntParameter, MultiThreadedExecutor, Node, ParameterSet, run
+from nodekit import (
+    EnumParameter,
+    IntParameter,
+    MultiThreadedExecutor,
+    MutuallyExclusiveCallbackGroup,
+    Node,
+    ParameterSet,
+    run,
+)
 from parameters_demo.sensors import SENSORS
 
 #: Cycles from one status to the next.
@@ -40,18 +48,20 @@ class ProcessingDemo:
 
     def __init__(self, node: Node) -> None:
         self._node = node
-        self._receiving = node.group()
-        processing = node.group()
-        self._parameters = node.parameters(
+        self._receiving = MutuallyExclusiveCallbackGroup()
+        processing = MutuallyExclusiveCallbackGroup()
+        self._parameters = node.declare_parameters(
             ProcessingDemoParameters, on_change=self._on_change, group=processing
         )
         MultiThreadedExecutor(4).add_node(node)
         self._cycles = 0
         self._latest: Dict[str, Any] = {}
         self._counts: Dict[str, int] = {}
-        self._subscriptions = node.lifetime()
+        self._subscriptions = node.create_scope()
         self._subscribe()
-        node.every(lambda: self._parameters.values.processing_rate, self.process, group=processing)
+        node.create_timer(
+            lambda: self._parameters.values.processing_rate, self.process, group=processing
+        )
 
     def process(self, elapsed: float) -> None:
         """Work for a cycle."""
@@ -72,11 +82,11 @@ class ProcessingDemo:
         names = [name for name in SENSORS if mode in ("all", f"{name}_only")]
         self._latest = {}
         self._counts = dict.fromkeys(names, 0)
-        self._subscriptions = self._node.lifetime()
+        self._subscriptions = self._node.create_scope()
         for name in names:
             sensor = SENSORS[name]
             callback = partial(self._on_message, name)
-            self._subscriptions.subscribe(
+            self._subscriptions.create_subscription(
                 sensor.topic, sensor.message, callback, 1, group=self._receiving
             )
 

@@ -27,9 +27,9 @@ class RadarDemo:
     """
 
     def __init__(self, node: Node) -> None:
-        self._parameters = node.parameters(RadarDemoParameters)
-        self._tracks = node.publisher("radar/tracks", RadarTracks)
-        node.every(lambda: self._parameters.values.radar_rate, self.publish)
+        self._parameters = node.declare_parameters(RadarDemoParameters)
+        self._tracks = node.create_publisher("radar/tracks", RadarTracks)
+        node.create_timer(lambda: self._parameters.values.radar_rate, self.publish)
 
     def publish(self, elapsed: float) -> None:
         """Publish what is seen now."""

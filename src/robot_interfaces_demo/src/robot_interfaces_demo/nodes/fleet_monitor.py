@@ -41,16 +41,18 @@ class FleetMonitor:
 
     def __init__(self, node: Node) -> None:
         self._name = node.name
-        self._parameters = node.parameters(FleetMonitorParameters, on_change=self._on_change)
+        self._parameters = node.declare_parameters(
+            FleetMonitorParameters, on_change=self._on_change
+        )
         self._ros_time = time.monotonic if rospy.rostime.is_wallclock() else rospy.get_time
         self._clock = AwakeClock(1.0 / CHECK_HZ)
         self._fleet = Fleet(self._parameters.values, self._now())
-        self._diagnostics = node.publisher("/diagnostics", DiagnosticArray)
-        node.subscribe_batches("robot_status", RobotStatus, self.on_status)
-        node.service("~report", Trigger, self.report)
+        self._diagnostics = node.create_publisher("/diagnostics", DiagnosticArray)
+        node.create_batch_subscription("robot_status", RobotStatus, self.on_status)
+        node.create_service("~report", Trigger, self.report)
         # By the machine's clock: that /clock stands still has to be reported, too.
-        node.every(CHECK_HZ, self.check_ages, steady=True)
-        node.every(lambda: self._parameters.values.rate, self.publish_report, steady=True)
+        node.create_timer(CHECK_HZ, self.check_ages, steady=True)
+        node.create_timer(lambda: self._parameters.values.rate, self.publish_report, steady=True)
 
     def _now(self) -> float:
         return self._clock.read(self._ros_time(), time.monotonic())

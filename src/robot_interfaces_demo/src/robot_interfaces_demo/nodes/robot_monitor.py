@@ -42,11 +42,11 @@ class RobotMonitor:
     """
 
     def __init__(self, node: Node) -> None:
-        self._parameters = node.parameters(RobotMonitorParameters)
+        self._parameters = node.declare_parameters(RobotMonitorParameters)
         self._model = RobotModel()
-        self._log = node.stream_log()
-        self._publisher = node.publisher("robot_status", RobotStatus)
-        node.every(lambda: 1.0 / self._parameters.values.period, self.publish_status)
+        self._log = node.create_rate_limited_log()
+        self._publisher = node.create_publisher("robot_status", RobotStatus)
+        node.create_timer(lambda: 1.0 / self._parameters.values.period, self.publish_status)
 
     def publish_status(self, elapsed: float) -> None:
         """Publish how the robot is."""

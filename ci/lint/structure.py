@@ -145,10 +145,10 @@ ROOMS: Dict[str, List[str]] = {
     ).split(),
     "diff_drive_sim": "simulation robot_parameters messages nodes".split(),
     "executors_demo": (
-        "events call_log bars picture timeline_command demo four_timers nodes"
+        "events call_log bars picture commands demo four_timers nodes"
     ).split(),
     "robot_interfaces_demo": (
-        "modes robot_model monitoring diagnostics fleet_report_command nodes"
+        "modes robot_model monitoring diagnostics commands nodes"
     ).split(),
     "bot_controller_demo": "control teleop driving nodes".split(),
 }

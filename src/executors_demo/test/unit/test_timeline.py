@@ -10,7 +10,7 @@ import pytest
 from executors_demo.bars import bars
 from executors_demo.events import Event, read
 from executors_demo.picture import Panel, draw
-from executors_demo.timeline_command import main
+from executors_demo.commands.timeline import main
 
 LOG = "\n".join(
     [

@@ -1,4 +1,3 @@
-# Pure: knows no ROS.
 """The command ``rosrun executors_demo timeline LOG… -o picture.svg``."""
 
 import argparse

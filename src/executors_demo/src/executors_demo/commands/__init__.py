@@ -1,0 +1,2 @@
+# Pure: knows no ROS.
+"""Commands of executors_demo."""

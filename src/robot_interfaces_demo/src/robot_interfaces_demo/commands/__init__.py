@@ -1,0 +1,1 @@
+"""Commands of robot_interfaces_demo."""

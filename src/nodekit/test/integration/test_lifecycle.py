@@ -358,7 +358,7 @@ class Table(Managed):
         self.assertEqual(self.state(), "inactive")
 
     def claims(self) -> bool:
-        """Return whether a request is rejected by the table, not because a transition is running."""
+        """Return whether a request is rejected by the table, not by a running transition."""
         with self.assertLogs("rosout", "WARNING") as logged:
             self.assertFalse(self.change("cleanup"))
         return "is not allowed in the state" in logged.output[0]

@@ -38,19 +38,19 @@ class OfflineNode(Node):
         self.receive: Callable[[List[Any], bool], None]
         self._values = values
 
-    def parameters(self, declaration: Any, *_: Any, **__: Any) -> Any:
+    def declare_parameters(self, declaration: Any, *_: Any, **__: Any) -> Any:
         self.settings.values = declaration(**self._values)
         return self.settings
 
-    def publisher(self, name: str, *_: Any, **__: Any) -> Any:
+    def create_publisher(self, name: str, *_: Any, **__: Any) -> Any:
         made = Published(name)
         self.published[name] = made.messages
         return made
 
-    def service(self, name: str, _kind: type, handler: Any, *_: Any, **__: Any) -> Any:
+    def create_service(self, name: str, _kind: type, handler: Any, *_: Any, **__: Any) -> Any:
         self.services[name] = handler
 
-    def every(self, _rate: Any, callback: Any, *_: Any, **__: Any) -> Any:
+    def create_timer(self, _rate: Any, callback: Any, *_: Any, **__: Any) -> Any:
         self.tick = callback
 
     def _open(self, thing: Any) -> Any:

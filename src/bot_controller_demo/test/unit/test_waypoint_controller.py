@@ -23,10 +23,10 @@ class FakeNode:
         self.goals: List[Goal] = []
         self.at = Goal(0.0, 0.0)
 
-    def parameters(self, declaration: Any, on_change: Any) -> "FakeNode":
+    def declare_parameters(self, declaration: Any, on_change: Any) -> "FakeNode":
         return self
 
-    def every(self, rate: Any, callback: Any) -> None:
+    def create_timer(self, rate: Any, callback: Any) -> None:
         self.tick = callback
 
     def head_for(self, goal: Goal) -> None:

@@ -23,18 +23,18 @@ class Machine:
         self.outputs: List[float] = []
         monkeypatch.setattr(rospy, "get_time", lambda: self.clock)
 
-    def parameters(self, declaration: Any, on_change: Any) -> Any:
+    def declare_parameters(self, declaration: Any, on_change: Any) -> Any:
         values = {"system_node_rate": RATE, "system_param_T": TAU, "system_param_K": GAIN}
         return SimpleNamespace(values=declaration(system_sample_time=1e-4, **values))
 
-    def publisher(self, *_: Any) -> Any:
+    def create_publisher(self, *_: Any) -> Any:
         return SimpleNamespace(publish=lambda message: self.outputs.append(message.data))
 
-    def subscribe(self, _name: str, _kind: type, callback: Any, finite: bool) -> None:
+    def create_subscription(self, _name: str, _kind: type, callback: Any, finite: bool) -> None:
         assert finite
         self.hear = callback
 
-    def every(self, _rate: Any, callback: Any, catch_up: float) -> None:
+    def create_timer(self, _rate: Any, callback: Any, catch_up: float) -> None:
         self.tick = callback
 
 

@@ -25,16 +25,16 @@ class FakeNode:
     def hear(self, message: Any) -> None:
         self.callbacks[type(message)](message)
 
-    def parameters(self, declaration: Any, on_change: Any) -> "FakeNode":
+    def declare_parameters(self, declaration: Any, on_change: Any) -> "FakeNode":
         return self
 
-    def client(self, name: str, kind: Any) -> "FakeNode":
+    def create_client(self, name: str, kind: Any) -> "FakeNode":
         return self
 
-    def subscribe(self, name: str, kind: Any, callback: Any) -> None:
+    def create_subscription(self, name: str, kind: Any, callback: Any) -> None:
         self.callbacks[kind] = callback
 
-    def every(self, rate: float, callback: Any) -> None:
+    def create_timer(self, rate: float, callback: Any) -> None:
         self.tick = callback
 
     def call_async(self, request: Any) -> "FakeNode":

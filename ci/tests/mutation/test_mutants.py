@@ -128,8 +128,8 @@ def test_every_pure_module_has_unit_tests() -> None:
 
 def test_nearest_unit_tests_come_first() -> None:
     package = SOURCES / "topic_scope"
-    found = unit_tests(package, "topic_scope/src/topic_scope/web/server.py")
-    assert found[0].name == "test_server.py"
+    found = unit_tests(package, "topic_scope/src/topic_scope/web/scope_session.py")
+    assert found[0].name == "test_scope_session.py"
     assert package / "test" / "unit" / "test_ring.py" not in found
 
 

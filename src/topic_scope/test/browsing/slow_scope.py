@@ -2,8 +2,8 @@
 """Run the scope with a quarter of the frames a second, for tests that are not about their rate."""
 
 from nodekit.entry_point import main
-from topic_scope.web import server
+from topic_scope.web import frame_sender
 
 if __name__ == "__main__":
-    server.FRAME_S *= 4.0
+    frame_sender.FRAME_S *= 4.0
     main("topic_scope.nodes.scope")

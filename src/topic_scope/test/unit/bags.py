@@ -8,8 +8,8 @@ import genpy
 import numpy
 import rosbag
 
-from topic_scope.bag.bag_columns import Column
-from topic_scope.bag.bag_messages import FirstMessage, Slice
+from topic_scope.bag.columns import Column
+from topic_scope.bag.message_slices import FirstMessage, Slice
 from topic_scope.bag.column_reader import ColumnReader
 from topic_scope.messages.definitions import layout_of
 

@@ -8,7 +8,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Bool, Float64MultiArray, Header, String
 
 from basic_comms.msg import signal_msg
-from topic_scope.bag.bag_columns import all_columns, choose, choose_lines
+from topic_scope.bag.columns import all_columns, choose, choose_lines
 from topic_scope.messages.fields import FieldError
 
 MESSAGES = first_messages(

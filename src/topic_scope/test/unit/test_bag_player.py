@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from std_msgs.msg import Int32
 
-from topic_scope.bag.bag_file import BagFile
-from topic_scope.bag.bag_player import BagPlayer
+from topic_scope.bag.file import BagFile
+from topic_scope.bag.player import BagPlayer
 
 #: Of each topic, how long after the start its messages were recorded, ms.
 RECORDED = {"/a": range(0, 10001, 100), "/b": range(50, 10000, 500)}
@@ -62,8 +62,8 @@ def playing(bag: BagFile, clock: Clock, *topics: str, history: float = 3.0) -> B
 def taken(player: BagPlayer) -> Dict[str, List[int]]:
     """Return what has come out, by topic, and check that its times are those of the record."""
     found: Dict[str, List[int]] = {}
-    for topic, outlet in player.outlets().items():
-        for batch in outlet.drain():
+    for topic, subscription in player.subscriptions().items():
+        for batch in subscription.drain():
             assert batch.header["type"] == "std_msgs/Int32"
             values = [int.from_bytes(message, "little") for message in batch.messages]
             assert batch.times == pytest.approx([START + value / 1e3 for value in values], abs=1e-6)
@@ -148,7 +148,7 @@ def test_messages_that_were_recorded_at_the_same_time_are_told_apart(
     for _ in range(45):
         clock.time += 0.01
         player.now()
-        for batch in player.outlets()["/a"].drain():
+        for batch in player.subscriptions()["/a"].drain():
             values = [int.from_bytes(message, "little") for message in batch.messages]
             came += zip(batch.times, values)
             assert list(batch.times) == sorted(batch.times)
@@ -274,7 +274,7 @@ def test_besides_the_latest_of_each_topic_comes_however_long_ago(
     player.seek(START + 8.05)
     loaded(player)
     assert taken(player) == {"/a": list(range(7100, 8001, 100))}
-    besides = list(player.aside.outlets()["/rare"].drain())
+    besides = list(player.aside.subscriptions()["/rare"].drain())
     values = [int.from_bytes(one, "little") for batch in besides for one in batch.messages]
     assert values == [1000] and besides[-1].times[-1] == pytest.approx(START + 1.0)
     # Of others the last seconds, and then what the clock passes.
@@ -282,11 +282,11 @@ def test_besides_the_latest_of_each_topic_comes_however_long_ago(
     longer.aside.want(["/a"])
     longer.seek(START + 8.05)
     loaded(longer)
-    besides = list(longer.aside.outlets()["/a"].drain())
+    besides = list(longer.aside.subscriptions()["/a"].drain())
     values = [int.from_bytes(one, "little") for batch in besides for one in batch.messages]
     assert values[-50:] == list(range(3100, 8001, 100)) and len(values) < 80
     # Who wants them no longer has them no longer, and may want them again.
     player.aside.want([])
-    assert (player.aside.outlets(), player.lacks_past) == ({}, False)
+    assert (player.aside.subscriptions(), player.lacks_past) == ({}, False)
     player.aside.want(["/rare"])
     assert player.lacks_past

@@ -15,9 +15,9 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Float64MultiArray
 
 from basic_comms.msg import signal_msg
-from topic_scope.bag.bag_columns import Column
-from topic_scope.bag.bag_plot import draw, save
-from topic_scope.bag.bag_series import Series, collect, computed
+from topic_scope.bag.columns import Column
+from topic_scope.bag.plot import draw, save
+from topic_scope.bag.series import Series, collect, computed
 from topic_scope.formulas.names import formula_of
 from topic_scope.messages.fields import to_path
 

@@ -12,7 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from std_msgs.msg import Bool, Duration, Float32, Float64, Float64MultiArray, Int64, Time
 
-from topic_scope.bag.bag_columns import Column
+from topic_scope.bag.columns import Column
 from topic_scope.bag.column_reader import exact_seconds, write_csv
 
 

@@ -21,7 +21,7 @@ def programs(*arguments: str) -> Dict[str, Node]:
     return {node.type: node for node in config.nodes}
 
 
-def words_of(node: Node, variables: Dict[str, str]) -> List[str]:
+def tokens_of(node: Node, variables: Dict[str, str]) -> List[str]:
     """Return what the program of a node gets from the shell that starts it."""
     command = shlex.split(node.launch_prefix) + ["printf", "%s\\n"] + shlex.split(node.args)
     printed = subprocess.run(command, env=variables, stdout=subprocess.PIPE, check=True)
@@ -49,7 +49,7 @@ def test_both_signals_are_chosen(
     scope = programs("plot:=true", "ns:=" + space, "__ns:=" + around)["scope.py"]
     variables = setup_env(scope, local_machine(), "http://localhost:11311", dict(os.environ))
     monkeypatch.setenv("ROS_NAMESPACE", variables.get("ROS_NAMESPACE", "/"))
-    options = parse(words_of(scope, variables))
+    options = parse(tokens_of(scope, variables))
     assert options.fields == (begin + "/signal/signal_y", begin + "/proc_signal/data")
     assert options.open_browser and options.is_local and options.next_port
 
@@ -58,7 +58,7 @@ def test_fields_of_a_launch_file_are_in_two_plots() -> None:
     arguments = ["fields:=/a/x /a/y", "below:=/b/x:y /c", "__ns:=/"]
     (scope,) = load_launch("topic_scope", "scope.launch", *arguments).nodes
     variables = setup_env(scope, local_machine(), "http://localhost:11311", dict(os.environ))
-    options = parse(words_of(scope, variables))
+    options = parse(tokens_of(scope, variables))
     assert options.fields == ("/a/x", "/a/y", "/b/x", "/b/y", "/c")
     lower = {name: {"plot": 2} for name in ("/b/x", "/b/y", "/c")}
     assert options.setup == {"traces": lower}

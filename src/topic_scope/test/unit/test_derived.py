@@ -9,8 +9,8 @@ from bags import first_messages
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from topic_scope.analysis.measurements import phase
-from topic_scope.bag.bag_columns import choose
+from topic_scope.analysis.waveform import phase
+from topic_scope.bag.columns import choose
 from topic_scope.messages.derived import FUNCTIONS, make, parts
 from topic_scope.messages.fields import FieldError, expand, parted
 

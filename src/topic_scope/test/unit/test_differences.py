@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from std_msgs.msg import Float64
-from test_recorder import FakeOutlet, FakeSource, header
+from test_recorder import FakeSubscription, FakeSource, header
 
 from topic_scope.formulas.names import expand, terms
 from topic_scope.messages.fields import FieldError
@@ -17,8 +17,8 @@ from topic_scope.messages.layouts import Layouts
 from topic_scope.page.view import LiveView
 from topic_scope.protocol.checks import fields_of
 from topic_scope.protocol.requests import View
-from topic_scope.record.message_source import Batch
-from topic_scope.record.recorder import Recorder
+from topic_scope.sampling.message_source import Batch
+from topic_scope.sampling.recorder import Recorder
 
 TYPES = {"/a": "std_msgs/Float64", "/b": "std_msgs/Float64", "/s": "basic_comms/signal_msg"}
 NAME = "/a/data-/b/data"
@@ -29,7 +29,7 @@ class TimedSource(FakeSource):
 
     def __init__(self) -> None:
         super().__init__()
-        self.topics = {topic: FakeOutlet() for topic in TYPES}
+        self.topics = {topic: FakeSubscription() for topic in TYPES}
 
     def receive(self, topic: str, times: Sequence[float], values: Sequence[float]) -> None:
         data = [struct.pack("<d", value) for value in values]

@@ -10,12 +10,12 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from topic_scope.formulas import reading
+from topic_scope.formulas import parser
 from topic_scope.formulas.names import expand, formula_of, terms, with_letters
-from topic_scope.formulas.nodes import Operands
-from topic_scope.formulas.reading import FUNCTIONS, read_formula
+from topic_scope.formulas.expression import Operands
+from topic_scope.formulas.parser import FUNCTIONS, parse_formula
 from topic_scope.formulas.signals import Signal
-from topic_scope.formulas.words import LONGEST, FormulaError, text_of, words_of
+from topic_scope.formulas.lexer import LONGEST, FormulaError, text_of, tokens_of
 from topic_scope.messages.fields import FieldError
 
 TIMES = numpy.arange(0.0, 4.0, 0.01)
@@ -33,7 +33,7 @@ SIGNALS = {"/p/x": X, "/p/y": Y}
 
 
 def computed(text: str) -> Signal:
-    return read_formula(text).computed(SIGNALS)
+    return parse_formula(text).computed(SIGNALS)
 
 
 #: With what numpy makes of the same samples, y on the line between two of its own.
@@ -72,7 +72,7 @@ def test_it_computes_what_numpy_does_at_the_stamps_of_its_first_operand(text: st
 def test_the_first_operand_gives_the_stamps() -> None:
     assert computed("/p/y - /p/x").times.tolist() == Y.times.tolist()
     assert computed("2*/p/y + /p/x").times.tolist() == Y.times.tolist()
-    assert read_formula("/p/y + /p/x + /p/y").fields == ("/p/y", "/p/x")
+    assert parse_formula("/p/y + /p/x + /p/y").fields == ("/p/y", "/p/x")
 
 
 def test_a_delay_moves_and_a_derivative_lies_in_the_middle() -> None:
@@ -92,7 +92,7 @@ def operands() -> Operands:
 
 
 @pytest.mark.parametrize(
-    "text, until, reach",
+    "text, until, lookaround",
     [
         ("/p/x - /p/y", 3.99, (0.05, 0.05)),
         ("delay(/p/y, 0.5)", 4.494, (0.5, -0.5)),
@@ -105,11 +105,11 @@ def operands() -> Operands:
     ],
 )
 def test_up_to_when_it_is_known_and_what_it_needs(
-    text: str, until: float, reach: List[float]
+    text: str, until: float, lookaround: List[float]
 ) -> None:
-    tree = read_formula(text).tree
+    tree = parse_formula(text).tree
     assert tree.until(operands()) == pytest.approx(until)
-    assert tree.reach(operands()) == pytest.approx(reach)
+    assert tree.lookaround(operands()) == pytest.approx(lookaround)
 
 
 SPANS = st.tuples(st.floats(0.0, 3.0), st.floats(0.0, 1.0))
@@ -130,7 +130,7 @@ SPANS = st.tuples(st.floats(0.0, 3.0), st.floats(0.0, 1.0))
 )
 @settings(max_examples=30, deadline=None)
 def test_a_part_of_it_is_the_same_as_that_part_of_all(text: str, span: List[float]) -> None:
-    tree = read_formula(text).tree
+    tree = parse_formula(text).tree
     start, end = span[0], span[0] + span[1]
     part = tree.signal(operands(), start, end).between(start, end)
     whole = tree.signal(operands(), -math.inf, math.inf).between(start, end)
@@ -166,7 +166,7 @@ SENTENCES = {
     "/a + 2**2**2**2**2**2": "a number in it is infinite, or is none",
     "/a + 0/0": "a number in it is infinite, or is none",
     "/a + " + "9" * 400: "a number in it is infinite, or is none",
-    "/a" + " + /a" * 60: "a formula has at most 100 words, not 121",
+    "/a" + " + /a" * 60: "a formula has at most 100 tokens, not 121",
     "(" * 21 + "/a" + ")" * 21: "brackets may be nested 20 deep",
     "-" * 30 + "/a": "operations may be nested 24 deep",
     "1" + "**1" * 30 + "*/a": "operations may be nested 24 deep",
@@ -179,7 +179,7 @@ SENTENCES = {
 @pytest.mark.parametrize("text", SENTENCES)
 def test_what_is_wrong_is_said_in_words(text: str) -> None:
     with pytest.raises(FormulaError) as caught:
-        read_formula(text)
+        parse_formula(text)
     assert str(caught.value) == SENTENCES[text]
 
 
@@ -235,7 +235,7 @@ ATTACKS = [
 @pytest.mark.parametrize("text", ATTACKS)
 def test_nothing_else_of_python_is_read(text: str) -> None:
     with pytest.raises(FormulaError):
-        read_formula(text)
+        parse_formula(text)
 
 
 FRAGMENTS = st.lists(
@@ -273,15 +273,15 @@ FRAGMENTS = st.lists(
 @settings(max_examples=80, deadline=None)
 def test_whatever_is_typed_it_is_read_or_refused_and_only_listed_nodes_are_used(text: str) -> None:
     try:
-        formula = read_formula(text)
+        formula = parse_formula(text)
     except FieldError as error:
         assert str(error)
         return
     plain = "".join("_f" if word.kind == "field" else word.text for word in formula.words)
     kinds = {type(node) for node in ast.walk(ast.parse(plain, mode="eval"))}
     allowed = {ast.Expression, ast.BinOp, ast.UnaryOp, ast.Call, ast.Name, ast.Load, ast.Constant}
-    assert kinds <= allowed | set(reading._OPERATIONS)
-    again = read_formula(formula.text())
+    assert kinds <= allowed | set(parser._OPERATIONS)
+    again = parse_formula(formula.text())
     assert again.words == formula.words and again.fields == formula.fields
 
 
@@ -291,7 +291,7 @@ def test_the_costliest_formula_is_computed_in_bounded_time() -> None:
     signals = {"/a": Signal(times, noise, times, 0.01)}
     text = "+".join(["lowpass(/a, 0.02)"] * 8 + ["/a**2**.5"] * 7)
     began = time.process_time()
-    found = read_formula(text).computed(signals)
+    found = parse_formula(text).computed(signals)
     assert time.process_time() - began < 5.0  # it takes about 0.1
     assert len(found.values) == 60000
 
@@ -315,7 +315,7 @@ def test_letters_stand_for_traces_and_what_is_computed_for_its_formula() -> None
     traces = ["/s/y", "=/u + 1", "/u-/v"]
     assert with_letters("=a - 2*b", traces) == "=/s/y - 2 * (/u + 1)"
     assert with_letters("=sqrt(c)/a", traces) == "=sqrt((/u - /v)) / /s/y"
-    assert read_formula(with_letters("=sqrt(c)/a", traces)[1:]).fields == ("/u", "/v", "/s/y")
+    assert parse_formula(with_letters("=sqrt(c)/a", traces)[1:]).fields == ("/u", "/v", "/s/y")
     for text, sentence in (
         ("=d", "there is no trace d: there are a to c"),
         ("=a +", "something is missing at the end"),
@@ -331,5 +331,5 @@ def test_letters_stand_for_traces_and_what_is_computed_for_its_formula() -> None
 @settings(max_examples=30)
 @given(st.sampled_from([*TRUTHS, "delay(/p/x,-.5)", "a - 2*b"]))
 def test_a_formula_that_was_written_is_read_as_the_same(text: str) -> None:
-    words = words_of(text)
-    assert words_of(text_of(words)) == words
+    words = tokens_of(text)
+    assert tokens_of(text_of(words)) == words

@@ -8,8 +8,8 @@ import numpy
 import pytest
 from known_signals import COUNTS, EPOCH, Signal, signals
 
-from topic_scope.analysis.figure import Figure, measured
-from topic_scope.analysis.measurements import figures, phase
+from topic_scope.analysis.measurement import Measurement, measured
+from topic_scope.analysis.waveform import measure_waveform, phase
 from topic_scope.analysis.spectrum import peaks, spectrum
 from topic_scope.analysis.statistics import measure
 
@@ -28,15 +28,15 @@ def of_kind(kind: str) -> List[Signal]:
 
 
 @lru_cache(maxsize=None)
-def measured_of(kind: str) -> "List[Dict[str, Figure]]":
+def measured_of(kind: str) -> "List[Dict[str, Measurement]]":
     """Return what is measured of the signals of a kind."""
     return [measures(signal) for signal in of_kind(kind)]
 
 
-def measures(signal: Signal) -> Dict[str, Figure]:
+def measures(signal: Signal) -> Dict[str, Measurement]:
     """Return all that is measured of a signal and may not be measurable."""
     samples = signal.times, signal.values
-    found = figures(*samples, signal.longest)
+    found = measure_waveform(*samples, signal.longest)
     if signal.kind in SINES:
         turns = 2.0 * math.pi * signal.truth["frequency"] * (signal.times - EPOCH)
         reference = signal.times, numpy.sin(turns)
@@ -44,7 +44,7 @@ def measures(signal: Signal) -> Dict[str, Figure]:
     return found
 
 
-def is_true(name: str, figure: Figure, signal: Signal) -> bool:
+def is_true(name: str, figure: Measurement, signal: Signal) -> bool:
     """Tell whether a figure is right within its uncertainty, or says why there is none."""
     if figure.value is None:
         return bool(figure.reason)

@@ -11,7 +11,7 @@ from std_msgs.msg import Float64
 from test_differences import TimedSource, recording
 
 from topic_scope.commands import mask as mask_command
-from topic_scope.masks.mask import Mask, MaskCheck, Verdict
+from topic_scope.masks.limits import Mask, MaskCheck, Verdict
 
 MASK = Mask("/a/data", "/b/data", 0.5, 0.1)
 STEP_S = 0.01

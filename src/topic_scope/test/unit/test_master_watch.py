@@ -28,10 +28,10 @@ def test_an_exception_does_not_end_it() -> None:
     with patches[0], patches[1], patches[2] as log:
         watch = MasterWatch(subscriptions, Layouts())
         watch.start(states.append, mock.Mock())
-        watch.ring()
+        watch.refresh()
         wait_until(lambda: states, lambda: "no state")
         over.set()
-        watch.ring()
+        watch.refresh()
         threads = threading.enumerate
         wait_until(lambda: "master" not in [one.name for one in threads()], lambda: "it goes on")
     assert "a name that is none" in log.call_args[0][1]

@@ -5,7 +5,7 @@ from typing import List, Optional
 
 import pytest
 
-from topic_scope.protocol.options import Over, is_loopback, parse
+from topic_scope.protocol.options import OverlayOption, is_loopback, parse
 
 
 def test_the_defaults_are_of_this_machine() -> None:
@@ -105,12 +105,12 @@ def test_a_bag_is_named_like_any_option() -> None:
 
 def test_bags_are_laid_over_by_the_names_of_their_files_or_others(tmp_path: Path) -> None:
     over = parse(["--over", "a/run.bag", "--over", "b/run.bag:old", "--offset", "-1.5"]).over
-    assert over == (Over("a/run.bag", "run", -1.5), Over("b/run.bag", "old"))
+    assert over == (OverlayOption("a/run.bag", "run", -1.5), OverlayOption("b/run.bag", "old"))
     (dated,) = parse(["_over:=2026-11-24-16-01-40.bag"]).over
     assert dated.name == "bag_2026_11_24_16_01_40"
     path = tmp_path / "a:b.bag"
     path.touch()
-    assert parse(["--over", str(path)]).over == (Over(str(path), "a_b"),)
+    assert parse(["--over", str(path)]).over == (OverlayOption(str(path), "a_b"),)
     assert parse([]).over == ()
 
 

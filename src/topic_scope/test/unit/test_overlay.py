@@ -11,10 +11,10 @@ from geometry_msgs.msg import PointStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Float64MultiArray
 
-from topic_scope.bag.bag_file import BagError
+from topic_scope.bag.file import BagError
 from topic_scope.bag.overlay import BagOverlay
 from topic_scope.messages.layouts import Layouts
-from topic_scope.record.recorder import Recorder
+from topic_scope.sampling.recorder import Recorder
 
 NOW = 5000.0
 
@@ -41,7 +41,7 @@ def overlay(tmp_path: Path) -> BagOverlay:
 
 def recording(overlay: BagOverlay, *names: str) -> Recorder:
     """Return a recorder with a bag over it, of which all is read that is wanted."""
-    source = mock.Mock(**{"clock.now.return_value": NOW, "outlets.return_value": {}})
+    source = mock.Mock(**{"clock.now.return_value": NOW, "subscriptions.return_value": {}})
     made = Recorder(source, Layouts(), 10.0, [overlay])
     made.set_topics({"/live": "std_msgs/Float64", **overlay.types})
     made.want(names, NOW)

@@ -14,9 +14,9 @@ from test_recorder import FakeSource, header, recording
 
 from basic_comms.msg import signal_msg
 from topic_scope.messages.definitions import layout_of
-from topic_scope.record.message_source import Batch
-from topic_scope.record.recorder import Recorder
-from topic_scope.record.traces import Stream
+from topic_scope.sampling.message_source import Batch
+from topic_scope.sampling.recorder import Recorder
+from topic_scope.sampling.traces import Stream
 
 
 @pytest.mark.parametrize("own", [5.0, 1700000.0])

@@ -14,8 +14,8 @@ from rospy.impl.tcpros_base import DEFAULT_BUFF_SIZE, TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSSub
 from std_msgs.msg import Float32
 
-from topic_scope.controls.statuses import Statuses
-from topic_scope.record.raw_subscriptions import RawSubscription, RawSubscriptions, SteadyClock
+from topic_scope.controls.node_status import NodeStatuses
+from topic_scope.sampling.raw_subscriptions import RawSubscription, RawSubscriptions, SteadyClock
 
 TOPIC, OTHER = "/topic", "/other"
 
@@ -132,7 +132,7 @@ def test_what_a_node_says_of_itself_is_heard_beside_a_raw_subscription(
 ) -> None:
     tell = mock.Mock()
     own = RawSubscriptions(SteadyClock())
-    statuses = Statuses(own, mock.Mock(), tell)
+    statuses = NodeStatuses(own, mock.Mock(), tell)
     statuses.follow({"/node": TOPIC})
     stack.callback(own.adjust)
     stack.callback(own.want, [])
@@ -157,7 +157,7 @@ def test_what_waits_is_bounded_and_takes_a_hundred_bytes_each(
     finally:
         tracemalloc.stop()
     assert most < 100 * 100 * 100
-    with mock.patch("topic_scope.record.raw_subscriptions.WAITING", most), mock.patch(
+    with mock.patch("topic_scope.sampling.raw_subscriptions.WAITING", most), mock.patch(
         "rospy.logwarn_throttle"
     ) as log:
         for _ in range(200):
@@ -177,8 +177,8 @@ def test_a_topic_that_is_heard_as_another_type_keeps_no_other_out(
     subscriptions.want([TOPIC, OTHER])
     with mock.patch("rospy.logwarn_throttle") as log:
         subscriptions.adjust()
-    assert set(subscriptions.outlets()) == {OTHER}
+    assert set(subscriptions.subscriptions()) == {OTHER}
     assert TOPIC in log.call_args[0][1]
     rival.unregister()
     subscriptions.adjust()
-    assert set(subscriptions.outlets()) == {TOPIC, OTHER}
+    assert set(subscriptions.subscriptions()) == {TOPIC, OTHER}

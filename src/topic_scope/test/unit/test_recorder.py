@@ -11,9 +11,9 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float32, Float64, Float64MultiArray
 
 from topic_scope.messages.layouts import Layouts
-from topic_scope.record import recorder
-from topic_scope.record.message_source import Batch
-from topic_scope.record.recorder import Recorder
+from topic_scope.sampling import recorder
+from topic_scope.sampling.message_source import Batch
+from topic_scope.sampling.recorder import Recorder
 
 TYPES = {"/a": "std_msgs/Float32", "/b": "std_msgs/Float64MultiArray", "/c": "nowhere/Thing"}
 
@@ -27,7 +27,7 @@ def header(message_class: type) -> Dict[str, str]:
     }
 
 
-class FakeOutlet:
+class FakeSubscription:
     """One topic."""
 
     def __init__(self) -> None:
@@ -44,7 +44,7 @@ class FakeSource:
     def __init__(self) -> None:
         self.time = 1000.0
         self.wanted: List[str] = []
-        self.topics = {topic: FakeOutlet() for topic in TYPES}
+        self.topics = {topic: FakeSubscription() for topic in TYPES}
 
     @property
     def clock(self) -> "FakeSource":
@@ -56,7 +56,7 @@ class FakeSource:
     def want(self, topics: Collection[str], is_more: bool) -> None:
         self.wanted, self.is_more = sorted(topics), is_more
 
-    def outlets(self) -> Dict[str, FakeOutlet]:
+    def subscriptions(self) -> Dict[str, FakeSubscription]:
         return self.topics
 
     def send(self, message_class: type, *values: float) -> None:
@@ -214,7 +214,7 @@ def test_lists_elements_by_name_as_soon_as_one_message_has_come() -> None:
     assert "/j/position[0]" in before and "/j/position[arm]" not in before
     buffer = io.BytesIO()
     JointState(name=["leg", "arm"], position=[1.0, 2.0]).serialize(buffer)
-    source.topics["/j"] = FakeOutlet()
+    source.topics["/j"] = FakeSubscription()
     source.topics["/j"].batches.append(
         Batch(header(JointState), [source.time], [buffer.getvalue()])
     )
@@ -242,7 +242,7 @@ def test_lists_elements_by_name_as_soon_as_one_message_has_come() -> None:
 def test_joints_of_two_publishers_have_whole_lines() -> None:
     """Each message has the joints of its publisher alone, in an order of its own."""
     source = FakeSource()
-    source.topics["/j"] = FakeOutlet()
+    source.topics["/j"] = FakeSubscription()
     made = recording(source)
     made.set_topics({"/j": "sensor_msgs/JointState"})
 

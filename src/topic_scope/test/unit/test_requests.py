@@ -10,23 +10,23 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from topic_scope.masks.mask import Mask
-from topic_scope.protocol import computed, requests
+from topic_scope.masks.limits import Mask
+from topic_scope.protocol import formula_request, requests
 from topic_scope.protocol.checks import RequestError
-from topic_scope.protocol.laying import Lay, overlay_of
+from topic_scope.protocol.overlay_request import OverlayRequest, overlay_of
 from topic_scope.protocol.requests import Chart, Handler, Measure
 from topic_scope.protocol.scaling import Scaling, TraceScale, scaling_of
 
 CHECKS = {
     "select": requests.selection_of,
-    "formula": computed.formula_text_of,
+    "formula": formula_request.formula_text_of,
     "hide": requests.hidden_of,
     "view": requests.view_of,
     "trigger": requests.trigger_of,
     "scaling": scaling_of,
     "measure": requests.measure_of,
     "chart": requests.chart_of,
-    "mask": computed.mask_of,
+    "mask": formula_request.mask_of,
     "graph": requests.graph_of,
     "set": requests.set_of,
     "call": requests.call_of,
@@ -58,7 +58,7 @@ GOOD = [
     ({"type": "select", "fields": ["=/a/x+/b/y"]}, ("=/a/x + /b/y",)),
     (
         {"type": "formula", "text": "=a +", "traces": ["/a/x"]},
-        computed.FormulaText("=a +", ("/a/x",)),
+        formula_request.FormulaText("=a +", ("/a/x",)),
     ),
     ({"type": "view", "window": 2, "width": 800, "end": None}, requests.View(2.0, 800, None)),
     ({"type": "view", "window": 2, "width": 800, "end": 1.7e9}, requests.View(2.0, 800, 1.7e9)),
@@ -103,9 +103,12 @@ GOOD = [
     ),
     ({"type": "playback", "playing": False}, requests.Playback(False)),
     ({"type": "playback", "time": 1.7e9, "speed": 2}, requests.Playback(None, 1.7e9, 2.0)),
-    ({"type": "overlay", "name": "old", "offset": -1}, Lay("old", -1.0)),
-    ({"type": "overlay", "name": "old", "begin": 1.7e9}, Lay("old", None, 1.7e9)),
-    ({"type": "overlay", "name": "old", "trigger": 1.7e9}, Lay("old", None, None, 1.7e9)),
+    ({"type": "overlay", "name": "old", "offset": -1}, OverlayRequest("old", -1.0)),
+    ({"type": "overlay", "name": "old", "begin": 1.7e9}, OverlayRequest("old", None, 1.7e9)),
+    (
+        {"type": "overlay", "name": "old", "trigger": 1.7e9},
+        OverlayRequest("old", None, None, 1.7e9),
+    ),
     ({"type": "graph", "on": True}, True),
     ({"type": "robots", "on": True}, True),
     ({"type": "steer", "topic": "/cmd_vel"}, "/cmd_vel"),
@@ -250,7 +253,7 @@ def test_whatever_the_values_a_request_is_understood_or_refused(kind: str, value
         wanted = understood(json.dumps({**values, "type": kind}))
     except RequestError:
         return
-    kinds = {"select": tuple, "graph": bool, "overlay": Lay}
+    kinds = {"select": tuple, "graph": bool, "overlay": OverlayRequest}
     assert isinstance(wanted, kinds.get(kind) or getattr(requests, kind.capitalize()))
 
 

@@ -6,9 +6,9 @@ import pytest
 
 from nodekit import FloatParameter, ListParameter, ParameterError, ParameterSet, describe, rule
 from nodekit.testing.offline_parameters import OfflineParameters
-from topic_scope.controls.panels import Panel
+from topic_scope.controls.panel import Panel
 from topic_scope.controls.settings import Changed, Settings
-from topic_scope.graph.background import Background
+from topic_scope.graph.worker import Worker
 
 NODE = "/gauge"
 
@@ -32,7 +32,7 @@ class Gauge(ParameterSet):
             raise ValueError("two lists of one length")
 
 
-class SlowBackground(Background):
+class SlowWorker(Worker):
     """Does work when it is told to, and delivers the result in the same moment."""
 
     def __init__(self) -> None:
@@ -67,9 +67,9 @@ class World:
         self.sent: List[Mapping[str, Any]] = []
         self.answers: List[Dict[str, Any]] = []
         self.told: List[Tuple[str, Any]] = []
-        self.background = SlowBackground()
+        self.worker = SlowWorker()
         self.panel = Panel(NODE, describe(self.node.values), {})
-        self.settings = Settings(self.background, self.change, self.send, self.read_again)
+        self.settings = Settings(self.worker, self.change, self.send, self.read_again)
 
     def change(self, node: str, values: Mapping[str, Any]) -> Changed:
         assert node == NODE
@@ -99,8 +99,8 @@ class World:
         self.settings.set(self.panel, name, value, self.answers.append)
 
     def work(self) -> None:
-        while self.background.work:
-            self.background.work.pop(0)()
+        while self.worker.work:
+            self.worker.work.pop(0)()
 
     def set(self, name: str, value: Any) -> None:
         self.ask(name, value)

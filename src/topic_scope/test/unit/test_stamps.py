@@ -12,15 +12,15 @@ from bags import Told, reading, serialized, slices
 from geometry_msgs.msg import PointStamped
 from rospy import Duration, Time
 
-from topic_scope.analysis.measurements import phase
-from topic_scope.bag.bag_columns import Column
-from topic_scope.bag.bag_series import collect
+from topic_scope.analysis.waveform import phase
+from topic_scope.bag.columns import Column
+from topic_scope.bag.series import collect
 from topic_scope.bag.column_reader import write_csv
 from topic_scope.messages.definitions import layout_of
 from topic_scope.messages.timestamp_source import OwnClock, correction
-from topic_scope.page.export import parts
-from topic_scope.record.message_source import Batch
-from topic_scope.record.traces import Stream, Trace
+from topic_scope.page.csv_export import parts
+from topic_scope.sampling.message_source import Batch
+from topic_scope.sampling.traces import Stream, Trace
 
 START, PERIOD_S, COUNT, SINE_HZ = 1000.0, 0.01, 600, 1.0
 STAMPS = [START + PERIOD_S * index for index in range(COUNT)]

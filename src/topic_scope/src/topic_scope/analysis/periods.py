@@ -13,7 +13,7 @@ from typing import NamedTuple, Tuple
 import numpy
 
 from topic_scope.analysis.crossings import after_gaps, longest_stretch, rises
-from topic_scope.analysis.figure import Figure, measured, unmeasurable
+from topic_scope.analysis.measurement import Measurement, measured, unmeasurable
 from topic_scope.analysis.spectrum import peaks, spectrum
 
 #: A trace has to leave its mean by this part of its range before a crossing of the mean counts:
@@ -61,7 +61,9 @@ class _Comparison(NamedTuple):
 _UNLIKE = _Comparison()
 
 
-def frequency(times: numpy.ndarray, values: numpy.ndarray, longest: float = math.inf) -> Figure:
+def frequency(
+    times: numpy.ndarray, values: numpy.ndarray, longest: float = math.inf
+) -> Measurement:
     """Measure how often a trace repeats itself in a second.
 
     :param times: ascending, s
@@ -152,7 +154,7 @@ def _crossings(
     return found, piece_of
 
 
-def _period(crossings: numpy.ndarray, piece_of: numpy.ndarray) -> Figure:
+def _period(crossings: numpy.ndarray, piece_of: numpy.ndarray) -> Measurement:
     """Return the mean time from one crossing to the next one of the same piece, s.
 
     :param crossings: when, s; how far off that may be, s; and how much of that is from an edge, s
@@ -202,7 +204,7 @@ def _begins(moments: numpy.ndarray, piece_of: numpy.ndarray, count: int) -> nump
     return begins
 
 
-def _strongest_line(times: numpy.ndarray, values: numpy.ndarray, longest: float) -> Figure:
+def _strongest_line(times: numpy.ndarray, values: numpy.ndarray, longest: float) -> Measurement:
     """Return the frequency of the strongest sine, if the trace repeats itself so often, Hz."""
     part = longest_stretch(times, longest)
     times, values = times[part], values[part]

@@ -11,7 +11,7 @@ from typing import NamedTuple, Tuple, Union
 
 import numpy
 
-from topic_scope.analysis.figure import Figure, between, measured, unmeasurable
+from topic_scope.analysis.measurement import Measurement, between, measured, unmeasurable
 
 #: Between these parts of the way from one level to the other lies the rise time.
 LOW, HIGH = 0.1, 0.9
@@ -80,17 +80,17 @@ def step_of(times: numpy.ndarray, values: numpy.ndarray) -> Union[Step, str]:
     return _why_none(step, sigma) or step._replace(doubt=step.doubt + _APPROACH * _moves(step))
 
 
-def rise(step: Step) -> Figure:
+def rise(step: Step) -> Measurement:
     """Return the time from 10 % to 90 % of the way from one level to the other, s."""
     return rise_of(step.times, step.values, (step.low, step.high), step.doubt, step.spacing)
 
 
-def overshoot(step: Step) -> Figure:
+def overshoot(step: Step) -> Measurement:
     """Return how far it goes beyond where it ends, % of its height."""
     return overshoot_of(step.values, (step.low, step.high), step.doubt)
 
 
-def settling(step: Step) -> Figure:
+def settling(step: Step) -> Measurement:
     """Return the time from where it leaves its begin until it stays near its end, s."""
     band = SETTLED * step.height
     # Between two samples it may be further away than at both.
@@ -108,7 +108,7 @@ def rise_of(
     levels: Tuple[float, float],
     doubt: float,
     spacing: float,
-) -> Figure:
+) -> Measurement:
     """Return the time from 10 % to 90 % of the way between two levels, s.
 
     :param times: ascending, s
@@ -140,7 +140,7 @@ def rise_of(
     return found
 
 
-def overshoot_of(values: numpy.ndarray, levels: Tuple[float, float], doubt: float) -> Figure:
+def overshoot_of(values: numpy.ndarray, levels: Tuple[float, float], doubt: float) -> Measurement:
     """Return how far values go beyond the upper of two levels, % of the way between them.
 
     :param values: with the highest ones

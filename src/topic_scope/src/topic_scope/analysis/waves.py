@@ -9,7 +9,7 @@ from typing import NamedTuple, Optional, Tuple
 
 import numpy
 
-from topic_scope.analysis.figure import Figure, between, measured, unmeasurable
+from topic_scope.analysis.measurement import Measurement, between, measured, unmeasurable
 from topic_scope.analysis.steps import NOISE, overshoot_of, rise_of
 
 #: Samples are averaged over this part of a period at most.
@@ -47,7 +47,7 @@ class Wave(NamedTuple):
     drift: float
 
 
-def wave_of(times: numpy.ndarray, values: numpy.ndarray, frequency: Figure) -> Optional[Wave]:
+def wave_of(times: numpy.ndarray, values: numpy.ndarray, frequency: Measurement) -> Optional[Wave]:
     """Lay all periods of a trace over one another.
 
     :param times: ascending, s, without a gap
@@ -79,7 +79,7 @@ def wave_of(times: numpy.ndarray, values: numpy.ndarray, frequency: Figure) -> O
     return Wave(places, values, period, levels, rests, _SURELY * sigma, spacing, drift)
 
 
-def rise(wave: Wave) -> Figure:
+def rise(wave: Wave) -> Measurement:
     """Return the time from 10 % to 90 % of the way from one level to the other, s."""
     low, high = wave.levels
     # From its lowest place on, through a whole period.
@@ -90,14 +90,14 @@ def rise(wave: Wave) -> Figure:
     return rise_of(times, values, (low, high), wave.doubt, wave.spacing + wave.drift)
 
 
-def overshoot(wave: Wave) -> Figure:
+def overshoot(wave: Wave) -> Measurement:
     """Return how far it goes beyond its upper level, % of the way between both."""
     if not wave.rests:
         return unmeasurable("no step: it does not rest at two levels")
     return overshoot_of(wave.values, wave.levels, wave.doubt)
 
 
-def duty(wave: Wave) -> Figure:
+def duty(wave: Wave) -> Measurement:
     """Return the part of the time that it is above the middle of its levels, %."""
     low, high = wave.levels
     if wave.doubt >= (high - low) / 4.0:
@@ -115,8 +115,8 @@ def duty(wave: Wave) -> Figure:
 
 
 def cycle_figures(
-    times: numpy.ndarray, values: numpy.ndarray, wave: Wave, frequency: Figure
-) -> Tuple[Figure, Figure]:
+    times: numpy.ndarray, values: numpy.ndarray, wave: Wave, frequency: Measurement
+) -> Tuple[Measurement, Measurement]:
     """Return mean and RMS over whole periods, the latest ones.
 
     :param times: ascending, s, without a gap

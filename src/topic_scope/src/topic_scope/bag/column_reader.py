@@ -6,8 +6,8 @@ from typing import Any, Iterable, Iterator, List, TextIO
 import numpy
 
 from topic_scope.analysis.csv_rows import CsvColumn, header, rows
-from topic_scope.bag.bag_columns import Column
-from topic_scope.bag.bag_messages import FirstMessage, Slice
+from topic_scope.bag.columns import Column
+from topic_scope.bag.message_slices import FirstMessage, Slice
 from topic_scope.messages.arrays import first_missing, lengths_in
 from topic_scope.messages.decoding import Decoder, NotThere
 from topic_scope.messages.derived import make, parts

@@ -5,8 +5,8 @@ from typing import Iterable, List, Sequence, TextIO
 import numpy
 
 from topic_scope.analysis.csv_rows import CsvColumn, header, rows
-from topic_scope.bag.bag_columns import Line
-from topic_scope.bag.bag_messages import Slice
+from topic_scope.bag.columns import Line
+from topic_scope.bag.message_slices import Slice
 from topic_scope.bag.column_reader import ColumnReader, exact_seconds
 from topic_scope.formulas.signals import Signal
 from topic_scope.messages.timestamp_source import longest_step

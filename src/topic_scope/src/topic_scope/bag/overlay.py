@@ -4,16 +4,16 @@ from typing import Dict, List, Sequence, Tuple
 
 import numpy
 
-from topic_scope.bag.bag_columns import Column, choose
-from topic_scope.bag.bag_file import BagFile
-from topic_scope.bag.bag_lines import chosen, series_of
-from topic_scope.bag.bag_messages import first_messages, slices
-from topic_scope.bag.bag_series import Series
+from topic_scope.bag.columns import Column, choose
+from topic_scope.bag.file import BagFile
+from topic_scope.bag.line_series import chosen, series_of
+from topic_scope.bag.message_slices import first_messages, slices
+from topic_scope.bag.series import Series
 from topic_scope.formulas.names import formula_of, terms
 from topic_scope.messages.arrays import Arrays
 from topic_scope.messages.fields import FieldError, Path, parted, split
 from topic_scope.messages.timestamp_source import longest_step, path_of
-from topic_scope.record.laid import LaidStream, LaidTrace
+from topic_scope.sampling.overlay_trace import OverlayStream, OverlayTrace
 
 
 class BagOverlay:
@@ -46,14 +46,14 @@ class BagOverlay:
         self.arrays: Dict[str, Arrays] = {topic: Arrays() for topic in self.layouts}
         for topic, one in self._first.items():
             self.arrays[self._prefix + topic].add_message(one.layout, one.data)
-        self._wanted: List[Tuple[str, LaidTrace]] = []
+        self._wanted: List[Tuple[str, OverlayTrace]] = []
 
     @property
     def place(self) -> float:
         """When its first message is, s by the scope's clock."""
         return self.begin + self.offset
 
-    def trace(self, topic: str, path: Path, timestamp: str, function: str) -> LaidTrace:
+    def trace(self, topic: str, path: Path, timestamp: str, function: str) -> OverlayTrace:
         """Return one of its traces, which is to be filled; see :meth:`take_wanted`.
 
         :param topic: one of :attr:`types`
@@ -68,14 +68,14 @@ class BagOverlay:
             time = path_of(timestamp, self.layouts[topic])
         except FieldError as error:
             problem = str(error)
-        trace = LaidTrace(LaidStream(topic, timestamp, time, self), path, function)
+        trace = OverlayTrace(OverlayStream(topic, timestamp, time, self), path, function)
         if problem:
             trace.problem = problem
         else:
             self._wanted.append((name, trace))
         return trace
 
-    def take_wanted(self) -> List[Tuple[str, LaidTrace]]:
+    def take_wanted(self) -> List[Tuple[str, OverlayTrace]]:
         """Return the traces that are to be filled, and what they are called in the bag; once."""
         wanted, self._wanted = self._wanted, []
         return wanted

@@ -11,16 +11,16 @@ import rospy
 
 from nodekit import MasterUnreachable, init_node
 from nodekit.master import MasterClient
-from topic_scope.bag.bag_file import BagError, BagFile
-from topic_scope.bag.bag_player import BagPlayer
-from topic_scope.formulas.reading import SECONDS
+from topic_scope.bag.file import BagError, BagFile
+from topic_scope.bag.player import BagPlayer
+from topic_scope.formulas.parser import SECONDS
 from topic_scope.graph.master_watch import GraphState, MasterWatch
 from topic_scope.masks.failure_file import BEFORE_S, save_failure
-from topic_scope.masks.mask import Mask, MaskCheck, Verdict
+from topic_scope.masks.limits import Mask, MaskCheck, Verdict
 from topic_scope.messages.fields import FieldError
 from topic_scope.messages.layouts import Layouts
-from topic_scope.record.raw_subscriptions import RawSubscriptions, SteadyClock
-from topic_scope.record.recorder import Recorder
+from topic_scope.sampling.raw_subscriptions import RawSubscriptions, SteadyClock
+from topic_scope.sampling.recorder import Recorder
 
 #: What the exit status says: a sample was outside; nothing could be judged, or something is wrong.
 OUTSIDE, NOT_JUDGED = 1, 2

@@ -6,7 +6,7 @@ import rosservice
 from std_srvs.srv import SetBool, Trigger
 
 from nodekit import call_service
-from topic_scope.graph.background import Background
+from topic_scope.graph.worker import Worker
 
 #: Longest wait for an answer, s: some do their work first, as a robot that drives home.
 _ANSWER_S = 60.0
@@ -34,7 +34,7 @@ def kind_of(service: str) -> str:
 
 
 def call(
-    background: Background,
+    worker: Worker,
     service: str,
     kind: str,
     data: Any,
@@ -62,5 +62,5 @@ def call(
     def work() -> Any:
         return call_service(service, _CLASSES[kind], *arguments, timeout=_ANSWER_S).result()
 
-    if not background.run(("call", service), work, told):
+    if not worker.run(("call", service), work, told):
         told(RuntimeError("an earlier call has not been answered yet"))

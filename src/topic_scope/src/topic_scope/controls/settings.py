@@ -11,8 +11,8 @@ from functools import partial
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple
 
 from nodekit import ParameterError, to_wire
-from topic_scope.controls.panels import Panel
-from topic_scope.graph.background import Background
+from topic_scope.controls.panel import Panel
+from topic_scope.graph.worker import Worker
 
 #: Tells one page.
 Answer = Callable[[Dict[str, Any]], None]
@@ -55,12 +55,12 @@ class Settings:
 
     def __init__(
         self,
-        background: Background,
+        worker: Worker,
         change: Callable[[str, Mapping[str, Any]], Changed],
         send_values: Callable[[Panel, List[str]], None],
         read_again: Callable[[str], None],
     ) -> None:
-        self._background, self._change, self._send_values = background, change, send_values
+        self._worker, self._change, self._send_values = worker, change, send_values
         self._read_again = read_again
         #: By node and parameter: what is still to be sent, the newest of each parameter; and what
         #: was refused, perhaps because other values were still to come.
@@ -98,7 +98,7 @@ class Settings:
             return
         wanted = {name: to_wire(ask.value) for name, ask in asked.items()}
         work = partial(self._try, node, wanted, dict(self._refused.get(node, {})))
-        if self._background.run(("change", node), work, partial(self._on_answer, node, asked)):
+        if self._worker.run(("change", node), work, partial(self._on_answer, node, asked)):
             del self._waiting[node]
 
     def _try(self, node: str, wanted: Mapping[str, Any], refused: Mapping[str, Any]) -> Changed:

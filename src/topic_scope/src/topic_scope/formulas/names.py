@@ -1,14 +1,14 @@
 """Names of traces, those that are computed of others included.
 
-``=/a/x - 2*/b/y`` is computed by a formula, see :mod:`.reading`; so is the difference
+``=/a/x - 2*/b/y`` is computed by a formula, see :mod:`.parser`; so is the difference
 ``/a/x-/b/y``, which needs no ``=``. Everything else is the name of a field.
 """
 
 from functools import lru_cache
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
-from topic_scope.formulas.reading import Formula, read_formula
-from topic_scope.formulas.words import FormulaError, Word, text_of, words_of
+from topic_scope.formulas.parser import Formula, parse_formula
+from topic_scope.formulas.lexer import FormulaError, Token, text_of, tokens_of
 from topic_scope.messages import fields
 from topic_scope.messages.fields import FieldError
 
@@ -30,9 +30,9 @@ def formula_of(name: str) -> Optional[Formula]:
     if problem_of(name):
         return None
     if is_formula(name):
-        return read_formula(name.lstrip()[1:])
+        return parse_formula(name.lstrip()[1:])
     first, minus, second = name.partition(_BETWEEN)
-    return read_formula(f"{first} - /{second}") if minus else None
+    return parse_formula(f"{first} - /{second}") if minus else None
 
 
 def terms(name: str) -> Tuple[str, ...]:
@@ -69,7 +69,7 @@ def expand_with(name: str, resolve: Callable[[str], List[str]]) -> List[str]:
     :raises FieldError: what that raises, or if a field of a formula stands for several
     """
     if is_formula(name):
-        formula = read_formula(name.lstrip()[1:])
+        formula = parse_formula(name.lstrip()[1:])
         return [_MARK + formula.text(lambda field: _one(resolve(field)))]
     first, minus, second = name.partition(_BETWEEN)
     if not minus:
@@ -84,18 +84,18 @@ def with_letters(text: str, traces: Sequence[str]) -> str:
     :param traces: what ``a``, ``b``, ``c`` and so on stand for: fields, or what is computed
     :raises FormulaError: if it has letters beyond those, or is no formula
     """
-    letters: Dict[str, Sequence[Word]] = {}
+    letters: Dict[str, Sequence[Token]] = {}
     for letter, name in zip("abcdefghijklmnopqrstuvwxyz", traces):
         formula = formula_of(name)
-        inner = [Word("field", name)] if formula is None else list(formula.words)
-        letters[letter] = inner if formula is None else [Word("(", "("), *inner, Word(")", ")")]
-    words: List[Word] = []
-    for word in words_of(text.lstrip()[1:]):
-        if word.kind == "name" and len(word.text) == 1 and word.text not in letters:
-            raise FormulaError(f"there is no trace {word.text}: {_known(traces)}")
-        is_letter = word.kind == "name" and word.text in letters
-        words += letters[word.text] if is_letter else [word]
-    return _MARK + text_of(words)
+        inner = [Token("field", name)] if formula is None else list(formula.tokens)
+        letters[letter] = inner if formula is None else [Token("(", "("), *inner, Token(")", ")")]
+    tokens: List[Token] = []
+    for token in tokens_of(text.lstrip()[1:]):
+        if token.kind == "name" and len(token.text) == 1 and token.text not in letters:
+            raise FormulaError(f"there is no trace {token.text}: {_known(traces)}")
+        is_letter = token.kind == "name" and token.text in letters
+        tokens += letters[token.text] if is_letter else [token]
+    return _MARK + text_of(tokens)
 
 
 def _known(traces: Sequence[str]) -> str:

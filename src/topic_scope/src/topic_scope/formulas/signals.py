@@ -79,11 +79,11 @@ def low_passed(signal: Signal, cutoff: float) -> Signal:
     anew = (steps > signal.longest) | (numpy.diff(numpy.flatnonzero(finite)) > 1)
     kept[anew], change[anew] = 0.0, values[1:][anew]
     factors, sums = numpy.concatenate([[0.0], kept]), numpy.concatenate([values[:1], change])
-    reach = 1
-    while reach < len(sums) and factors[reach:].max() > _FORGOTTEN:
-        sums[reach:] = sums[reach:] + factors[reach:] * sums[:-reach]
-        factors[reach:] = factors[reach:] * factors[:-reach]
-        reach *= 2
+    shift = 1
+    while shift < len(sums) and factors[shift:].max() > _FORGOTTEN:
+        sums[shift:] = sums[shift:] + factors[shift:] * sums[:-shift]
+        factors[shift:] = factors[shift:] * factors[:-shift]
+        shift *= 2
     smooth = numpy.full(len(signal.values), numpy.nan)
     smooth[finite] = sums
     return signal._replace(values=smooth)

@@ -9,7 +9,7 @@ import rospy
 
 from nodekit.master import MasterClient
 from topic_scope.messages.layouts import Layouts
-from topic_scope.record.raw_subscriptions import RawSubscriptions
+from topic_scope.sampling.raw_subscriptions import RawSubscriptions
 
 #: Time between two looks at the graph, s.
 PERIOD_S = 1.0
@@ -49,7 +49,7 @@ class MasterWatch:
         self._subscriptions = subscriptions
         self._layouts = layouts
         self._master = MasterClient(rospy.get_name(), rospy.get_node_uri())
-        self._bell = threading.Event()
+        self._wake = threading.Event()
 
     def start(
         self, on_state: Callable[[GraphState], Any], on_silence: Callable[[str], Any]
@@ -62,9 +62,9 @@ class MasterWatch:
         arguments = (on_state, on_silence)
         threading.Thread(target=self._run, args=arguments, name="master", daemon=True).start()
 
-    def ring(self) -> None:
+    def refresh(self) -> None:
         """Look at once."""
-        self._bell.set()
+        self._wake.set()
 
     def _run(self, on_state: Callable[[GraphState], Any], on_silence: Callable[[str], Any]) -> None:
         while not rospy.is_shutdown():
@@ -80,5 +80,5 @@ class MasterWatch:
                 on_silence(rosgraph.get_master_uri())
             except Exception:  # of any kind: without this thread nothing new would be seen
                 rospy.logerr_throttle(_LOG_PERIOD_S, f"the graph: {traceback.format_exc()}")
-            self._bell.wait(PERIOD_S)
-            self._bell.clear()
+            self._wake.wait(PERIOD_S)
+            self._wake.clear()

@@ -5,13 +5,13 @@ import os
 from typing import Iterator
 
 from topic_scope.analysis.csv_rows import CsvColumn, header, rows
-from topic_scope.masks.mask import Mask, Samplers
+from topic_scope.masks.limits import Mask, SampleReader
 
 #: How much of what came before is saved, s.
 BEFORE_S = 2.0
 
 
-def save_failure(path: str, samplers: Samplers, mask: Mask, moment: float) -> None:
+def save_failure(path: str, samplers: SampleReader, mask: Mask, moment: float) -> None:
     """Write the trace, its reference and both limits to a CSV file, from before a time on.
 
     :param path: the file; it appears when it is complete
@@ -25,7 +25,7 @@ def save_failure(path: str, samplers: Samplers, mask: Mask, moment: float) -> No
     os.replace(partial, path)
 
 
-def _lines(samplers: Samplers, mask: Mask, start: float) -> Iterator[str]:
+def _lines(samplers: SampleReader, mask: Mask, start: float) -> Iterator[str]:
     names = (mask.field, mask.reference, mask.lower, mask.upper)
     traces = {name: samplers.trace(name) for name in names}
     columns = []

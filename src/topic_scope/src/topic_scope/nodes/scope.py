@@ -9,15 +9,15 @@ from typing import Sequence
 import rospy
 
 from nodekit import Maker, run
-from topic_scope.bag.bag_file import BagError
+from topic_scope.bag.file import BagError
 from topic_scope.bag.overlay import BagOverlay
 from topic_scope.protocol import options
 from topic_scope.protocol.options import Options
-from topic_scope.web import bag_scope, web
+from topic_scope.web import bag_scope, handlers
 from topic_scope.web.live_graph import LiveGraph
-from topic_scope.web.overlays import open_overlays
-from topic_scope.web.server import Server
-from topic_scope.web.site import Site
+from topic_scope.web.overlay_loader import open_overlays
+from topic_scope.web.scope_session import ScopeSession
+from topic_scope.web.http_server import HttpServer
 
 
 class Scope:
@@ -37,7 +37,7 @@ class Scope:
     """
 
     def __init__(
-        self, node: Maker, chosen: Options, site: Site, over: Sequence[BagOverlay]
+        self, node: Maker, chosen: Options, site: HttpServer, over: Sequence[BagOverlay]
     ) -> None:
         self._node, self._options, self._over = node, chosen, over
         site.show(self._server)
@@ -45,8 +45,9 @@ class Scope:
         if not chosen.is_local:
             rospy.logwarn("it is open to the network: others can watch, nobody can set anything")
 
-    def _server(self) -> Server:
-        return Server(self._options, LiveGraph(self._node, not self._options.is_local), self._over)
+    def _server(self) -> ScopeSession:
+        source = LiveGraph(self._node, not self._options.is_local)
+        return ScopeSession(self._options, source, self._over)
 
 
 def main() -> None:
@@ -54,7 +55,7 @@ def main() -> None:
     wanted = options.parse(sys.argv[1:])
     try:
         over = open_overlays(wanted)
-        sockets = web.bind(wanted)
+        sockets = handlers.bind(wanted)
     except BagError as error:
         sys.exit(f"scope.py: {error}")
     except OSError as error:
@@ -66,9 +67,9 @@ def main() -> None:
     # Two scopes are two nodes: their ports differ, so their names do.
     name = "scope" if chosen.port == options.DEFAULT_PORT else f"scope_{chosen.port}"
 
-    site = Site(chosen, sockets)  # before there is a master: a page says that it is missing
+    site = HttpServer(chosen, sockets)  # before there is a master: a page says that it is missing
     if chosen.open_browser:
-        threading.Thread(target=web.open_browser, args=(chosen.url,), daemon=True).start()
+        threading.Thread(target=handlers.open_browser, args=(chosen.url,), daemon=True).start()
 
     def start(node: Maker) -> Scope:
         if chosen.port != wanted.port:

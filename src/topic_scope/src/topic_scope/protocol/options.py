@@ -16,7 +16,7 @@ from rosgraph.names import get_ros_namespace, ns_join
 
 from topic_scope.formulas.names import expand, is_formula
 from topic_scope.messages.fields import FieldError
-from topic_scope.protocol.laying import FARTHEST_S
+from topic_scope.protocol.overlay_request import FARTHEST_S
 from topic_scope.protocol.checks import RequestError, check_count, fields_of
 
 #: Addresses that stand for all of a machine's.
@@ -29,7 +29,7 @@ PLOTS = 8
 PORTS = 100
 
 
-class Over(NamedTuple):
+class OverlayOption(NamedTuple):
     """A bag that is laid over what is shown.
 
     :param path: the file
@@ -66,7 +66,7 @@ class Options(NamedTuple):
     open_browser: bool
     setup: Optional[Dict[str, Any]] = None
     bag: Optional[str] = None
-    over: Sequence[Over] = ()
+    over: Sequence[OverlayOption] = ()
 
     @property
     def ports(self) -> Sequence[int]:
@@ -266,7 +266,7 @@ def _seconds(text: str) -> float:
     return seconds
 
 
-def _over(text: str) -> Over:
+def _over(text: str) -> OverlayOption:
     path, colon, name = text.rpartition(":")
     if not colon or "/" in name or os.path.exists(text):
         path, name = text, _name_of(text)
@@ -274,7 +274,7 @@ def _over(text: str) -> Over:
         raise argparse.ArgumentTypeError(
             f"{name!r} is no name for a bag: a letter first, then letters, digits and _"
         )
-    return Over(path, name)
+    return OverlayOption(path, name)
 
 
 def _name_of(path: str) -> str:

@@ -9,14 +9,14 @@ import rospy
 from geometry_msgs.msg import PoseStamped
 
 from nodekit import Maker
-from topic_scope.graph.background import Background
+from topic_scope.graph.worker import Worker
 from topic_scope.graph.master_watch import GraphState
 from topic_scope.graph.node_queries import NodeQueries
-from topic_scope.page.page import Page
+from topic_scope.page.state import Page
 from topic_scope.protocol.requests import Drive, Goal
-from topic_scope.robots import wheel
+from topic_scope.robots import drive_session
 from topic_scope.robots.dead_man import Velocity
-from topic_scope.robots.wheel import Wheel
+from topic_scope.robots.drive_session import DriveSession
 
 _GOAL = PoseStamped._type
 #: Longest wait until whoever takes goals has connected, s.
@@ -32,12 +32,12 @@ class Driving:
     :param background: where to wait for nodes
     """
 
-    def __init__(self, node: Maker, background: Background) -> None:
-        self._name, self._background = node.name, background
+    def __init__(self, node: Maker, worker: Worker) -> None:
+        self._name, self._worker = node.name, worker
         self._queries = NodeQueries(node.name)
         self._subscribers: Dict[str, List[str]] = {}
         self._types: Dict[str, str] = {}
-        self._wheels: Dict[str, Tuple[Page, Wheel]] = {}
+        self._sessions: Dict[str, Tuple[Page, DriveSession]] = {}
         self._wanted: Dict[Page, str] = {}
         self._goals: Dict[str, rospy.Publisher] = {}
         self._is_over = False
@@ -54,7 +54,7 @@ class Driving:
         pairs = sorted(self._types.items())
         return {
             "type": "targets",
-            "commands": [topic for topic, datatype in pairs if datatype in wheel.TYPES],
+            "commands": [topic for topic, datatype in pairs if datatype in drive_session.TYPES],
             "goals": [topic for topic, datatype in pairs if datatype == _GOAL],
         }
 
@@ -71,13 +71,13 @@ class Driving:
         self.leave(page)
         if not topic:
             return
-        ask = self._asked(topic, wheel.TYPES)
-        then = partial(self._on_wheel, page, topic)
-        if not self._background.run(("steer", topic), partial(_make, topic, ask), then):
+        ask = self._asked(topic, drive_session.TYPES)
+        then = partial(self._on_session, page, topic)
+        if not self._worker.run(("steer", topic), partial(_make, topic, ask), then):
             raise ValueError(f"the subscribers of {topic} have not answered yet")
         self._wanted[page] = topic
 
-    def _on_wheel(self, page: Page, topic: str, made: Any) -> None:
+    def _on_session(self, page: Page, topic: str, made: Any) -> None:
         is_wanted = self._wanted.get(page) == topic  # or it has gone, or wants another one by now
         if is_wanted:
             del self._wanted[page]
@@ -86,11 +86,11 @@ class Driving:
         elif not is_wanted:
             made.close()
         else:
-            former, _ = self._wheels.get(topic, (page, None))
+            former, _ = self._sessions.get(topic, (page, None))
             self.leave(former)
             if former is not page:
                 former.put_once({"type": "error", "text": f"another page drives on {topic} now"})
-            self._wheels[topic] = (page, made)
+            self._sessions[topic] = (page, made)
             if self._is_over:  # that one was not there yet when all were closed
                 made.close()
             page.put(_steering(topic, made.datatype))
@@ -98,8 +98,8 @@ class Driving:
     def leave(self, page: Page) -> None:
         """Take all wheels from a page; robots that it moved stop."""
         self._wanted.pop(page, None)
-        for topic in [topic for topic, (owner, _) in self._wheels.items() if owner is page]:
-            self._wheels.pop(topic)[1].close()
+        for topic in [topic for topic, (owner, _) in self._sessions.items() if owner is page]:
+            self._sessions.pop(topic)[1].close()
             page.put(_steering("", ""))
 
     def drive(self, page: Page, request: Drive) -> None:
@@ -108,10 +108,10 @@ class Driving:
         :raises ValueError: if it steers none, or this has come too late
         """
         velocity = Velocity(request.speed, request.turn)
-        wheels = [one for owner, one in self._wheels.values() if owner is page]
-        if not wheels and not request.is_stop:
+        sessions = [one for owner, one in self._sessions.values() if owner is page]
+        if not sessions and not request.is_stop:
             raise ValueError("this page drives no robot: take the wheel first")
-        if not all([one.drive(velocity, request.sent) for one in wheels]):
+        if not all([one.drive(velocity, request.sent) for one in sessions]):
             raise ValueError(
                 "a command came too late and was ignored: the link is slow; "
                 "if that goes on, take the wheel again"
@@ -120,7 +120,7 @@ class Driving:
     def _stop_all(self) -> None:
         # For good: pages go on sending commands to the thread of the web until the process ends.
         self._is_over = True
-        if any([one.close() for _, one in list(self._wheels.values())]):
+        if any([one.close() for _, one in list(self._sessions.values())]):
             time.sleep(_LAST_S)
 
     # --- Goals -------------------------------------------------------------------------------
@@ -133,7 +133,7 @@ class Driving:
         ask = self._asked(request.topic, (_GOAL,))
         work = partial(self._send, request, ask)
         then = partial(_on_sent, page, request)
-        if not self._background.run(("goal", request.topic), work, then):
+        if not self._worker.run(("goal", request.topic), work, then):
             raise ValueError(f"an earlier goal for {request.topic} is still on its way")
 
     def _send(self, request: Goal, ask: Callable[[], Optional[str]]) -> None:
@@ -161,7 +161,7 @@ class Driving:
         """Publish nothing any more: no page shows robots."""
         for topic in list(self._goals):
             end = self._goals.pop(topic).unregister
-            self._background.run(("goal", topic), end, lambda _: None)
+            self._worker.run(("goal", topic), end, lambda _: None)
 
     # --- Both --------------------------------------------------------------------------------
 
@@ -176,11 +176,11 @@ class Driving:
         return partial(self._queries.subscribed_type, topic, nodes, known)
 
 
-def _make(topic: str, ask: Callable[[], Optional[str]]) -> Wheel:
+def _make(topic: str, ask: Callable[[], Optional[str]]) -> DriveSession:
     datatype = ask()
     if datatype is None:
         raise ValueError(f"no subscriber of {topic} takes a Twist or a TwistStamped")
-    return Wheel(topic, datatype)
+    return DriveSession(topic, datatype)
 
 
 def _steering(topic: str, datatype: str) -> Dict[str, Any]:

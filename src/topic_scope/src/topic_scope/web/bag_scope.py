@@ -12,12 +12,12 @@ import rospy
 import tornado.ioloop
 
 from nodekit.entry_point import end
-from topic_scope.bag.bag_file import BagError
+from topic_scope.bag.file import BagError
 from topic_scope.bag.overlay import BagOverlay
 from topic_scope.protocol.options import Options
-from topic_scope.web import web
-from topic_scope.web.recording import Recording
-from topic_scope.web.server import Server
+from topic_scope.web import handlers
+from topic_scope.web.bag_source import BagSource
+from topic_scope.web.scope_session import ScopeSession
 
 
 def run(options: Options, sockets: List[socket.socket], over: Sequence[BagOverlay]) -> NoReturn:
@@ -33,15 +33,16 @@ def run(options: Options, sockets: List[socket.socket], over: Sequence[BagOverla
     try:
         loop = asyncio.new_event_loop()
         asyncio.set_event_loop(loop)
-        recording = Recording(str(options.bag), options.history, options.window)
+        source = BagSource(str(options.bag), options.history, options.window)
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
             loop.add_signal_handler(number, tornado.ioloop.IOLoop.current().stop)
-        web.serve(options, sockets, web.Front(Server(options, recording, over)))
+        session = ScopeSession(options, source, over)
+        handlers.serve(options, sockets, handlers.ScopeHolder(session))
         rospy.loginfo("the scope shows %s at %s", options.bag, options.url)
         if not options.is_local:
             rospy.logwarn("it is open to the network: others can watch, and play the bag")
         if options.open_browser:
-            threading.Thread(target=web.open_browser, args=(options.url,), daemon=True).start()
+            threading.Thread(target=handlers.open_browser, args=(options.url,), daemon=True).start()
         tornado.ioloop.IOLoop.current().start()
     except BagError as error:
         sys.exit(f"scope.py: {error}")

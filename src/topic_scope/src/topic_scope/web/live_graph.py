@@ -5,19 +5,19 @@ from typing import Any, Callable, Dict, List
 import tornado.ioloop
 
 from nodekit import Maker
-from topic_scope.controls.controls import Controls
-from topic_scope.graph.background import Background
-from topic_scope.graph.graph import GraphFeed
+from topic_scope.controls.panel_manager import PanelManager
+from topic_scope.graph.worker import Worker
+from topic_scope.graph.topology import GraphFeed
 from topic_scope.graph.master_watch import GraphState, MasterWatch
 from topic_scope.messages.layouts import Layouts
-from topic_scope.page.page import Page
+from topic_scope.page.state import Page
 from topic_scope.protocol import requests
 from topic_scope.protocol.checks import RequestError
 from topic_scope.protocol.requests import Handler
-from topic_scope.record.raw_subscriptions import RawSubscriptions, SteadyClock
-from topic_scope.robots.live_robots import LiveRobots
-from topic_scope.web.origin import Pages
-from topic_scope.web.site import master_message
+from topic_scope.sampling.raw_subscriptions import RawSubscriptions, SteadyClock
+from topic_scope.robots.live_scene import LiveScene
+from topic_scope.web.data_source import Pages
+from topic_scope.web.http_server import master_message
 
 
 class LiveGraph:
@@ -39,9 +39,9 @@ class LiveGraph:
         """Begin to follow the graph."""
         deliver: Callable[..., None] = tornado.ioloop.IOLoop.current().add_callback
         self._server = server
-        self._controls = Controls(deliver, server.send_to_pages)
-        self._graph = GraphFeed(self._node.name, Background(deliver), self._send_graph)
-        self._robots = LiveRobots(self._node, deliver)
+        self._controls = PanelManager(deliver, server.send_to_pages)
+        self._graph = GraphFeed(self._node.name, Worker(deliver), self._send_graph)
+        self._robots = LiveScene(self._node, deliver)
         self._watch.start(
             lambda state: deliver(self._on_state, state),
             lambda uri: deliver(self._on_silence, uri),
@@ -65,9 +65,9 @@ class LiveGraph:
         self._graph.on_state(state, any(page.wants_graph for page in self._server.pages()))
         self._robots.on_state(state)
 
-    def ring(self) -> None:
+    def refresh(self) -> None:
         """Look at the graph at once."""
-        self._watch.ring()
+        self._watch.refresh()
 
     # --- Pages -------------------------------------------------------------------------------
 
@@ -134,11 +134,11 @@ class LiveGraph:
         graph = self._graph.message()
         if is_on and graph is not None:
             page.put(graph)
-            self._watch.ring()
+            self._watch.refresh()
 
     def _show_robots(self, page: Page, is_on: bool) -> None:
         self._robots.show(page, is_on)
-        self._watch.ring()
+        self._watch.refresh()
 
     def _send_graph(self, message: Dict[str, Any]) -> None:
         for page in self._server.pages():

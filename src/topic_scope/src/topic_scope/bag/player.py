@@ -1,0 +1,264 @@
+"""Plays a bag: its messages come out as those of subscriptions do, by the clock of the bag.
+
+It is read in the thread of whoever asks for the time, a few chunks at each call: so it needs no
+lock and no queue, and in memory is what lies between the chunks that have begun and the clock. When
+it is sent elsewhere it first reads what came before that place, for as long as a scope keeps it, as
+fast as it can; from there on it goes by the clock.
+"""
+
+import time
+from collections import deque
+from typing import Callable, Collection, Deque, Dict, Iterator, List, Mapping, Set, Tuple
+
+import numpy
+
+from topic_scope.bag.file import BagError, BagFile, Part
+from topic_scope.sampling.message_source import TICK_S, Batch
+
+#: How long one call may read, s: while pages are shown, and while they wait.
+PLAYING_S, LOADING_S = 0.01, 0.1
+_NS = 10**9
+#: How much of what came before a place is for those who take it besides, ns.
+ASIDE_NS = 5 * _NS
+_TICK_NS = round(TICK_S * _NS)
+
+
+class Subscription:
+    """Where the messages of one topic come out."""
+
+    def __init__(self) -> None:
+        self.batches: List[Batch] = []
+
+    def drain(self) -> Iterator[Batch]:
+        """Return what has come since the last call, oldest first."""
+        batches, self.batches = self.batches, []
+        return iter(batches)
+
+
+class SideSubscriptions:
+    """What is taken of a bag that is played besides; a :class:`.MessageSource`.
+
+    Of what came before a place it has the last seconds, and of each publisher the latest message at
+    least, however long ago that was: who wants the present has no use for more.
+
+    :param player: plays the bag
+    """
+
+    def __init__(self, player: "BagPlayer") -> None:
+        self.clock = player
+        self.active: Dict[str, Subscription] = {}
+        self.wanted: Set[str] = set()
+
+    def want(self, topics: Collection[str], is_more: bool = False) -> None:
+        """Have the messages of these topics after the next :meth:`BagPlayer.seek`."""
+        self.wanted = set(topics)
+        self.active = {
+            topic: one for topic, one in self.active.items() if topic in self.wanted
+        }
+        if is_more or self.wanted - set(self.active):
+            self.clock.lacks_past = True
+
+    def subscriptions(self) -> Mapping[str, Subscription]:
+        """Return what the messages come out of, by topic."""
+        return self.active
+
+
+class BagPlayer:
+    """Plays a bag; a :class:`.MessageSource`.
+
+    :param bag: the bag
+    :param history: how much it reads of what came before the place where it begins, s
+    :param clock: how it tells how much time has passed, s
+
+    :ivar aside: what else the messages come out of
+    :ivar is_loading: whether it reads what came before
+    :ivar lacks_past: whether more is wanted than was read of what came before
+    :ivar is_playing: whether its clock goes, or will when it has loaded
+    :ivar problems: what could not be read, and why
+    """
+
+    def __init__(
+        self, bag: BagFile, history: float, clock: Callable[[], float] = time.monotonic
+    ) -> None:
+        self._bag, self._clock = bag, clock
+        self._history = round(history * _NS)
+        self._wanted: Set[str] = set()
+        self._subscriptions: Dict[str, Subscription] = {}
+        self.aside = SideSubscriptions(self)
+        self._connections: Set[int] = set()
+        #: Chunks to be read, as number and begin, ns; and what was read, but is to come later.
+        self._chunks: Deque[Tuple[int, int]] = deque()
+        self._parts: List[Part] = []
+        #: When the latest message of each topic came out, ns.
+        self._latest: Dict[str, int] = {}
+        #: All messages up to this time have come; and where it is sent to, ns.
+        self._at = self._goal = self._start = self._recent = bag.start
+        #: The time by which it counts, s, and where it was then, ns.
+        self._since, self._from = clock(), bag.start
+        self._speed = 1.0
+        self.is_loading = self.is_playing = self.lacks_past = False
+        self.problems: Deque[str] = deque(maxlen=10)
+
+    # --- What somebody wants of it -----------------------------------------------------------
+
+    @property
+    def start(self) -> float:
+        """Time of the first message, s since the epoch."""
+        return self._bag.start / _NS
+
+    @property
+    def end(self) -> float:
+        """Time of the last message, s since the epoch."""
+        return self._bag.end / _NS
+
+    @property
+    def place(self) -> float:
+        """Where its clock is, or where it is sent to, s since the epoch."""
+        return self._goal / _NS
+
+    @property
+    def speed(self) -> float:
+        """How much faster than it was recorded."""
+        return self._speed
+
+    @speed.setter
+    def speed(self, speed: float) -> None:
+        self.now()
+        self._speed = speed
+        self._count_from_here()
+
+    def play(self) -> None:
+        """Let the clock go, up to the end."""
+        self.is_playing = True
+        self._count_from_here()
+
+    def pause(self) -> None:
+        """Let the clock stand."""
+        self.now()
+        self.is_playing = False
+
+    def seek(self, moment: float) -> None:
+        """Go to a time: read what came before it, then go on as before.
+
+        :param moment: s since the epoch; the nearest one that there is counts
+        """
+        self._goal = min(max(round(moment * _NS), self._bag.start), self._bag.end)
+        self._at = self._start = max(self._goal - self._history, self._bag.start) - 1
+        self._recent = self._goal - ASIDE_NS
+        self._subscriptions, wanted = self._subscriptions_of(self._wanted)
+        self.aside.active, besides = self._subscriptions_of(self.aside.wanted)
+        self._connections = {*wanted, *besides}
+        self._chunks = deque(zip(*self._bag.chunks_after(self._at, besides)))
+        self._parts, self._latest = [], {}
+        self.is_loading, self.lacks_past = True, False
+
+    def _subscriptions_of(
+        self, topics: Collection[str]
+    ) -> Tuple[Dict[str, Subscription], List[int]]:
+        connections = self._bag.connections
+        numbers = [number for number, one in connections.items() if one.topic in topics]
+        return {connections[number].topic: Subscription() for number in numbers}, numbers
+
+    # --- What it is as a source of messages --------------------------------------------------
+
+    @property
+    def clock(self) -> "BagPlayer":
+        """What the messages' times are by."""
+        return self
+
+    def want(self, topics: Collection[str], is_more: bool = False) -> None:
+        """Have the messages of these topics after the next :meth:`seek`."""
+        self._wanted = set(topics)
+        self.lacks_past = self.lacks_past or is_more
+
+    def subscriptions(self) -> Mapping[str, Subscription]:
+        """Return what the messages come out of, by topic."""
+        return self._subscriptions
+
+    def now(self) -> float:
+        """Read on.
+
+        :returns: the time up to which all messages have come, s since the epoch
+        """
+        passed = self._clock()
+        target = self._goal
+        if self.is_playing and not self.is_loading:
+            since = round((passed - self._since) * self._speed * _NS)
+            target = min(self._from + since, self._bag.end)
+        reached = self._read(target, passed + (LOADING_S if self.is_loading else PLAYING_S))
+        self._at = max(self._at, reached)
+        self._put()
+        if self.is_loading:
+            self.is_loading = reached < target
+            self._count_from_here()
+        else:
+            self._goal = self._at
+            if reached < target:  # it is not as fast as it should be
+                self._count_from_here()
+            self.is_playing = self.is_playing and reached < self._bag.end
+        return self._at / _NS
+
+    def _count_from_here(self) -> None:
+        self._since, self._from = self._clock(), self._goal
+
+    def _read(self, target: int, until: float) -> int:
+        """Read chunks, one at least.
+
+        :param target: begins up to here, ns
+        :param until: time to stop, s
+        :returns: the time up to which nothing is missing, ns
+        """
+        is_late = False
+        while self._chunks:
+            number, begin = self._chunks[0]
+            if begin > target:
+                break
+            if is_late:
+                return begin - 1
+            self._chunks.popleft()
+            try:
+                self._parts += self._bag.read(number, self._connections)
+            except BagError as error:  # the others may be whole
+                self.problems.append(str(error))
+            is_late = self._clock() >= until
+        return target
+
+    def _put(self) -> None:
+        """Let out what is not later than the clock."""
+        parts, self._parts = self._parts, []
+        ready: Dict[str, List[Part]] = {}
+        for connection, times, messages in parts:
+            last = int(times.searchsorted(self._at, "right"))
+            if last:
+                topic = self._bag.connections[connection].topic
+                ready.setdefault(topic, []).append(Part(connection, times[:last], messages[:last]))
+            if last < len(messages):
+                self._parts.append(Part(connection, times[last:], messages[last:]))
+        for topic, found in ready.items():
+            came = _told_apart([part.times for part in found], self._latest.get(topic, 0))
+            self._latest[topic] = max(int(one[-1]) for one in came)
+            for part, one in zip(found, came):
+                self._let_out(topic, part, (one / _NS).tolist())
+
+    def _let_out(self, topic: str, part: Part, came: List[float]) -> None:
+        header = self._bag.connections[part.connection].header
+        first, recent = part.times.searchsorted([self._start, self._recent], "right").tolist()
+        recent = min(recent, len(came) - 1)
+        for subscriptions, begin in ((self._subscriptions, first), (self.aside.active, recent)):
+            if topic in subscriptions and begin < len(came):
+                batch = Batch(header, came[begin:], part.messages[begin:])
+                subscriptions[topic].batches.append(batch)
+
+
+def _told_apart(recorded: List[numpy.ndarray], latest: int) -> List[numpy.ndarray]:
+    """Return when the messages of a topic come out, no two at the same time.
+
+    :param recorded: when those of each part were recorded, ascending, ns
+    :param latest: when the latest one before them came out, ns
+    """
+    times = numpy.concatenate(recorded)
+    order = times.argsort(kind="stable")
+    ticks = _TICK_NS * numpy.arange(1, len(times) + 1)
+    came = numpy.empty_like(times)
+    came[order] = numpy.maximum.accumulate(numpy.maximum(times[order] - ticks, latest)) + ticks
+    return numpy.split(came, numpy.cumsum([len(one) for one in recorded])[:-1])

@@ -1,0 +1,227 @@
+"""The command ``rosrun topic_scope plot_bag.py FILE.bag FIELD… -o out.png``."""
+
+import argparse
+import math
+import os
+import struct
+import sys
+from typing import Iterator, List, Optional, TextIO
+
+from tqdm import tqdm
+
+from topic_scope.bag.file import BagError, BagFile
+from topic_scope.bag.line_series import chosen, series_of
+from topic_scope.bag.message_slices import Slice, first_messages, slices
+from topic_scope.bag.series import Series, crossing, moved
+from topic_scope.bag.column_reader import ColumnReader, write_csv
+from topic_scope.bag.computed_csv import write_computed_csv
+from topic_scope.messages.fields import FieldError
+
+#: As many lines as :mod:`.plot` has styles and colours for.
+LINES = 40
+#: From how many messages on it takes long enough for a progress bar.
+LONG = 20000
+_BAR = "{percentage:3.0f} % |{bar}| {elapsed} < {remaining}"
+_FORMATS = ("png", "svg", "pdf", "csv")
+
+
+def main() -> None:
+    """Plot fields of a bag, or write them to a CSV file."""
+    arguments = _parser().parse_args()
+    if arguments.align and not _is_level(arguments.align[1]):
+        _fail(f"--align: {arguments.align[1]!r} is not a level")
+    if arguments.end is not None and arguments.start > arguments.end:
+        start, end = arguments.start / 1e9, arguments.end / 1e9
+        _fail(f"--start {start:g} is after --end {end:g}: nothing lies between")
+    try:
+        _write(arguments)
+    except (BagError, FieldError) as error:
+        _fail(str(error))
+    except ModuleNotFoundError as error:
+        _fail(f"{error.name} is not installed: apt install python3-{error.name}")
+    except OSError as error:
+        _fail(f"{arguments.output}: {error.strerror or error}")
+    except KeyboardInterrupt:
+        sys.exit(130)  # as a shell puts it
+
+
+def _is_level(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
+
+def _fail(text: str) -> None:
+    print(f"plot_bag: {text}", file=sys.stderr)
+    sys.exit(2)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(
+        prog="plot_bag",
+        description="Plot numbers that a bag holds, or write them to a CSV file.",
+        epilog="A field is /topic/field, /topic/x:y:z for several, /topic/array[3], a topic for "
+        "all its numbers, or '=/topic/x - 2*/other/y' for what a formula computes.",
+    )
+    parser.add_argument("bag", metavar="FILE.bag", help="what rosbag record has recorded")
+    parser.add_argument("fields", metavar="FIELD", nargs="+", help="what to plot")
+    parser.add_argument(
+        "-o",
+        "--output",
+        required=True,
+        type=_output,
+        help="file to write: .png, .svg, .pdf or .csv",
+    )
+    parser.add_argument(
+        "--start",
+        metavar="S",
+        type=_nanoseconds,
+        default=0,
+        help="leave out what came before, in s from the start of the bag",
+    )
+    parser.add_argument(
+        "--end",
+        metavar="S",
+        type=_nanoseconds,
+        help="leave out what came later, in s from the start of the bag",
+    )
+    parser.add_argument(
+        "--over",
+        metavar="OTHER.bag",
+        action="append",
+        default=[],
+        help="draw the same fields of another bag over them; may be repeated",
+    )
+    parser.add_argument(
+        "--offset",
+        metavar="S",
+        type=_offset,
+        action="append",
+        default=[],
+        help="how much later to draw the other bag, s; one for each --over, in their order",
+    )
+    parser.add_argument(
+        "--align",
+        metavar=("FIELD", "LEVEL"),
+        nargs=2,
+        help="let the time of each bag begin where this field first rises through this level",
+    )
+    return parser
+
+
+def _offset(text: str) -> float:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = math.nan
+    if not -1e9 < seconds < 1e9:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a time in s")
+    return seconds
+
+
+def _output(text: str) -> str:
+    if _format(text) not in _FORMATS:
+        raise argparse.ArgumentTypeError(f"{text!r} does not end in .png, .svg, .pdf or .csv")
+    return text
+
+
+def _format(path: str) -> str:
+    return os.path.splitext(path)[1][1:].lower()
+
+
+def _nanoseconds(text: str) -> int:
+    try:
+        seconds = float(text)
+    except ValueError:
+        seconds = math.nan
+    if not 0.0 <= seconds < 1e9:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a time in s from the start of the bag")
+    return round(seconds * 1e9)
+
+
+def _write(arguments: argparse.Namespace) -> None:
+    """Write the file; it appears when it is complete."""
+    partial = arguments.output + ".part"
+    try:
+        if _format(arguments.output) == "csv":
+            with open(partial, "w", newline="") as file:
+                _write_numbers(file, arguments)
+        else:
+            _draw(partial, arguments)
+        os.replace(partial, arguments.output)
+    finally:
+        if os.path.exists(partial):
+            os.remove(partial)
+
+
+def _write_numbers(file: TextIO, arguments: argparse.Namespace) -> None:
+    if arguments.over or arguments.align:
+        raise FieldError("a .csv is of one bag: --over and --align are for pictures")
+    with BagFile(arguments.bag) as bag:
+        lines, readers = chosen(bag, first_messages(bag), arguments.fields)
+        messages = _in_range(bag, readers, arguments.start, arguments.end)
+        try:
+            if any(line.formula for line in lines):
+                write_computed_csv(file, lines, readers, messages)
+            else:
+                write_csv(file, readers, messages)
+        except struct.error as error:
+            raise bag.broken(error) from error
+
+
+def _draw(path: str, arguments: argparse.Namespace) -> None:
+    # It takes a second to load, which an error need not wait for.
+    from topic_scope.bag.plot import draw, save
+
+    drawn: List[Series] = []
+    for number, name in enumerate([arguments.bag, *arguments.over]):
+        with BagFile(name) as bag:
+            lines = _series(bag, arguments.fields, arguments)
+            by = arguments.offset[number - 1] if 0 < number <= len(arguments.offset) else 0.0
+            if arguments.align:
+                field, level = arguments.align[0], float(arguments.align[1])
+                by -= crossing(_series(bag, [field], arguments)[0], level)
+        called = "" if number == 0 else f" ({os.path.basename(name)})"
+        drawn += [moved(one, by, one.name + called) for one in lines]
+    if len(drawn) > LINES:
+        raise FieldError(
+            f"{len(drawn)} lines are too many: at most {LINES} can be told apart; "
+            "name fewer fields, or write a .csv"
+        )
+    save(draw(drawn), path, _format(arguments.output))
+    for one in drawn:
+        if one.correction:
+            print(f"plot_bag: {one.name}: {one.correction}", file=sys.stderr)
+
+
+def _series(bag: BagFile, fields: List[str], arguments: argparse.Namespace) -> List[Series]:
+    """Return fields of a bag over time, in the range that was asked for."""
+    lines, readers = chosen(bag, first_messages(bag), fields)
+    messages = _in_range(bag, readers, arguments.start, arguments.end)
+    return series_of(bag, lines, readers, messages)
+
+
+def _in_range(
+    bag: BagFile, readers: List[ColumnReader], start: int, end: Optional[int]
+) -> Iterator[List[Slice]]:
+    """Read the messages of a range of time, and show how far it has got."""
+    topics = sorted({reader.column.topic for reader in readers})
+    until = bag.length if end is None else min(end, bag.length)
+    # A bar for what is done at once only flickers, and in a file it is of no use.
+    silent = None if bag.count(topics) >= LONG else True
+    is_empty, at = True, start
+    total = max(until - start, 0)
+    with tqdm(total=total, bar_format=_BAR, disable=silent, leave=False) as done:
+        for found in slices(bag, topics, start, end):
+            yield found
+            for one in found:
+                is_empty = False
+                last = int(one.times[-1])
+                done.update(max(last - at, 0))
+                at = max(last, at)
+    if is_empty:
+        text = "nothing of %s was recorded in this time; the bag is %.3f s long"
+        raise BagError(text % (", ".join(topics), bag.length / 1e9))
+    for reader in readers:
+        reader.check()

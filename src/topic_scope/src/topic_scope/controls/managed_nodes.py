@@ -1,0 +1,103 @@
+"""The managed nodes on the graph: their states, and the transitions that a page may ask for."""
+
+import time
+from functools import partial
+from typing import Any, Callable, Collection, Dict, List
+
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
+from nodekit import call_service
+from topic_scope.graph.worker import Worker
+
+#: A node is asked again after this time, s; longest wait for a transition, s.
+AGAIN_S, _CHANGE_S = 2.0, 60.0
+#: Most nodes that are asked; beyond that the first by name.
+NODES = 32
+#: What stands in the place of the state of a node that has answered before.
+_SILENT = "does not answer"
+_SERVICES = ("get_state", "get_available_transitions", "change_state")
+
+
+class ManagedNodes:
+    """Knows the managed nodes by their services; all methods belong to the thread of the web.
+
+    They are asked, as the event of a transition that ends in a crash never comes.
+
+    :param background: where to wait for nodes
+    :param send: sends a message to all pages
+    """
+
+    def __init__(self, worker: Worker, send: Callable[..., None]) -> None:
+        self._worker, self._send = worker, send
+        self._nodes: Dict[str, Dict[str, Any]] = {}
+        self._present: Collection[str] = ()
+        self._due: Dict[str, float] = {}
+
+    def message(self) -> Dict[str, Any]:
+        """Return the nodes that have answered."""
+        return {"type": "managed", "nodes": [self._nodes[node] for node in sorted(self._nodes)]}
+
+    def on_services(self, names: Collection[str]) -> None:
+        """Take note of the services on the graph."""
+        offered, end = set(names), "/" + _SERVICES[0]
+        nodes = sorted(name[: -len(end)] for name in offered if name.endswith(end))
+        nodes = [one for one in nodes if offered.issuperset(f"{one}/{name}" for name in _SERVICES)]
+        self._present = nodes[:NODES]
+        for node in set(self._nodes) - set(self._present):
+            del self._nodes[node]
+            self._send(self.message())
+        for node in self._present:
+            if time.monotonic() >= self._due.get(node, 0.0):
+                self._ask_state(node)
+        self._due = {node: due for node, due in self._due.items() if node in self._present}
+
+    def change(self, node: str, label: str, answer: Callable[[Dict[str, Any]], None]) -> None:
+        """Ask a node for a transition.
+
+        :param node: its name
+        :param label: of the transition
+        :param answer: tells the page what has become of it
+        :raises ValueError: if the node does not offer that now, or is still busy with another one
+        """
+        if label not in self._nodes.get(node, {}).get("transitions", ()):
+            raise ValueError(f"{node} cannot {label} now")
+        service = f"{node}/change_state"
+        work = partial(_change, service, label)
+        then = partial(self._on_changed, node, label, answer)
+        if not self._worker.run(("call", service), work, then):
+            raise ValueError(f"{node} has not finished an earlier request yet")
+
+    def _on_changed(
+        self, node: str, label: str, answer: Callable[[Dict[str, Any]], None], result: Any
+    ) -> None:
+        if result is not True:
+            why = f": {result}" if isinstance(result, Exception) else "; its log says why"
+            answer({"type": "error", "text": f"{node} did not {label}{why}"})
+        self._ask_state(node)
+
+    def _ask_state(self, node: str) -> None:
+        self._due[node] = time.monotonic() + AGAIN_S
+        self._worker.run(
+            ("managed", node), partial(_state_of, node), partial(self._on_state, node)
+        )
+
+    def _on_state(self, node: str, told: Any) -> None:
+        if isinstance(told, Exception):  # it is asked again; the master lists one that was killed
+            if node not in self._nodes:
+                return
+            told = {"node": node, "state": _SILENT, "transitions": []}
+        if node in self._present and self._nodes.get(node) != told:
+            self._nodes[node] = told
+            self._send(self.message())
+
+
+def _state_of(node: str) -> Dict[str, Any]:
+    state = call_service(f"{node}/get_state", GetState).result().current_state.label
+    offered = call_service(f"{node}/get_available_transitions", GetAvailableTransitions).result()
+    labels: List[str] = [one.transition.label for one in offered.available_transitions]
+    return {"node": node, "state": state, "transitions": labels}
+
+
+def _change(service: str, label: str) -> bool:
+    answer = call_service(service, ChangeState, Transition(label=label), timeout=_CHANGE_S)
+    return bool(answer.result().success)

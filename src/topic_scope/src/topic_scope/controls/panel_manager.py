@@ -1,0 +1,199 @@
+"""The panels of all nodes that describe their parameters, kept in step with them."""
+
+import time
+from functools import partial
+from typing import Any, Callable, Collection, Dict, Iterable, List, Mapping, Tuple
+
+import rospy
+import tornado.ioloop
+
+from nodekit import (
+    ChangeRefused,
+    DescriptionError,
+    FollowedParameter,
+    ParameterClient,
+    follow_parameter,
+)
+from topic_scope.controls import dynamic_reconfigure_panels, services
+from topic_scope.controls.managed_nodes import ManagedNodes
+from topic_scope.controls.panel import Panel
+from topic_scope.controls.settings import Answer, Changed, Settings, value_message
+from topic_scope.controls.node_status import PERIOD_S, NodeStatuses, topics_of
+from topic_scope.graph.worker import Worker
+from topic_scope.graph.master_watch import GraphState
+from topic_scope.sampling.raw_subscriptions import RawSubscriptions, SteadyClock
+
+#: Most panels; beyond that, as in a fleet of hundreds of nodes, the first by name.
+PANELS = 64
+#: A node that did not answer is asked again after this time, s.
+RETRY_S = 5.0
+#: Nodes that describe their parameters have these services, which have no button.
+_INTERNAL = ("describe", "change")
+_END = "/" + _INTERNAL[0]
+#: The same of those that know dynamic_reconfigure alone.
+_FOREIGN = "/" + dynamic_reconfigure_panels.SERVICE
+
+
+class _NoPanel(Exception):
+    """A node that has none, after all."""
+
+
+class PanelManager:
+    """Knows the panels; all methods belong to the thread of the web.
+
+    :param deliver: hands a function to that thread
+    :param send: sends to all pages: a message, and what it is about
+    """
+
+    def __init__(
+        self,
+        deliver: Callable[[Callable[[], None]], None],
+        send: Callable[..., None],
+    ) -> None:
+        self._deliver, self._send = deliver, send
+        self._worker = Worker(deliver)
+        self._panels: Dict[str, Panel] = {}
+        self._followed: Dict[str, FollowedParameter] = {}
+        self._failed: Dict[str, float] = {}
+        self._foreign: Collection[str] = ()
+        self._settings = Settings(
+            self._worker, self._change, self._send_values, self._read_again
+        )
+        self._managed = ManagedNodes(self._worker, send)
+        subscriptions = RawSubscriptions(SteadyClock())
+        self._statuses = NodeStatuses(subscriptions, self._worker, send)
+        tornado.ioloop.PeriodicCallback(self._statuses.update, PERIOD_S * 1e3).start()
+
+    def messages(self) -> List[Dict[str, Any]]:
+        """Return what a new page is told."""
+        return [self.message(), self._managed.message(), self._statuses.message()]
+
+    def message(self) -> Dict[str, Any]:
+        """Return all panels."""
+        panels = [self._panels[node].message() for node in sorted(self._panels)]
+        return {"type": "panels", "panels": panels}
+
+    def on_state(self, state: GraphState) -> None:
+        """Take note of what is on the graph."""
+        self.on_services([name for name, nodes in state.services if nodes])
+        self._statuses.follow(topics_of(self._panels, state.publishers, state.types))
+
+    def on_services(self, names: Collection[str]) -> None:
+        """Take note of the services on the graph."""
+        self._managed.on_services(names)
+        nodes = sorted(name[: -len(_END)] for name in names if name.endswith(_END))
+        if dynamic_reconfigure_panels.AVAILABLE:
+            others = {name[: -len(_FOREIGN)] for name in names if name.endswith(_FOREIGN)}
+            self._foreign = others.difference(nodes)
+        nodes = (nodes + sorted(self._foreign))[:PANELS]
+        gone = set(self._panels) - set(nodes)
+        for node in gone:
+            del self._panels[node]
+            self._settings.forget(node)
+            leave = self._followed.pop(node).close
+            self._worker.run(("leave", node), leave, lambda _: None)
+        if gone:
+            self._send(self.message())
+        self._failed = {node: until for node, until in self._failed.items() if node in nodes}
+        for node in nodes:
+            if node not in self._panels and time.monotonic() > self._failed.get(node, 0.0):
+                inspect = partial(self._inspect, node, list(names))
+                self._worker.run(node, inspect, partial(self._on_inspected, node))
+
+    def _inspect(self, node: str, names: Collection[str]) -> Tuple[Panel, FollowedParameter]:
+        own = [name for name in names if name.startswith(node + "/")]
+        own = [name for name in own if name[len(node) + 1 :] not in _INTERNAL]
+        datatype = services.type_of(node + _FOREIGN) if node in self._foreign else None
+        if datatype not in (None, dynamic_reconfigure_panels.TYPE):
+            raise _NoPanel
+        kinds = {name: services.kind_of(name) for name in own}
+        # First: no change after the description is missed.
+        followed = follow_parameter(
+            node, lambda raw: self._deliver(partial(self._on_values, node, raw))
+        )
+        try:
+            offered = {name: kind for name, kind in kinds.items() if kind}
+            return Panel(node, self._describe(node), offered), followed
+        except Exception:
+            followed.close()
+            raise
+
+    def _on_inspected(self, node: str, result: Any) -> None:
+        if isinstance(result, Exception):
+            self._failed[node] = time.monotonic() + RETRY_S
+            if isinstance(result, DescriptionError):
+                rospy.logwarn_throttle(60.0, f"no panel for {node}: {result}")
+            return
+        self._panels[node], followed = result
+        self._followed[node] = followed
+        followed.report_again()  # what came before there was a panel is lost
+        self._send(self.message())
+
+    def _on_values(self, node: str, raw: Any) -> None:
+        panel = self._panels.get(node)
+        if panel is not None and isinstance(raw, dict):
+            self._send_values(panel, panel.follow(raw))
+
+    def _read_again(self, node: str) -> None:
+        followed = self._followed.get(node)
+        if followed is not None:
+            followed.report_again()
+
+    def _send_values(self, panel: Panel, names: List[str]) -> None:
+        for name in names:
+            self._send(value_message(panel, name), panel.node, name)
+
+    def set(self, node: str, name: str, value: Any, answer: Answer) -> None:
+        """Set a parameter; the page is told if the node refuses the value.
+
+        :param node: namespace of the parameter
+        :param name: its name in there
+        :param value: as the page has it
+        :param answer: tells the page
+        :raises ValueError: if there is no such parameter on a panel
+        """
+        panel = self._panels.get(node)
+        if panel is None or name not in panel.entries:
+            raise ValueError(f"there is no parameter {node}/{name}")
+        self._settings.set(panel, name, value, answer)
+
+    def call(self, service: str, data: Any, answer: Answer) -> None:
+        """Call a service that has a button.
+
+        :param service: its name
+        :param data: for SetBool, the truth value
+        :param answer: is told what it answers
+        :raises ValueError: if there is no such button, or the data do not fit
+        """
+        for panel in self._panels.values():
+            if service in panel.services:
+                services.call(self._worker, service, panel.services[service], data, answer)
+                return
+        raise ValueError(f"there is no service {service} to call")
+
+    def change_state(self, node: str, label: str, answer: Answer) -> None:
+        """Ask a managed node for a transition.
+
+        :param node: its name
+        :param label: of the transition
+        :param answer: tells the page what has become of it
+        :raises ValueError: if the node cannot make it now
+        """
+        self._managed.change(node, label, answer)
+
+    def _describe(self, node: str) -> Iterable[Mapping[str, Any]]:
+        if node in self._foreign:
+            return dynamic_reconfigure_panels.describe(node)
+        return ParameterClient(node).describe().values()
+
+    def _change(self, node: str, values: Mapping[str, Any]) -> Changed:
+        """Have a node change parameters.
+
+        :raises CallError: if it does not answer in good time
+        """
+        if node in self._foreign:
+            return dynamic_reconfigure_panels.change(node, values)
+        try:
+            return Changed(True, "", ParameterClient(node).change(values))
+        except ChangeRefused as error:
+            return Changed(False, str(error), {})

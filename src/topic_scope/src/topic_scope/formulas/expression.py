@@ -1,0 +1,294 @@
+"""What a formula is made of, once it is checked: a tree that computes signals of signals."""
+
+import math
+from typing import Callable, List, Mapping, NamedTuple, Sequence, Tuple, Union
+
+import numpy
+
+from topic_scope.formulas.signals import (
+    SETTLED,
+    Signal,
+    averaged,
+    delayed,
+    extreme,
+    low_passed,
+    slope,
+)
+
+
+class Operands(NamedTuple):
+    """What a formula asks of the fields in it, by their names.
+
+    :param read: returns the samples from one time to another, s
+    :param longest_step: tells how far apart samples of one line may be, s
+    :param last: tells when the last sample was taken, s; minus infinity where there is none
+    """
+
+    read: Callable[[str, float, float], Signal]
+    longest_step: Callable[[str], float]
+    last: Callable[[str], float]
+
+    @classmethod
+    def of(cls, signals: Mapping[str, Signal]) -> "Operands":
+        """Return the samples that there are, by name, when no more will come."""
+        return cls(
+            lambda name, start, end: signals[name].between(start, end),
+            lambda name: signals[name].longest,
+            lambda name: float(signals[name].times.max(initial=-math.inf)),
+        )
+
+
+class Number(NamedTuple):
+    """A number that stands in a formula, or was computed of such."""
+
+    value: float
+
+
+class _Sampled:
+    """Something that has samples of its own; see :class:`Elementwise` for what has not."""
+
+    fields: List[str]
+
+    def signal(self, operands: Operands, start: float, end: float) -> Signal:
+        """Return the samples of a time span, s, or some more."""
+        raise NotImplementedError
+
+    def at(
+        self, operands: Operands, times: numpy.ndarray, start: float, end: float
+    ) -> numpy.ndarray:
+        """Return the values at some times of a time span, s: on the line between two samples."""
+        more = operands.longest_step(self.fields[0])
+        return self.signal(operands, start - more, end + more).at(times)
+
+
+class Field(_Sampled):
+    """A trace that is recorded.
+
+    :param name: its name
+    """
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        #: The fields of it, the first one first: this one's stamps count.
+        self.fields = [name]
+
+    def signal(self, operands: Operands, start: float, end: float) -> Signal:
+        """Return the samples of a time span, s, or some more."""
+        return operands.read(self.name, start, end)
+
+    def until(self, operands: Operands) -> float:
+        """Return up to when it is known, s."""
+        return operands.last(self.name)
+
+    def lookaround(self, _operands: Operands) -> Tuple[float, float]:
+        """Return from how long before a time to how long after it samples count, s."""
+        return 0.0, 0.0
+
+
+class Elementwise:
+    """Something computed of each sample; what is not the first is taken at the first one's times.
+
+    :param function: of numpy, value by value
+    :param arguments: what it takes; one at least is no number
+    """
+
+    def __init__(self, function: Callable[..., numpy.ndarray], arguments: Sequence["Node"]) -> None:
+        self._function, self._arguments = function, arguments
+        self._signals = [one for one in arguments if not isinstance(one, Number)]
+        self.fields: List[str] = list(
+            dict.fromkeys(name for one in self._signals for name in one.fields)
+        )
+
+    def signal(self, operands: Operands, start: float, end: float) -> Signal:
+        """As of :class:`Field`."""
+        first, *others = self._signals
+        base = first.signal(operands, start, end)
+        rows = [one.at(operands, base.times, start, end) for one in others]
+        return base._replace(values=self._values([base.values, *rows]))
+
+    def at(
+        self, operands: Operands, times: numpy.ndarray, start: float, end: float
+    ) -> numpy.ndarray:
+        """Return the values at some times of a time span, s: of what there is at these times."""
+        return self._values([one.at(operands, times, start, end) for one in self._signals])
+
+    def _values(self, rows: List[numpy.ndarray]) -> numpy.ndarray:
+        row = iter(rows)
+        with numpy.errstate(all="ignore"):
+            return self._function(
+                *(one.value if isinstance(one, Number) else next(row) for one in self._arguments)
+            )
+
+    def until(self, operands: Operands) -> float:
+        """As of :class:`Field`."""
+        return min(one.until(operands) for one in self._signals)
+
+    def lookaround(self, operands: Operands) -> Tuple[float, float]:
+        """As of :class:`Field`."""
+        back, ahead = self._signals[0].lookaround(operands)
+        for other in self._signals[1:]:
+            before, after = other.lookaround(operands)
+            more = operands.longest_step(other.fields[0])
+            back, ahead = max(back, before + more), max(ahead, after + more)
+        return back, ahead
+
+
+class Windowed(_Sampled):
+    """Something that is computed of a signal over time.
+
+    :param of: the signal
+    """
+
+    def __init__(self, of: "Computed") -> None:
+        self._of = of
+        self.fields = of.fields
+
+    def until(self, operands: Operands) -> float:
+        """As of :class:`Field`."""
+        return self._of.until(operands)
+
+
+class Delay(Windowed):
+    """A signal some time later.
+
+    :param of: the signal
+    :param seconds: how much later, s; below 0, earlier
+    """
+
+    def __init__(self, of: "Computed", seconds: float) -> None:
+        super().__init__(of)
+        self._seconds = seconds
+
+    def signal(self, operands: Operands, start: float, end: float) -> Signal:
+        """As of :class:`Field`."""
+        found = self._of.signal(operands, start - self._seconds, end - self._seconds)
+        return delayed(found, self._seconds)
+
+    def until(self, operands: Operands) -> float:
+        """As of :class:`Field`."""
+        return self._of.until(operands) + self._seconds
+
+    def lookaround(self, operands: Operands) -> Tuple[float, float]:
+        """As of :class:`Field`."""
+        back, ahead = self._of.lookaround(operands)
+        return back + self._seconds, ahead - self._seconds
+
+
+class Derivative(Windowed):
+    """The change of a signal per second; of two samples, in the middle between them."""
+
+    def signal(self, operands: Operands, start: float, end: float) -> Signal:
+        """As of :class:`Field`."""
+        more = operands.longest_step(self.fields[0])
+        return slope(self._of.signal(operands, start - more, end + more))
+
+    def until(self, operands: Operands) -> float:
+        """As of :class:`Field`."""
+        end = self._of.until(operands)
+        more = operands.longest_step(self.fields[0])
+        times = self._of.signal(operands, end - more, end).between(-math.inf, end).times
+        return float(times[-2:].mean()) if len(times) > 1 else -math.inf
+
+    def lookaround(self, operands: Operands) -> Tuple[float, float]:
+        """As of :class:`Field`."""
+        back, ahead = self._of.lookaround(operands)
+        more = operands.longest_step(self.fields[0])
+        return back + more, ahead + more
+
+
+class LowPass(Windowed):
+    """A signal behind a low-pass of first order.
+
+    :param of: the signal
+    :param cutoff: Hz
+    """
+
+    def __init__(self, of: "Computed", cutoff: float) -> None:
+        super().__init__(of)
+        self._cutoff = cutoff
+        self._past = SETTLED / (2.0 * math.pi * cutoff)
+
+    def signal(self, operands: Operands, start: float, end: float) -> Signal:
+        """As of :class:`Field`."""
+        return low_passed(self._of.signal(operands, start - self._past, end), self._cutoff)
+
+    def lookaround(self, operands: Operands) -> Tuple[float, float]:
+        """As of :class:`Field`."""
+        back, ahead = self._of.lookaround(operands)
+        return back + self._past, ahead
+
+
+class Mean(Windowed):
+    """The mean of the last samples of a signal.
+
+    :param of: the signal
+    :param seconds: how long a sample counts, s
+    """
+
+    def __init__(self, of: "Computed", seconds: float) -> None:
+        super().__init__(of)
+        self._seconds = seconds
+
+    def signal(self, operands: Operands, start: float, end: float) -> Signal:
+        """As of :class:`Field`."""
+        return averaged(self._of.signal(operands, start - self._seconds, end), self._seconds)
+
+    def lookaround(self, operands: Operands) -> Tuple[float, float]:
+        """As of :class:`Field`."""
+        back, ahead = self._of.lookaround(operands)
+        return back + self._seconds, ahead
+
+
+class Extreme(Windowed):
+    """The highest or the lowest value of a signal around each time.
+
+    :param of: the signal
+    :param seconds: how far around, to either side, s
+    """
+
+    pick: numpy.ufunc
+
+    def __init__(self, of: "Computed", seconds: float) -> None:
+        super().__init__(of)
+        self._seconds = seconds
+
+    def signal(self, operands: Operands, start: float, end: float) -> Signal:
+        """As of :class:`Field`."""
+        found = self._around(operands, start, end)
+        return found._replace(values=extreme(found, found.times, self._seconds, self.pick))
+
+    def at(
+        self, operands: Operands, times: numpy.ndarray, start: float, end: float
+    ) -> numpy.ndarray:
+        """As of :class:`Field`, but around the very times, and not those of samples."""
+        return extreme(self._around(operands, start, end), times, self._seconds, self.pick)
+
+    def until(self, operands: Operands) -> float:
+        """As of :class:`Field`."""
+        return self._of.until(operands) - self._seconds
+
+    def lookaround(self, operands: Operands) -> Tuple[float, float]:
+        """As of :class:`Field`."""
+        back, ahead = self._of.lookaround(operands)
+        more = self._seconds + operands.longest_step(self.fields[0])
+        return back + more, ahead + more
+
+    def _around(self, operands: Operands, start: float, end: float) -> Signal:
+        more = self._seconds + operands.longest_step(self.fields[0])
+        return self._of.signal(operands, start - more, end + more)
+
+
+class Highest(Extreme):
+    """The highest value around each time."""
+
+    pick = numpy.maximum
+
+
+class Lowest(Extreme):
+    """The lowest value around each time."""
+
+    pick = numpy.minimum
+
+
+Computed = Union[Field, Elementwise, Delay, Derivative, LowPass, Mean, Highest, Lowest]
+Node = Union[Number, Computed]

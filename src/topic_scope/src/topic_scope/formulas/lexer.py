@@ -1,0 +1,110 @@
+"""Lexer of formulas: names of fields, numbers, functions, operators, brackets.
+
+Only what is listed here ever reaches the parser: no quotes, no dots behind anything but a number or
+a field, no square or curly brackets, no lambda. A ``/`` begins the name of a field where an operand
+has to stand, and divides everywhere else.
+"""
+
+import re
+from typing import List, NamedTuple, Sequence
+
+from topic_scope.messages.fields import FIELD, FieldError
+
+#: Most characters and tokens of a formula, and how deep its brackets may be nested.
+LONGEST, TOKENS, BRACKETS = 500, 100, 20
+
+_NUMBER = re.compile(r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?(?![\w.])", re.ASCII)
+_NAME = re.compile(r"[A-Za-z]\w*", re.ASCII)
+_OPERATOR = re.compile(r"\*\*|[-+*/%]")
+
+
+class FormulaError(FieldError):
+    """A formula that cannot be one; the text says in words why."""
+
+
+class Token(NamedTuple):
+    """A word of a formula.
+
+    :param kind: ``field``, ``number``, ``name``, ``operator``, or the mark itself
+    :param text: as it was typed
+    """
+
+    kind: str
+    text: str
+
+
+def tokens_of(text: str) -> List[Token]:
+    """Take a formula apart.
+
+    :param text: the formula, without the ``=`` before it
+    :raises FormulaError: if it is too long, or something in it is not a word that may stand there
+    """
+    if len(text) > LONGEST:
+        raise FormulaError(f"a formula has at most {LONGEST} characters, not {len(text)}")
+    tokens: List[Token] = []
+    place, depth, operand = 0, 0, True  # whether an operand has to stand here
+    while place < len(text):
+        if text[place] == " ":
+            place += 1
+            continue
+        token = _operand_at(text, place) if operand else _other_at(text, place)
+        depth += {"(": 1, ")": -1}.get(token.kind, 0)
+        if depth < 0:
+            raise FormulaError("a bracket is closed that was not opened")
+        if depth > BRACKETS:
+            raise FormulaError(f"brackets may be nested {BRACKETS} deep")
+        tokens.append(token)
+        place += len(token.text)
+        is_function = token.kind == "name" and text[place:].lstrip(" ").startswith("(")
+        operand = is_function or token.kind in ("(", ",", "operator")
+    if len(tokens) > TOKENS:
+        raise FormulaError(f"a formula has at most {TOKENS} tokens, not {len(tokens)}")
+    if operand:
+        raise FormulaError("something is missing at the end" if tokens else "the formula is empty")
+    if depth:
+        raise FormulaError("a bracket is not closed")
+    return tokens
+
+
+def text_of(tokens: Sequence[Token]) -> str:
+    """Return the formula of some tokens, with blanks where they help to read it."""
+    parts: List[str] = []
+    before = Token("(", "(")
+    for token in tokens:
+        is_sign = token.kind == "operator" and before.kind in ("(", ",", "operator")
+        if token.text == "**":
+            parts.append("**")
+        elif token.kind == "operator" and not is_sign:
+            parts.append(f" {token.text} ")
+        else:
+            parts.append(token.text + (" " if token.kind == "," else ""))
+        before = token
+    return "".join(parts)
+
+
+def _operand_at(text: str, place: int) -> Token:
+    for kind, pattern in (("field", FIELD), ("number", _NUMBER), ("name", _NAME)):
+        match = pattern.match(text, place)
+        if match:
+            return Token(kind, match.group())
+    if text[place] in "+-":
+        return Token("operator", text[place])
+    if text[place] == "(":
+        return Token("(", "(")
+    raise FormulaError(f"{_shown(text, place)}: here a field, a number or a function must stand")
+
+
+def _other_at(text: str, place: int) -> Token:
+    match = _OPERATOR.match(text, place)
+    if match:
+        return Token("operator", match.group())
+    if text[place] in "),":
+        return Token(text[place], text[place])
+    if text[place] == "^":
+        raise FormulaError("a power is written with **, not with ^")
+    raise FormulaError(f"{_shown(text, place)}: here + - * / % ** or a bracket must stand")
+
+
+def _shown(text: str, place: int) -> str:
+    more = "…" if len(text) > place + 12 else ""
+    return f"at {text[place : place + 12]!r}{more}"

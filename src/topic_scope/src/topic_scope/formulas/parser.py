@@ -1,0 +1,244 @@
+"""Reads a formula: of Python's grammar a few nodes, each checked, and none of it ever executed.
+
+The text is taken apart first, so that the parser sees only listed tokens, with placeholders for the
+fields; what it returns is walked once, and everything that is not listed here is refused.
+"""
+
+import ast
+import math
+from typing import Callable, Dict, List, Mapping, NamedTuple, Sequence, Tuple, Type
+
+import numpy
+
+from topic_scope.formulas.expression import (
+    Computed,
+    Delay,
+    Derivative,
+    Elementwise,
+    Field,
+    Highest,
+    Lowest,
+    LowPass,
+    Mean,
+    Node,
+    Number,
+    Operands,
+)
+from topic_scope.formulas.signals import Signal
+from topic_scope.formulas.lexer import FormulaError, Token, text_of, tokens_of
+
+#: How deep operations and functions may be nested, and of how many fields a formula may be.
+DEPTH, FIELDS = 24, 8
+#: Most functions over time: these take longer than the others.
+OVER_TIME = 8
+#: Longest delay, and longest time that a sample counts in a mean, s; how much all that adds up to.
+SECONDS = 600.0
+#: Bounds of the cut-off frequency of a low-pass, Hz.
+CUTOFF = (0.02, 1e6)
+
+_OPERATIONS: Dict[Type[ast.AST], Callable[..., numpy.ndarray]] = {
+    ast.Add: numpy.add,
+    ast.Sub: numpy.subtract,
+    ast.Mult: numpy.multiply,
+    ast.Div: numpy.divide,
+    ast.Mod: numpy.mod,
+    ast.Pow: numpy.power,
+    ast.USub: numpy.negative,
+    ast.UAdd: numpy.positive,
+}
+_OF_ONE: Dict[str, Callable[..., numpy.ndarray]] = {
+    "abs": numpy.abs,
+    "sqrt": numpy.sqrt,
+    "exp": numpy.exp,
+    "log": numpy.log,
+    "log10": numpy.log10,
+    "sin": numpy.sin,
+    "cos": numpy.cos,
+    "tan": numpy.tan,
+    "asin": numpy.arcsin,
+    "acos": numpy.arccos,
+    "atan": numpy.arctan,
+    "deg": numpy.degrees,
+    "rad": numpy.radians,
+    "floor": numpy.floor,
+    "ceil": numpy.ceil,
+    "sign": numpy.sign,
+}
+_OF_TWO: Dict[str, Callable[..., numpy.ndarray]] = {
+    "atan2": numpy.arctan2,
+    "hypot": numpy.hypot,
+    "min": numpy.minimum,
+    "max": numpy.maximum,
+}
+#: What they are over time: the second argument, and its bounds.
+_OVER_TIME: Dict[str, Tuple[Callable[[Computed, float], Computed], str, float, float]] = {
+    "delay": (Delay, "a time in s", -SECONDS, SECONDS),
+    "mean": (Mean, "a time in s", 1e-6, SECONDS),
+    "highest": (Highest, "a time in s", 0.0, SECONDS),
+    "lowest": (Lowest, "a time in s", 0.0, SECONDS),
+    "lowpass": (LowPass, "a frequency in Hz", *CUTOFF),
+}
+_CONSTANTS = {"pi": math.pi}
+#: Names of all functions.
+FUNCTIONS: Tuple[str, ...] = (*_OF_ONE, *_OF_TWO, *_OVER_TIME, "derivative")
+
+
+class Formula(NamedTuple):
+    """A formula that has been read.
+
+    :param tokens: what it is written of
+    :param tree: what it computes
+    """
+
+    tokens: Sequence[Token]
+    tree: Computed
+
+    @property
+    def fields(self) -> Tuple[str, ...]:
+        """The fields that it is computed of; the stamps of the first one count."""
+        return tuple(self.tree.fields)
+
+    def computed(self, signals: Mapping[str, Signal]) -> Signal:
+        """Return what it makes of samples, all of which are there.
+
+        :param signals: the samples by name of the field
+        """
+        return self.tree.signal(Operands.of(signals), -math.inf, math.inf)
+
+    def text(self, names: Callable[[str], str] = str) -> str:
+        """Return it as text.
+
+        :param names: returns what is to stand for a field
+        """
+        return text_of(
+            [
+                Token("field", names(token.text)) if token.kind == "field" else token
+                for token in self.tokens
+            ]
+        )
+
+
+def parse_formula(text: str) -> Formula:
+    """Read a formula.
+
+    :param text: the formula, without the ``=`` before it
+    :raises FormulaError: if it is none; the text says in words why
+    """
+    tokens = tokens_of(text)
+    fields: List[str] = []
+    parts: List[str] = []
+    for token in tokens:
+        if token.kind == "field":
+            parts.append(f"_{len(fields)}")
+            fields.append(token.text)
+        else:
+            parts.append(token.text)
+    if len(set(fields)) > FIELDS:
+        raise FormulaError(f"a formula is of at most {FIELDS} fields, not {len(set(fields))}")
+    try:
+        parsed = ast.parse(" ".join(parts), mode="eval")
+    except (SyntaxError, ValueError, MemoryError, RecursionError):
+        raise FormulaError("this cannot be read as a formula") from None
+    tree = _Reader(fields).node(parsed.body, 0)
+    if isinstance(tree, Number):
+        raise FormulaError("a formula needs a field at least, such as /topic/field")
+    past = _far(tree)
+    if past > SECONDS:
+        raise FormulaError(
+            f"delays, means and filters reach over {past:.0f} s: at most {SECONDS:.0f}"
+        )
+    return Formula(tokens, tree)
+
+
+def _far(tree: Computed) -> float:
+    """Return over how long a time a formula reaches at most, s."""
+    nothing = Signal(numpy.empty(0), numpy.empty(0), numpy.empty(0), 0.0)
+    back, ahead = tree.lookaround(Operands.of(dict.fromkeys(tree.fields, nothing)))
+    return max(abs(back), abs(ahead))
+
+
+class _Reader:
+    """Makes the tree of a formula.
+
+    :param fields: what the placeholders stand for
+    """
+
+    def __init__(self, fields: Sequence[str]) -> None:
+        self._fields = fields
+        self._over_time = 0
+
+    def node(self, parsed: ast.AST, depth: int) -> Node:
+        """Return what a node of Python's grammar stands for.
+
+        :param depth: how many are around it
+        :raises FormulaError: if it is not one of the few that are allowed
+        """
+        if depth > DEPTH:
+            raise FormulaError(f"operations may be nested {DEPTH} deep")
+        if isinstance(parsed, ast.Constant) and type(parsed.value) in (int, float):
+            value = parsed.value
+            return _number(lambda: float(value))
+        if isinstance(parsed, ast.Name):
+            return self._named(parsed.id)
+        if isinstance(parsed, ast.BinOp) and type(parsed.op) in _OPERATIONS:
+            sides = [self.node(side, depth + 1) for side in (parsed.left, parsed.right)]
+            return _each(_OPERATIONS[type(parsed.op)], sides)
+        if isinstance(parsed, ast.UnaryOp) and type(parsed.op) in _OPERATIONS:
+            return _each(_OPERATIONS[type(parsed.op)], [self.node(parsed.operand, depth + 1)])
+        if isinstance(parsed, ast.Call) and isinstance(parsed.func, ast.Name):
+            return self._call(parsed.func.id, [self.node(one, depth + 1) for one in parsed.args])
+        if isinstance(parsed, ast.Tuple):
+            raise FormulaError(
+                "a comma stands only between the arguments of a function; a number has a point"
+            )
+        raise FormulaError("this cannot be read as a formula")
+
+    def _named(self, name: str) -> Node:
+        if name.startswith("_"):
+            return Field(self._fields[int(name[1:])])
+        if name in _CONSTANTS:
+            return Number(_CONSTANTS[name])
+        if name in FUNCTIONS:
+            raise FormulaError(f"{name} needs a bracket with what it is of")
+        raise FormulaError(f"there is no {name}: the name of a field begins with /")
+
+    def _call(self, name: str, arguments: List[Node]) -> Node:
+        if name not in FUNCTIONS:
+            raise FormulaError(f"there is no function {name}; there are {', '.join(FUNCTIONS)}")
+        count = 1 if name in _OF_ONE or name == "derivative" else 2
+        if len(arguments) != count:
+            raise FormulaError(f"{name} takes {count} argument{'s' * (count > 1)}")
+        if name in _OF_ONE or name in _OF_TWO:
+            return _each({**_OF_ONE, **_OF_TWO}[name], arguments)
+        self._over_time += 1
+        if self._over_time > OVER_TIME:
+            raise FormulaError(f"a formula has at most {OVER_TIME} delays, filters and derivatives")
+        of, *others = arguments
+        if isinstance(of, Number):
+            raise FormulaError(f"{name} is of a trace, not of a number")
+        if not others:
+            return Derivative(of)
+        make, tokens, low, high = _OVER_TIME[name]
+        if not isinstance(others[0], Number) or not low <= others[0].value <= high:
+            raise FormulaError(f"{name}: the second must be {tokens}, from {low:g} to {high:g}")
+        return make(of, others[0].value)
+
+
+def _each(function: Callable[..., numpy.ndarray], arguments: List[Node]) -> Node:
+    """Return an operation, or its result where it is of numbers only."""
+    numbers = [one.value for one in arguments if isinstance(one, Number)]
+    if len(numbers) == len(arguments):
+        return _number(lambda: float(function(*map(numpy.float64, numbers))))
+    return Elementwise(function, arguments)
+
+
+def _number(compute: Callable[[], float]) -> Number:
+    """Return a number; all are floats, so that no power of integers grows without end."""
+    try:
+        with numpy.errstate(all="ignore"):
+            value = compute()
+    except OverflowError:
+        value = math.inf
+    if not math.isfinite(value):
+        raise FormulaError("a number in it is infinite, or is none")
+    return Number(value)

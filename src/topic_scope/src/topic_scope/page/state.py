@@ -1,0 +1,163 @@
+"""One page that is open: what it wants, and what is on its way to it."""
+
+from collections import deque
+from typing import Any, Deque, Dict, List, Optional, Tuple
+
+from topic_scope.masks.limits import MaskCheck
+from topic_scope.page.charts import ChartFeed
+from topic_scope.page.statistics_table import statistics_of
+from topic_scope.page.statistics_history import StatisticsHistory
+from topic_scope.page.frequency_backoff import FrequencyBackoff
+from topic_scope.page.trigger import TriggerWatch
+from topic_scope.page.view import LiveView, default_view
+from topic_scope.protocol.requests import Chart, Measure, Trigger
+from topic_scope.protocol.scaling import Scaling
+from topic_scope.sampling.recorder import Recorder
+
+#: Most answers that wait for a page that does not read.
+_NOTES = 50
+#: What makes a frame for one page may take this part of the time, so that the others have the rest.
+_SHARE = 0.25
+#: For how long a page may be ahead of that, s: one long frame, with figures, delays no other.
+_CREDIT_S = 0.1
+
+
+class Page:
+    """The state of one page, without its connection.
+
+    What a page has not read yet is replaced by what is newer, so that one that does not read costs
+    no memory, and sees the present when it reads again.
+
+    :param window: span of time that it sees at first, s
+    """
+
+    def __init__(self, window: float) -> None:
+        #: Names as the page chose them, None as long as it has chosen nothing.
+        self.chosen: Optional[Tuple[str, ...]] = None
+        self.wants_graph = False
+        #: Whether its next frame is to come with figures.
+        self.is_to_measure = False
+        self.view = LiveView(default_view(window))
+        self.trigger = TriggerWatch(Trigger("off", "", 0.0, True), 0.0)
+        self.chart = ChartFeed(Chart())
+        self.measure = Measure()
+        self._statistics_history = StatisticsHistory()
+        self._backoff = FrequencyBackoff()
+        self.scaling = Scaling()
+        self.mask: Optional[MaskCheck] = None
+        self._rests_until = 0.0
+        self._latest: Dict[Any, Dict[str, Any]] = {}
+        self._notes: Deque[Dict[str, Any]] = deque(maxlen=_NOTES)
+
+    def restart(self, now: float) -> None:
+        """Show and await what there is at another time.
+
+        :param now: this time, s
+        """
+        self.view.restart()
+        self.trigger = TriggerWatch(self.trigger.request, now)
+        if self.mask is not None:
+            self.mask = MaskCheck(self.mask.mask, now)
+
+    def scale(self, scaling: Scaling) -> None:
+        """Show its traces scaled otherwise.
+
+        :param scaling: how
+        """
+        changed, self.scaling = scaling.differing(self.scaling), scaling
+        if self.measure.against in changed:  # a negative gain turns the phases of all others
+            self._statistics_history = StatisticsHistory()
+        self._statistics_history.forget(changed)
+        self.view.stepped = scaling.is_stepped
+        self.show_anew()
+
+    def show_anew(self) -> None:
+        """Show its traces once more: they have other samples."""
+        self.view.restart()
+        self.chart = ChartFeed(self.chart.request)
+
+    def set_measure(self, measure: Measure) -> None:
+        """Measure something else; against another trace, phases do not go on as they were."""
+        if measure.against != self.measure.against:
+            self._statistics_history = StatisticsHistory()
+        self.measure = measure
+
+    def set_chart(self, chart: Chart) -> None:
+        """Show another chart."""
+        self.chart = ChartFeed(chart)
+
+    def watch(self, recorder: Recorder, now: float) -> None:
+        """Look for what the page's trigger waits for.
+
+        :param recorder: has the samples
+        :param now: time up to which they are there, s
+        """
+
+        def longest(field: str) -> float:  # in steps it holds its value until the next one comes
+            return 0.0 if self.scaling.is_stepped(field) else recorder.longest_step(field)
+
+        samples = self.scaling.scaled(recorder.samples)
+        crossing = self.trigger.update(now, self.view.window, samples, longest)
+        if crossing is not None:
+            self.put(crossing)
+
+    def frame(self, recorder: Recorder, now: float, measures: bool) -> List[Dict[str, Any]]:
+        """Return what is to be sent now, with all that is new of the traces.
+
+        :param recorder: has the samples
+        :param now: time up to which they are there, s
+        :param measures: whether they are measured, too
+        """
+        samples, longest = self.scaling.scaled(recorder.samples), recorder.longest_step
+        if measures:
+            told = statistics_of(recorder, samples, self.view, self.measure, self._backoff, now)
+            span = self.measure.span(now) or self.view.span(now)
+            self._statistics_history.count(self.measure.over_time, span, told["traces"])
+            self.put(told)
+            if self.mask is not None:
+                self.put(_verdict_message(self.mask, recorder))
+        chart = self.chart.update(now, samples, longest, self.view)
+        if chart is not None:
+            self.put(chart)
+        frame = self.view.frame(now, samples, recorder.changed_since, longest)
+        return self.pop_messages() + ([frame] if frame is not None else [])
+
+    def is_due(self, now: float) -> bool:
+        """Tell whether it is the page's turn to get a frame.
+
+        :param now: s on the monotonic clock
+        """
+        return now >= self._rests_until
+
+    def took(self, start: float, end: float) -> None:
+        """Take note of how long its last frame took: a page that wants much gets it less often.
+
+        :param start: start of the work, s on the monotonic clock
+        :param end: its end, s
+        """
+        self._rests_until = max(self._rests_until, start - _CREDIT_S) + (end - start) / _SHARE
+
+    def put(self, message: Dict[str, Any], *key: str) -> None:
+        """Send a message; it replaces one of its type and key that has not been sent yet."""
+        place = (message["type"],) + key
+        self._latest.pop(place, None)  # newer than what else is waiting
+        self._latest[place] = message
+
+    def put_once(self, message: Dict[str, Any]) -> None:
+        """Send a message that says something once."""
+        self._notes.append(message)
+
+    def pop_messages(self) -> List[Dict[str, Any]]:
+        """Return what is to be sent now."""
+        messages = list(self._notes) + list(self._latest.values())
+        self._latest.clear()
+        self._notes.clear()
+        return messages
+
+
+def _verdict_message(check: MaskCheck, recorder: Recorder) -> Dict[str, Any]:
+    """Return the message that tells how a trace keeps within its mask."""
+    verdict = check.update(recorder)
+    limits = [check.mask.lower, check.mask.upper]
+    text = check.words(recorder)
+    return {"type": "mask", "text": text, "limits": limits, **verdict._asdict()}

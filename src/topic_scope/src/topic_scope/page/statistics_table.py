@@ -1,0 +1,107 @@
+"""What a page's table tells of its traces."""
+
+import math
+from typing import Any, Dict, Sequence, Tuple
+
+import numpy
+import rospy
+
+from topic_scope.analysis import waveform
+from topic_scope.analysis.statistics import measure
+from topic_scope.page.frequency_backoff import FrequencyBackoff
+from topic_scope.page.view import LiveView
+from topic_scope.protocol.requests import Measure
+from topic_scope.protocol.scaling import ReadSamples
+from topic_scope.sampling.recorder import Recorder
+
+#: Least time without a sample after which a page says so, s.
+SILENT_S = 1.0
+
+
+def statistics_of(
+    recorder: Recorder,
+    read: ReadSamples,
+    view: LiveView,
+    wanted: Measure,
+    backoff: FrequencyBackoff,
+    now: float,
+) -> Dict[str, Any]:
+    """Return the message that tells a page what is measured of its traces.
+
+    :param recorder: knows the traces
+    :param read: returns their samples
+    :param view: what the page shows
+    :param wanted: what it wants to be measured
+    :param retries: knows what had no frequency
+    :param now: the time, s
+    """
+    span = wanted.span(now) or view.span(now)
+    backoff.begin(span, now)
+    traces = {
+        name: _measured(recorder, read, name, span, wanted, backoff, now) for name in view.shown
+    }
+    return {"type": "stats", "traces": traces}
+
+
+def left_out(count: int, most: int) -> str:
+    """Return the sentence about traces that are not shown, as there are too many.
+
+    :param count: how many there are
+    :param most: how many a page shows
+    """
+    return f"a page shows at most {most} traces: the rest of {count} are left out"
+
+
+def warn_of(recorder: Recorder, names: Sequence[str], most: int) -> None:
+    """Say on the terminal what is wrong with fields.
+
+    :param recorder: has the samples
+    :param names: of the fields
+    :param most: how many a page shows
+    """
+    for name in names[:most]:
+        problem = recorder.problem(name)
+        if problem is not None:
+            rospy.logwarn(f"{name}: {problem}")
+    if len(names) > most:
+        rospy.logwarn(left_out(len(names), most))
+
+
+def _measured(
+    recorder: Recorder,
+    read: ReadSamples,
+    name: str,
+    span: Tuple[float, float],
+    wanted: Measure,
+    backoff: FrequencyBackoff,
+    now: float,
+) -> Dict[str, Any]:
+    told: Dict[str, Any] = {"problem": recorder.problem(name)}
+    trace = recorder.trace(name)
+    if trace is None:
+        return told
+    samples = read(name, *span)
+    told.update({"topic": trace.stream.topic, "timestamp": trace.stream.timestamp})
+    told["correction"] = trace.stream.correction
+    told["jumps"] = trace.jumps
+    if wanted.latency:
+        late = trace.latency(*span)
+        told["latency"] = float(numpy.median(late)) if len(late) else None
+        told["latency_max"] = float(late.max()) if len(late) else None
+    told.update(measure(*samples))
+    known = backoff.known(name)
+    found = waveform.measure_waveform(*samples, trace.longest_step, wanted.shapes, known)
+    backoff.keep(name, found["frequency"])
+    if wanted.against:
+        reference, longest = read(wanted.against, *span), recorder.longest_step(wanted.against)
+        found["phase"] = waveform.phase(samples, reference, longest)
+    told.update({key: figure.value for key, figure in found.items()})
+    told["uncertainty"] = {
+        key: figure.uncertainty for key, figure in found.items() if figure.value is not None
+    }
+    told["unmeasurable"] = {key: figure.reason for key, figure in found.items() if figure.reason}
+    # By reception: what is late is not silent.
+    quiet, usual = trace.silence(now), trace.longest_step
+    silent = quiet is not None and quiet > max(usual if math.isfinite(usual) else 0.0, SILENT_S)
+    told["silent"] = quiet if silent else None
+    return told

@@ -1,0 +1,43 @@
+# Pure: knows no ROS.
+"""Requests about what is computed of traces: formulas and masks."""
+
+from typing import Any, Dict, NamedTuple, Optional, Tuple
+
+from topic_scope.formulas.names import is_formula
+from topic_scope.formulas.parser import SECONDS
+from topic_scope.masks.limits import Mask
+from topic_scope.protocol.checks import RequestError, field_in, fields_of, number_of
+
+
+class FormulaText(NamedTuple):
+    """Say what a formula that is being typed would be, or what is wrong with it.
+
+    :param text: as it was typed
+    :param traces: names that its letters stand for
+    """
+
+    text: str
+    traces: Tuple[str, ...]
+
+
+def formula_text_of(request: Dict[str, Any]) -> FormulaText:
+    """Return which formula is to be checked."""
+    text = request.get("text")
+    if not isinstance(text, str) or not is_formula(text):
+        raise RequestError("formula: text must be a text that begins with =")
+    return FormulaText(text, fields_of(request.get("traces")))
+
+
+def mask_of(request: Dict[str, Any]) -> Optional[Mask]:
+    """Return which mask a trace is to be judged by; None for none."""
+    if request.get("field") == "":
+        return None
+    mask = Mask(
+        field_in(request, "mask"),
+        field_in(request, "mask", "reference"),
+        number_of(request, "mask", "value", 0.0, 1e300),
+        number_of(request, "mask", "time", 0.0, SECONDS),
+    )
+    if mask.problem:
+        raise RequestError(f"mask: {mask.problem}")
+    return mask

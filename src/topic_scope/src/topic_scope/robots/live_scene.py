@@ -1,0 +1,63 @@
+"""The robots of a graph: shown on pages that want them, and driven by these."""
+
+from typing import Callable, Optional
+
+import tornado.ioloop
+
+from nodekit import Maker
+from topic_scope.graph.worker import Worker
+from topic_scope.graph.master_watch import GraphState
+from topic_scope.messages.layouts import Layouts
+from topic_scope.page.state import Page
+from topic_scope.sampling.raw_subscriptions import RawSubscriptions, SteadyClock
+from topic_scope.robots import scene_feed
+from topic_scope.robots.driving import Driving
+
+
+class LiveScene:
+    """Shows and drives robots; topics are subscribed to only while a page shows them.
+
+    All methods belong to the thread of the web.
+
+    :param node: the scope's
+    :param deliver: hands a function to that thread
+
+    :ivar driving: what drives robots
+    """
+
+    def __init__(self, node: Maker, deliver: Callable[[Callable[[], None]], None]) -> None:
+        self._name = node.name
+        self._worker = Worker(deliver)
+        self.driving = Driving(node, self._worker)
+        self._subscriptions = RawSubscriptions(SteadyClock())
+        self._view = scene_feed.SceneFeed(self._subscriptions, Layouts())
+        self._state: Optional[GraphState] = None
+        tornado.ioloop.PeriodicCallback(self._view.update, scene_feed.PERIOD_S * 1e3).start()
+
+    def on_state(self, state: GraphState) -> None:
+        """Take note of what is on the graph."""
+        self._state = state
+        self.driving.on_state(state)
+        others = {topic for topic, nodes in state.publishers if set(nodes) - {self._name}}
+        types = state.published_types
+        self._view.set_topics({topic: types[topic] for topic in others & set(types)})
+        if self._view.pages:
+            self._view.send_to_pages(self.driving.targets())
+        else:
+            self.driving.rest()
+        if self._subscriptions.is_to_adjust:
+            self._worker.run("subscriptions", self._subscriptions.adjust, lambda _: None)
+
+    def show(self, page: Page, is_on: bool) -> None:
+        """Begin or end to show robots on a page."""
+        if not is_on:
+            self.leave(page)
+            return
+        self._view.enter(page)
+        if self._state is not None:
+            self.on_state(self._state)
+
+    def leave(self, page: Page) -> None:
+        """Forget a page; a robot that it drove stops."""
+        self.driving.leave(page)
+        self._view.leave(page)

@@ -1,0 +1,118 @@
+"""Keeps the pages that show robots up to date with what comes out of a source."""
+
+from typing import Any, Dict, Mapping, Optional, Set, Tuple
+
+import rospy
+
+from topic_scope.messages.layouts import Layouts
+from topic_scope.messages.record_reader import MessageReader
+from topic_scope.page.state import Page
+from topic_scope.sampling.message_source import Batch, MessageSource
+from topic_scope.robots import scene
+
+#: Time between two looks at what has come, s; and how many go by till things that stand are told.
+PERIOD_S, _SLOWLY = 0.05, 5
+_LOG_PERIOD_S = 60.0
+
+
+class SceneFeed:
+    """Makes the robot view; messages are wanted only while a page shows it.
+
+    All methods belong to the thread of the web.
+
+    :param source: where messages come in
+    :param layouts: knows them
+
+    :ivar pages: those that show it
+    """
+
+    def __init__(self, source: MessageSource, layouts: Layouts) -> None:
+        self._source = source
+        self._layouts = layouts
+        self._readers: Dict[Tuple[str, str], Optional[MessageReader]] = {}
+        self._scene = scene.Scene()
+        self._topics: Mapping[str, str] = {}
+        self.pages: Set[Page] = set()
+        self._told: Dict[str, Dict[str, Any]] = {}
+        self._ticks = 0
+
+    # --- From the source ---------------------------------------------------------------------
+
+    def set_topics(self, types: Mapping[str, str]) -> None:
+        """Take note of the topics that there are, and want those that a robot view shows.
+
+        :param types: type of each
+        """
+        self._topics = {}
+        if self.pages:
+            self._topics = {topic: one for topic, one in types.items() if self._is_shown(one)}
+            self._scene.keep(self._topics)
+        self._source.want(list(self._topics))
+
+    def forget(self) -> None:
+        """Forget all that has come: what comes next is of another time."""
+        self._scene = scene.Scene()
+
+    def _is_shown(self, datatype: str) -> bool:
+        if datatype in scene.TYPES or datatype.endswith("/RobotStatus"):
+            return True
+        return scene.is_status(self._layouts.installed(datatype))
+
+    def update(self) -> None:
+        """Take what has come, and tell pages; to be called every PERIOD_S."""
+        if not self.pages:
+            return
+        now = self._source.clock.now()
+        for topic, subscription in self._source.subscriptions().items():
+            for batch in subscription.drain():
+                self._add_batch(topic, batch)
+        self.send_to_pages(self._scene.moving(now))
+        self._ticks += 1
+        if self._ticks % _SLOWLY == 0:
+            self.send_to_pages(self._scene.standing(now))
+            self.send_to_pages(self._scene.fleet(now))
+
+    def _add_batch(self, topic: str, batch: Batch) -> None:
+        reader = self._reader(batch.header)
+        datatype = batch.header.get("type", "")
+        if reader is None or topic not in self._topics or not self._is_known(batch.header):
+            return
+        since = 0 if datatype in scene.CUMULATIVE else -1
+        for data, when in zip(batch.messages[since:], batch.times[since:]):
+            try:
+                self._scene.add_message(topic, datatype, reader.read(data), when)
+            except (LookupError, TypeError, ValueError) as error:
+                why = f"{datatype} has other fields than known: {error!r}"
+                text = f"{topic} is left out of the robot view: {why}"
+                rospy.logwarn_throttle(_LOG_PERIOD_S, text)
+
+    def _is_known(self, header: Mapping[str, str]) -> bool:
+        return header["type"] in scene.TYPES or scene.is_status(self._layouts.received(header))
+
+    def _reader(self, header: Mapping[str, str]) -> Optional[MessageReader]:
+        key = (header.get("type", ""), header.get("md5sum", ""))
+        if key not in self._readers:
+            layout = self._layouts.received(header)
+            self._readers[key] = MessageReader(layout) if layout is not None else None
+        return self._readers[key]
+
+    # --- Pages -------------------------------------------------------------------------------
+
+    def send_to_pages(self, message: Dict[str, Any]) -> None:
+        """Tell all pages that show robots, if there is anything new to tell."""
+        if self._told.get(message["type"]) != message:
+            self._told[message["type"]] = message
+            for page in self.pages:
+                page.put(message)
+
+    def enter(self, page: Page) -> None:
+        """Begin to show robots on a page."""
+        self.pages.add(page)
+        for message in self._told.values():
+            page.put(message)
+
+    def leave(self, page: Page) -> None:
+        """Show no robots on a page any more."""
+        self.pages.discard(page)
+        if not self.pages:
+            self._told.clear()  # it is old when the next one comes

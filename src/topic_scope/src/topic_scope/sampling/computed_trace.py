@@ -1,0 +1,141 @@
+# Pure: knows no ROS.
+"""Traces that are computed of others by a formula."""
+
+import math
+from typing import Mapping, Optional, Tuple, Union
+
+import numpy
+
+from topic_scope.analysis.ring import Samples
+from topic_scope.formulas.expression import Operands
+from topic_scope.formulas.parser import Formula
+from topic_scope.formulas.signals import Signal
+from topic_scope.messages import derived
+from topic_scope.sampling.traces import JUMPS, Stream, Trace
+
+
+class ComputedTrace:
+    """A trace that is computed of others, to be asked as one that is recorded is.
+
+    It has a value at each sample of the first of them, with the others on the straight line between
+    two of their samples; so it ends where one of them has ended so far, and follows when more
+    comes. Where samples that count for a value were forgotten, there is none.
+
+    :param formula: how it is computed
+    :param traces: what it is computed of, by the names in the formula
+    """
+
+    def __init__(self, formula: Formula, traces: Mapping[str, Trace]) -> None:
+        self._tree = formula.tree
+        functions = [token.text for token in formula.tokens if token.kind != "field"]
+        self._is_derivative = derived.DERIVATIVE in functions
+        self._traces = [traces[name] for name in formula.fields]
+        self._first = self._traces[0]
+        self._operands = Operands(
+            lambda name, start, end: traces[name].signal(start, end),
+            lambda name: traces[name].longest_step,
+            lambda name: _last_of(traces[name]),
+        )
+
+    @property
+    def stream(self) -> Stream:
+        """What gives the first trace its topic and its time."""
+        return self._first.stream
+
+    @property
+    def jumps(self) -> Optional[str]:
+        """Why it jumps, in words; None where it need not."""
+        by_receipt = any(trace.stream.path is None for trace in self._traces)
+        if self._is_derivative and by_receipt:
+            return JUMPS
+        return next((trace.jumps for trace in self._traces if trace.jumps), None)
+
+    def samples(self, start: float, end: float) -> Samples:
+        """Return times and values of a time span, its ends included, s."""
+        signal = self._between(start, end)
+        return signal.times, signal.values
+
+    def received(self, start: float, end: float) -> numpy.ndarray:
+        """Return when the samples of a time span were received, s: those of the first trace."""
+        return self._between(start, end).received
+
+    def latency(self, start: float, end: float) -> numpy.ndarray:
+        """Return how long after they were taken samples were received, s: the first trace's."""
+        return self._first.latency(start, end)
+
+    @property
+    def span(self) -> Optional[Tuple[float, float]]:
+        """The times between which it may have samples, s; None where it has none."""
+        spans = [trace.span for trace in self._traces]
+        if spans[0] is None or None in spans:
+            return None
+        first, until = max(spans[0][0] + min(self.lookaround[0], 0.0), self.whole_from), self.until
+        return (first, until) if first <= until else None
+
+    @property
+    def longest_step(self) -> float:
+        """How far apart samples of one line may be, s."""
+        return self._first.longest_step
+
+    @property
+    def until(self) -> float:
+        """Up to when it is known, s; minus infinity where it is not at all."""
+        return self._tree.until(self._operands)
+
+    @property
+    def lookaround(self) -> Tuple[float, float]:
+        """From how long before a time to how long after it samples count, s."""
+        return self._tree.lookaround(self._operands)
+
+    @property
+    def problem(self) -> Optional[str]:
+        """Why there is nothing of it before long, in words; None where there is."""
+        kept = min(trace.ring.history for trace in self._traces)
+        back, ahead = self._back, self._ahead
+        if back + ahead <= kept:
+            return None
+        needed = f"the last {back:g} s"
+        if ahead:
+            needed = f"{back:g} s before and {ahead:g} s after each"
+        return f"it needs {needed}, and samples are kept for {kept:g} s (--history)"
+
+    @property
+    def whole_from(self) -> float:
+        """After when all that counts for it is there, s."""
+        return max(trace.whole_from for trace in self._traces) + self._back
+
+    @property
+    def _back(self) -> float:
+        """From how long before a time samples count, s; 0 where too little is known to tell."""
+        back = self.lookaround[0]
+        return max(back, 0.0) if math.isfinite(back) else 0.0
+
+    @property
+    def _ahead(self) -> float:
+        """How long after a time it is known, s: less than it reaches; 0 where nothing tells."""
+        ahead = min(map(_last_of, self._traces)) - self.until
+        return max(ahead, 0.0) if math.isfinite(ahead) else 0.0
+
+    def age(self, now: float) -> Optional[float]:
+        """Return how long ago the last sample was taken, s; None where there is none."""
+        until = self.until
+        return now - until if math.isfinite(until) else None
+
+    def silence(self, now: float) -> Optional[float]:
+        """Return for how long nothing has been received of one of them, s; None without samples."""
+        quiet = [trace.silence(now) for trace in self._traces]
+        return None if None in quiet else max(one for one in quiet if one is not None)
+
+    def _between(self, start: float, end: float) -> Signal:
+        found = self._tree.signal(self._operands, start, end)
+        return found.between(max(start, self.whole_from), min(end, self.until))
+
+
+def _last_of(trace: Trace) -> float:
+    """Return when the latest sample was taken, s."""
+    age = trace.age(0.0)
+    return -math.inf if age is None else -age
+
+
+#: What is recorded, or made of what is.
+Recorded = Union[Trace, ComputedTrace]

@@ -1,0 +1,119 @@
+"""Where messages come in: the threads of connections leave them here as they are, and go on."""
+
+import sys
+import threading
+import time
+from array import array
+from typing import Any, Collection, Dict, List, Mapping
+
+import rospy
+
+from nodekit import Subscription
+from topic_scope.sampling.message_source import TICK_S, Batch
+
+#: Most bytes that messages of a topic take while they wait to be read; what comes beyond that is
+#: lost, with a warning.
+WAITING = 32 * 1024 * 1024
+_WARN_EVERY_S = 10.0
+_REFUSED_EVERY_S = 60.0
+_READINGS = 5
+
+
+class SteadyClock:
+    """Seconds since the epoch that never step, whatever is done to the clock of the machine."""
+
+    def __init__(self) -> None:
+        # What comes between two readings makes the difference smaller, never larger.
+        self._offset = max(time.time() - time.monotonic() for _ in range(_READINGS))
+
+    def now(self) -> float:
+        """Return the time, s."""
+        return self._offset + time.monotonic()
+
+
+class RawSubscription:
+    """Keeps the messages of one topic as they come, until they are read.
+
+    :param topic: its name
+    :param clock: tells when they come
+    """
+
+    def __init__(self, topic: str, clock: SteadyClock) -> None:
+        self.topic = topic
+        self._clock = clock
+        self._lock = threading.Lock()
+        #: Without the objects of messages and times: they would take three times as much.
+        self._waiting: List[Batch] = []
+        self._bytes = 0
+        self._latest = 0.0
+        self._subscription = Subscription(topic, rospy.AnyMsg, self._on_messages)
+        self._subscription.open()
+        self._subscription.receive_latched()  # another one may have the topic already
+
+    def _on_messages(self, messages: List[Any], _may_wait: bool) -> None:
+        # The time is taken under the lock: what comes after drain() is never older than that.
+        with self._lock:
+            for message in messages:
+                if self._bytes > WAITING:
+                    rospy.logwarn_throttle(
+                        _WARN_EVERY_S, f"{self.topic} comes too fast: messages are lost"
+                    )
+                    return
+                header = message._connection_header
+                if not self._waiting or self._waiting[-1].header is not header:
+                    self._waiting.append(Batch(header, array("d"), []))
+                self._latest = max(self._clock.now(), self._latest + TICK_S)
+                self._waiting[-1].times.append(self._latest)
+                self._waiting[-1].messages.append(message._buff)
+                self._bytes += sys.getsizeof(message._buff)
+
+    def drain(self) -> List[Batch]:
+        """Return what has come since the last call, oldest first."""
+        with self._lock:
+            waiting, self._waiting, self._bytes = self._waiting, [], 0
+        return waiting
+
+    def close(self) -> None:
+        """Subscribe no longer."""
+        self._subscription.close()
+
+
+class RawSubscriptions:
+    """The subscriptions of a node whose messages are kept as they come; a MessageSource.
+
+    :param clock: tells when messages come
+    """
+
+    def __init__(self, clock: SteadyClock) -> None:
+        self.clock = clock
+        self._wanted: Collection[str] = ()
+        self._open: Dict[str, RawSubscription] = {}
+
+    def want(self, topics: Collection[str], is_more: bool = False) -> None:
+        """Subscribe to these topics with the next :meth:`adjust`; see :class:`.MessageSource`."""
+        self._wanted = topics
+
+    def adjust(self) -> None:
+        """Subscribe and unsubscribe; may wait for the master."""
+        wanted = set(self._wanted)
+        for topic in wanted - set(self._open):
+            try:
+                made = RawSubscription(topic, self.clock)
+            except (
+                rospy.ROSException
+            ) as error:  # as of /clock, to which rospy subscribes in simulated time
+                rospy.logwarn_throttle(_REFUSED_EVERY_S, f"no samples: {error}")
+                continue
+            self._open = {**self._open, topic: made}
+        for topic in set(self._open) - wanted:
+            self._open[topic].close()
+            self._open = {key: one for key, one in self._open.items() if key != topic}
+
+    @property
+    def is_to_adjust(self) -> bool:
+        """Whether others are open than are wanted."""
+        return set(self._wanted) != set(self._open)
+
+    def subscriptions(self) -> Mapping[str, RawSubscription]:
+        """Return the subscriptions that are open now, by topic."""
+        return self._open

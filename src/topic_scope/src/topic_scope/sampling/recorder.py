@@ -1,0 +1,316 @@
+"""Records the fields that are looked at: from names to samples."""
+
+import itertools
+import math
+from collections import deque
+from typing import Collection, Deque, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+
+import numpy
+
+from topic_scope.analysis.ring import Samples
+from topic_scope.formulas.names import expand_with, formula_of, problem_of, terms
+from topic_scope.messages import fields, timestamp_source
+from topic_scope.messages.arrays import Arrays, has_names
+from topic_scope.messages.definitions import Record
+from topic_scope.messages.layouts import Layouts
+from topic_scope.sampling.computed_trace import ComputedTrace, Recorded
+from topic_scope.sampling.overlay_trace import OverlayTrace, Overlay
+from topic_scope.sampling.message_source import Batch, MessageSource
+from topic_scope.sampling.traces import Stream, Trace
+
+#: Most fields that are listed, and most topics that are subscribed to for one message alone.
+LISTED, UNKNOWN = 5000, 50
+#: Most traces that are recorded; beyond that, those that nobody looks at any more are forgotten.
+TRACES = 1024
+#: How many updates are remembered for pages that have not had a frame since.
+_UPDATES = 400
+
+_LOGS = ("rosgraph_msgs/Log", "rosgraph_msgs/TopicStatistics")
+_NEVER = (math.inf, -math.inf)
+_NOTHING: Samples = (numpy.empty(0), numpy.empty(0))
+
+
+class Choice(NamedTuple):
+    """A field that can be chosen.
+
+    :param field: its name
+    :param datatype: its type, e.g. ``float32``
+    :param topic: the topic that it is of
+    """
+
+    field: str
+    datatype: str
+    topic: str
+
+
+class Recorder:
+    """Keeps the recent samples of the fields that are wanted.
+
+    All methods belong to one thread.
+
+    :param source: where the messages come in
+    :param layouts: knows the messages
+    :param history: how long samples are kept, and a field that nobody looks at any more, s
+    :param overlays: what is laid over that: its topics are among those that there are
+    """
+
+    def __init__(
+        self,
+        source: MessageSource,
+        layouts: Layouts,
+        history: float,
+        overlays: Sequence[Overlay] = (),
+    ) -> None:
+        self.history = history
+        self._source = source
+        self._layouts = layouts
+        self._types: Mapping[str, str] = {}
+        self._laid = {topic: overlay for overlay in overlays for topic in overlay.layouts}
+        self._arrays = {topic: one.arrays[topic] for topic, one in self._laid.items()}
+        #: The latest message of each topic that is subscribed to: a latched one comes only once.
+        self._latest: Dict[str, Tuple[Record, Batch]] = {}
+        self._choices: Dict[Tuple[str, str, bool], List[Choice]] = {}
+        self._traces: Dict[str, Trace] = {}
+        self._streams: Dict[Tuple[str, str], Stream] = {}
+        #: Up to when what is computed and looked at was known at the latest update, s.
+        self._known: Dict[str, float] = {}
+        #: When the latest updates were, and the time of the earliest sample that each brought, s.
+        self._updates: Deque[Tuple[float, float]] = deque(maxlen=_UPDATES)
+
+    def set_topics(self, types: Mapping[str, str]) -> None:
+        """Take note of the topics that there are, and of the type of each."""
+        self._types = types
+        kept = {*types, *(topic for topic, _ in self._streams)}
+        self._arrays = {topic: one for topic, one in self._arrays.items() if topic in kept}
+
+    def choices(self) -> List[Choice]:
+        """List the fields that can be chosen now."""
+        # What nobody looks at stays as it is: listing it again would cost more than all else.
+        known, self._choices = self._choices, {}
+        recorded = {stream.topic for stream in self._streams.values()}
+        for topic, datatype in sorted(self._types.items(), key=_rank):
+            layout = self._layout_of(topic)
+            if layout is None:
+                continue
+            key = (topic, datatype, topic in self._arrays)
+            if topic in recorded or key not in known:
+                known[key] = self._listed(topic, layout)
+            self._choices[key] = known[key]
+        return [choice for listed in self._choices.values() for choice in listed][:LISTED]
+
+    def _listed(self, topic: str, layout: Record) -> List[Choice]:
+        arrays = self._arrays.get(topic, Arrays())
+        found = [(field, "") for field in fields.numeric_fields(layout, arrays)]
+        found += [(field, ".yaw") for field in fields.quaternions(layout, arrays)]
+        choices = (
+            Choice(_name(topic, path) + end, field.datatype, topic)
+            for field, end in found
+            for path in arrays.named(field.path)
+        )
+        return list(dict.fromkeys(choices))
+
+    def _unknown_topics(self) -> List[str]:
+        """List topics whose first message tells their type, or the names of their elements."""
+        unknown = []
+        for topic in self._types:
+            layout = self._layout_of(topic)
+            if layout is None or (topic not in self._arrays and has_names(layout)):
+                unknown.append(topic)
+        return unknown[:UNKNOWN]
+
+    def _layout_of(self, topic: str) -> Optional[Record]:
+        """Return the layout of the messages of a topic that there is, if it is known."""
+        laid = self._laid.get(topic)
+        return laid.layouts[topic] if laid else self._layouts.installed(self._types[topic])
+
+    def expand(self, name: str) -> List[str]:
+        """Return the names of all numeric fields that a name stands for.
+
+        :param name: of a field, of a part of a message or of a topic, or of what is computed
+        :returns: the name itself, as long as its topic is not known
+        :raises FieldError: if it is not a name, or its topic has no such field
+        """
+        problem = problem_of(name)
+        if problem:
+            raise fields.FieldError(problem)
+        return expand_with(name, self._expand_term)
+
+    def _expand_term(self, name: str) -> List[str]:
+        bare, function, timestamp = fields.parted(name)
+        place = fields.split(bare, self._types)
+        layout = self._layout_of(place[0]) if place else None
+        if place is None or layout is None:
+            return [name]
+        topic, text = place
+        timestamp_source.path_of(timestamp, layout)
+        arrays = self._arrays.get(topic, Arrays())
+        found = [field.path for field in fields.resolve(layout, text, arrays, function)]
+        if found != [fields.to_path(text)]:  # what stands for a part has the names that are listed
+            found = [one for path in found for one in arrays.remembered(path)]
+        return [_name(topic, path) + name[len(bare) :] for path in dict.fromkeys(found)]
+
+    def want(self, names: Collection[str], now: float) -> None:
+        """Record these fields; those that were wanted before stay for the time of the history.
+
+        :param names: names that :meth:`expand` has returned, or refused: of these there is nothing
+        :param now: the time, s
+        """
+        wanted = {part for name in names for part in terms(name)}
+        self._known = {name: self._known.get(name, -math.inf) for name in names if formula_of(name)}
+        new = wanted - self._traces.keys()
+        for name in new:
+            self._record(name)
+        for name in self._traces.keys() & wanted:
+            self._traces[name].used_at = now
+        recent = sorted(self._traces.items(), key=lambda item: item[1].used_at)[-TRACES:]
+        self._traces = {name: one for name, one in recent if one.used_at >= now - self.history}
+        kept = set(self._traces.values())
+        for stream in self._streams.values():
+            stream.traces = [trace for trace in stream.traces if trace in kept]
+        self._streams = {key: stream for key, stream in self._streams.items() if stream.traces}
+        topics = [topic for topic, _ in self._streams] + self._unknown_topics()
+        begun = (self._traces.get(name) for name in new)
+        self._source.want(topics, any(type(one) is Trace for one in begun))
+
+    def forget(self) -> None:
+        """Forget all samples that came: those that come next are of another time."""
+        traces, self._streams = self._traces, {}
+        self._traces = {name: one for name, one in traces.items() if isinstance(one, OverlayTrace)}
+        self._updates.clear()
+        self._latest.clear()
+        for name in traces:
+            if name not in self._traces:
+                self._record(name)
+        self._known = dict.fromkeys(self._known, -math.inf)
+
+    def pin(self, spans: Mapping[str, Tuple[float, float]]) -> None:
+        """Keep the samples of fields for as long as these spans are named.
+
+        :param spans: start and end by name of the field, s
+        """
+        pinned: Dict[str, Tuple[float, float]] = {}
+        for name, (start, end) in spans.items():
+            trace = self.trace(name)
+            # What lies between two samples needs both.
+            back, ahead = trace.lookaround if isinstance(trace, ComputedTrace) else (0.0, 0.0)
+            for part in terms(name):
+                before = pinned.get(part, (start, end))
+                pinned[part] = min(start - back, before[0]), max(end + ahead, before[1])
+        for name, trace in self._traces.items():
+            trace.pin(*pinned.get(name, _NEVER))
+
+    def _record(self, name: str) -> None:
+        bare, function, timestamp = fields.parted(name)
+        place = fields.split(bare, self._types)
+        if problem_of(name) or place is None or not (place[1] or function):
+            return  # it is not a name, or its topic is not there yet
+        path = fields.to_path(place[1])
+        if place[0] in self._laid:
+            laid = self._laid[place[0]]
+            self._traces[name] = laid.trace(place[0], path, timestamp, function)
+            return
+        stream = self._streams.setdefault((place[0], timestamp), Stream(place[0], timestamp))
+        self._traces[name] = stream.record(path, self.history, function)
+        if len(stream.traces) == 1 and place[0] in self._latest:
+            stream.add(*self._latest[place[0]])
+
+    def update(self) -> float:
+        """Take in what has come.
+
+        :returns: the time up to which all samples are there, s
+        """
+        now = self._source.clock.now()
+        earliest = now
+        subscriptions = self._source.subscriptions()
+        self._latest = {topic: one for topic, one in self._latest.items() if topic in subscriptions}
+        streams: Dict[str, List[Stream]] = {}
+        for stream in self._streams.values():
+            streams.setdefault(stream.topic, []).append(stream)
+        for topic, subscription in subscriptions.items():
+            for batch in subscription.drain():
+                layout = self._layouts.received(batch.header)
+                if layout is None:
+                    continue
+                arrays = self._arrays.setdefault(topic, Arrays())
+                arrays.add_message(layout, batch.messages[-1], batch.times[-1])
+                latest = Batch(batch.header, batch.times[-1:], batch.messages[-1:])
+                self._latest[topic] = (layout, latest)
+                for stream in streams.get(topic, []):
+                    earliest = min(earliest, stream.add(layout, batch))
+        for name, known in self._known.items():
+            trace = self.trace(name)
+            if not isinstance(trace, ComputedTrace):
+                continue
+            if earliest < known:  # what came late counts for what was before it as well
+                earliest -= max(trace.lookaround[1], 0.0)
+            until = min(trace.until, now)
+            if until > known:
+                # What was there of the first trace is known only now.
+                earliest = min(earliest, known)
+                self._known[name] = until
+        self._updates.append((now, earliest))
+        return now
+
+    def changed_since(self, moment: float) -> float:
+        """Return the time from which on samples may differ from what they were, s.
+
+        :param moment: what an :meth:`update` returned; all samples later than that are new
+        """
+        if not self._updates or moment < self._updates[0][0]:
+            return -math.inf
+        new = itertools.takewhile(lambda update: update[0] > moment, reversed(self._updates))
+        return min([moment, *(earliest for _, earliest in new)])
+
+    def samples(self, name: str, start: float, end: float) -> Samples:
+        """Return the samples of a field, or of what is computed, from one time to another, s."""
+        trace = self.trace(name)
+        return trace.samples(start, end) if trace else _NOTHING
+
+    def longest_step(self, name: str) -> float:
+        """Return how far apart samples of one line of a field may be, s."""
+        trace = self._traces.get(terms(name)[0])
+        return trace.longest_step if trace else math.inf
+
+    def problem(self, name: str) -> Optional[str]:
+        """Return why there is nothing of a field, in words; None where nothing is known."""
+        if formula_of(name) is None:
+            return problem_of(name) or self._problem_of_term(name)
+        told = [(part, self._problem_of_term(part)) for part in terms(name)]
+        found = next((f"{part}: {text}" for part, text in told if text), None)
+        trace = self.trace(name)
+        return trace.problem if found is None and isinstance(trace, ComputedTrace) else found
+
+    def _problem_of_term(self, name: str) -> Optional[str]:
+        place = fields.split(fields.parted(name)[0], self._types)
+        if place is None:
+            trace = self._traces.get(name)
+            return None if trace is not None and trace.span else "there is no such topic yet"
+        layout, trace = self._layout_of(place[0]), self._traces.get(name)
+        try:
+            self.expand(name)
+            if isinstance(trace, OverlayTrace):
+                return trace.problem
+            if layout is not None and place[0] in self._arrays:
+                self._arrays[place[0]].check(layout, fields.to_path(place[1]))
+        except fields.FieldError as error:
+            return str(error)
+        return None
+
+    def trace(self, name: str) -> Optional[Recorded]:
+        """Return what is recorded of a field, or computed of several; None where nothing is."""
+        formula = formula_of(name)
+        if formula is None:
+            return self._traces.get(name)
+        if not self._traces.keys() >= set(formula.fields):
+            return None
+        return ComputedTrace(formula, self._traces)
+
+
+def _rank(item: Tuple[str, str]) -> Tuple[bool, str]:
+    """Return what topics are sorted by: what nodes tell of themselves comes last."""
+    topic, datatype = item
+    return datatype.startswith("dynamic_reconfigure/") or datatype in _LOGS, topic
+
+
+def _name(topic: str, path: fields.Path) -> str:
+    return f"{topic}/{fields.to_text(path)}" if path else topic

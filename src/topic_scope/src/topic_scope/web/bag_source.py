@@ -1,0 +1,147 @@
+"""A bag as what a scope shows, with its clock in the place of the computer's."""
+
+import os
+from typing import Any, Dict, List
+
+import rospy
+import tornado.ioloop
+
+from topic_scope.bag.file import BagFile
+from topic_scope.bag.player import BagPlayer
+from topic_scope.messages.layouts import Layouts
+from topic_scope.page.state import Page
+from topic_scope.protocol import requests
+from topic_scope.protocol.checks import RequestError
+from topic_scope.protocol.requests import Handler
+from topic_scope.robots.scene_feed import PERIOD_S, SceneFeed
+from topic_scope.web.data_source import Pages
+
+#: Time between two updates of how far it is, s.
+_PERIOD_S = 0.025
+
+
+class BagSource:
+    """What there is in a bag; there are no nodes, and so no graph and no parameters.
+
+    Robots are shown by the clock of the bag, as they were then.
+
+    :param path: the file
+    :param history: how much of what came before the clock is shown, s
+    :param window: span of time that is shown at first, s: where the clock begins
+    :raises BagError: if it cannot be read, or holds nothing
+    """
+
+    def __init__(self, path: str, history: float, window: float) -> None:
+        self._name = os.path.basename(path)
+        bag = BagFile(path)
+        self.source = BagPlayer(bag, history)
+        self.begin = self.source.start
+        self.layouts = Layouts()
+        self._robots = SceneFeed(self.source.aside, self.layouts)
+        self._window = window
+        self._types: Dict[str, str] = {}
+        for connection in bag.connections.values():
+            # What the bag says of a type counts, whatever is installed under its name.
+            self.layouts.received(connection.header)
+            self._types.setdefault(connection.topic, connection.header.get("type", "*"))
+        self._jumps = 0
+        self._told: Dict[str, Any] = {}
+
+    def start(self, server: Pages) -> None:
+        """Show the first window of the bag, and wait for somebody who wants it to go on."""
+        self._server = server
+        server.on_topics(self._types)
+        self._seek(self.source.start + self._window)
+        tornado.ioloop.PeriodicCallback(self._update, _PERIOD_S * 1e3).start()
+        tornado.ioloop.PeriodicCallback(self._update_robots, PERIOD_S * 1e3).start()
+
+    def refresh(self) -> None:
+        """Read again what is shown, where more is wanted of it."""
+        if self.source.lacks_past:
+            self._seek(self.source.place)
+
+    def _seek(self, time: float) -> None:
+        self.source.seek(time)
+        self._server.halt()
+        self._robots.forget()
+        self._is_loading = True
+
+    def _jump(self, time: float) -> None:
+        self._jumps += 1
+        self._seek(time)
+
+    def _update_robots(self) -> None:
+        if not self.source.is_loading:
+            self._robots.update()
+
+    def _update(self) -> None:
+        """Tell pages how far it is."""
+        if self._is_loading and not self.source.is_loading:
+            self._is_loading = False
+            self._server.resume()
+            self._server.on_topics(self._types)  # messages may have told names of their elements
+            self.refresh()
+        while self.source.problems:
+            text = self.source.problems.popleft()
+            rospy.logwarn(text)
+            for page in self._server.pages():
+                page.put_once({"type": "error", "text": text})
+        if self._state() != self._told:
+            self._told = self._state()
+            self._server.send_to_pages(self._told)
+
+    def _state(self) -> Dict[str, Any]:
+        return {
+            "type": "playback",
+            "playing": self.source.is_playing,
+            "speed": self.source.speed,
+            "loading": self.source.is_loading,
+            "jumps": self._jumps,
+        }
+
+    # --- Pages -------------------------------------------------------------------------------
+
+    def hello(self) -> Dict[str, Any]:
+        """Return what the greeting of a page has besides."""
+        ends = {"start": self.source.start, "end": self.source.end}
+        return {"readonly": False, "bag": {"name": self._name, **ends}}
+
+    def messages(self) -> List[Dict[str, Any]]:
+        """Return what a new page is told."""
+        return [self._state()]
+
+    def leave(self, page: Page) -> None:
+        """Forget a page."""
+        self._robots.leave(page)
+        self._robots.set_topics(self._types)
+
+    def handlers(self) -> Dict[str, Handler]:
+        """Return what shows robots on a page, and what plays the bag for all pages."""
+        needs_nodes = ("graph", "set", "call", "transition", "steer", "drive", "goal")
+        return {
+            "robots": Handler(requests.robots_of, self._show_robots_on),
+            "playback": Handler(requests.playback_of, self._play),
+            **dict.fromkeys(needs_nodes, Handler(dict, _refuse)),
+        }
+
+    def _show_robots_on(self, page: Page, is_on: bool) -> None:
+        show = self._robots.enter if is_on else self._robots.leave
+        show(page)
+        self._robots.set_topics(self._types)
+        self.refresh()
+
+    def _play(self, _page: Page, request: requests.Playback) -> None:
+        if request.speed is not None:
+            self.source.speed = request.speed
+        if request.time is not None:
+            self._jump(request.time)
+        if request.playing is False:
+            self.source.pause()
+        elif request.playing and not self.source.is_playing:
+            if self.source.place >= self.source.end:
+                self._jump(self.source.start)
+            self.source.play()
+
+
+def _refuse(_page: Page, _request: Dict[str, Any]) -> None:
+    raise RequestError("this is a bag: it has no nodes, so no graph and no parameters")

@@ -1,0 +1,94 @@
+"""Fields that the pages show: from the names that users type to the traces that are recorded."""
+
+from typing import Callable, List, Optional, Sequence
+
+from topic_scope.messages.fields import FieldError
+from topic_scope.page.state import Page
+from topic_scope.page.statistics_table import left_out, warn_of
+from topic_scope.page.view import pinned
+from topic_scope.protocol.checks import TRACES
+from topic_scope.sampling.recorder import Recorder
+from topic_scope.web.overlay_loader import OverlayLoader
+
+
+class FieldSelection:
+    """Resolves the names of fields, and keeps the recorder in step with what the pages show.
+
+    :param names: names of the command line, shown by pages that have chosen nothing
+    :param recorder: records the samples
+    :param overlays: reads the samples of overlaid bags
+    :param pages: returns the open pages
+
+    :ivar initial: fields that the names of the command line stand for now
+    """
+
+    def __init__(
+        self,
+        names: Sequence[str],
+        recorder: Recorder,
+        overlays: OverlayLoader,
+        pages: Callable[[], List[Page]],
+    ) -> None:
+        self.initial: List[str] = list(names)
+        self._names, self._recorder, self._overlays, self._pages = names, recorder, overlays, pages
+
+    def update_initial(self) -> bool:
+        """Resolve the names of the command line again; return whether the result has changed."""
+        before, self.initial = self.initial, self.expand(self._names)
+        return self.initial != before
+
+    def expand(self, names: Sequence[str], page: Optional[Page] = None) -> List[str]:
+        """Return the fields that names stand for, at most as many as a page shows.
+
+        :param page: gets a message about names that cannot be shown
+        """
+        found = self._expand_all(names, page)
+        if page is not None:
+            self._report_left_out(page, len(found))
+        return found[:TRACES]
+
+    def _expand_all(self, names: Sequence[str], page: Optional[Page] = None) -> List[str]:
+        """Return the fields that names stand for; an unknown name stays as it is."""
+        found: List[str] = []
+        for name in names:
+            try:
+                found += [field for field in self._recorder.expand(name) if field not in found]
+            except FieldError as error:
+                found += [name] if name not in found else []
+                if page is not None:
+                    page.put_once({"type": "error", "text": f"{name}: {error}"})
+        return found
+
+    def select(self, page: Page) -> None:
+        """Show on a page the fields that its names stand for now."""
+        names = self.initial if page.chosen is None else self.expand(page.chosen)
+        if list(names) != list(page.view.fields):
+            page.view.select(list(names))
+            if page.chosen is not None and list(names) != list(page.chosen):
+                page.put({"type": "selected", "fields": list(names)})
+
+    def record(self) -> None:
+        """Record all fields that a page or its mask needs, and no others."""
+        names = set(self.initial).union(*(page.view.fields for page in self._pages()))
+        for page in self._pages():
+            names.update(page.mask.mask.names if page.mask is not None else ())
+        self._recorder.want(names, self._recorder.update())
+        self._overlays.read_wanted()
+        self.pin()
+
+    def pin(self) -> None:
+        """Keep the samples that a paused page shows."""
+        self._recorder.pin(pinned(page.view for page in self._pages()))
+
+    def report_too_many(self, page: Page) -> None:
+        """Tell a page if the command line names more fields than a page shows."""
+        self._report_left_out(page, len(self._expand_all(self._names)))
+
+    def log_problems(self) -> None:
+        """Log the problems of the fields of the command line."""
+        warn_of(self._recorder, self._expand_all(self._names), TRACES)
+
+    @staticmethod
+    def _report_left_out(page: Page, count: int) -> None:
+        if count > TRACES:
+            page.put_once({"type": "error", "text": left_out(count, TRACES)})

@@ -1,0 +1,73 @@
+"""Periodic messages to the pages: frames with new samples, and signs of life."""
+
+import time
+import traceback
+from typing import List
+
+import rospy
+import tornado.ioloop
+
+from topic_scope.page.state import Page
+from topic_scope.sampling.recorder import Recorder
+from topic_scope.web.handlers import PageSocket
+
+#: Time between two frames [s].
+FRAME_S = 0.025
+#: Time between two measurements of the traces [s]: they cost as much as a dozen frames.
+STATISTICS_S = 0.33
+#: Time between two signs of life [s]; after 10 s without one, a page closes its connection.
+ALIVE_S = 1.0
+_LOG_PERIOD_S = 10.0
+
+
+class FrameSender:
+    """Sends each page its frames; runs in the web thread.
+
+    :param recorder: has the samples
+    :param sockets: connections of the pages; the list may change
+
+    :ivar has_samples: whether frames are sent; otherwise pages get only other messages
+    """
+
+    def __init__(self, recorder: Recorder, sockets: List[PageSocket]) -> None:
+        self.has_samples = False
+        self._recorder, self._sockets = recorder, sockets
+        self._statistics_at = 0.0
+
+    def start(self) -> None:
+        """Start the periodic callbacks in the current loop."""
+        tornado.ioloop.PeriodicCallback(self.send, FRAME_S * 1e3).start()
+        tornado.ioloop.PeriodicCallback(self.send_alive, ALIVE_S * 1e3).start()
+
+    def send_alive(self) -> None:
+        """Send a sign of life to each page that is ready."""
+        for connection in self._sockets:
+            if connection.is_ready:
+                connection.send([{"type": "alive"}])
+
+    def send(self) -> None:
+        """Send a frame to each page that is ready and due."""
+        now = self._recorder.update()
+        is_to_measure = time.monotonic() >= self._statistics_at + STATISTICS_S
+        if is_to_measure:
+            self._statistics_at = time.monotonic()
+        for connection in list(self._sockets):
+            if connection.page is None:
+                continue
+            connection.page.is_to_measure |= is_to_measure
+            try:
+                if self.has_samples:
+                    self._send_frame(connection, connection.page, now)
+                elif connection.is_ready:
+                    connection.send(connection.page.pop_messages())
+            except Exception:  # of any kind: the frames of other pages must not stop
+                rospy.logerr_throttle(_LOG_PERIOD_S, f"no frame: {traceback.format_exc()}")
+
+    def _send_frame(self, connection: PageSocket, page: Page, now: float) -> None:
+        page.watch(self._recorder, now)
+        began, used = time.monotonic(), time.thread_time()
+        if connection.is_ready and page.is_due(began):  # the next frame holds what this one would
+            measures, page.is_to_measure = page.is_to_measure, False
+            connection.send(page.frame(self._recorder, now, measures))
+            # Processor time: what other processes use is not the page's cost.
+            page.took(began, began + time.thread_time() - used)

@@ -1,0 +1,125 @@
+"""The web server, in a thread of its own: it is there before the graph is, and stays."""
+
+import asyncio
+import socket
+import threading
+from typing import Any, AsyncIterator, Callable, Dict, List, Optional, Sequence
+
+import rosgraph
+import rospy
+import tornado.ioloop
+
+from nodekit.master import MasterClient, MasterUnreachable
+from topic_scope.analysis.csv_rows import header
+from topic_scope.page.state import Page
+from topic_scope.protocol.options import Options
+from topic_scope.web import handlers
+from topic_scope.web.scope_session import ScopeSession
+
+
+def master_message(text: str) -> Dict[str, Any]:
+    """Return the message that tells a page of the master.
+
+    :param text: what is wrong, in words; empty where it answers
+    """
+    return {"type": "master", "text": text}
+
+
+class PlaceholderScope:
+    """Stands where the server will be.
+
+    :param uri: where the master is to be
+    :param window: span of time that a page sees at first, s
+    """
+
+    def __init__(self, uri: str, window: float) -> None:
+        self.sockets: List[handlers.PageSocket] = []
+        self._uri, self._window = uri, window
+        self._trouble = ""
+
+    def open(self, connection: handlers.PageSocket) -> Page:
+        """Tell a page what it waits for, as far as that is known."""
+        self.sockets.append(connection)
+        connection.send([master_message(self._trouble)])
+        return Page(self._window)
+
+    def miss(self) -> None:
+        """Tell pages that the master does not answer: before, the scope may only need a moment."""
+        self._trouble = f"There is no ROS master at {self._uri} yet: the scope waits for it."
+        for connection in self.sockets:
+            connection.send([master_message(self._trouble)])
+
+    def close(self, connection: handlers.PageSocket) -> None:
+        """Forget a page."""
+        if connection in self.sockets:
+            self.sockets.remove(connection)
+
+    def handle(self, page: Page, _text: Any) -> None:
+        """Ignore a request: what a page wants it says again to the server."""
+
+    async def export(self, names: Sequence[str], start: float, end: float) -> AsyncIterator[str]:
+        """Return the file's first row alone: there are no samples."""
+        yield header("time", "received", *names)
+
+
+class HttpServer:
+    """Serves pages; they wait until there is something to show.
+
+    :param options: the command line, with the port that is served at
+    :param sockets: where to serve
+    """
+
+    def __init__(self, options: Options, sockets: List[socket.socket]) -> None:
+        self._options, self._sockets = options, sockets
+        self._waiting = PlaceholderScope(rosgraph.get_master_uri(), options.window)
+        self._holder = handlers.ScopeHolder(self._waiting)
+        self._running = threading.Event()
+        self._error: Optional[Exception] = None
+        threading.Thread(target=self._serve, name="web", daemon=True).start()
+        self._running.wait()
+        if self._error is not None:
+            raise self._error
+        threading.Thread(target=self._look_for_master, daemon=True).start()
+
+    def show(self, make: Callable[[], ScopeSession]) -> None:
+        """Show something from now on.
+
+        :param make: makes it, in the thread of the web
+        :raises Exception: what that raises
+        """
+        made = threading.Event()
+
+        def begin() -> None:
+            try:
+                self._holder.scope = make()
+                while self._waiting.sockets:
+                    self._waiting.sockets.pop(0).enter()
+            except Exception as error:
+                self._error = error
+            made.set()
+
+        self._loop.add_callback(begin)
+        made.wait()
+        if self._error is not None:
+            raise self._error
+
+    def _serve(self) -> None:
+        try:
+            asyncio.set_event_loop(asyncio.new_event_loop())
+            self._loop = tornado.ioloop.IOLoop.current()
+            handlers.serve(self._options, self._sockets, self._holder)
+        except Exception as error:
+            self._error = error
+            self._running.set()
+            return
+        self._loop.add_callback(self._running.set)
+        self._loop.start()
+
+    def _look_for_master(self) -> None:
+        """Say where the page is, and what it waits for, if that will not be said soon."""
+        try:
+            with MasterClient("/scope", timeout=1.0) as master:
+                master.read([])
+        except MasterUnreachable:
+            rospy.logwarn("the scope is already at %s", self._options.url)
+            self._loop.add_callback(self._waiting.miss)

@@ -1,0 +1,149 @@
+"""The bags that are laid over what a scope shows: read beside the thread of the web, and moved."""
+
+import os
+from typing import Any, Callable, Dict, List, Sequence, Tuple
+
+import numpy
+import rospy
+
+from topic_scope.bag.series import Series
+from topic_scope.bag.overlay import BagOverlay
+from topic_scope.graph.worker import Worker
+from topic_scope.page.state import Page
+from topic_scope.page.trigger import crossings
+from topic_scope.protocol.checks import RequestError
+from topic_scope.protocol.options import Options
+from topic_scope.protocol.overlay_request import OverlayRequest
+from topic_scope.protocol.requests import Trigger
+from topic_scope.sampling.overlay_trace import OverlayTrace
+
+
+def open_overlays(options: Options) -> List[BagOverlay]:
+    """Open the bags that a command line names.
+
+    :raises BagError: if one cannot be read
+    """
+    return [BagOverlay(one.path, one.name, one.offset) for one in options.over]
+
+
+class OverlayLoader:
+    """Reads what is wanted of bags, and lays them where pages want them; for all pages alike.
+
+    All methods belong to the thread of the web.
+
+    :param bags: the bags
+    :param deliver: hands a function to that thread
+    :param on_change: called after some of their traces have come, or have moved
+    """
+
+    def __init__(
+        self,
+        bags: Sequence[BagOverlay],
+        deliver: Callable[[Callable[[], None]], None],
+        on_change: Callable[[], None],
+    ) -> None:
+        self._bags = {bag.name: bag for bag in bags}
+        self._worker = Worker(deliver)
+        self._on_change = on_change
+
+    @property
+    def types(self) -> Dict[str, str]:
+        """The types of their topics."""
+        return {topic: kind for bag in self._bags.values() for topic, kind in bag.types.items()}
+
+    def begin_at(self, time: float) -> None:
+        """Have all of them begin at a time, s by the scope's clock."""
+        for bag in self._bags.values():
+            bag.begin = time
+
+    def message(self) -> Dict[str, Any]:
+        """Return what a page is told of them."""
+        told = [
+            {
+                "name": bag.name,
+                "file": os.path.basename(bag.path),
+                "begin": bag.begin,
+                "offset": bag.offset,
+                "length": bag.length,
+            }
+            for bag in self._bags.values()
+        ]
+        return {"type": "overlays", "bags": told}
+
+    def read_wanted(self) -> None:
+        """Begin to read what has no samples yet; of a bag that is being read, when that is over."""
+        for bag in self._bags.values():
+            self._read(bag)
+
+    def _read(self, bag: BagOverlay) -> None:
+        if self._worker.is_busy(bag.name):
+            return
+        wanted = bag.take_wanted()
+        if wanted:
+            names = [name for name, _ in wanted]
+            self._worker.run(
+                bag.name, lambda: bag.read(names), lambda found: self._fill(bag, wanted, found)
+            )
+
+    def _fill(
+        self, bag: BagOverlay, wanted: Sequence[Tuple[str, OverlayTrace]], found: Any
+    ) -> None:
+        if isinstance(found, Exception):
+            rospy.logwarn(f"{bag.name}: {found}")
+            for _, trace in wanted:
+                trace.problem = str(found)
+        else:
+            series: Dict[str, Series] = {one.name: one for one in found}
+            for name, trace in wanted:
+                one = series[name]
+                trace.fill(numpy.array(one.times), numpy.array(one.values), one.correction)
+        self._on_change()
+        self._read(bag)
+
+    def lay(self, page: Page, wanted: OverlayRequest) -> None:
+        """Lay a bag elsewhere.
+
+        :raises RequestError: if there is no such bag, or nothing to align it at
+        """
+        bag = self._bags.get(wanted.name)
+        if bag is None:
+            known = ", ".join(self._bags) or "none: the option --over of the scope names some"
+            raise RequestError(f"overlay: there is no bag {wanted.name}; there are {known}")
+        if wanted.trigger is not None:
+            self._align(bag, page, wanted.trigger)
+        if wanted.offset is not None:
+            bag.offset = wanted.offset
+        if wanted.begin is not None:
+            bag.begin = wanted.begin
+        self._on_change()
+
+    def _align(self, bag: BagOverlay, page: Page, time: float) -> None:
+        """Lay a bag where its first crossing is at a time, as soon as it is read."""
+        trigger = page.trigger.request
+        if trigger.mode == "off":
+            raise RequestError("overlay: there is no trigger to align a bag at")
+        name = bag.name_in_bag(trigger.field)
+
+        def move(found: Any) -> None:
+            if isinstance(found, Exception):
+                page.put_once({"type": "error", "text": f"{bag.name}: {found}"})
+                return
+            moments = _crossings(found[0], page, trigger, bag.longest_step(found[0]))
+            if not len(moments):
+                way = "rises" if trigger.rising else "falls"
+                text = f"{bag.name}: {name} never {way} through {trigger.level:g}"
+                page.put_once({"type": "error", "text": text})
+                return
+            bag.begin = time - float(moments[0])
+            self._on_change()
+
+        if not self._worker.run((bag.name, "align"), lambda: bag.read([name]), move):
+            raise RequestError(f"overlay: {bag.name} is being aligned already")
+
+
+def _crossings(series: Series, page: Page, trigger: Trigger, longest: float) -> numpy.ndarray:
+    """Return when a line of a bag would trigger a page, scaled as the page wants that trace, s."""
+    samples = numpy.array(series.times), numpy.array(series.values)
+    times, values = page.scaling.scaled(lambda *_: samples)(trigger.field, 0.0, 0.0)
+    longest = 0.0 if page.scaling.is_stepped(trigger.field) else longest
+    return crossings(times, values, trigger.level, trigger.rising, trigger.hysteresis, longest)

@@ -1,0 +1,73 @@
+"""Descriptions of dynamic_reconfigure as panels have them."""
+
+import pytest
+from dynamic_reconfigure.msg import ConfigDescription, Group, ParamDescription
+
+from nodekit import ParameterError
+from topic_scope.controls.panel import Panel
+from topic_scope.controls.dynamic_reconfigure_panels import _words, config_of, described, values_in
+
+VALUES = {"gain": 2.5, "count": -7, "on": False, "mode": "fast"}
+MODES = "{'enum': [{'name': 'Slow', 'value': 'slow'}, {'name': 'Fast', 'value': 'fast'}]}"
+COUNTS = "{'enum': [{'name': 'Few', 'value': 1}, {'name': 'Many', 'value': 9}]}"
+
+
+def description(counts: str = "") -> ConfigDescription:
+    parameters = [
+        ParamDescription("gain", "double", 0, "the gain", ""),
+        ParamDescription("count", "int", 0, "the count", counts),
+        ParamDescription("on", "bool", 0, "the switch", ""),
+    ]
+    mode = ParamDescription("mode", "str", 0, "the mode", MODES)
+    return ConfigDescription(
+        groups=[Group(parameters=parameters), Group(name="more", parameters=[mode], id=1)],
+        min=config_of({"gain": 0.0, "count": -(2**31), "on": False, "mode": ""}),
+        max=config_of({"gain": 10.0, "count": 2**31 - 1, "on": True, "mode": ""}),
+    )
+
+
+def panel() -> Panel:
+    entries = described(description(), config_of(VALUES))
+    return Panel("/foreign", entries, {})
+
+
+def test_all_kinds_are_there_with_their_values_and_ends() -> None:
+    shown = {entry["name"]: entry for entry in panel().message()["parameters"]}
+    assert {name: entry["value"] for name, entry in shown.items()} == VALUES
+    kinds = {name: entry["kind"] for name, entry in shown.items()}
+    assert kinds == {"gain": "float", "count": "int", "on": "bool", "mode": "enum"}
+    assert (shown["gain"]["minimum"], shown["gain"]["maximum"]) == (0.0, 10.0)
+    count = described(description(), config_of(VALUES))[1]
+    assert not {"minimum", "maximum"} & set(count)  # as large as it can be is no end
+    assert shown["mode"]["choices"] == ["slow", "fast"]
+    assert shown["gain"]["help"] == "the gain"
+
+
+def test_values_are_judged_before_they_are_sent() -> None:
+    assert panel().judge("gain", 9) == 9.0
+    with pytest.raises(ParameterError, match="gain: refused 11: must be"):
+        panel().judge("gain", 11.0)
+    with pytest.raises(ParameterError, match="one of slow, fast"):
+        panel().judge("mode", "wavy")
+
+
+def test_values_travel_as_they_are() -> None:
+    assert values_in(config_of(VALUES)) == VALUES
+
+
+@pytest.mark.parametrize("text", ["", "x", "{}", "[1]", "{'enum': 3}", "__import__('os')", "((((("])
+def test_what_is_no_enum_has_no_words(text: str) -> None:
+    assert _words(text) == {}
+
+
+def test_the_numbers_of_an_enum_have_their_words() -> None:
+    entries = described(description(COUNTS), config_of(VALUES))
+    shown = Panel("/foreign", entries, {}).message()["parameters"]
+    labels = {entry["name"]: entry["labels"] for entry in shown}
+    assert labels == {"gain": [], "count": [(1, "Few"), (9, "Many")], "on": [], "mode": []}
+
+
+@pytest.mark.parametrize("pairs", [3, [3], [["a", "b"]], [[1, 2, 3]], None])
+def test_labels_that_make_no_sense_are_left_out(pairs: object) -> None:
+    entry = {"name": "a", "type": "int", "default": 1, "value": 1, "labels": pairs}
+    assert Panel("/foreign", [entry], {}).message()["parameters"][0]["labels"] == []

@@ -1,0 +1,66 @@
+"""On which topic a node says how it is, and what pages are told of that."""
+
+from typing import Collection, List, Mapping
+from unittest import mock
+
+from bags import serialized
+from std_msgs.msg import String
+
+from topic_scope.controls.node_status import NodeStatuses, topics_of
+from topic_scope.sampling.message_source import Batch
+
+
+def test_topics_are_those_of_one_node_that_are_called_so() -> None:
+    publishers = [
+        ("/a/status", ["/a"]),
+        ("/b/motor_state", ["/b"]),
+        ("/c/status", ["/c"]),  # of another type
+        ("/d/estate", ["/d"]),
+        ("/shared/state", ["/a", "/e"]),
+        ("/f/status", ["/f"]),  # has no panel
+    ]
+    types = {topic: "std_msgs/String" for topic, _ in publishers}
+    types["/c/status"] = "std_msgs/Float32"
+    nodes = ["/a", "/b", "/c", "/d", "/e"]
+    assert topics_of(nodes, publishers, types) == {"/a": "/a/status", "/b": "/b/motor_state"}
+
+
+class FakeSubscriptions:
+    """Subscriptions to one topic, which a test fills."""
+
+    is_to_adjust = False
+
+    def __init__(self) -> None:
+        self.batches: List[Batch] = []
+        self.wanted: Collection[str] = ()
+
+    def want(self, topics: Collection[str]) -> None:
+        self.wanted = topics
+
+    def subscriptions(self) -> Mapping[str, "FakeSubscriptions"]:
+        return {"/a/status": self}
+
+    def drain(self) -> List[Batch]:
+        batches, self.batches = self.batches, []
+        return batches
+
+    def receive(self, *texts: str, kind: str = "String") -> None:
+        messages = [serialized(String(text)) for text in texts]
+        self.batches.append(Batch({"type": "std_msgs/" + kind}, [0.0] * len(texts), messages))
+
+
+def test_pages_are_told_what_is_new_only() -> None:
+    send, source = mock.Mock(), FakeSubscriptions()
+    statuses = NodeStatuses(source, mock.Mock(), send)  # type: ignore[arg-type]
+    statuses.follow({"/a": "/a/status"})
+    assert source.wanted == {"/a/status"}
+    for texts in (["running well"], ["idle", "running"], ["idle"], [""], []):
+        if texts:
+            source.receive(*texts)
+        statuses.update()
+    told = [call[0][0]["nodes"]["/a"] for call in send.call_args_list]
+    assert told == ["running", "idle", ""]
+    source.receive("later", kind="Float32")
+    statuses.update()
+    statuses.follow({})
+    assert [call[0][0]["nodes"] for call in send.call_args_list[3:]] == [{}]

@@ -1,0 +1,150 @@
+"""The bags over what a scope shows, as pages move them."""
+
+import threading
+from pathlib import Path
+from typing import Any, Callable, Dict, List, Sequence
+
+import pytest
+from bags import write_bag
+from std_msgs.msg import Float64
+
+from topic_scope.bag.overlay import BagOverlay
+from topic_scope.page.state import Page
+from topic_scope.page.trigger import TriggerWatch
+from topic_scope.protocol.checks import RequestError
+from topic_scope.protocol.overlay_request import OverlayRequest
+from topic_scope.protocol.requests import Trigger
+from topic_scope.protocol.scaling import Scaling, TraceScale
+from topic_scope.web.overlay_loader import OverlayLoader
+
+
+class Bench:
+    """A bag of a triangle that rises for 1 s and falls for 1 s, and a page.
+
+    :param missing: messages that the bag does not have, of 21
+    """
+
+    def __init__(self, path: Path, missing: Sequence[int] = ()) -> None:
+        there = [index for index in range(21) if index not in missing]
+        values = {index: 0.1 * min(index, 20 - index) for index in there}
+        messages = [("/x", Float64(one), index * 10**8) for index, one in values.items()]
+        self.bag = BagOverlay(write_bag(path / "old.bag", messages), "old")
+        self.changes = 0
+        self.page = Page(5.0)
+        self._done = threading.Event()
+        self._work: List[Callable[[], None]] = []
+        self.overlays = OverlayLoader([self.bag], self._deliver, self._on_change)
+
+    def _deliver(self, work: Callable[[], None]) -> None:
+        self._work.append(work)
+        self._done.set()
+
+    def _on_change(self) -> None:
+        self.changes += 1
+
+    def finish(self) -> None:
+        """Do what is done once the bag is read."""
+        assert self._done.wait(30.0)
+        self._done.clear()
+        self._work.pop()()
+
+    def trigger(self, **changes: Any) -> None:
+        wanted = Trigger("normal", "/x/data", 0.5, True)._replace(**changes)
+        self.page.trigger = TriggerWatch(wanted, 0.0)
+
+    def errors(self) -> List[str]:
+        return [one["text"] for one in self.page.pop_messages() if one["type"] == "error"]
+
+    def told(self) -> Dict[str, Any]:
+        (bag,) = self.overlays.message()["bags"]
+        return dict(bag)
+
+
+@pytest.fixture
+def bench(tmp_path: Path) -> Bench:
+    return Bench(tmp_path)
+
+
+def test_what_is_wanted_is_read_beside_the_web_and_then_told(bench: Bench) -> None:
+    trace = bench.bag.trace("/old/x", ("data",), "", "")
+    bench.overlays.read_wanted()
+    assert trace.problem == "the bag is being read"
+    later = bench.bag.trace("/old/x", ("data",), "received", "")
+    bench.overlays.read_wanted()  # after what it is busy with
+    bench.finish()
+    assert trace.problem is None and len(trace.ring) == 21 and bench.changes == 1
+    bench.finish()
+    assert later.problem is None and bench.changes == 2
+
+
+def test_a_bag_that_breaks_meanwhile_is_told_in_its_row(bench: Bench) -> None:
+    trace = bench.bag.trace("/old/x", ("data",), "", "")
+    Path(bench.bag.path).unlink()
+    bench.overlays.read_wanted()
+    bench.finish()
+    assert "old.bag: No such file" in str(trace.problem) and bench.changes == 1
+
+
+def test_it_is_laid_by_an_offset_and_at_a_begin(bench: Bench) -> None:
+    bench.overlays.begin_at(100.0)
+    told = bench.told()
+    assert (told["name"], told["file"], told["length"]) == ("old", "old.bag", 2.0)
+    bench.overlays.lay(bench.page, OverlayRequest("old", offset=-1.5))
+    bench.overlays.lay(bench.page, OverlayRequest("old", begin=200.0))
+    told = bench.told()
+    assert (told["begin"], told["offset"], bench.bag.place) == (200.0, -1.5, 198.5)
+    assert bench.changes == 2
+
+
+@pytest.mark.parametrize(
+    "changes, scale, crossing",
+    [
+        ({}, TraceScale(), 0.5),
+        ({"rising": False}, TraceScale(), 1.5),
+        ({"field": "/old/x/data", "level": 0.25}, TraceScale(), 0.25),
+        ({"field": "=/x/data*2"}, TraceScale(), 0.25),
+        ({}, TraceScale(gain=0.5, offset=0.25), 0.5),
+        ({"level": 0.0, "hysteresis": 0.5}, TraceScale(offset=-0.6), 0.6),
+        ({"level": 0.25}, TraceScale(steps=True), 0.3),
+    ],
+)
+def test_it_is_aligned_where_it_would_trigger_the_page(
+    bench: Bench, changes: Any, scale: TraceScale, crossing: float
+) -> None:
+    bench.trigger(**changes)
+    bench.page.scaling = Scaling({"/x/data": scale})
+    bench.overlays.lay(bench.page, OverlayRequest("old", trigger=300.0))
+    bench.finish()
+    assert bench.errors() == []
+    assert bench.bag.place + crossing == pytest.approx(300.0)
+
+
+@pytest.mark.parametrize("field", ["/x/data", "=/x/data * 1"])
+def test_behind_a_gap_it_is_aligned_where_the_line_goes_on(tmp_path: Path, field: str) -> None:
+    bench = Bench(tmp_path, range(3, 10))
+    bench.trigger(field=field)
+    bench.overlays.lay(bench.page, OverlayRequest("old", trigger=300.0))
+    bench.finish()
+    assert bench.bag.place + 1.0 == pytest.approx(300.0)
+
+
+def test_what_cannot_be_aligned_is_said_by_name(bench: Bench) -> None:
+    with pytest.raises(RequestError, match="no bag new; there are old"):
+        bench.overlays.lay(bench.page, OverlayRequest("new", offset=1.0))
+    with pytest.raises(RequestError, match="no trigger"):
+        bench.overlays.lay(bench.page, OverlayRequest("old", trigger=300.0))
+    bench.trigger(level=7.0)
+    bench.overlays.lay(bench.page, OverlayRequest("old", trigger=300.0))
+    with pytest.raises(RequestError, match="aligned already"):
+        bench.overlays.lay(bench.page, OverlayRequest("old", trigger=300.0))
+    bench.finish()
+    assert bench.errors() == ["old: /x/data never rises through 7"]
+    bench.trigger(field="/y/data")
+    bench.overlays.lay(bench.page, OverlayRequest("old", trigger=300.0))
+    bench.finish()
+    (error,) = bench.errors()
+    assert "there is no such topic" in error and "/x/data" in error
+    assert bench.bag.place == 0.0
+    none = OverlayLoader([], lambda work: work(), lambda: None)
+    with pytest.raises(RequestError, match="--over"):
+        none.lay(bench.page, OverlayRequest("old", offset=1.0))

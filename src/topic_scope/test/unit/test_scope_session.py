@@ -1,0 +1,157 @@
+"""Messages that a scope session sends to its pages; data source and sockets are fakes."""
+
+import asyncio
+from typing import Any, Dict, Iterator, List
+from unittest import mock
+
+import pytest
+
+from topic_scope.messages.layouts import Layouts
+from topic_scope.protocol import options, requests
+from topic_scope.protocol.requests import Handler
+from topic_scope.web.scope_session import ScopeSession
+from topic_scope.web.http_server import master_message
+
+SILENT = master_message("The master does not answer.")
+
+
+class DataSource:
+    """A graph without topics, of which nothing is known at first."""
+
+    def __init__(self) -> None:
+        values = {"clock.now.return_value": 1.7e9, "subscriptions.return_value": {}}
+        self.source = mock.Mock(**values)
+        self.layouts = Layouts()
+        self.begin = 1.7e9
+        self.start = self.refresh = self.leave = mock.Mock()
+
+    def hello(self) -> Dict[str, Any]:
+        return {"readonly": False}
+
+    def handlers(self) -> Dict[str, Handler]:
+        return {}
+
+    def messages(self) -> List[Dict[str, Any]]:
+        return [{"type": "panels", "panels": []}, SILENT]
+
+
+class PageSocket:
+    """The connection of a page."""
+
+    is_ready = True
+
+    def __init__(self, session: ScopeSession) -> None:
+        self.sent: List[Dict[str, Any]] = []
+        self.page = session.open(self)  # type: ignore[arg-type]
+
+    def send(self, messages: List[Dict[str, Any]]) -> None:
+        self.sent += messages
+
+
+@pytest.fixture
+def session() -> Iterator[ScopeSession]:
+    loop = asyncio.new_event_loop()
+    asyncio.set_event_loop(loop)
+    yield ScopeSession(options.parse([]), DataSource())  # type: ignore[arg-type]
+    asyncio.set_event_loop(None)
+    loop.close()
+
+
+def test_page_before_first_topics_gets_master_state_only(session: ScopeSession) -> None:
+    socket = PageSocket(session)
+    session.frames.send()
+    assert socket.sent == [SILENT]
+    session.on_topics({})
+    session.frames.send()
+    types = [message["type"] for message in socket.sent[1:]]
+    assert types[:4] == ["hello", "fields", "panels", "master"] and types[-1] == "frame"
+
+
+def test_idle_session_sends_alive_to_ready_pages_only(session: ScopeSession) -> None:
+    session.on_topics({})
+    reading, busy = PageSocket(session), PageSocket(session)
+    session.halt()  # as while a bag is loaded
+    busy.is_ready = False
+    session.frames.send_alive()
+    assert (reading.sent, busy.sent) == ([{"type": "alive"}], [])
+
+
+def test_hello_message_has_protocol_version(session: ScopeSession) -> None:
+    session.on_topics({})
+    socket = PageSocket(session)
+    session.frames.send()
+    assert (socket.sent[0]["type"], socket.sent[0]["protocol"]) == ("hello", requests.VERSION)
+
+
+def test_request_is_handled_or_rejected_with_a_reason(session: ScopeSession) -> None:
+    page = PageSocket(session).page
+    session.handle(page, '{"type": "view", "window": 3, "width": 100}')
+    session.handle(page, '{"type": "chart", "kind": "xy", "x": "/a/x"}')
+    session.handle(page, '{"type": "measure", "shapes": true}')
+    assert page.view.window == 3.0 and page.chart.request.x == "/a/x" and page.measure.shapes
+    page.pop_messages()
+    for text in ("{", '{"type": "chart"}', '{"type": "nothing"}'):
+        session.handle(page, text)
+    assert [message["type"] for message in page.pop_messages()] == ["error"] * 3
+
+
+def test_missing_field_of_command_line_is_logged(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    monkeypatch.setattr("topic_scope.web.scope_session.WARN_AFTER_S", 0.0)
+    loop = asyncio.new_event_loop()
+    asyncio.set_event_loop(loop)
+    try:
+        session = ScopeSession(options.parse(["/later/x"]), DataSource())  # type: ignore[arg-type]
+        session.on_topics({})
+        with mock.patch("rospy.logwarn") as log:
+            loop.run_until_complete(asyncio.sleep(0.01))
+    finally:
+        asyncio.set_event_loop(None)
+        loop.close()
+    log.assert_called_once_with("/later/x: there is no such topic yet")
+
+
+def test_frame_error_of_one_page_does_not_stop_the_others(session: ScopeSession) -> None:
+    session.on_topics({})
+    broken, whole = PageSocket(session), PageSocket(session)
+    broken.page.frame = mock.Mock(side_effect=ArithmeticError)  # type: ignore[method-assign]
+    with mock.patch("rospy.logerr_throttle") as log:
+        session.frames.send()
+    assert "ArithmeticError" in log.call_args[0][1]
+    assert not broken.sent and whole.sent[-1]["type"] == "frame"
+
+
+def test_statistics_period_is_longer_than_frame_period(
+    session: ScopeSession, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    session.on_topics({})
+    page = PageSocket(session).page
+    page.frame = mock.Mock(return_value=[])  # type: ignore[method-assign]
+    clock = mock.Mock(**{"thread_time.return_value": 0.0})
+    monkeypatch.setattr("topic_scope.web.frame_sender.time", clock)
+    for moment in (100.0, 100.1, 100.3, 100.4, 100.5):
+        clock.monotonic.return_value = moment
+        session.frames.send()
+    assert [call[0][2] for call in page.frame.call_args_list] == [True, False, False, True, False]
+
+
+@pytest.mark.parametrize("why", ["busy", "resting"])
+def test_skipped_frame_defers_statistics_to_the_next(
+    session: ScopeSession, monkeypatch: "pytest.MonkeyPatch", why: str
+) -> None:
+    session.on_topics({})
+    socket = PageSocket(session)
+    socket.page.frame = mock.Mock(return_value=[])  # type: ignore[method-assign]
+    clock = mock.Mock(**{"thread_time.return_value": 0.0})
+    monkeypatch.setattr("topic_scope.web.frame_sender.time", clock)
+    if why == "busy":
+        socket.is_ready = False
+    else:
+        socket.page.took(100.0, 100.01)  # it rests for four times as long
+        socket.page.took(100.0, 100.05)
+    for moment in (100.0, 100.2, 100.25):
+        clock.monotonic.return_value = moment
+        session.frames.send()
+        socket.is_ready = True
+    assert [call[0][2] for call in socket.page.frame.call_args_list] == [True, False]

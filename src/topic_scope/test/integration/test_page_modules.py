@@ -186,7 +186,7 @@ class Modules(BrowserTest):
     def test_the_wheel_sends_a_stop_with_each_release_and_no_limit_reverses_it(self) -> None:
         code = """a[0].map((text) => {
           const sent = [];
-          const wheel = new module.Wheel((message) => sent.push(message));
+          const wheel = new module.Teleop((message) => sent.push(message));
           wheel.onSteering({ topic: "/cmd_vel", datatype: "geometry_msgs/Twist" });
           const limit = document.getElementById("drive-speed");
           const before = limit.value;
@@ -201,7 +201,7 @@ class Modules(BrowserTest):
           return { held: sent.slice(0, count), released: sent.slice(count) };
         })"""
         limits = {"0.5": 0.5, "-0.5": 0.0, "fast": 0.0}
-        answers = self.browser.call("robots/wheel.js", code, list(limits))
+        answers = self.browser.call("robots/teleop.js", code, list(limits))
         self.assertEqual(len(answers), len(limits))
         for (limit, speed), told in zip(limits.items(), answers):
             with self.subTest(limit=limit):
@@ -226,7 +226,7 @@ class Modules(BrowserTest):
           element.remove();
           return places;
         })()"""
-        equal, filled = self.browser.call("plot/chart.js", code)
+        equal, filled = self.browser.call("plot/canvas_chart.js", code)
         sizes = [(b[0] - a[0], b[1] - c[1]) for a, b, c in (equal, filled)]  # y is down
         self.assertAlmostEqual(sizes[0][0] / sizes[0][1], 10.0)
         self.assertLess(sizes[1][0] / sizes[1][1], 4.0)
@@ -578,7 +578,7 @@ class Modules(BrowserTest):
         values = [0, 0, 1, 1, 2, 2, 3, 3]
         texts, can_keep, found = self.browser.call(
             "state/references.js",
-            "await (async () => { const { State } = await import('/static/js/state/state.js');"
+            "await (async () => { const { State } = await import('/static/js/state/store.js');"
             " const { TraceBuffer } = await import('/static/js/state/buffer.js');"
             " const buffer = new TraceBuffer(); buffer.apply({ now: 104, bin: 1, reset: true,"
             " first: 100, traces: { f: a[0] } }, 4); const state = new State(); const can = [];"
@@ -705,7 +705,7 @@ class Modules(BrowserTest):
         cases += [("robot2 [tail]", False, ["/robot2/j/position[tail]"], 0)]
         cases += [("laserscan seq", False, ["/scan/header/seq"], 0), ("", True, None, 0)]
         answers = self.browser.call(
-            "choose/choices.js",
+            "choose/field_list.js",
             "a[2].map(([text, all]) => module.found(a[0], a[1], text, all))",
             choices,
             types,

@@ -7,7 +7,7 @@ const LETTERS = "abcdefghijklmnopqrstuvwxyz";
 /** Keeps what the server has said of the formula that is being typed. */
 export class FormulaEntry {
   /**
-   * @param {import("../state/state.js").State} state
+   * @param {import("../state/store.js").State} state
    * @param {function(Object): void} send sends a request
    * @param {function(): void} onAnswer called when the server has answered
    */

@@ -5,7 +5,7 @@ import { figure } from "../base/numbers.js";
 import { colourOf, dashOf, sampleOf } from "../state/colours.js";
 import { valueOf } from "../state/references.js";
 import { scaledText } from "../state/traces.js";
-import { certainty, shownFigures, VALUES } from "../measure/measures.js";
+import { certainty, shownFigures, VALUES } from "../measure/statistics.js";
 import { plotChoice, startDrag } from "./plot_choice.js";
 import { referenceRow } from "./reference_row.js";
 import { timestampChoice } from "./timestamp_source.js";
@@ -28,8 +28,8 @@ function missing({ silent, nan, problem, correction, jumps }) {
 /** The legend. */
 export class Legend {
   /**
-   * @param {import("../state/state.js").State} state
-   * @param {import("../plot/plots.js").Plots} plot
+   * @param {import("../state/store.js").State} state
+   * @param {import("../plot/stack.js").Plots} plot
    * @param {import("../measure/cursors.js").Cursors} cursors
    * @param {function(string): void} openTrace opens the dialog of a trace
    */

@@ -15,7 +15,7 @@ function nextPlot(values, field) {
 
 /**
  * Make the list of plots that a trace can be in.
- * @param {import("../state/state.js").State} state
+ * @param {import("../state/store.js").State} state
  * @param {string} field
  * @returns {HTMLSelectElement}
  */
@@ -36,7 +36,7 @@ export function plotChoice(state, field) {
 /**
  * Have a trace dragged to another plot, or to where a new one is made.
  * @param {HTMLElement} handle what is dragged
- * @param {import("../state/state.js").State} state
+ * @param {import("../state/store.js").State} state
  * @param {string} field
  */
 export function startDrag(handle, state, field) {

@@ -8,7 +8,7 @@ import { LARGEST } from "../state/traces.js";
 
 /**
  * Make the row.
- * @param {import("../state/state.js").State} state
+ * @param {import("../state/store.js").State} state
  * @param {import("../state/references.js").Reference} reference
  * @param {Array<[string, string]>} columns keys and heads of the figures
  * @returns {{element: HTMLTableRowElement, cells: Map<string, HTMLTableCellElement>}}

@@ -31,7 +31,7 @@ export function sourcesOf(available, topic) {
 
 /**
  * Give a trace another timestamp source; all else of it stays.
- * @param {import("../state/state.js").State} state
+ * @param {import("../state/store.js").State} state
  * @param {string} name
  * @param {string} source empty to leave it to the scope
  */
@@ -56,7 +56,7 @@ export function setSource(state, name, source) {
 
 /**
  * Make the list of timestamp sources of a trace.
- * @param {import("../state/state.js").State} state
+ * @param {import("../state/store.js").State} state
  * @param {string} name of the trace
  * @returns {{element: HTMLSelectElement, show: function(string, string): void}} show takes the
  *   topic of the trace, and the source in use

@@ -13,7 +13,7 @@ const keep = byId("trace-keep");
 
 /**
  * Make the dialog work.
- * @param {import("../state/state.js").State} state
+ * @param {import("../state/store.js").State} state
  * @param {function(string): void} keepAsIs keeps a trace as it is, to be compared
  * @returns {function(string): void} opens it for a field
  */

@@ -4,7 +4,7 @@ import { byId, make, nameText } from "../base/dom.js";
 
 /**
  * Make what shows a row for each managed node, above the panels.
- * @param {import("../state/state.js").State} state
+ * @param {import("../state/store.js").State} state
  * @param {function(Object): void} send takes messages for the server
  * @returns {function({nodes: {node: string, state: string, transitions: string[]}[]}): void}
  */

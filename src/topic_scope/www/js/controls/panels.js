@@ -16,7 +16,7 @@ const WELL_KNOWN = {
 /** Shows the panels and sends what is done with them. */
 export class Panels {
   /**
-   * @param {import("../state/state.js").State} state
+   * @param {import("../state/store.js").State} state
    * @param {function(Object): void} send takes messages for the server
    */
   constructor(state, send) {

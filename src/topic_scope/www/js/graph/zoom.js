@@ -15,7 +15,7 @@ const ZOOM_PER_PIXEL = 0.003;
 export class GraphZoom {
   /**
    * @param {SVGElement} sheet
-   * @param {import("../state/state.js").State} state
+   * @param {import("../state/store.js").State} state
    */
   constructor(sheet, state) {
     this.sheet = sheet;

@@ -9,8 +9,8 @@ import { Handle } from "../plot/handle.js";
 export class Cursors {
   /**
    * @param {HTMLElement} overlay of the plot
-   * @param {import("../state/state.js").State} state
-   * @param {import("../plot/plots.js").Plots} plot
+   * @param {import("../state/store.js").State} state
+   * @param {import("../plot/stack.js").Plots} plot
    */
   constructor(overlay, state, plot) {
     this.state = state;

@@ -13,8 +13,8 @@ export class Hover {
   /**
    * @param {HTMLElement} stage
    * @param {HTMLElement} overlay of the plot
-   * @param {import("../state/state.js").State} state
-   * @param {import("../plot/plots.js").Plots} plot
+   * @param {import("../state/store.js").State} state
+   * @param {import("../plot/stack.js").Plots} plot
    * @param {function(string): number} spreadOf from the least to the greatest value of a trace
    */
   constructor(stage, overlay, state, plot, spreadOf) {

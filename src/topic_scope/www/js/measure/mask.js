@@ -25,7 +25,7 @@ async function save(fields, from, to) {
 
 /**
  * Make the controls of the mask work.
- * @param {import("../state/state.js").State} state
+ * @param {import("../state/store.js").State} state
  * @param {function(Object): void} send sends a request
  * @returns {{choose: function(string): void, onVerdict: function(Object): void, onHello: function(): void}}
  *   choose: offers a mask for a trace

@@ -172,7 +172,7 @@ function drawBelow(context, { blocks, notes, columns }, top, width, { colourOf, 
 
 /**
  * Make a picture of the plot with its axes, cursors, legend, measurements and date.
- * @param {import("../plot/plots.js").Plots|import("../plot/chart.js").Chart} drawn
+ * @param {import("../plot/stack.js").Plots|import("../plot/canvas_chart.js").Chart} drawn
  * @param {string[]} fields that are shown
  * @param {{colourOf: function(string): string, dashOf: function(string): number[],
  *   labelOf: function(string): string, notes: string[]}} style of fields, and what else is said

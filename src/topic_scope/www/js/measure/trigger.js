@@ -3,7 +3,7 @@
 import { byId, make, options, setText } from "../base/dom.js";
 import { figure, readNumber, rounded, typed } from "../base/numbers.js";
 import { KEPT } from "../state/persistence.js";
-import { TRIGGER_EDGES, TRIGGER_MODES } from "../state/state.js";
+import { TRIGGER_EDGES, TRIGGER_MODES } from "../state/store.js";
 import { Handle } from "../plot/handle.js";
 
 /** What the dialog has: input, what of the trigger it is, its unit in that of the trigger, most. */
@@ -17,8 +17,8 @@ const MORE = [
 export class Trigger {
   /**
    * @param {HTMLElement} overlay of the plot
-   * @param {import("../state/state.js").State} state
-   * @param {import("../plot/plots.js").Plots} plot
+   * @param {import("../state/store.js").State} state
+   * @param {import("../plot/stack.js").Plots} plot
    */
   constructor(overlay, state, plot) {
     this.state = state;

@@ -2,13 +2,13 @@
 
 import { byId } from "../base/dom.js";
 import { verticals } from "../state/traces.js";
-import { KINDS } from "../plot/charts.js";
+import { KINDS } from "../plot/kinds.js";
 
 const CLOSER = 0.8;
 
 /**
  * List the keys of the page.
- * @param {{state: import("../state/state.js").State, view: import("../state/view.js").View,
+ * @param {{state: import("../state/store.js").State, view: import("../state/view.js").View,
  *   cursors: import("../measure/cursors.js").Cursors, trigger: import("../measure/trigger.js").Trigger,
  *   open: {chooser: function(): void, axes: function(): void,
  *   measures: function(): void}}} parts

@@ -13,7 +13,7 @@ const optionOf = (speed) => [speed, `${typed(speed)} ×`];
 /** The bar of a bag, and how its clock goes together with what the page shows. */
 export class Playback {
   /**
-   * @param {import("../state/state.js").State} state
+   * @param {import("../state/store.js").State} state
    * @param {import("../state/sweep.js").Sweep} sweep
    * @param {function(Object): void} send
    * @param {function(): void} onJump is called after its clock has jumped

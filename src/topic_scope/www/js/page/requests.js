@@ -8,8 +8,8 @@ const EVERY_MS = 50; // between two views while the wheel turns
 /** Keeps the server in step with the state. */
 export class Requests {
   /**
-   * @param {import("../state/state.js").State} state
-   * @param {import("../plot/plots.js").Plots} plot
+   * @param {import("../state/store.js").State} state
+   * @param {import("../plot/stack.js").Plots} plot
    * @param {import("../base/connection.js").Connection} connection
    * @param {import("./setup.js").Setup} setup
    */

@@ -3,9 +3,9 @@
 import { byId, download } from "../base/dom.js";
 import { notify } from "../base/link.js";
 import { KEPT } from "../state/persistence.js";
-import { TRIGGER_EDGES, TRIGGER_MODES } from "../state/state.js";
+import { TRIGGER_EDGES, TRIGGER_MODES } from "../state/store.js";
 import { isTraces, readTraces, writeTraces } from "../state/traces.js";
-import { isChart } from "../plot/charts.js";
+import { isChart } from "../plot/kinds.js";
 
 const LATER_MS = 300; // while something is dragged the address stays as it is
 const COLOUR = /^#[0-9a-f]{6}$/i;
@@ -87,7 +87,7 @@ export function read(setup) {
 /** Keeps the address in step with the state, and the state with an address or a file. */
 export class Setup {
   /**
-   * @param {import("../state/state.js").State} state
+   * @param {import("../state/store.js").State} state
    */
   constructor(state) {
     this.state = state;

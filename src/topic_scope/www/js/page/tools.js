@@ -28,13 +28,13 @@ function csvAddress(fields, { from, to }) {
 
 /**
  * Make the bar work.
- * @param {import("../state/state.js").State} state
+ * @param {import("../state/store.js").State} state
  * @param {import("../state/view.js").View} view
- * @param {import("../plot/plots.js").Plots} plot
+ * @param {import("../plot/stack.js").Plots} plot
  * @param {import("../state/sweep.js").Sweep} sweep
  * @param {{chooser: function(): void, axes: function(): void,
  *   measures: function(): void}} open opens the dialogs
- * @param {import("../plot/chart.js").Chart} chart
+ * @param {import("../plot/canvas_chart.js").Chart} chart
  */
 export function startTools(state, view, plot, sweep, open, chart) {
   const run = byId("run");

@@ -14,7 +14,7 @@ function called(name) {
 
 /**
  * Make the dialog work.
- * @param {import("../state/state.js").State} state
+ * @param {import("../state/store.js").State} state
  * @returns {function(): void} opens it
  */
 export function startAxes(state) {

@@ -19,7 +19,7 @@ function axisUnder(plots, event) {
  * Zoom by the wheel, move by dragging, reset by a double click; over a vertical axis, or with
  * the shift key, vertically. Two fingers zoom, vertically where they are one above the other.
  * @param {HTMLElement} stage
- * @param {import("./plots.js").Plots} plots
+ * @param {import("./stack.js").Plots} plots
  * @param {import("../state/view.js").View} view
  */
 export function startGestures(stage, plots, view) {

@@ -17,7 +17,7 @@ const slotOf = ({ values }, field) =>
 /**
  * Return the colour of a trace, the picked one or that of its slot. With the dash no two traces look
  * alike by themselves, before there are forty.
- * @param {import("./state.js").State} state
+ * @param {import("./store.js").State} state
  * @param {string} field
  * @returns {string} #rrggbb
  */
@@ -27,7 +27,7 @@ export function colourOf(state, field) {
 
 /**
  * Return the dash of a trace, the picked one or that of its slot.
- * @param {import("./state.js").State} state
+ * @param {import("./store.js").State} state
  * @param {string} field
  * @returns {number[]} dashes and gaps in turn, pixels; none for a line without gaps
  */
@@ -40,7 +40,7 @@ export function dashOf(state, field) {
 
 /**
  * Paint a sample of a trace's line.
- * @param {import("./state.js").State} state
+ * @param {import("./store.js").State} state
  * @param {string} field
  * @returns {string} as CSS has it for a background
  */
@@ -56,7 +56,7 @@ export function sampleOf(state, field) {
 
 /**
  * Return a colour by its place.
- * @param {import("./state.js").State} state
+ * @param {import("./store.js").State} state
  * @param {number} place from 0
  * @returns {string} #rrggbb
  */
@@ -67,7 +67,7 @@ export function paletteColour(state, place) {
 
 /**
  * Follow the system's preference until the user chooses, and remember that choice.
- * @param {import("./state.js").State} state
+ * @param {import("./store.js").State} state
  * @param {HTMLElement} button
  */
 export function startTheme(state, button) {

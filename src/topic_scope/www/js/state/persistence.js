@@ -27,7 +27,7 @@ export function lineOf(buffer, field, zero, from, to) {
 /** Keeps sweeps that are over, the oldest first. */
 export class Persistence {
   /**
-   * @param {import("./state.js").State} state
+   * @param {import("./store.js").State} state
    */
   constructor(state) {
     this.most = 0;

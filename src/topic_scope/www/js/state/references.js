@@ -41,7 +41,7 @@ export const canKeep = ({ hidden, references }, field) => !hidden.has(field) && 
 
 /**
  * Keep a trace as it is.
- * @param {import("./state.js").State} state
+ * @param {import("./store.js").State} state
  * @param {{buffer: import("./buffer.js").TraceBuffer, reference: number, from: number, to: number}} shown
  * @param {string} field
  * @param {Map<string, string>} figures that the table has of it
@@ -60,7 +60,7 @@ export function keepReference(state, { buffer, reference: zero, from, to }, fiel
 
 /**
  * Move a reference.
- * @param {import("./state.js").State} state
+ * @param {import("./store.js").State} state
  * @param {string} name
  * @param {{later: ?number, offset: ?number}} changes
  */

@@ -12,7 +12,7 @@ export const after = ({ position = 0.5 }) => 1 - position;
 /** Takes frames and triggers; holds what is to be drawn. */
 export class Sweep {
   /**
-   * @param {import("./state.js").State} state
+   * @param {import("./store.js").State} state
    */
   constructor(state) {
     this.state = state;

@@ -62,7 +62,7 @@ export function verticals(values) {
 
 /**
  * Choose something for a trace.
- * @param {import("./state.js").State} state
+ * @param {import("./store.js").State} state
  * @param {string} field
  * @param {Partial<Chosen>} changes
  */
@@ -171,7 +171,7 @@ export function arranged({ fields, traces, axes }) {
 
 /**
  * Keep the plots in order, whatever is chosen.
- * @param {import("./state.js").State} state made anew: later listeners see the plots in order
+ * @param {import("./store.js").State} state made anew: later listeners see the plots in order
  */
 export function keepArranged(state) {
   let isBusy = false;

@@ -8,9 +8,9 @@ const SHORTEST_S = 0.002;
 /** Changes the view; knows what is shown, so that nothing jumps. */
 export class View {
   /**
-   * @param {import("./state.js").State} state
+   * @param {import("./store.js").State} state
    * @param {import("./sweep.js").Sweep} sweep
-   * @param {import("../plot/plots.js").Plots} plot
+   * @param {import("../plot/stack.js").Plots} plot
    */
   constructor(state, sweep, plot) {
     this.state = state;

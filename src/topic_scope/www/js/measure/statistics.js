@@ -69,9 +69,9 @@ export function wantedMeasures({ measures, cursors, fields }, reference) {
 
 /**
  * Make the dialog work, and keep the server in step with it.
- * @param {import("../state/state.js").State} state
+ * @param {import("../state/store.js").State} state
  * @param {import("../state/sweep.js").Sweep} sweep
- * @param {import("../plot/plots.js").Plots} plot
+ * @param {import("../plot/stack.js").Plots} plot
  * @param {import("../page/requests.js").Requests} requests
  * @returns {function(): void} opens the dialog
  */

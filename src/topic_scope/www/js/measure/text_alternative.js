@@ -3,7 +3,7 @@
 import { byId, setText } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
 import { labelOf } from "../state/traces.js";
-import { certainty } from "./measures.js";
+import { certainty } from "./statistics.js";
 
 const KINDS = { time: "plot over time", spectrum: "spectrum", xy: "XY plot" };
 
@@ -35,7 +35,7 @@ export function inWords(values, fields, traces) {
 
 /**
  * Keep the words in step with the plot.
- * @param {import("../state/state.js").State} state
+ * @param {import("../state/store.js").State} state
  * @returns {function(Object<string, Object>): void} takes what is measured of the traces
  */
 export function startAlternative(state) {

@@ -2,13 +2,13 @@
 
 import { clamp, rounded } from "../base/numbers.js";
 import { axisName, axisParts, chosenOf, plotCount } from "../state/traces.js";
-import { Plot } from "./plot.js";
+import { Plot } from "./dygraph_view.js";
 
 /** All plots. */
 export class Plots {
   /**
    * @param {HTMLElement} element to draw in
-   * @param {import("../state/state.js").State} state
+   * @param {import("../state/store.js").State} state
    * @param {function(string): string} colourOf gives the colour of a field
    */
   constructor(element, state, colourOf) {

@@ -18,7 +18,7 @@ const PAD = [
 const unit = (value) => clamp(value, -1, 1);
 
 /** Takes the wheel of a robot, and commands it. */
-export class Wheel {
+export class Teleop {
   /**
    * @param {function(Object): void} send takes messages for the server
    */

@@ -3,7 +3,7 @@
 import { byId, make, options } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
 import { dashOf } from "../state/colours.js";
-import { Chart } from "./chart.js";
+import { Chart } from "./canvas_chart.js";
 
 export const KINDS = [["time", "over time"], ["spectrum", "spectrum"], ["xy", "XY"]];
 const WINDOWS = ["hann", "flattop", "blackman", "rectangular"];
@@ -61,7 +61,7 @@ export function spectra(traces, fields, scale) {
 
 /**
  * Make the switch and the kinds of plot work.
- * @param {import("../state/state.js").State} state
+ * @param {import("../state/store.js").State} state
  * @param {import("../page/requests.js").Requests} requests
  * @param {function(string): string} colourOf
  * @returns {{onChart: function(Object): void, chart: Chart}}

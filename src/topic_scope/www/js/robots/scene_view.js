@@ -10,16 +10,16 @@ import { nameOf, RobotList } from "./list.js";
 import { robotsOf } from "./odometries.js";
 import { startPointer } from "./pointer.js";
 import { Trails } from "./trails.js";
-import { Wheel } from "./wheel.js";
+import { Teleop } from "./teleop.js";
 
 const CLOSER = 1.25;
 const STEP = 60; // of the arrow keys, pixels
 const LINE = 15; // height of a name, pixels
 
 /** Shows the robots, and follows what the user does with the picture. */
-export class RobotView {
+export class SceneView {
   /**
-   * @param {import("../state/state.js").State} state
+   * @param {import("../state/store.js").State} state
    * @param {function(Object): void} send takes messages for the server
    */
   constructor(state, send) {
@@ -33,7 +33,7 @@ export class RobotView {
     this.scans = [];
     this.scenery = { markers: [], paths: [], goals: [] };
     this.trails = new Trails();
-    this.wheel = new Wheel(send);
+    this.wheel = new Teleop(send);
     this.goals = new Goals(send, () => this.chosen, () => this.refresh());
     this.list = new RobotList((topic) => this.colour(topic), (topic) =>
       this.follow(topic === this.followed ? "" : topic));

@@ -3,7 +3,7 @@
 import { byId, make, options, setText } from "../base/dom.js";
 import { notify } from "../base/link.js";
 import { isFormula } from "../state/traces.js";
-import { found, isUseful } from "./choices.js";
+import { found, isUseful } from "./field_list.js";
 import { FormulaEntry } from "./formula.js";
 
 const MOST = 500; // listed at once; the search finds the rest
@@ -18,7 +18,7 @@ const NAME = new RegExp(`^${FIELD}(-${FIELD})?$`); // of one, or of the differen
 
 /**
  * Plot a topic: its fields, or those that the user chooses where there are many.
- * @param {import("../state/state.js").State} state
+ * @param {import("../state/store.js").State} state
  * @param {function(string): void} openChooser with a text to search for
  * @param {string} topic
  */
@@ -37,7 +37,7 @@ export function plotTopic(state, openChooser, topic) {
 
 /**
  * Make the dialog work.
- * @param {import("../state/state.js").State} state
+ * @param {import("../state/store.js").State} state
  * @param {function(Object): void} send sends a request
  * @returns {{open: function(string=): void, onFormula: function(Object): void}} opens it, with a
  *   text to search for; takes what the server says of a formula

@@ -103,7 +103,7 @@ function groupShape({ name, x, y, width, height }) {
 /** Shows the graph. */
 export class Graph {
   /**
-   * @param {import("../state/state.js").State} state
+   * @param {import("../state/store.js").State} state
    * @param {function(string): void} plot plots a topic
    */
   constructor(state, plot) {

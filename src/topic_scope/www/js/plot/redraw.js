@@ -8,9 +8,9 @@ const CHANGES = ["fields", "hidden", "right", "colours", "traces", "window", "en
 
 /**
  * Draw the sweep whenever it or the state changes.
- * @param {import("../state/state.js").State} state
+ * @param {import("../state/store.js").State} state
  * @param {import("../state/sweep.js").Sweep} sweep
- * @param {import("./plots.js").Plots} plot
+ * @param {import("./stack.js").Plots} plot
  * @returns {{refresh: function(): void}} refresh: draw with the next frame
  */
 export function startScreen(state, sweep, plot) {

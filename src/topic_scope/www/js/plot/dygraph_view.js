@@ -5,8 +5,8 @@ import { make, themeColour } from "../base/dom.js";
 import { AutoRange, ticks } from "../base/numbers.js";
 import { dashOf } from "../state/colours.js";
 import { axisName, axisOf, plotCount } from "../state/traces.js";
-import { EarlierSweeps, widened } from "./earlier.js";
-import { drawReferences } from "./references.js";
+import { EarlierSweeps, widened } from "./earlier_sweeps.js";
+import { drawReferences } from "./reference_lines.js";
 
 /* global Dygraph */
 
@@ -28,7 +28,7 @@ console.warn = (...words) => OUTSIDE.test(words[0]) || warn.apply(console, words
 export class Plot {
   /**
    * @param {HTMLElement} parent of its element
-   * @param {import("../state/state.js").State} state
+   * @param {import("../state/store.js").State} state
    * @param {number} number from 1, the uppermost
    * @param {function(string): string} colourOf gives the colour of a field
    */

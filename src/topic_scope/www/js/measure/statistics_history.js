@@ -3,13 +3,13 @@
 import { byId, make, setText } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
 import { labelOf } from "../state/traces.js";
-import { shownFigures } from "./measures.js";
+import { shownFigures } from "./statistics.js";
 
 const COLUMNS = ["mean", "sigma", "min", "max", "count"];
 
 /**
  * Keep the table in step with what is measured.
- * @param {import("../state/state.js").State} state
+ * @param {import("../state/store.js").State} state
  * @returns {function(Object<string, Object>): void} takes what is measured of the traces
  */
 export function startOverTime(state) {

@@ -65,7 +65,7 @@ class Plots(PageTest):
             lambda: self.cell(SIGNAL, "vpp") < 3.3 and math.isnan(self.cell(SIGNAL, "frequency")),
             lambda: self.browser.text("#legend"),
         )
-        self.wait_certainty("frequency", "not measurable: there are not two periods of it")
+        self.wait_certainty("frequency", "not measurable: fewer than two periods in the span")
         self.wait_certainty("min", "")
 
     def test_counts_how_figures_vary_until_it_counts_anew(self) -> None:

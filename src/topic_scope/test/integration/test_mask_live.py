@@ -1,4 +1,4 @@
-"""The command that judges a trace by a mask, as a test of a robot would call it on a live graph."""
+"""The command that checks a trace by a mask, as a test of a robot would call it on a live graph."""
 
 import csv
 import subprocess
@@ -36,7 +36,7 @@ class MaskLive(unittest.TestCase):
             wanted.publish(1.0)
             actual.publish(1.0 + cls.error)
 
-    def judge(self, *arguments: str) -> "subprocess.CompletedProcess[str]":
+    def check(self, *arguments: str) -> "subprocess.CompletedProcess[str]":
         return subprocess.run(
             [
                 roslib.packages.find_node("topic_scope", "mask.py")[0],
@@ -55,7 +55,7 @@ class MaskLive(unittest.TestCase):
     def test_the_status_says_whether_it_keeps_within(self) -> None:
         type(self).error = 0.05
         for seconds in ("2", "8", "30"):  # longer where a busy machine takes longer to subscribe
-            inside = self.judge("--value", "0.1", "--seconds", seconds)
+            inside = self.check("--value", "0.1", "--seconds", seconds)
             if inside.returncode != 2:
                 break
         self.assertEqual(inside.returncode, 0, inside)
@@ -63,7 +63,7 @@ class MaskLive(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             saved = Path(folder, "failure.csv")
             type(self).error = 0.2
-            outside = self.judge("--value", "0.1", "--seconds", "30", "--save", str(saved))
+            outside = self.check("--value", "0.1", "--seconds", "30", "--save", str(saved))
             self.assertEqual(outside.returncode, 1, outside)
             self.assertRegex(outside.stdout, r"at worst by 0\.1\b")
             with saved.open(newline="") as file:
@@ -71,6 +71,6 @@ class MaskLive(unittest.TestCase):
         self.assertTrue(any(row["/actual/data"] == "1.2" for row in rows), rows)
 
     def test_what_is_not_there_is_no_pass(self) -> None:
-        nothing = self.judge("--seconds", "1", "--around", "/nobody/data")
+        nothing = self.check("--seconds", "1", "--around", "/nobody/data")
         self.assertEqual(nothing.returncode, 2, nothing)
-        self.assertIn("nothing could be judged: there is no such topic yet", nothing.stderr)
+        self.assertIn("no sample could be checked: there is no such topic yet", nothing.stderr)

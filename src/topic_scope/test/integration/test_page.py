@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The page in a browser: it plots, triggers, measures, saves, judges by a mask and sets parameters.
+"""The page in a browser: it plots, triggers, measures, saves, checks a mask and sets parameters.
 
 The pages of robots and bags, and the page's modules, are tested in the same browser.
 """
@@ -106,7 +106,7 @@ class Page(PageTest):
     def test_a_formula_is_checked_as_it_is_typed_then_drawn_measured_and_saved(self) -> None:
         self.browser.keys("a", "=hypot(a, delay(a,.25)) + b*(0")
         problem = self.browser.find("#chooser-note")
-        wait_until(lambda: problem.text == "a bracket is not closed", lambda: problem.text)
+        wait_until(lambda: problem.text == 'missing ")"', lambda: problem.text)
         listed = self.browser.text("#chooser-list")
         self.assertIn(f"a is {SIGNAL}\n\nb is {PROCESSED}", listed)
         self.assertIn("lowpass", listed)

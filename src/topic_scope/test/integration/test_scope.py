@@ -93,7 +93,7 @@ class Signals(SignalsTest):
             "stats",
             lambda stats: (
                 stats["traces"]["/signal/signal_y"]["unmeasurable"]
-                == {"frequency": "there are not two periods of it"}
+                == {"frequency": "fewer than two periods in the span"}
             ),
         )
         page.send("view", window=2.0, width=500, end=None)

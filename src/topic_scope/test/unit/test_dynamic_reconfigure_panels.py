@@ -44,11 +44,11 @@ def test_all_kinds_are_there_with_their_values_and_ends() -> None:
 
 
 def test_values_are_judged_before_they_are_sent() -> None:
-    assert panel().judge("gain", 9) == 9.0
+    assert panel().check("gain", 9) == 9.0
     with pytest.raises(ParameterError, match="gain: refused 11: must be"):
-        panel().judge("gain", 11.0)
+        panel().check("gain", 11.0)
     with pytest.raises(ParameterError, match="one of slow, fast"):
-        panel().judge("mode", "wavy")
+        panel().check("mode", "wavy")
 
 
 def test_values_travel_as_they_are() -> None:

@@ -142,36 +142,36 @@ def test_a_part_of_it_is_the_same_as_that_part_of_all(text: str, span: List[floa
 
 SENTENCES = {
     "": "the formula is empty",
-    "/a +": "something is missing at the end",
-    "sqrt(/a": "a bracket is not closed",
-    "/a)": "a bracket is closed that was not opened",
-    "1 + 2": "a formula needs a field at least, such as /topic/field",
+    "/a +": "unexpected end of the formula",
+    "sqrt(/a": 'missing ")"',
+    "/a)": 'unmatched ")"',
+    "1 + 2": "a formula needs at least one field, such as /topic/field",
     "/a, /b": "a comma stands only between the arguments of a function; a number has a point",
     "1,5*/a": "a comma stands only between the arguments of a function; a number has a point",
     "/a^2": "a power is written with **, not with ^",
-    "/a 2": "at '2': here + - * / % ** or a bracket must stand",
-    "/a(/b)": "at '(/b)': here + - * / % ** or a bracket must stand",
-    "* /a": "at '* /a': here a field, a number or a function must stand",
+    "/a 2": "at '2': expected + - * / % ** or a bracket",
+    "/a(/b)": "at '(/b)': expected + - * / % ** or a bracket",
+    "* /a": "at '* /a': expected a field, a number or a function",
     "2/a + 1": "there is no a: the name of a field begins with /",
-    "sin + /a": "sin needs a bracket with what it is of",
+    "sin + /a": "sin needs its arguments in brackets",
     "foo(/a)": f"there is no function foo; there are {', '.join(FUNCTIONS)}",
     "sqrt(/a, 2)": "sqrt takes 1 argument",
     "atan2(/a)": "atan2 takes 2 arguments",
-    "delay(2, 1)": "delay is of a trace, not of a number",
+    "delay(2, 1)": "delay takes a trace, not a number",
     "delay(/a, /b)": "delay: the second must be a time in s, from -600 to 600",
     "delay(/a, 1e9)": "delay: the second must be a time in s, from -600 to 600",
     "mean(/a, 0)": "mean: the second must be a time in s, from 1e-06 to 600",
     "lowpass(/a, 0)": "lowpass: the second must be a frequency in Hz, from 0.02 to 1e+06",
     "delay(delay(/a, 600), 1)": "delays, means and filters reach over 601 s: at most 600",
-    "/a + 2**2**2**2**2**2": "a number in it is infinite, or is none",
-    "/a + 0/0": "a number in it is infinite, or is none",
-    "/a + " + "9" * 400: "a number in it is infinite, or is none",
+    "/a + 2**2**2**2**2**2": "a constant is infinite or not a number",
+    "/a + 0/0": "a constant is infinite or not a number",
+    "/a + " + "9" * 400: "a constant is infinite or not a number",
     "/a" + " + /a" * 60: "a formula has at most 100 tokens, not 121",
     "(" * 21 + "/a" + ")" * 21: "brackets may be nested 20 deep",
     "-" * 30 + "/a": "operations may be nested 24 deep",
     "1" + "**1" * 30 + "*/a": "operations may be nested 24 deep",
     "/a" + " " * LONGEST: "a formula has at most 500 characters, not 502",
-    "+".join(f"/t{index}" for index in range(9)): "a formula is of at most 8 fields, not 9",
+    "+".join(f"/t{index}" for index in range(9)): "a formula has at most 8 fields, not 9",
     "+".join(["derivative(/a)"] * 9): "a formula has at most 8 delays, filters and derivatives",
 }
 
@@ -318,7 +318,7 @@ def test_letters_stand_for_traces_and_what_is_computed_for_its_formula() -> None
     assert parse_formula(with_letters("=sqrt(c)/a", traces)[1:]).fields == ("/u", "/v", "/s/y")
     for text, sentence in (
         ("=d", "there is no trace d: there are a to c"),
-        ("=a +", "something is missing at the end"),
+        ("=a +", "unexpected end of the formula"),
     ):
         with pytest.raises(FormulaError, match=sentence):
             with_letters(text, traces)

@@ -68,7 +68,7 @@ def test_what_is_forgotten_before_it_can_be_judged_is_counted_and_said(time: flo
     # All up to where what is kept begins, and as long after that as counts.
     counted = check.verdict.inside + check.verdict.unjudged
     assert counted == pytest.approx(10 * min(141 + time, 200), abs=15)
-    says = f" not judged; it needs {time + 1:g} s before and {time:g} s after each, and samples"
+    says = f" not checked; it needs {time + 1:g} s before and {time:g} s after each, and samples"
     assert says in check.words(made)
 
 
@@ -86,8 +86,8 @@ def test_a_reference_that_has_ended_is_named_while_the_trace_goes_on() -> None:
         made.update()
         check.update(made)
         said.append(check.words(made))
-    # What comes within 0.1 s of where the reference begins or ends cannot be judged.
-    assert said[1] == "180 samples inside, 0 outside, 10 not judged"
+    # What comes within 0.1 s of where the reference begins or ends cannot be checked.
+    assert said[1] == "180 samples inside, 0 outside, 10 not checked"
     assert said[3] == f"{said[1]}; /b/data silent for 2.0 s"
 
 
@@ -104,7 +104,7 @@ def test_where_the_reference_has_a_gap_nothing_is_judged() -> None:
     verdict = check.update(made)
     # From 0.1 s before the gap to as long behind it, and 0.1 s at the start.
     assert verdict.outside == 0 and verdict.unjudged == pytest.approx(10 + 120, abs=2)
-    assert verdict.text.endswith(" not judged")
+    assert verdict.text.endswith(" not checked")
 
 
 @pytest.fixture
@@ -132,10 +132,10 @@ def test_the_command_says_of_a_bag_whether_a_trace_keeps_within(
 ) -> None:
     around = ("/a", "--around", "/b", "--bag", bag, "--time", "0.1")
     assert status(monkeypatch, *around, "--value", "2.5") == 0
-    assert capsys.readouterr().out == "mask: 380 samples inside, 0 outside, 20 not judged\n"
+    assert capsys.readouterr().out == "mask: 380 samples inside, 0 outside, 20 not checked\n"
     assert status(monkeypatch, *around, "--value", "0.1", "--all") == 1
     said = capsys.readouterr().out.splitlines()
-    assert said[0] == "mask: 377 samples inside, 3 outside, 20 not judged"
+    assert said[0] == "mask: 377 samples inside, 3 outside, 20 not checked"
     assert "1700000003.123457 s since the epoch, at worst by 1.8" in said[1]
 
 
@@ -170,8 +170,11 @@ def test_a_failure_is_saved_before_it_is_forgotten(
 @pytest.mark.parametrize(
     "arguments, sentence",
     [
-        (["/a", "--around", "/later"], "mask: nothing could be judged: there is no such topic yet"),
-        (["/a", "--around", "=/b +"], "mask: something is missing at the end"),
+        (
+            ["/a", "--around", "/later"],
+            "mask: no sample could be checked: there is no such topic yet",
+        ),
+        (["/a", "--around", "=/b +"], "mask: unexpected end of the formula"),
         (["/a", "--around", "=delay(/b, 9)", "--time", "595"], "reach over 604 s: at most 600"),
         (["/a", "--around", f"=-/b{'+-/b' * 17}"], "mask: a formula has at most"),
         (["/a", "--around", "/b", "--value", "-1"], "'-1' is not a number from 0 to 1e+300"),
@@ -193,8 +196,8 @@ def test_what_cannot_be_judged_is_no_pass(
 @pytest.mark.parametrize(
     "ends, expected, said",
     [
-        (100, 2, "100 samples inside, 0 outside, 900 not judged"),
-        (960, 0, "960 samples inside, 0 outside, 40 not judged"),  # as messages wait now and then
+        (100, 2, "100 samples inside, 0 outside, 900 not checked"),
+        (960, 0, "960 samples inside, 0 outside, 40 not checked"),  # as messages wait now and then
     ],
 )
 def test_a_reference_that_ends_long_before_the_trace_is_no_pass(

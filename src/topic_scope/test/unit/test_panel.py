@@ -1,4 +1,4 @@
-"""Panels are what the nodes' own declarations say, and judge values as the nodes do."""
+"""Panels are what the nodes' own declarations say, and check values as the nodes do."""
 
 import json
 import math
@@ -100,16 +100,16 @@ def test_values_are_judged_as_the_node_does(name: str, value: Any) -> None:
         expected: Any = getattr(Gauge(**{name: value}), name)
     except ParameterError as error:
         with pytest.raises(ParameterError) as caught:
-            panel().judge(name, value)
+            panel().check(name, value)
         assert str(caught.value) == str(error).replace(name, f"{NODE}/{name}", 1)
         return
-    result = panel().judge(name, value)
+    result = panel().check(name, value)
     assert result == expected and type(result) is type(expected)
 
 
 @pytest.mark.parametrize("value, expected", [("[1, 2.5]", (1, 2.5)), ([3.0], (3.0,)), ("[]", ())])
 def test_a_list_is_written_as_yaml(value: Any, expected: Any) -> None:
-    assert panel().judge("marks", value) == expected
+    assert panel().check("marks", value) == expected
 
 
 @pytest.mark.parametrize(
@@ -117,7 +117,7 @@ def test_a_list_is_written_as_yaml(value: Any, expected: Any) -> None:
 )
 def test_what_is_no_list_is_refused(value: Any) -> None:
     with pytest.raises(ParameterError, match="must be a list of 0 to 1000 elements, each a number"):
-        panel().judge("marks", value)
+        panel().check("marks", value)
 
 
 def test_bytes_are_shown_and_written_as_yaml() -> None:
@@ -127,10 +127,10 @@ def test_bytes_are_shown_and_written_as_yaml() -> None:
     locked = Panel(NODE, describe(Lock()), {})
     assert json.loads(json.dumps(locked.message()))["parameters"][0]["value"] == "[0, 255]"
     for text in ("[1]", "!!binary AQ=="):
-        assert locked.judge("key", text) == b"\x01"
+        assert locked.check("key", text) == b"\x01"
     for value in ("AQ==", "[1, 2, 3]", "[1", 5):
         with pytest.raises(ParameterError, match="must be at most 2 bytes"):
-            locked.judge("key", value)
+            locked.check("key", value)
 
 
 def test_follows_what_is_allowed_only() -> None:

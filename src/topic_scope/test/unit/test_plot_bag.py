@@ -285,7 +285,7 @@ def test_what_is_wrong_with_a_formula_is_said(
     bag: str, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     assert failure(monkeypatch, capsys, bag, "=/x +", "-o", "out.csv") == (
-        "plot_bag: something is missing at the end\n"
+        "plot_bag: unexpected end of the formula\n"
     )
     assert "nearest to it: /x/data" in failure(monkeypatch, capsys, bag, "=/x/datum", "-o", "o.csv")
 

@@ -213,7 +213,7 @@ def test_a_bad_request_is_refused_in_words(request_: Any) -> None:
     "changes, sentence",
     [
         ({"field": "not a name"}, "mask: .*not a name"),
-        ({"reference": "=/b/x +"}, "mask: something is missing at the end"),
+        ({"reference": "=/b/x +"}, "mask: unexpected end of the formula"),
         ({"reference": "=delay(/b/x, 9)", "time": 595}, "mask: .* reach over 604 s: at most 600"),
         ({"reference": f"=-/b/x{'+-/b/x' * 17}"}, "mask: a formula has at most"),
     ],

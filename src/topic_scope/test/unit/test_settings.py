@@ -57,7 +57,7 @@ class SlowWorker(Worker):
 
 
 class World:
-    """A node whose parameters are judged as any node's, and a page."""
+    """A node whose parameters are checked as any node's, and a page."""
 
     def __init__(self) -> None:
         self.node = OfflineParameters(Gauge)

@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""What is computed of samples: bins, measures, spectra."""
+"""Computations on samples: bins, measurements, spectra."""

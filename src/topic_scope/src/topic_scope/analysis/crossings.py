@@ -1,4 +1,4 @@
-"""When a trace crosses a level, and where it has no gap."""
+"""Level crossings and gaps of a trace."""
 
 from typing import Tuple
 
@@ -13,12 +13,12 @@ def rises(
     It has crossed the level between the last sample that is surely below and the first one that is
     surely above, with no gap between them.
 
-    :param times: ascending, s
+    :param times: ascending [s]
     :param values: finite
     :param level: the level
     :param band: how far from the level a sample is surely below or above
     :param firsts: what :func:`after_gaps` returns
-    :returns: three rows: when, s; how far off that may be, s; and how far it is from the sample
+    :returns: three rows: when [s]; how far off that may be [s]; and how far it is from the sample
         before to the one behind, in the unit of the values times seconds; and how many gaps are
         before each crossing
     """
@@ -39,8 +39,8 @@ def rises(
 def after_gaps(times: numpy.ndarray, longest: float) -> numpy.ndarray:
     """Return the indices of the samples that are the first behind a gap.
 
-    :param times: ascending, s
-    :param longest: a gap is longer than this, s
+    :param times: ascending [s]
+    :param longest: a gap is longer than this [s]
     """
     return numpy.flatnonzero(numpy.diff(times) > longest) + 1
 
@@ -48,8 +48,8 @@ def after_gaps(times: numpy.ndarray, longest: float) -> numpy.ndarray:
 def longest_stretch(times: numpy.ndarray, longest: float) -> slice:
     """Return which samples are the longest part of a trace without a gap.
 
-    :param times: ascending, s
-    :param longest: a gap is longer than this, s
+    :param times: ascending [s]
+    :param longest: a gap is longer than this [s]
     """
     limits = numpy.concatenate([[0], after_gaps(times, longest), [len(times)]])
     best = int(numpy.argmax(numpy.diff(limits)))

@@ -18,7 +18,7 @@ PLACES, FEW = 8, 2
 
 
 class Bins(NamedTuple):
-    """What is told of the samples in some bins, with a row for each trace.
+    """Extremes of the samples in some bins, with a row for each trace.
 
     :param extremes: as :func:`extremes` returns them
     :param places: for each of these in which part of its bin it stands, from 0; -1 in a bin with
@@ -32,8 +32,8 @@ class Bins(NamedTuple):
 def bin_of(time: float, width: float) -> int:
     """Return the index of the bin that a time lies in.
 
-    :param time: the time, s
-    :param width: width of the bins, s
+    :param time: the time [s]
+    :param width: width of the bins [s]
     """
     return int(numpy.floor(time / width))
 
@@ -48,12 +48,12 @@ def extremes(
 ) -> numpy.ndarray:
     """Return the extremes of the samples in each of some bins.
 
-    :param times: ascending, s; from ``longest`` before the first bin on
+    :param times: ascending [s]; from ``longest`` before the first bin on
     :param values: the samples; what is not finite is left out
     :param first: index of the first bin
     :param count: number of bins
-    :param width: width of the bins, s
-    :param longest: the longest time between samples of one line, s
+    :param width: width of the bins [s]
+    :param longest: the longest time between samples of one line [s]
     :returns: min0, max0, min1, max1 and so on; NaN for a bin without a sample, infinity for one
         that no line may cross: with samples of which none is finite, or too long after the last
     """
@@ -101,7 +101,7 @@ def all_bins(
 
 
 def _inner(table: numpy.ndarray, rows: int) -> numpy.ndarray:
-    """Leave out what lies outside of the bins, and make a row for each trace."""
+    """Drop what lies outside of the bins, and make a row for each trace."""
     return table.reshape(rows, -1, 2)[:, 1:-1].reshape(rows, -1)
 
 
@@ -110,11 +110,11 @@ def lasts(
 ) -> numpy.ndarray:
     """Return the last sample in each of some bins: the value that holds until the next one.
 
-    :param times: ascending, s
+    :param times: ascending [s]
     :param values: the samples; what is not finite is left out
     :param first: index of the first bin
     :param count: number of bins
-    :param width: width of the bins, s
+    :param width: width of the bins [s]
     :returns: a value for each bin; NaN for one without
     """
     result = numpy.full(count, numpy.nan)

@@ -1,11 +1,11 @@
-"""A figure that is measured: its value and how far off it may be, or why it cannot be measured."""
+"""Measured value with its uncertainty, or the reason why it cannot be measured."""
 
 import math
 from typing import NamedTuple, Optional
 
 
 class Measurement(NamedTuple):
-    """What is measured.
+    """Measured value with its uncertainty.
 
     :param value: in the unit of the figure; None where it cannot be measured
     :param uncertainty: how far off the value may be, in the same unit
@@ -24,7 +24,7 @@ class Measurement(NamedTuple):
 
 
 def unmeasurable(reason: str) -> Measurement:
-    """Return the figure of what cannot be measured.
+    """Return a measurement without a value.
 
     :param reason: why, in words
     """
@@ -32,14 +32,14 @@ def unmeasurable(reason: str) -> Measurement:
 
 
 def measured(value: float, uncertainty: float) -> Measurement:
-    """Return a figure, or that it is beyond all numbers."""
+    """Return a measurement; one that overflows has no value."""
     if not math.isfinite(value) or not math.isfinite(uncertainty):
         return unmeasurable("the numbers are too large")
     return Measurement(value, uncertainty)
 
 
 def between(low: float, high: float, more: float = 0.0) -> Measurement:
-    """Return the figure that lies between two values.
+    """Return a measurement that lies between two values.
 
     :param low: the one
     :param high: the other one

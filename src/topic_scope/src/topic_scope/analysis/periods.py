@@ -1,4 +1,4 @@
-"""How often a trace repeats itself, and whether it does at all.
+"""Frequency of a trace, and whether it is periodic at all.
 
 A candidate for the period is the mean time between crossings of the mean, up to some times that, or
 the strongest line of the spectrum. It is one if the trace repeats itself: samples in the same part
@@ -39,12 +39,12 @@ _ORDER = numpy.random.RandomState(0).permutation(_COMPARED)
 _ASTRAY = 0.5
 
 STANDS = unmeasurable("it does not change")
-TOO_SHORT = unmeasurable("there are not two periods of it")
-NO_PERIOD = unmeasurable("it does not repeat itself: noise, or no steady frequency")
+TOO_SHORT = unmeasurable("fewer than two periods in the span")
+NO_PERIOD = unmeasurable("not periodic: noise, or no steady frequency")
 
 
 class _Comparison(NamedTuple):
-    """How much alike the periods of a trace are.
+    """Similarity of the periods of a trace.
 
     :param noise: the statistic: 0 for what repeats itself, 1 for noise
     :param limit: below this it is no noise, as far as so many samples can show
@@ -66,10 +66,10 @@ def frequency(
 ) -> Measurement:
     """Measure how often a trace repeats itself in a second.
 
-    :param times: ascending, s
+    :param times: ascending [s]
     :param values: finite, and of moderate size
-    :param longest: how far apart samples of one line may be, s: no period is across a gap
-    :returns: the frequency, Hz
+    :param longest: how far apart samples of one line may be [s]: no period is across a gap
+    :returns: the frequency [Hz]
     """
     if len(values) < 3 or not values.min() < values.max():
         return STANDS
@@ -109,9 +109,9 @@ def _some(count: int) -> numpy.ndarray:
 def _compared(places: numpy.ndarray, values: numpy.ndarray, period: float) -> _Comparison:
     """Compare the samples in the same parts of different periods.
 
-    :param places: times of the samples since the begin of a period, s; NaN where it is unknown
+    :param places: times of the samples since the begin of a period [s]; NaN where it is unknown
     :param values: the samples, mixed
-    :param period: length of the period, s
+    :param period: length of the period [s]
     """
     turns = places / period
     known = numpy.isfinite(turns)
@@ -139,7 +139,7 @@ def _crossings(
 ) -> Tuple[numpy.ndarray, numpy.ndarray]:
     """Return where a trace crosses its mean upwards, or downwards, as :func:`.rises` does.
 
-    The last row is how much of the doubt is from an edge, s.
+    The last row is how much of the doubt is from an edge [s].
     """
     low, high = values.min(), values.max()
     band = HYSTERESIS * (high - low)
@@ -155,9 +155,9 @@ def _crossings(
 
 
 def _period(crossings: numpy.ndarray, piece_of: numpy.ndarray) -> Measurement:
-    """Return the mean time from one crossing to the next one of the same piece, s.
+    """Return the mean time from one crossing to the next one of the same piece [s].
 
-    :param crossings: when, s; how far off that may be, s; and how much of that is from an edge, s
+    :param crossings: when, how far off that may be, and how much of that is from an edge [s]
     :param piece_of: which piece each is in
     """
     moments, doubts, edges = crossings
@@ -179,7 +179,7 @@ def _period(crossings: numpy.ndarray, piece_of: numpy.ndarray) -> Measurement:
 
 
 def _slope(moments: numpy.ndarray, piece_of: numpy.ndarray) -> Tuple[float, numpy.ndarray]:
-    """Return the period that fits crossings best, s, and what weight each crossing has."""
+    """Return the period that fits crossings best [s], and what weight each crossing has."""
     apart = _within(numpy.arange(float(len(moments))), piece_of)
     total = float(numpy.square(apart).sum())
     weights = apart / total if total else apart
@@ -198,14 +198,14 @@ def _within(numbers: numpy.ndarray, piece_of: numpy.ndarray) -> numpy.ndarray:
 
 
 def _begins(moments: numpy.ndarray, piece_of: numpy.ndarray, count: int) -> numpy.ndarray:
-    """Return the first crossing of each piece, s; NaN where there is none."""
+    """Return the first crossing of each piece [s]; NaN for a piece without one."""
     begins = numpy.full(count, math.nan)
     begins[piece_of[::-1]] = moments[::-1]
     return begins
 
 
 def _strongest_line(times: numpy.ndarray, values: numpy.ndarray, longest: float) -> Measurement:
-    """Return the frequency of the strongest sine, if the trace repeats itself so often, Hz."""
+    """Return the frequency of the strongest sine, if the trace repeats itself so often [Hz]."""
     part = longest_stretch(times, longest)
     times, values = times[part], values[part]
     lines = spectrum(times[-_LATEST:], values[-_LATEST:])

@@ -5,7 +5,7 @@ from typing import Optional, Tuple
 
 import numpy
 
-#: Samples and their times, s.
+#: Samples and their times [s].
 Samples = Tuple[numpy.ndarray, numpy.ndarray]
 
 #: Most samples of a trace that are kept: 24 MB.
@@ -18,7 +18,7 @@ _SPARE = 16
 class Ring:
     """Samples in the order of their times, and when they were received; the oldest are forgotten.
 
-    :param history: how long a sample is kept, s
+    :param history: how long a sample is kept [s]
     :param limit: most samples that are kept
 
     :ivar history: as above
@@ -31,7 +31,7 @@ class Ring:
         self._limit = limit
         self._data = numpy.empty((3, min(_SMALLEST, 2 * limit)))
         self._start = self._end = 0
-        #: A span whose samples are kept all the same, s; and those of them that were forgotten.
+        #: A span whose samples are kept all the same [s]; and those of them that were forgotten.
         self._pinned = (math.inf, -math.inf)
         self._kept: Optional["Ring"] = None
 
@@ -41,9 +41,9 @@ class Ring:
     def append(self, times: numpy.ndarray, values: numpy.ndarray, received: numpy.ndarray) -> None:
         """Add samples; those that are late are sorted in.
 
-        :param times: when they were taken, s
+        :param times: when they were taken [s]
         :param values: what was taken
-        :param received: when they were received, s
+        :param received: when they were received [s]
         """
         added = numpy.array([times, values, received])
         here = self._data[0, self._start : self._end]
@@ -70,7 +70,7 @@ class Ring:
     def move(self, by: float) -> None:
         """Move all samples in time, and end the line that they make.
 
-        :param by: how far, s
+        :param by: how far [s]
         """
         start, end = self._pinned
         self._pinned = (start + by, end + by)
@@ -84,8 +84,8 @@ class Ring:
     def between(self, start: float, end: float) -> numpy.ndarray:
         """Return the samples of a time span, its ends included.
 
-        :param start: start of the span, s
-        :param end: end of the span, s
+        :param start: start of the span [s]
+        :param end: end of the span [s]
         :returns: times, values and times of receipt; views that hold until samples are added
         """
         found = _between(self._data[:, self._start : self._end], start, end)
@@ -100,8 +100,8 @@ class Ring:
     def pin(self, start: float, end: float) -> None:
         """Keep the samples of a time span, also those to come, and no others, beyond their time.
 
-        :param start: start of the span, s
-        :param end: end of the span, s; before its begin to keep nothing
+        :param start: start of the span [s]
+        :param end: end of the span [s]; before its begin to keep nothing
         """
         kept, self._kept = self._kept, None
         self._pinned = (start, end)
@@ -109,7 +109,7 @@ class Ring:
             self._keep(kept.between(start, end))
 
     def latest(self, count: int) -> numpy.ndarray:
-        """Return the times of the latest samples, s.
+        """Return the times of the latest samples [s].
 
         :param count: how many at most
         """
@@ -117,7 +117,7 @@ class Ring:
 
     @property
     def last_received(self) -> Optional[float]:
-        """When the latest sample was received, s; None where there is none."""
+        """Reception time of the latest sample [s]; None if empty."""
         return float(self._data[2, self._end - 1]) if len(self) else None
 
     def _forget(self, before: float, more: int) -> None:
@@ -129,7 +129,7 @@ class Ring:
             self._keep(_between(self._data[:, first : self._start], *self._pinned))
 
     def _keep(self, forgotten: numpy.ndarray) -> None:
-        """Keep samples that were forgotten, as they are of the span that is pinned."""
+        """Keep dropped samples that belong to the pinned span."""
         if forgotten.shape[1]:
             if self._kept is None:
                 self._kept = Ring(math.inf, self._limit)

@@ -33,9 +33,9 @@ _SURE = 0.5
 class Spectrum(NamedTuple):
     """A spectrum.
 
-    :param step: from one line to the next, Hz; the first is at 0 Hz
+    :param step: from one line to the next [Hz]; the first is at 0 Hz
     :param amplitudes: of the sine at each line, in the unit of the trace
-    :param seconds: how long the samples are that it is made of, s
+    :param seconds: how long the samples are that it is made of [s]
     """
 
     step: float
@@ -48,7 +48,7 @@ class Peak(NamedTuple):
 
     :param frequency: Hz
     :param amplitude: in the unit of the trace
-    :param uncertainty: how far off the frequency may be, Hz; None where frequency and amplitude
+    :param uncertainty: how far off the frequency may be [Hz]; None where frequency and amplitude
         cannot be measured, as there are too few periods in a part
     """
 
@@ -66,12 +66,12 @@ def spectrum(
 ) -> Optional[Spectrum]:
     """Return the spectrum of the longest stretch of a trace that has no gap, less its mean.
 
-    :param times: ascending, s
+    :param times: ascending [s]
     :param values: the samples; what is not finite is left out
     :param window: one of :data:`WINDOWS`
     :param averages: of how many parts the mean power is taken; each overlaps half of the next
-    :param longest: a gap is longer than this, s
-    :returns: None where there are too few samples
+    :param longest: a gap is longer than this [s]
+    :returns: None where too few samples
     """
     times, values = _evenly(*_stretch(times, values, longest))
     length = 2 * (len(values) // (averages + 1))
@@ -121,7 +121,7 @@ def reduced(found: Spectrum, most: int) -> Tuple[float, float, numpy.ndarray]:
 
     :param found: the spectrum
     :param most: how many points there may be
-    :returns: frequency of the first point, from one to the next, Hz, and the greatest amplitude at
+    :returns: frequency of the first point, from one to the next [Hz], and the greatest amplitude at
         each
     """
     many = -(-len(found.amplitudes) // most)
@@ -164,7 +164,7 @@ def _evenly(times: numpy.ndarray, values: numpy.ndarray) -> Tuple[numpy.ndarray,
 
 
 def _bunched(widths: numpy.ndarray) -> numpy.ndarray:
-    """Tell between which samples a line is straight, as the times say nothing of its slope."""
+    """Return the samples between which a line is straight, as the times do not define its slope."""
     beside = numpy.concatenate([widths[:1], widths, widths[-1:]])
     three = numpy.array([beside[:-2], widths, beside[2:]])
     bunched: numpy.ndarray = three.max(axis=0) > _BUNCHED * three.min(axis=0)

@@ -1,4 +1,4 @@
-"""What is measured of a trace."""
+"""Statistics of a trace."""
 
 import math
 from typing import Dict, Optional
@@ -9,7 +9,7 @@ import numpy
 def measure(times: numpy.ndarray, values: numpy.ndarray) -> Dict[str, Optional[float]]:
     """Measure the samples of a trace: these figures are exact.
 
-    :param times: ascending, s
+    :param times: ascending [s]
     :param values: the samples; what is not finite counts for the rate only
     :returns: rate in Hz, the latest value, min, max, peak to peak (vpp), mean, rms, standard
         deviation, and the part of the samples that is not finite (nan); None for what there is not

@@ -1,4 +1,4 @@
-"""What an engineer measures of a step: it rests at one level, goes to another one and rests there.
+"""Measurements of a step: a change from one steady level to another.
 
 Times are those at which a level is reached by the samples, which are averaged over a short part of
 the rise. With all that noise, averaging and the rest of the approach may have changed, a level is
@@ -36,12 +36,12 @@ NOISE = "the noise on it is too large"
 class Step(NamedTuple):
     """A step that rises.
 
-    :param times: ascending, s
+    :param times: ascending [s]
     :param values: samples, averaged, turned over if the step falls
     :param low: where it begins
     :param high: where it ends
     :param doubt: how far off values and levels may be
-    :param spacing: how far off times may be: from one sample to the next, at least, s
+    :param spacing: how far off times may be: from one sample to the next, at least [s]
     """
 
     times: numpy.ndarray
@@ -59,11 +59,11 @@ class Step(NamedTuple):
 def step_of(times: numpy.ndarray, values: numpy.ndarray) -> Union[Step, str]:
     """Return the step that a trace is, or why it is none, in words.
 
-    :param times: ascending, s
+    :param times: ascending [s]
     :param values: finite, and of moderate size, not all the same
     """
     if len(values) < 4 * _REST or not times[0] < times[-1]:
-        return "there are too few samples"
+        return "too few samples"
     low, high = _levels(values)
     values, height = (values, high - low) if low < high else (-values, low - high)
     sigma = _noise_of(values)
@@ -81,7 +81,7 @@ def step_of(times: numpy.ndarray, values: numpy.ndarray) -> Union[Step, str]:
 
 
 def rise(step: Step) -> Measurement:
-    """Return the time from 10 % to 90 % of the way from one level to the other, s."""
+    """Return the time from 10 % to 90 % of the way from one level to the other [s]."""
     return rise_of(step.times, step.values, (step.low, step.high), step.doubt, step.spacing)
 
 
@@ -91,7 +91,7 @@ def overshoot(step: Step) -> Measurement:
 
 
 def settling(step: Step) -> Measurement:
-    """Return the time from where it leaves its begin until it stays near its end, s."""
+    """Return the time from where it leaves its begin until it stays near its end [s]."""
     band = SETTLED * step.height
     # Between two samples it may be further away than at both.
     doubt = step.doubt + float(numpy.abs(numpy.diff(step.values[_left(step) :], 2)).max()) / 8.0
@@ -109,13 +109,13 @@ def rise_of(
     doubt: float,
     spacing: float,
 ) -> Measurement:
-    """Return the time from 10 % to 90 % of the way between two levels, s.
+    """Return the time from 10 % to 90 % of the way between two levels [s].
 
-    :param times: ascending, s
+    :param times: ascending [s]
     :param values: from the lower level to the upper one
     :param levels: the lower one and the upper one
     :param doubt: how far off values and levels may be
-    :param spacing: how far off times may be, s
+    :param spacing: how far off times may be [s]
     """
     low, height = levels[0], levels[1] - levels[0]
     if doubt >= LOW * height:
@@ -132,7 +132,7 @@ def rise_of(
         level = low + LOW * height + more
         below = numpy.flatnonzero(values[:first] < level)
         if not len(below):
-            return unmeasurable("its begin is not in the span")
+            return unmeasurable("the step begins before the span")
         starts.append(_crossing(times, values, int(below[-1]) + 1, level))
     found = between(ends[0] - starts[1], ends[1] - starts[0], spacing)
     if found.value is not None and found.uncertainty > max(found.value / 2.0, 2.0 * spacing):
@@ -203,7 +203,7 @@ def _why_none(step: Step, sigma: float) -> str:
         return "it does not end at another level than it begins at"
     band = SETTLED * height + step.doubt
     if (numpy.abs(values[:_REST] - step.low) > band).any():
-        return "its begin is not in the span"
+        return "the step begins before the span"
     arrived = int(numpy.argmax(values >= step.low + HIGH * height - step.doubt))
     if (values[arrived:] < step.low + LOW * height).any():
         return "it goes back to where it begins"
@@ -219,14 +219,14 @@ def _left(step: Step) -> int:
 
 
 def _first_away(step: Step, band: float) -> float:
-    """Return when it first gets so far away from its begin, s."""
+    """Return when it first gets so far away from its begin [s]."""
     away = int(numpy.argmax(numpy.abs(step.values - step.low) > band))
     side = math.copysign(band, step.values[away] - step.low)
     return _crossing(step.times, step.values, away, step.low + side)
 
 
 def _last_away(step: Step, band: float) -> float:
-    """Return when it is as far away from its end for the last time, s."""
+    """Return when it is as far away from its end for the last time [s]."""
     away = int(numpy.flatnonzero(numpy.abs(step.values - step.high) > band)[-1])
     if away == len(step.values) - 1:
         return float(step.times[-1])
@@ -235,7 +235,7 @@ def _last_away(step: Step, band: float) -> float:
 
 
 def _crossing(times: numpy.ndarray, values: numpy.ndarray, index: int, level: float) -> float:
-    """Return when the line from the sample before to this one is at a level, s."""
+    """Return when the line from the sample before to this one is at a level [s]."""
     if index == 0:
         return float(times[0])
     low, high = values[index - 1 : index + 1]

@@ -1,4 +1,4 @@
-"""What an engineer measures of a step, of a wave, and of two traces.
+"""Measurements of a step, of a wave, and of two traces.
 
 What rests at one level, goes to another one and rests there is a step. What repeats itself is a
 wave. Anything else is neither, and has none of these figures.
@@ -31,9 +31,9 @@ def measure_waveform(
 ) -> Dict[str, Measurement]:
     """Measure a step or a wave.
 
-    :param times: ascending, s
+    :param times: ascending [s]
     :param values: the samples; what is not finite is left out
-    :param longest: a gap is longer than this, s
+    :param longest: a gap is longer than this [s]
     :param shapes: whether the frequency is not all that is wanted
     :param hertz: the frequency, where that is not to be measured
     :returns: frequency in Hz, and of the longest stretch that has no gap rise time (rise) and
@@ -55,12 +55,12 @@ def phase(samples: Samples, reference: Samples, longest: float = math.inf) -> Me
 
     :param samples: times in s, ascending, and values of the trace
     :param reference: those of the other one
-    :param longest: how far apart samples of one line of the other one may be, s
-    :returns: above -180 and up to 180, degrees
+    :param longest: how far apart samples of one line of the other one may be [s]
+    :returns: above -180 and up to 180 [degrees]
     """
     (times, values, _), (others, turns, _) = _scaled(*samples), _scaled(*reference)
     if len(times) < 3 or len(others) < 3:
-        return unmeasurable("there are too few samples")
+        return unmeasurable("too few samples")
     hertz = frequency(others, turns, longest)
     if hertz.value is None:
         return unmeasurable(f"the reference has no frequency: {hertz.reason}")
@@ -69,7 +69,7 @@ def phase(samples: Samples, reference: Samples, longest: float = math.inf) -> Me
     end = begin + math.floor((end - begin) * hertz.value + 1e-6) / hertz.value
     one, other = (_sine(*part, hertz, begin, end) for part in ((times, values), (others, turns)))
     if one is None or other is None:
-        return unmeasurable("there is no sine of the frequency of the reference in it")
+        return unmeasurable("no component at the frequency of the reference")
     turned = math.degrees(one.angle - other.angle)
     # An error of the frequency turns both alike, about the middles of what they are made of.
     apart = 360.0 * hertz.uncertainty * abs(one.middle - other.middle)
@@ -113,7 +113,7 @@ def _scaled(
 ) -> Tuple[numpy.ndarray, numpy.ndarray, float]:
     """Return the finite samples, from -1 to 1, so that no difference and no sum overflows.
 
-    :returns: their times, s; their values, as parts of the largest; and that
+    :returns: their times [s]; their values, as parts of the largest; and that
     """
     finite = numpy.isfinite(values)
     if not finite.all():
@@ -125,9 +125,9 @@ def _scaled(
 class _Sine(NamedTuple):
     """The sine that fits a trace best.
 
-    :param angle: at the begin, rad
-    :param doubt: how far off that may be, degrees
-    :param middle: the mean of the times it is made of, s
+    :param angle: at the begin [rad]
+    :param doubt: how far off that may be [degrees]
+    :param middle: the mean of the times it is made of [s]
     """
 
     angle: float

@@ -1,4 +1,4 @@
-"""What an engineer measures of a wave: of all of its periods, laid over one another.
+"""Measurements of a periodic wave, from all of its periods laid over one another.
 
 Samples at one place of the period, each out of another period, are averaged: their noise goes, and
 a slope is sampled as densely as all periods together sample it.
@@ -27,14 +27,14 @@ _PARTS = 4096
 class Wave(NamedTuple):
     """One period of a wave.
 
-    :param times: since the begin of the period, ascending, s
+    :param times: since the begin of the period, ascending [s]
     :param values: means of the samples there
-    :param period: its length, s
+    :param period: its length [s]
     :param levels: the lower and the upper one
     :param rests: whether it rests at both
     :param doubt: how far off values and levels may be
-    :param spacing: from one sample to the next one at most, s
-    :param drift: how far the last period may be from its place, s
+    :param spacing: from one sample to the next one at most [s]
+    :param drift: how far the last period may be from its place [s]
     """
 
     times: numpy.ndarray
@@ -50,9 +50,9 @@ class Wave(NamedTuple):
 def wave_of(times: numpy.ndarray, values: numpy.ndarray, frequency: Measurement) -> Optional[Wave]:
     """Lay all periods of a trace over one another.
 
-    :param times: ascending, s, without a gap
+    :param times: ascending [s], without a gap
     :param values: finite, and of moderate size
-    :param frequency: how often it repeats itself, Hz
+    :param frequency: how often it repeats itself [Hz]
     :returns: None where there is not one whole period
     """
     assert frequency.value is not None
@@ -80,7 +80,7 @@ def wave_of(times: numpy.ndarray, values: numpy.ndarray, frequency: Measurement)
 
 
 def rise(wave: Wave) -> Measurement:
-    """Return the time from 10 % to 90 % of the way from one level to the other, s."""
+    """Return the time from 10 % to 90 % of the way from one level to the other [s]."""
     low, high = wave.levels
     # From its lowest place on, through a whole period.
     start = int(wave.values.argmin())
@@ -93,7 +93,7 @@ def rise(wave: Wave) -> Measurement:
 def overshoot(wave: Wave) -> Measurement:
     """Return how far it goes beyond its upper level, % of the way between both."""
     if not wave.rests:
-        return unmeasurable("no step: it does not rest at two levels")
+        return unmeasurable("no step: no two steady levels")
     return overshoot_of(wave.values, wave.levels, wave.doubt)
 
 
@@ -110,7 +110,7 @@ def duty(wave: Wave) -> Measurement:
     ]
     aside = (wave.spacing + wave.drift) / wave.period
     if aside > _SHARP:
-        return unmeasurable("there are too few samples in a period")
+        return unmeasurable("too few samples in a period")
     return between(100.0 * parts[0], 100.0 * parts[1], 100.0 * aside)
 
 
@@ -119,10 +119,10 @@ def cycle_figures(
 ) -> Tuple[Measurement, Measurement]:
     """Return mean and RMS over whole periods, the latest ones.
 
-    :param times: ascending, s, without a gap
+    :param times: ascending [s], without a gap
     :param values: what the wave is made of
     :param wave: the wave
-    :param frequency: how often it repeats itself, Hz
+    :param frequency: how often it repeats itself [Hz]
     """
     assert frequency.value is not None
     whole = math.floor((times[-1] - times[0]) / wave.period + 1e-6) * wave.period

@@ -15,7 +15,7 @@ def paired(x: Samples, y: Samples, longest: float) -> numpy.ndarray:
 
     :param x: times in s, ascending, and values of what goes to the right
     :param y: those of what goes up
-    :param longest: the longest time between two samples of x that a value lies between, s
+    :param longest: the longest time between two samples of x that a value lies between [s]
     :returns: x and y at the times of y; both NaN where x is not known, or either is not finite
     """
     (times, right), (moments, up) = x, y
@@ -35,7 +35,7 @@ def paired(x: Samples, y: Samples, longest: float) -> numpy.ndarray:
 
 
 def thinned(points: numpy.ndarray) -> numpy.ndarray:
-    """Leave out points that a screen cannot tell from the one before.
+    """Drop points that a screen cannot distinguish from the one before.
 
     :param points: as :func:`paired` returns them
     """

@@ -69,11 +69,11 @@ class ColumnReader:
 
     @property
     def begin(self) -> float:
-        """When the bag begins by the clock of stamps, s; 0 for times that are none."""
+        """Start of the bag by the clock of stamps [s]; 0 for invalid times."""
         return self._begin / 1e9 if self._stamp is not None and self._stamp.is_time else 0.0
 
     def stamps(self, messages: List[bytes]) -> numpy.ndarray:
-        """Return when messages say that they were made, s; NaN where they say nothing."""
+        """Return when messages say that they were made [s]; NaN where they say nothing."""
         if self._stamp is None:
             return numpy.full(len(messages), numpy.nan)
         return self._stamp.decode(messages)
@@ -107,7 +107,7 @@ class ColumnReader:
         return CsvColumn(self.column.topic, times[late:] - before, places[late:], texts)
 
     def _stamps_ns(self, found: Slice) -> numpy.ndarray:
-        """Return the stamps since the start of the bag, ns; where there is none, the recording."""
+        """Return the stamps since the start of the bag [ns]; where there is none, the recording."""
         assert self._stamp is not None
         stamps = numpy.array(
             [self._stamp.value(message) - self._begin for message in found.messages], numpy.int64
@@ -154,7 +154,7 @@ def exact_seconds(nanoseconds: int) -> str:
 
 
 def write_csv(file: TextIO, readers: List[ColumnReader], slices: Iterable[List[Slice]]) -> None:
-    """Write a row for each message: its time, s, and the numbers in it.
+    """Write a row for each message: its time [s], and the numbers in it.
 
     What is of another topic, or of an array that is too short for it, stays empty.
 

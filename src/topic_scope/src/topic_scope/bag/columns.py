@@ -1,4 +1,4 @@
-"""Which numbers of a bag's messages were asked for."""
+"""Selection of numbers from a bag's messages by their names."""
 
 import difflib
 from functools import partial

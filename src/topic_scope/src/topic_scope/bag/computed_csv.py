@@ -62,7 +62,7 @@ def _joined(topic: str, parts: Sequence[CsvColumn]) -> CsvColumn:
 def _signal(column: CsvColumn, reader: ColumnReader, begin: int) -> Signal:
     """Return a column as numbers.
 
-    :param begin: what its times are counted from, ns: floats cannot hold those since the epoch
+    :param begin: what its times are counted from [ns]: floats cannot hold those since the epoch
     """
     there = numpy.array([cell != "" for cell in column.cells], bool)
     times = (column.times[there] - begin) / 1e9

@@ -29,7 +29,7 @@ class BagError(Exception):
 
 
 class Connection(NamedTuple):
-    """What a publisher has said of its messages.
+    """Connection of a publisher, as the bag records it.
 
     :param topic: global name of the topic
     :param header: type, definition and more
@@ -43,7 +43,7 @@ class Part(NamedTuple):
     """Messages of one connection.
 
     :param connection: its number
-    :param times: when they were recorded, ascending, since the epoch, ns
+    :param times: when they were recorded, ascending, since the epoch [ns]
     :param messages: as they were sent
     """
 
@@ -52,7 +52,7 @@ class Part(NamedTuple):
     messages: List[bytes]
 
     def between(self, start: int, end: int) -> "Part":
-        """Return those of them from one time to before another, since the epoch, ns."""
+        """Return those of them from one time to before another, since the epoch [ns]."""
         first, last = self.times.searchsorted([start, end]).tolist()
         return Part(self.connection, self.times[first:last], self.messages[first:last])
 
@@ -61,7 +61,7 @@ class Record(NamedTuple):
     """The start of a record.
 
     :param fields: of its header
-    :param length: how long the data are that follow, bytes
+    :param length: how long the data are that follow [bytes]
     """
 
     fields: Mapping[str, bytes]
@@ -76,7 +76,7 @@ class BagFile:
 
     :ivar path: the file
     :ivar connections: by their numbers; only those with messages
-    :ivar start: time of the first message, since the epoch, ns
+    :ivar start: time of the first message, since the epoch [ns]
     :ivar end: time of the last one
     """
 
@@ -105,7 +105,7 @@ class BagFile:
 
     @property
     def length(self) -> int:
-        """The time from the first message to the last of any topic, ns."""
+        """The time from the first message to the last of any topic [ns]."""
         return self.end - self.start
 
     def count(self, topics: Collection[str]) -> int:
@@ -175,9 +175,9 @@ class BagFile:
     def chunks_after(self, time: int, last: Iterable[int] = ()) -> "Tuple[List[int], List[int]]":
         """Return the numbers of the chunks that hold messages later than a time, and their starts.
 
-        :param time: since the epoch, ns
+        :param time: since the epoch [ns]
         :param last: numbers of connections; of each the last chunk before that counts, too
-        :returns: in the order of their starts, ns
+        :returns: in the order of their starts [ns]
         """
         counts = self._chunks["end"] > time
         over = numpy.flatnonzero(~counts)

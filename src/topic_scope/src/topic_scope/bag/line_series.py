@@ -1,4 +1,4 @@
-"""From the names of lines to their numbers in a bag."""
+"""Series of a bag's lines, by the names of the lines."""
 
 import struct
 from typing import Iterable, List, Mapping, Sequence, Tuple

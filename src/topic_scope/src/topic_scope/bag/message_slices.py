@@ -12,7 +12,7 @@ class Slice(NamedTuple):
     """Messages of one topic.
 
     :param topic: its global name
-    :param times: when they were recorded, ascending, since the start of the bag, ns
+    :param times: when they were recorded, ascending, since the start of the bag [ns]
     :param messages: as they were sent
     """
 
@@ -70,7 +70,7 @@ def slices(
     """Read the messages of some topics, a chunk or so at a time.
 
     :param topics: global names
-    :param start: time of the first one, since the start of the bag, ns
+    :param start: time of the first one, since the start of the bag [ns]
     :param end: time of the last one; None for the end of the bag
     :returns: slices of the topics, at most one of each; what comes later in time comes later
     :raises BagError: if a part of the bag is broken, or a topic changes its type
@@ -96,7 +96,7 @@ def slices(
 
 
 def _sliced(bag: BagFile, parts: List[Part], start: int, end: int) -> List[Slice]:
-    """Put together what parts hold of each topic from one time to before another, ns."""
+    """Put together what parts hold of each topic from one time to before another [ns]."""
     of_topic: Dict[str, List[Part]] = {}
     for part in parts:
         part = part.between(start, end)

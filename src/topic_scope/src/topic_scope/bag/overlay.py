@@ -1,4 +1,4 @@
-"""A bag that is laid over what a scope shows."""
+"""Bag whose traces are overlaid on those of the scope."""
 
 from typing import Dict, List, Sequence, Tuple
 
@@ -21,14 +21,14 @@ class BagOverlay:
 
     :param path: the file
     :param name: what its topics begin with: ``/signal`` is ``/NAME/signal``
-    :param offset: how much later than at :attr:`begin` it is laid, s
+    :param offset: how much later than at :attr:`begin` it is laid [s]
     :raises BagError: if it cannot be read, or holds nothing
 
     :ivar path: the file
     :ivar name: what its topics begin with
-    :ivar begin: where its first message is laid, s by the scope's clock
-    :ivar offset: what is added to that, s
-    :ivar length: the time from its first to its last message, s
+    :ivar begin: where its first message is laid [s] by the scope's clock
+    :ivar offset: what is added to that [s]
+    :ivar length: the time from its first to its last message [s]
     :ivar types: type of each of its topics
     :ivar layouts: the same as layouts; see :class:`.Overlay`
     :ivar arrays: arrays in its messages
@@ -50,7 +50,7 @@ class BagOverlay:
 
     @property
     def place(self) -> float:
-        """When its first message is, s by the scope's clock."""
+        """Time of its first message by the scope's clock [s]."""
         return self.begin + self.offset
 
     def trace(self, topic: str, path: Path, timestamp: str, function: str) -> OverlayTrace:
@@ -89,7 +89,7 @@ class BagOverlay:
         return self._own(name) if formula is None else "=" + formula.text(self._own)
 
     def longest_step(self, series: Series) -> float:
-        """Return how far apart samples of one line may be, s.
+        """Return how far apart samples of one line may be [s].
 
         :param series: one that :meth:`read` has returned
         """

@@ -15,16 +15,16 @@ import numpy
 from topic_scope.bag.file import BagError, BagFile, Part
 from topic_scope.sampling.message_source import TICK_S, Batch
 
-#: How long one call may read, s: while pages are shown, and while they wait.
+#: How long one call may read [s]: while pages are shown, and while they wait.
 PLAYING_S, LOADING_S = 0.01, 0.1
 _NS = 10**9
-#: How much of what came before a place is for those who take it besides, ns.
+#: How much of what came before a place is for those who take it besides [ns].
 ASIDE_NS = 5 * _NS
 _TICK_NS = round(TICK_S * _NS)
 
 
 class Subscription:
-    """Where the messages of one topic come out."""
+    """Queue of the played messages of one topic."""
 
     def __init__(self) -> None:
         self.batches: List[Batch] = []
@@ -36,7 +36,7 @@ class Subscription:
 
 
 class SideSubscriptions:
-    """What is taken of a bag that is played besides; a :class:`.MessageSource`.
+    """Second set of subscriptions to a played bag; a :class:`.MessageSource`.
 
     Of what came before a place it has the last seconds, and of each publisher the latest message at
     least, however long ago that was: who wants the present has no use for more.
@@ -50,11 +50,9 @@ class SideSubscriptions:
         self.wanted: Set[str] = set()
 
     def want(self, topics: Collection[str], is_more: bool = False) -> None:
-        """Have the messages of these topics after the next :meth:`BagPlayer.seek`."""
+        """Request the messages of these topics from the next :meth:`BagPlayer.seek` on."""
         self.wanted = set(topics)
-        self.active = {
-            topic: one for topic, one in self.active.items() if topic in self.wanted
-        }
+        self.active = {topic: one for topic, one in self.active.items() if topic in self.wanted}
         if is_more or self.wanted - set(self.active):
             self.clock.lacks_past = True
 
@@ -67,8 +65,8 @@ class BagPlayer:
     """Plays a bag; a :class:`.MessageSource`.
 
     :param bag: the bag
-    :param history: how much it reads of what came before the place where it begins, s
-    :param clock: how it tells how much time has passed, s
+    :param history: how much it reads of what came before the place where it begins [s]
+    :param clock: how it tells how much time has passed [s]
 
     :ivar aside: what else the messages come out of
     :ivar is_loading: whether it reads what came before
@@ -86,14 +84,14 @@ class BagPlayer:
         self._subscriptions: Dict[str, Subscription] = {}
         self.aside = SideSubscriptions(self)
         self._connections: Set[int] = set()
-        #: Chunks to be read, as number and begin, ns; and what was read, but is to come later.
+        #: Chunks to be read, as number and begin [ns]; and what was read, but is to come later.
         self._chunks: Deque[Tuple[int, int]] = deque()
         self._parts: List[Part] = []
-        #: When the latest message of each topic came out, ns.
+        #: When the latest message of each topic came out [ns].
         self._latest: Dict[str, int] = {}
-        #: All messages up to this time have come; and where it is sent to, ns.
+        #: All messages up to this time have come; and where it is sent to [ns].
         self._at = self._goal = self._start = self._recent = bag.start
-        #: The time by which it counts, s, and where it was then, ns.
+        #: The time by which it counts [s], and where it was then [ns].
         self._since, self._from = clock(), bag.start
         self._speed = 1.0
         self.is_loading = self.is_playing = self.lacks_past = False
@@ -103,22 +101,22 @@ class BagPlayer:
 
     @property
     def start(self) -> float:
-        """Time of the first message, s since the epoch."""
+        """Time of the first message [s] since the epoch."""
         return self._bag.start / _NS
 
     @property
     def end(self) -> float:
-        """Time of the last message, s since the epoch."""
+        """Time of the last message [s] since the epoch."""
         return self._bag.end / _NS
 
     @property
     def place(self) -> float:
-        """Where its clock is, or where it is sent to, s since the epoch."""
+        """Present time of its clock, or the target of a seek [s since the epoch]."""
         return self._goal / _NS
 
     @property
     def speed(self) -> float:
-        """How much faster than it was recorded."""
+        """Playback speed relative to the recording."""
         return self._speed
 
     @speed.setter
@@ -128,17 +126,17 @@ class BagPlayer:
         self._count_from_here()
 
     def play(self) -> None:
-        """Let the clock go, up to the end."""
+        """Start the clock; it stops at the end of the bag."""
         self.is_playing = True
         self._count_from_here()
 
     def pause(self) -> None:
-        """Let the clock stand."""
+        """Stop the clock."""
         self.now()
         self.is_playing = False
 
     def seek(self, moment: float) -> None:
-        """Go to a time: read what came before it, then go on as before.
+        """Move to a time: read the history before it, then continue as before.
 
         :param moment: s since the epoch; the nearest one that there is counts
         """
@@ -163,11 +161,11 @@ class BagPlayer:
 
     @property
     def clock(self) -> "BagPlayer":
-        """What the messages' times are by."""
+        """Clock of the messages' times."""
         return self
 
     def want(self, topics: Collection[str], is_more: bool = False) -> None:
-        """Have the messages of these topics after the next :meth:`seek`."""
+        """Request the messages of these topics from the next :meth:`seek` on."""
         self._wanted = set(topics)
         self.lacks_past = self.lacks_past or is_more
 
@@ -178,7 +176,7 @@ class BagPlayer:
     def now(self) -> float:
         """Read on.
 
-        :returns: the time up to which all messages have come, s since the epoch
+        :returns: the time up to which all messages have come [s] since the epoch
         """
         passed = self._clock()
         target = self._goal
@@ -204,9 +202,9 @@ class BagPlayer:
     def _read(self, target: int, until: float) -> int:
         """Read chunks, one at least.
 
-        :param target: begins up to here, ns
-        :param until: time to stop, s
-        :returns: the time up to which nothing is missing, ns
+        :param target: begins up to here [ns]
+        :param until: time to stop [s]
+        :returns: the time up to which nothing is missing [ns]
         """
         is_late = False
         while self._chunks:
@@ -224,7 +222,7 @@ class BagPlayer:
         return target
 
     def _put(self) -> None:
-        """Let out what is not later than the clock."""
+        """Release the messages up to the time of the clock."""
         parts, self._parts = self._parts, []
         ready: Dict[str, List[Part]] = {}
         for connection, times, messages in parts:
@@ -253,8 +251,8 @@ class BagPlayer:
 def _told_apart(recorded: List[numpy.ndarray], latest: int) -> List[numpy.ndarray]:
     """Return when the messages of a topic come out, no two at the same time.
 
-    :param recorded: when those of each part were recorded, ascending, ns
-    :param latest: when the latest one before them came out, ns
+    :param recorded: when those of each part were recorded, ascending [ns]
+    :param latest: when the latest one before them came out [ns]
     """
     times = numpy.concatenate(recorded)
     order = times.argsort(kind="stable")

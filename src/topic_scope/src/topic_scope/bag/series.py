@@ -16,7 +16,7 @@ from topic_scope.messages.timestamp_source import correction, longest_step, plac
 
 #: Beyond this a plot of several such values would overflow.
 _LARGEST = 1e300
-#: Times of stamps are rounded to less than this, s.
+#: Times of stamps are rounded to less than this [s].
 _ROUNDED_S = 1e-5
 
 
@@ -24,7 +24,7 @@ class Series(NamedTuple):
     """A number over time.
 
     :param name: name of the field
-    :param times: when each message was made, since the start of the bag, s
+    :param times: when each message was made, since the start of the bag [s]
     :param values: the number in each message; NaN where there is none to plot
     :param correction: how the stamps were moved, in words
     """
@@ -41,7 +41,7 @@ class Series(NamedTuple):
 
 
 class _Recorded:
-    """What is gathered of a column: when each message was recorded, what time it says, its number.
+    """Rows of a column: recording time, stamp and number of each message.
 
     :param reader: reads the column
     """
@@ -139,7 +139,7 @@ def moved(series: Series, seconds: float, name: str) -> Series:
 
 
 def crossing(series: Series, level: float) -> float:
-    """Return when a series first rises through a level, s: on the line between two points.
+    """Return when a series first rises through a level [s]: on the line between two points.
 
     :raises FieldError: if it never does
     """

@@ -22,16 +22,16 @@ from topic_scope.messages.layouts import Layouts
 from topic_scope.sampling.raw_subscriptions import RawSubscriptions, SteadyClock
 from topic_scope.sampling.recorder import Recorder
 
-#: What the exit status says: a sample was outside; nothing could be judged, or something is wrong.
-OUTSIDE, NOT_JUDGED = 1, 2
-#: How long samples are kept, s: more than any formula reaches back and ahead.
+#: Exit status: a sample was outside; no sample could be checked, or the command is wrong.
+OUTSIDE, NOT_CHECKED = 1, 2
+#: How long samples are kept [s]: more than any formula reaches back and ahead.
 _HISTORY_S = 2.0 * SECONDS + 100.0
-#: Time between two looks at a live graph, and how much of a bag is read at once, s.
+#: Time between two updates of a live graph, and span of a bag that is read at once [s].
 _LIVE_S, _BAG_S = 0.05, 0.5
 
 
-class Judge:
-    """Judges one trace by what a recorder has.
+class TraceChecker:
+    """Checks one trace against its mask, with the samples of a recorder.
 
     :param recorder: records the trace and its reference
     :param arguments: the command line
@@ -45,9 +45,9 @@ class Judge:
     def begin(self, now: float, start: float) -> None:
         """Record what is needed, now that the topics are known.
 
-        :param now: the time, s
-        :param start: samples that were taken later than this are judged, s
-        :raises FieldError: if a name is none, or stands for several fields, or both with the
+        :param now: the time [s]
+        :param start: samples that were taken later than this are checked [s]
+        :raises FieldError: if a name is invalid, or stands for several fields, or both with the
             limits make a formula that is too long, or reaches too far
         """
         field, reference = (
@@ -66,8 +66,8 @@ class Judge:
             raise FieldError(f"{name} stands for {len(names)} fields: name one of them")
         return names[0]
 
-    def look(self) -> bool:
-        """Judge what has come, and save the first failure: it may be forgotten later.
+    def update(self) -> bool:
+        """Check the new samples, and save the first failure before its samples are dropped.
 
         :returns: whether the verdict is there: a sample is outside, and the first one ends it
         :raises OSError: if it cannot be saved
@@ -91,7 +91,7 @@ class Judge:
         self._saved = max(self._saved, there)
 
     def finish(self) -> int:
-        """Say what has come out, and save a failure once more with what came after it.
+        """Print the result, and save a failure again with the samples after it.
 
         :returns: the exit status
         :raises OSError: if it cannot be saved
@@ -111,13 +111,15 @@ class Judge:
             return OUTSIDE
         if verdict.inside == 0:
             said = [self._recorder.problem(one) for one in self._names()]
-            why = next((text for text in said if text), "the reference was known at no sample")
-            print(f"mask: nothing could be judged: {why}", file=sys.stderr)
-            return NOT_JUDGED
+            why = next(
+                (text for text in said if text), "the reference is known at none of the samples"
+            )
+            print(f"mask: no sample could be checked: {why}", file=sys.stderr)
+            return NOT_CHECKED
         if ended is not None:
             name = self._names()[1]
             print(f"mask: {name} ended {ended:.2f} s before the trace did", file=sys.stderr)
-            return NOT_JUDGED
+            return NOT_CHECKED
         return 0
 
     def _names(self) -> List[str]:
@@ -136,8 +138,8 @@ class _Steps:
         return self.seconds
 
 
-def judge_bag(arguments: argparse.Namespace) -> int:
-    """Judge a trace of a bag.
+def check_bag(arguments: argparse.Namespace) -> int:
+    """Check a trace of a bag.
 
     :returns: the exit status
     :raises BagError: if it cannot be read
@@ -151,19 +153,19 @@ def judge_bag(arguments: argparse.Namespace) -> int:
         layouts.received(connection.header)
         types.setdefault(connection.topic, connection.header.get("type", "*"))
     recorder.set_topics(types)
-    judge = Judge(recorder, arguments)
-    judge.begin(player.start, -math.inf)
+    checker = TraceChecker(recorder, arguments)
+    checker.begin(player.start, -math.inf)
     player.seek(player.start)
     player.play()
-    while player.is_playing and not judge.look():
+    while player.is_playing and not checker.update():
         clock.seconds += _BAG_S
     if player.problems:
         raise BagError(player.problems[0])
-    return judge.finish()
+    return checker.finish()
 
 
-def judge_live(arguments: argparse.Namespace) -> int:
-    """Judge a trace of the graph for some time.
+def check_live(arguments: argparse.Namespace) -> int:
+    """Check a live trace for some time.
 
     :returns: the exit status
     :raises MasterUnreachable: if there is no master
@@ -173,26 +175,26 @@ def judge_live(arguments: argparse.Namespace) -> int:
     init_node("mask")
     source, layouts = RawSubscriptions(SteadyClock()), Layouts()
     recorder = Recorder(source, layouts, _HISTORY_S)
-    judge = Judge(recorder, arguments)
+    checker = TraceChecker(recorder, arguments)
     states: "queue.Queue[GraphState]" = queue.Queue()
     MasterWatch(source, layouts).start(states.put, lambda _uri: None)
     began, until = source.clock.now(), time.monotonic() + arguments.seconds
-    while time.monotonic() < until and not judge.look():
+    while time.monotonic() < until and not checker.update():
         try:
             recorder.set_topics(states.get(timeout=_LIVE_S).published_types)
-            judge.begin(source.clock.now(), began)
+            checker.begin(source.clock.now(), began)
         except queue.Empty:
             pass
-    status = judge.finish()
+    status = checker.finish()
     rospy.signal_shutdown("the verdict is there")
     return status
 
 
 def main() -> None:
-    """Judge a trace; end with 0, 1 or 2."""
+    """Check a trace; exit with 0, 1 or 2."""
     arguments = _parser().parse_args(rospy.myargv()[1:])
     try:
-        sys.exit(judge_live(arguments) if arguments.bag is None else judge_bag(arguments))
+        sys.exit(check_live(arguments) if arguments.bag is None else check_bag(arguments))
     except (BagError, FieldError) as error:
         _fail(str(error))
     except MasterUnreachable as error:
@@ -205,17 +207,17 @@ def main() -> None:
 
 def _fail(text: str) -> NoReturn:
     print(f"mask: {text}", file=sys.stderr)
-    sys.exit(NOT_JUDGED)
+    sys.exit(NOT_CHECKED)
 
 
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="mask",
-        description="Judge whether a trace keeps within limits around another one.",
+        description="Check whether a trace keeps within limits around another one.",
         epilog="Exit status: 0 if all samples are inside, 1 if one is outside, 2 if none could be "
-        "judged, the reference ended early, or something is wrong with the command.",
+        "checked, the reference ended early, or something is wrong with the command.",
     )
-    parser.add_argument("field", metavar="FIELD", help="what is judged, or a formula")
+    parser.add_argument("field", metavar="FIELD", help="trace to check: a field or a formula")
     parser.add_argument(
         "--around", metavar="REFERENCE", required=True, help="the trace that the limits are around"
     )
@@ -230,9 +232,9 @@ def _parser() -> argparse.ArgumentParser:
         metavar="S",
         type=_seconds,
         default=10.0,
-        help="how long a live trace is judged, s (%(default)g)",
+        help="how long to check a live trace [s] (%(default)g)",
     )
-    parser.add_argument("--bag", metavar="FILE.bag", help="judge a recording; needs no master")
+    parser.add_argument("--bag", metavar="FILE.bag", help="check a recording; needs no master")
     parser.add_argument(
         "--all", action="store_true", help="go on behind the first sample that is outside"
     )

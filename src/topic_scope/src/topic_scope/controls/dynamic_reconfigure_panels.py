@@ -38,7 +38,7 @@ except ImportError:  # the package is optional
 
 #: Last part of the name of the service, and its type.
 SERVICE, TYPE = "set_parameters", "dynamic_reconfigure/Reconfigure"
-#: How long a node may take to tell its parameters, s.
+#: How long a node may take to tell its parameters [s].
 _ANSWER_S = 2.0
 _TYPES = {"bool": "bool", "int": "int", "double": "float", "str": "str"}
 #: What an int or a float has for an end where there is none.
@@ -63,7 +63,7 @@ def describe(node: str) -> List[Dict[str, Any]]:
 
 
 def change(node: str, values: Mapping[str, Any]) -> Changed:
-    """Have a node change parameters, all in one request.
+    """Change parameters of a node, all in one request.
 
     :param node: namespace of the parameters
     :param values: by name

@@ -1,4 +1,4 @@
-"""The managed nodes on the graph: their states, and the transitions that a page may ask for."""
+"""Managed nodes on the graph: their states, and the transitions that a page may request."""
 
 import time
 from functools import partial
@@ -9,7 +9,7 @@ from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
 from nodekit import call_service
 from topic_scope.graph.worker import Worker
 
-#: A node is asked again after this time, s; longest wait for a transition, s.
+#: A node is asked again after this time [s]; longest wait for a transition [s].
 AGAIN_S, _CHANGE_S = 2.0, 60.0
 #: Most nodes that are asked; beyond that the first by name.
 NODES = 32
@@ -38,7 +38,7 @@ class ManagedNodes:
         return {"type": "managed", "nodes": [self._nodes[node] for node in sorted(self._nodes)]}
 
     def on_services(self, names: Collection[str]) -> None:
-        """Take note of the services on the graph."""
+        """Update the services on the graph."""
         offered, end = set(names), "/" + _SERVICES[0]
         nodes = sorted(name[: -len(end)] for name in offered if name.endswith(end))
         nodes = [one for one in nodes if offered.issuperset(f"{one}/{name}" for name in _SERVICES)]
@@ -77,9 +77,7 @@ class ManagedNodes:
 
     def _ask_state(self, node: str) -> None:
         self._due[node] = time.monotonic() + AGAIN_S
-        self._worker.run(
-            ("managed", node), partial(_state_of, node), partial(self._on_state, node)
-        )
+        self._worker.run(("managed", node), partial(_state_of, node), partial(self._on_state, node))
 
     def _on_state(self, node: str, told: Any) -> None:
         if isinstance(told, Exception):  # it is asked again; the master lists one that was killed

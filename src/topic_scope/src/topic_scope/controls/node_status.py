@@ -1,4 +1,4 @@
-"""Whether nodes run: what they say themselves on a topic such as ``~status``."""
+"""Status of nodes, as they publish it on a topic such as ``~status``."""
 
 import re
 from typing import Any, Callable, Collection, Dict, Mapping
@@ -8,7 +8,7 @@ from std_msgs.msg import String
 from topic_scope.graph.worker import Worker
 from topic_scope.sampling.raw_subscriptions import RawSubscriptions
 
-#: Time between two updates, s.
+#: Time between two updates [s].
 PERIOD_S = 0.1
 _TYPE = "std_msgs/String"
 #: What such topics are called: status, state, motor_state.

@@ -1,8 +1,8 @@
 # Pure: knows no ROS.
-"""From what a node says of its parameters to a panel, and from a panel's value to the node's.
+"""Panel of a node, made of the node's description of its parameters.
 
 The descriptions are those of the service ``~describe`` of nodekit: a YAML list. The parameters are
-built from it again, so that a value is judged here as the node would, and is refused in the same
+built from it again, so that a value is checked here as the node would, and is refused in the same
 words.
 """
 
@@ -29,7 +29,7 @@ _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 class Entry(NamedTuple):
     """One parameter of a panel.
 
-    :param parameter: judges values
+    :param parameter: validates values
     :param shown: what the page is told, without the value
     """
 
@@ -81,7 +81,7 @@ class Panel:
             return yaml.safe_dump(value, default_flow_style=True, width=10**6).strip()
         return value
 
-    def judge(self, name: str, value: Any) -> Any:
+    def check(self, name: str, value: Any) -> Any:
         """Return the value that the node would make of one.
 
         :param name: name of the parameter
@@ -106,7 +106,7 @@ class Panel:
         changed = []
         for name in self.entries:
             try:
-                value = self.judge(name, raw[name])
+                value = self.check(name, raw[name])
             except (KeyError, ParameterError):
                 continue
             if value != self.values[name]:

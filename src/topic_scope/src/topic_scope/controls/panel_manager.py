@@ -1,4 +1,4 @@
-"""The panels of all nodes that describe their parameters, kept in step with them."""
+"""Panels of all nodes that describe their parameters, kept up to date."""
 
 import time
 from functools import partial
@@ -25,7 +25,7 @@ from topic_scope.sampling.raw_subscriptions import RawSubscriptions, SteadyClock
 
 #: Most panels; beyond that, as in a fleet of hundreds of nodes, the first by name.
 PANELS = 64
-#: A node that did not answer is asked again after this time, s.
+#: A node that did not answer is asked again after this time [s].
 RETRY_S = 5.0
 #: Nodes that describe their parameters have these services, which have no button.
 _INTERNAL = ("describe", "change")
@@ -56,9 +56,7 @@ class PanelManager:
         self._followed: Dict[str, FollowedParameter] = {}
         self._failed: Dict[str, float] = {}
         self._foreign: Collection[str] = ()
-        self._settings = Settings(
-            self._worker, self._change, self._send_values, self._read_again
-        )
+        self._settings = Settings(self._worker, self._change, self._send_values, self._read_again)
         self._managed = ManagedNodes(self._worker, send)
         subscriptions = RawSubscriptions(SteadyClock())
         self._statuses = NodeStatuses(subscriptions, self._worker, send)
@@ -74,12 +72,12 @@ class PanelManager:
         return {"type": "panels", "panels": panels}
 
     def on_state(self, state: GraphState) -> None:
-        """Take note of what is on the graph."""
+        """Update the state of the graph."""
         self.on_services([name for name, nodes in state.services if nodes])
         self._statuses.follow(topics_of(self._panels, state.publishers, state.types))
 
     def on_services(self, names: Collection[str]) -> None:
-        """Take note of the services on the graph."""
+        """Update the services on the graph."""
         self._managed.on_services(names)
         nodes = sorted(name[: -len(_END)] for name in names if name.endswith(_END))
         if dynamic_reconfigure_panels.AVAILABLE:
@@ -187,7 +185,7 @@ class PanelManager:
         return ParameterClient(node).describe().values()
 
     def _change(self, node: str, values: Mapping[str, Any]) -> Changed:
-        """Have a node change parameters.
+        """Change parameters of a node.
 
         :raises CallError: if it does not answer in good time
         """

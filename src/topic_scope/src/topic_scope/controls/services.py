@@ -8,7 +8,7 @@ from std_srvs.srv import SetBool, Trigger
 from nodekit import call_service
 from topic_scope.graph.worker import Worker
 
-#: Longest wait for an answer, s: some do their work first, as a robot that drives home.
+#: Longest wait for an answer [s]: some do their work first, as a robot that drives home.
 _ANSWER_S = 60.0
 _CLASSES = {"SetBool": SetBool, "Trigger": Trigger}
 

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Set parameters of nodes, and learn what the nodes make of it.
+"""Sets parameters of nodes, and reports the values that the nodes accepted.
 
 A value goes to the node's service ``~change``, which answers at once whether it is in force, and
 why not. It takes several parameters in one step: so values that a node refuses because they do not
@@ -19,7 +19,7 @@ Answer = Callable[[Dict[str, Any]], None]
 
 
 class Changed(NamedTuple):
-    """What a node answers to a change.
+    """Reply of a node to a change.
 
     :param success: whether all of it is in force
     :param message: why not
@@ -76,16 +76,16 @@ class Settings:
         :param answer: tells the page
         """
         try:
-            judged = panel.judge(name, value)
+            checked = panel.check(name, value)
         except ParameterError as error:
             _refuse(panel, name, value, str(error), answer)
             return
         self._refused.get(panel.node, {}).pop(name, None)
-        self._waiting.setdefault(panel.node, {})[name] = Asked(panel, judged, answer)
+        self._waiting.setdefault(panel.node, {})[name] = Asked(panel, checked, answer)
         self._send(panel.node)
 
     def forget(self, node: str) -> None:
-        """Forget what was refused by a node that is gone.
+        """Drop the rejected values of a node that is gone.
 
         :param node: its name
         """
@@ -102,7 +102,7 @@ class Settings:
             del self._waiting[node]
 
     def _try(self, node: str, wanted: Mapping[str, Any], refused: Mapping[str, Any]) -> Changed:
-        """Have values changed, with those that were refused before or, if need be, without."""
+        """Change values together with those rejected before, or without them if that fails."""
         answer = self._change(node, {**refused, **wanted})
         if refused and not answer.success:
             answer = self._change(node, wanted)
@@ -134,7 +134,7 @@ def value_message(panel: Panel, name: str) -> Dict[str, Any]:
 def _refuse(
     panel: Panel, name: str, value: Any, text: str, answer: Answer, kept: bool = False
 ) -> None:
-    """Tell a page why a value is refused; whether it is kept, to be tried with the next one."""
+    """Send a page the reason for a rejection, and whether the value will be tried again."""
     refused = {"type": "refused", "node": panel.node, "name": name, "value": to_wire(value)}
     answer({**refused, "text": text, "kept": kept})
     answer(value_message(panel, name))

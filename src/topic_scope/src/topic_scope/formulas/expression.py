@@ -1,4 +1,4 @@
-"""What a formula is made of, once it is checked: a tree that computes signals of signals."""
+"""Expression tree of a validated formula, which computes signals from signals."""
 
 import math
 from typing import Callable, List, Mapping, NamedTuple, Sequence, Tuple, Union
@@ -17,11 +17,11 @@ from topic_scope.formulas.signals import (
 
 
 class Operands(NamedTuple):
-    """What a formula asks of the fields in it, by their names.
+    """Access to the samples of a formula's fields, by their names.
 
-    :param read: returns the samples from one time to another, s
-    :param longest_step: tells how far apart samples of one line may be, s
-    :param last: tells when the last sample was taken, s; minus infinity where there is none
+    :param read: returns the samples from one time to another [s]
+    :param longest_step: tells how far apart samples of one line may be [s]
+    :param last: tells when the last sample was taken [s]; minus infinity where there is none
     """
 
     read: Callable[[str, float, float], Signal]
@@ -39,30 +39,30 @@ class Operands(NamedTuple):
 
 
 class Number(NamedTuple):
-    """A number that stands in a formula, or was computed of such."""
+    """Constant of a formula, or a value computed from constants."""
 
     value: float
 
 
 class _Sampled:
-    """Something that has samples of its own; see :class:`Elementwise` for what has not."""
+    """Node of the tree with samples of its own, unlike :class:`Elementwise`."""
 
     fields: List[str]
 
     def signal(self, operands: Operands, start: float, end: float) -> Signal:
-        """Return the samples of a time span, s, or some more."""
+        """Return the samples of a time span [s], or some more."""
         raise NotImplementedError
 
     def at(
         self, operands: Operands, times: numpy.ndarray, start: float, end: float
     ) -> numpy.ndarray:
-        """Return the values at some times of a time span, s: on the line between two samples."""
+        """Return the values at some times of a time span [s]: on the line between two samples."""
         more = operands.longest_step(self.fields[0])
         return self.signal(operands, start - more, end + more).at(times)
 
 
 class Field(_Sampled):
-    """A trace that is recorded.
+    """Recorded trace.
 
     :param name: its name
     """
@@ -73,20 +73,20 @@ class Field(_Sampled):
         self.fields = [name]
 
     def signal(self, operands: Operands, start: float, end: float) -> Signal:
-        """Return the samples of a time span, s, or some more."""
+        """Return the samples of a time span [s], or some more."""
         return operands.read(self.name, start, end)
 
     def until(self, operands: Operands) -> float:
-        """Return up to when it is known, s."""
+        """Return the time up to which it is known [s]."""
         return operands.last(self.name)
 
     def lookaround(self, _operands: Operands) -> Tuple[float, float]:
-        """Return from how long before a time to how long after it samples count, s."""
+        """Return how far before and after a time samples affect its value [s]."""
         return 0.0, 0.0
 
 
 class Elementwise:
-    """Something computed of each sample; what is not the first is taken at the first one's times.
+    """Function of each sample; all arguments are taken at the times of the first one.
 
     :param function: of numpy, value by value
     :param arguments: what it takes; one at least is no number
@@ -109,7 +109,7 @@ class Elementwise:
     def at(
         self, operands: Operands, times: numpy.ndarray, start: float, end: float
     ) -> numpy.ndarray:
-        """Return the values at some times of a time span, s: of what there is at these times."""
+        """Return the values at some times of a time span [s]: of what there is at these times."""
         return self._values([one.at(operands, times, start, end) for one in self._signals])
 
     def _values(self, rows: List[numpy.ndarray]) -> numpy.ndarray:
@@ -134,7 +134,7 @@ class Elementwise:
 
 
 class Windowed(_Sampled):
-    """Something that is computed of a signal over time.
+    """Function of a window of a signal.
 
     :param of: the signal
     """
@@ -152,7 +152,7 @@ class Delay(Windowed):
     """A signal some time later.
 
     :param of: the signal
-    :param seconds: how much later, s; below 0, earlier
+    :param seconds: how much later [s]; below 0, earlier
     """
 
     def __init__(self, of: "Computed", seconds: float) -> None:
@@ -222,7 +222,7 @@ class Mean(Windowed):
     """The mean of the last samples of a signal.
 
     :param of: the signal
-    :param seconds: how long a sample counts, s
+    :param seconds: how long a sample counts [s]
     """
 
     def __init__(self, of: "Computed", seconds: float) -> None:
@@ -243,7 +243,7 @@ class Extreme(Windowed):
     """The highest or the lowest value of a signal around each time.
 
     :param of: the signal
-    :param seconds: how far around, to either side, s
+    :param seconds: how far around, to either side [s]
     """
 
     pick: numpy.ufunc
@@ -260,7 +260,7 @@ class Extreme(Windowed):
     def at(
         self, operands: Operands, times: numpy.ndarray, start: float, end: float
     ) -> numpy.ndarray:
-        """As of :class:`Field`, but around the very times, and not those of samples."""
+        """As of :class:`Field`, but around the given times, not those of the samples."""
         return extreme(self._around(operands, start, end), times, self._seconds, self.pick)
 
     def until(self, operands: Operands) -> float:

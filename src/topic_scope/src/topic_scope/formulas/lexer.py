@@ -19,7 +19,7 @@ _OPERATOR = re.compile(r"\*\*|[-+*/%]")
 
 
 class FormulaError(FieldError):
-    """A formula that cannot be one; the text says in words why."""
+    """Invalid formula; the text states the reason."""
 
 
 class Token(NamedTuple):
@@ -50,7 +50,7 @@ def tokens_of(text: str) -> List[Token]:
         token = _operand_at(text, place) if operand else _other_at(text, place)
         depth += {"(": 1, ")": -1}.get(token.kind, 0)
         if depth < 0:
-            raise FormulaError("a bracket is closed that was not opened")
+            raise FormulaError('unmatched ")"')
         if depth > BRACKETS:
             raise FormulaError(f"brackets may be nested {BRACKETS} deep")
         tokens.append(token)
@@ -60,9 +60,9 @@ def tokens_of(text: str) -> List[Token]:
     if len(tokens) > TOKENS:
         raise FormulaError(f"a formula has at most {TOKENS} tokens, not {len(tokens)}")
     if operand:
-        raise FormulaError("something is missing at the end" if tokens else "the formula is empty")
+        raise FormulaError("unexpected end of the formula" if tokens else "the formula is empty")
     if depth:
-        raise FormulaError("a bracket is not closed")
+        raise FormulaError('missing ")"')
     return tokens
 
 
@@ -91,7 +91,7 @@ def _operand_at(text: str, place: int) -> Token:
         return Token("operator", text[place])
     if text[place] == "(":
         return Token("(", "(")
-    raise FormulaError(f"{_shown(text, place)}: here a field, a number or a function must stand")
+    raise FormulaError(f"{_shown(text, place)}: expected a field, a number or a function")
 
 
 def _other_at(text: str, place: int) -> Token:
@@ -102,7 +102,7 @@ def _other_at(text: str, place: int) -> Token:
         return Token(text[place], text[place])
     if text[place] == "^":
         raise FormulaError("a power is written with **, not with ^")
-    raise FormulaError(f"{_shown(text, place)}: here + - * / % ** or a bracket must stand")
+    raise FormulaError(f"{_shown(text, place)}: expected + - * / % ** or a bracket")
 
 
 def _shown(text: str, place: int) -> str:

@@ -17,7 +17,7 @@ _BETWEEN = "-/"  # what only a difference has
 
 
 def is_formula(text: str) -> bool:
-    """Tell whether a name is written as a formula."""
+    """Return whether a name is written as a formula."""
     return text.lstrip().startswith(_MARK)
 
 
@@ -107,5 +107,5 @@ def _known(traces: Sequence[str]) -> str:
 
 def _one(names: List[str]) -> str:
     if len(names) != 1:
-        raise FieldError("a formula is of single fields, and one of these names stands for several")
+        raise FieldError("a formula takes single fields, and one of these names stands for several")
     return names[0]

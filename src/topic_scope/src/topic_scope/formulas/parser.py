@@ -1,4 +1,4 @@
-"""Reads a formula: of Python's grammar a few nodes, each checked, and none of it ever executed.
+"""Parser of formulas: a checked subset of Python's grammar; nothing is ever executed.
 
 The text is taken apart first, so that the parser sees only listed tokens, with placeholders for the
 fields; what it returns is walked once, and everything that is not listed here is refused.
@@ -31,9 +31,9 @@ from topic_scope.formulas.lexer import FormulaError, Token, text_of, tokens_of
 DEPTH, FIELDS = 24, 8
 #: Most functions over time: these take longer than the others.
 OVER_TIME = 8
-#: Longest delay, and longest time that a sample counts in a mean, s; how much all that adds up to.
+#: Longest delay, and longest time that a sample counts in a mean [s]; how much all that adds up to.
 SECONDS = 600.0
-#: Bounds of the cut-off frequency of a low-pass, Hz.
+#: Bounds of the cut-off frequency of a low-pass [Hz].
 CUTOFF = (0.02, 1e6)
 
 _OPERATIONS: Dict[Type[ast.AST], Callable[..., numpy.ndarray]] = {
@@ -134,14 +134,14 @@ def parse_formula(text: str) -> Formula:
         else:
             parts.append(token.text)
     if len(set(fields)) > FIELDS:
-        raise FormulaError(f"a formula is of at most {FIELDS} fields, not {len(set(fields))}")
+        raise FormulaError(f"a formula has at most {FIELDS} fields, not {len(set(fields))}")
     try:
         parsed = ast.parse(" ".join(parts), mode="eval")
     except (SyntaxError, ValueError, MemoryError, RecursionError):
-        raise FormulaError("this cannot be read as a formula") from None
+        raise FormulaError("invalid formula") from None
     tree = _Reader(fields).node(parsed.body, 0)
     if isinstance(tree, Number):
-        raise FormulaError("a formula needs a field at least, such as /topic/field")
+        raise FormulaError("a formula needs at least one field, such as /topic/field")
     past = _far(tree)
     if past > SECONDS:
         raise FormulaError(
@@ -151,7 +151,7 @@ def parse_formula(text: str) -> Formula:
 
 
 def _far(tree: Computed) -> float:
-    """Return over how long a time a formula reaches at most, s."""
+    """Return over how long a time a formula reaches at most [s]."""
     nothing = Signal(numpy.empty(0), numpy.empty(0), numpy.empty(0), 0.0)
     back, ahead = tree.lookaround(Operands.of(dict.fromkeys(tree.fields, nothing)))
     return max(abs(back), abs(ahead))
@@ -191,7 +191,7 @@ class _Reader:
             raise FormulaError(
                 "a comma stands only between the arguments of a function; a number has a point"
             )
-        raise FormulaError("this cannot be read as a formula")
+        raise FormulaError("invalid formula")
 
     def _named(self, name: str) -> Node:
         if name.startswith("_"):
@@ -199,7 +199,7 @@ class _Reader:
         if name in _CONSTANTS:
             return Number(_CONSTANTS[name])
         if name in FUNCTIONS:
-            raise FormulaError(f"{name} needs a bracket with what it is of")
+            raise FormulaError(f"{name} needs its arguments in brackets")
         raise FormulaError(f"there is no {name}: the name of a field begins with /")
 
     def _call(self, name: str, arguments: List[Node]) -> Node:
@@ -215,7 +215,7 @@ class _Reader:
             raise FormulaError(f"a formula has at most {OVER_TIME} delays, filters and derivatives")
         of, *others = arguments
         if isinstance(of, Number):
-            raise FormulaError(f"{name} is of a trace, not of a number")
+            raise FormulaError(f"{name} takes a trace, not a number")
         if not others:
             return Derivative(of)
         make, tokens, low, high = _OVER_TIME[name]
@@ -240,5 +240,5 @@ def _number(compute: Callable[[], float]) -> Number:
     except OverflowError:
         value = math.inf
     if not math.isfinite(value):
-        raise FormulaError("a number in it is infinite, or is none")
+        raise FormulaError("a constant is infinite or not a number")
     return Number(value)

@@ -15,10 +15,10 @@ _FORGOTTEN = 1e-18
 class Signal(NamedTuple):
     """Samples of one trace, in the order of time.
 
-    :param times: when they were taken, s
+    :param times: when they were taken [s]
     :param values: what was taken
     :param received: when they were received, or what else tells where they come from
-    :param longest: how far apart two samples of one line may be, s
+    :param longest: how far apart two samples of one line may be [s]
     """
 
     times: numpy.ndarray
@@ -27,7 +27,7 @@ class Signal(NamedTuple):
     longest: float
 
     def at(self, times: numpy.ndarray) -> numpy.ndarray:
-        """Return its values at some times, s, on the straight line between two samples.
+        """Return its values at some times [s], on the straight line between two samples.
 
         :returns: NaN where it has a gap, has not begun or has ended
         """
@@ -38,7 +38,7 @@ class Signal(NamedTuple):
         return found
 
     def between(self, start: float, end: float) -> "Signal":
-        """Return the samples of a time span, its ends included, s."""
+        """Return the samples of a time span, its ends included [s]."""
         inside = slice(self.times.searchsorted(start), self.times.searchsorted(end, "right"))
         times, values, received = (row[inside] for row in self[:3])
         return Signal(times, values, received, self.longest)
@@ -64,7 +64,7 @@ def low_passed(signal: Signal, cutoff: float) -> Signal:
     Of ``T y' = x - y`` with ``T = 1 / (2 pi cutoff)``; it begins with the first sample, and after
     a gap anew. Each step is ``y = a y + b``: pairs of steps are joined to one until all are.
 
-    :param cutoff: where the amplitude is down by 3 dB, Hz
+    :param cutoff: where the amplitude is down by 3 dB [Hz]
     """
     finite = numpy.isfinite(signal.values)
     times, values = signal.times[finite], signal.values[finite]
@@ -111,8 +111,8 @@ def extreme(
 
     Of all values on the lines between samples: at the ends of each span, and at the samples in it.
 
-    :param times: the middles of the spans, s
-    :param seconds: how far a span reaches to either side, s
+    :param times: the middles of the spans [s]
+    :param seconds: how far a span reaches to either side [s]
     :param pick: numpy.maximum or numpy.minimum
     :returns: NaN where a span goes beyond what is known, or over a gap
     """

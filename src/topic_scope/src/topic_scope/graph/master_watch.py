@@ -1,4 +1,4 @@
-"""Follows what is on the graph, in a thread of its own: the master may keep one waiting."""
+"""Polls the master for the state of the graph, in a thread of its own: the master may block."""
 
 import threading
 import traceback
@@ -11,7 +11,7 @@ from nodekit.master import MasterClient
 from topic_scope.messages.layouts import Layouts
 from topic_scope.sampling.raw_subscriptions import RawSubscriptions
 
-#: Time between two looks at the graph, s.
+#: Time between two looks at the graph [s].
 PERIOD_S = 1.0
 _LOG_PERIOD_S = 60.0
 
@@ -19,7 +19,7 @@ Registrations = List[Tuple[str, List[str]]]
 
 
 class GraphState(NamedTuple):
-    """What the master knew at one moment.
+    """State of the graph as the master knew it at one moment.
 
     :param publishers: topics and the nodes that publish them
     :param subscribers: topics and the nodes that subscribe to them
@@ -34,12 +34,12 @@ class GraphState(NamedTuple):
 
     @property
     def published_types(self) -> Mapping[str, str]:
-        """Type of each topic that somebody publishes."""
+        """Type of each topic that has a publisher."""
         return {topic: self.types.get(topic, "*") for topic, nodes in self.publishers if nodes}
 
 
 class MasterWatch:
-    """Asks the master once a second, and opens the subscriptions that are wanted.
+    """Polls the master once a second, and opens the requested subscriptions.
 
     :param subscriptions: those to the topics that are looked at
     :param layouts: looked up here, where it may take its time
@@ -54,7 +54,7 @@ class MasterWatch:
     def start(
         self, on_state: Callable[[GraphState], Any], on_silence: Callable[[str], Any]
     ) -> None:
-        """Begin.
+        """Start the thread.
 
         :param on_state: called with each state, from the thread
         :param on_silence: called so with the master's URI each time when it does not answer
@@ -63,7 +63,7 @@ class MasterWatch:
         threading.Thread(target=self._run, args=arguments, name="master", daemon=True).start()
 
     def refresh(self) -> None:
-        """Look at once."""
+        """Poll the master at once."""
         self._wake.set()
 
     def _run(self, on_state: Callable[[GraphState], Any], on_silence: Callable[[str], Any]) -> None:

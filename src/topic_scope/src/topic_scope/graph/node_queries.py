@@ -11,7 +11,7 @@ from typing import Any, Collection, Dict, Optional, Tuple
 
 from nodekit.master import MasterClient
 
-#: Longest wait for a node, and the time for which one that did not answer is left alone, s.
+#: Longest wait for a node, and the time for which one that did not answer is left alone [s].
 TIMEOUT_S, PAUSE_S = 1.0, 10.0
 _SUCCESS = 1
 

@@ -20,12 +20,12 @@ class Rates:
         self._rates: Dict[str, Dict[str, float]] = {}
 
     def add_counts(self, node: str, statistics: Any, now: float) -> None:
-        """Take note of a node's counts.
+        """Add a node's message counts.
 
         :param node: its name
         :param statistics: what it answered to ``getBusStats`` of the slave API
             (http://wiki.ros.org/ROS/Slave_API)
-        :param now: when it was asked, s
+        :param now: when it was asked [s]
         """
         known, self._counts[node] = self._counts.get(node, {}), {}
         self._rates[node] = {}
@@ -44,12 +44,12 @@ class Rates:
 
         :param node: its name
         :param topic: on which topic
-        :returns: the rate, Hz
+        :returns: the rate [Hz]
         """
         return self._rates.get(node, {}).get(topic)
 
     def keep(self, nodes: Set[str]) -> None:
-        """Forget all other nodes."""
+        """Drop all other nodes."""
         self._counts = {node: counts for node, counts in self._counts.items() if node in nodes}
         self._rates = {node: rates for node, rates in self._rates.items() if node in nodes}
 
@@ -102,16 +102,14 @@ def _pairs(registrations: Any, hidden: Tuple[str, ...]) -> List[Tuple[str, str]]
 
 
 class GraphFeed:
-    """Makes the graph, with rates as long as somebody looks; in the thread of the web.
+    """Makes the graph message, with rates while a page shows it; in the web thread.
 
     :param name: name of the scope's node, which is left out
     :param background: where to wait for nodes
     :param send: passes the graph on to the pages that show it
     """
 
-    def __init__(
-        self, name: str, worker: Worker, send: Callable[[Dict[str, Any]], None]
-    ) -> None:
+    def __init__(self, name: str, worker: Worker, send: Callable[[Dict[str, Any]], None]) -> None:
         self._name, self._worker, self._send = name, worker, send
         self._queries = NodeQueries(name)
         self._rates = Rates()
@@ -122,7 +120,7 @@ class GraphFeed:
         return graph_message(self._state, self._rates, self._name) if self._state else None
 
     def on_state(self, state: GraphState, is_shown: bool) -> None:
-        """Take note of what is on the graph.
+        """Update the state of the graph.
 
         :param state: what the master knows
         :param is_shown: whether a page shows it
@@ -130,9 +128,7 @@ class GraphFeed:
         self._state = state
         if is_shown:
             nodes = {node for _, names in state.publishers for node in names} - {self._name}
-            self._worker.run(
-                "counts", lambda: self._queries.message_counts(nodes), self._on_counts
-            )
+            self._worker.run("counts", lambda: self._queries.message_counts(nodes), self._on_counts)
         else:
             self._rates = Rates()
 

@@ -1,4 +1,4 @@
-"""Work that may have to wait for somebody else, beside the thread of the web."""
+"""Worker threads for calls that may block, outside the web thread."""
 
 import threading
 from typing import Any, Callable, Hashable, Set
@@ -8,7 +8,7 @@ LIMIT = 64
 
 
 class Worker:
-    """Runs each piece of work in a thread that nobody waits for.
+    """Runs each job in a thread of its own, without waiting for it.
 
     A node that is stopped answers never, and rospy waits for it as long. So one piece of work for
     the same thing is done at a time, and who waits for ever holds up nobody else.
@@ -21,11 +21,11 @@ class Worker:
         self._busy: Set[Hashable] = set()
 
     def is_busy(self, what: Hashable) -> bool:
-        """Tell whether a piece of work about something is not done yet."""
+        """Return whether a job for a subject is still running."""
         return what in self._busy
 
     def run(self, what: Hashable, work: Callable[[], Any], then: Callable[[Any], None]) -> bool:
-        """Begin a piece of work; to be called from the thread of the web.
+        """Start a job; call this from the web thread.
 
         :param what: the thing that it is about
         :param work: the work; returns or raises its result

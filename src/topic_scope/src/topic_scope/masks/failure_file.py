@@ -1,4 +1,4 @@
-"""What is saved of the samples around the place where a trace has left its mask."""
+"""CSV file with the samples around the first mask failure."""
 
 import math
 import os
@@ -7,7 +7,7 @@ from typing import Iterator
 from topic_scope.analysis.csv_rows import CsvColumn, header, rows
 from topic_scope.masks.limits import Mask, SampleReader
 
-#: How much of what came before is saved, s.
+#: How much of what came before is saved [s].
 BEFORE_S = 2.0
 
 
@@ -16,7 +16,7 @@ def save_failure(path: str, samplers: SampleReader, mask: Mask, moment: float) -
 
     :param path: the file; it appears when it is complete
     :param samplers: knows the samples
-    :param moment: when the trace was outside for the first time, s
+    :param moment: when the trace was outside for the first time [s]
     :raises OSError: if it cannot be written
     """
     partial = path + ".part"
@@ -30,7 +30,7 @@ def _lines(samplers: SampleReader, mask: Mask, start: float) -> Iterator[str]:
     traces = {name: samplers.trace(name) for name in names}
     columns = []
     for trace in traces.values():
-        assert trace is not None  # else nothing would have been judged
+        assert trace is not None  # else nothing would have been checked
         times, values = trace.samples(start, math.inf)
         received = trace.received(start, math.inf)
         cells = [repr(value) for value in values.tolist()]

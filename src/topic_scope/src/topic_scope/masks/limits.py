@@ -1,4 +1,4 @@
-"""A mask: limits around a reference trace, so far in value and so far in time.
+"""Mask: limits around a reference trace, by a distance in value and in time.
 
 The limits are formulas, so they are drawn and saved as all traces are; and one formula says of each
 sample by how much it is outside.
@@ -15,18 +15,18 @@ from topic_scope.messages.fields import FieldError
 from topic_scope.sampling.computed_trace import ComputedTrace, Recorded
 
 
-#: A reference has ended where it was silent for longer than this at least, s.
+#: A reference has ended where it was silent for longer than this at least [s].
 _ENDED_S = 0.5
 _NOTHING: Samples = (numpy.empty(0), numpy.empty(0))
 
 
 class Mask(NamedTuple):
-    """What a trace has to keep within.
+    """Limits that a trace must keep within.
 
     :param field: name of the trace
     :param reference: name of the trace that the limits are around
     :param value: how far above and below it they are
-    :param time: how far before and after it, s
+    :param time: how far before and after it [s]
     """
 
     field: str
@@ -46,14 +46,14 @@ class Mask(NamedTuple):
 
     @property
     def excess(self) -> str:
-        """Name of what says by how much each sample is outside, below 0 for those inside."""
+        """Name of the trace of the excess over the limits, below 0 for samples inside."""
         above = f"a - highest(b, {self.time!r}) - {self.value!r}"
         below = f"lowest(b, {self.time!r}) - {self.value!r} - a"
         return with_letters(f"=max({above}, {below})", [self.field, self.reference])
 
     @property
     def problem(self) -> Optional[str]:
-        """Why nothing could ever be judged by it, in words; None where it can be."""
+        """Reason why the mask cannot be checked; None for a valid mask."""
         try:
             told = map(problem_of, (self.field, self.reference, self.excess))
             return next((text for text in told if text), None)
@@ -62,17 +62,17 @@ class Mask(NamedTuple):
 
     @property
     def names(self) -> Tuple[str, ...]:
-        """All that has to be recorded for it."""
+        """Names of all traces to record for it."""
         return self.field, self.reference, self.upper, self.lower, self.excess
 
 
 class Verdict(NamedTuple):
-    """What has come out so far.
+    """Result so far.
 
     :param inside: how many samples were within the limits
     :param outside: how many were not
-    :param unjudged: how many could not be judged, as the reference was not known there
-    :param first: when the first one outside was taken, s; None where none was
+    :param unjudged: how many could not be checked, as the reference was not known there
+    :param first: when the first one outside was taken [s]; None where none was
     :param worst: by how much the worst one was outside
     """
 
@@ -84,29 +84,29 @@ class Verdict(NamedTuple):
 
     @property
     def text(self) -> str:
-        """What has come out, in words."""
+        """Result as text."""
         words = f"{self.inside} samples inside, {self.outside} outside"
-        return f"{words}, {self.unjudged} not judged" if self.unjudged else words
+        return f"{words}, {self.unjudged} not checked" if self.unjudged else words
 
 
 class SampleReader(Protocol):
-    """What knows the samples of traces: a recorder."""
+    """Reader of the samples of traces, such as a recorder."""
 
     def trace(self, name: str) -> Optional[Recorded]:
         """Return what is recorded of a name; None where nothing is."""
 
     def samples(self, name: str, start: float, end: float) -> Samples:
-        """Return the samples of a name from one time to another, s."""
+        """Return the samples of a name from one time to another [s]."""
 
     def longest_step(self, name: str) -> float:
-        """Return how far apart samples of one line of a name may be, s."""
+        """Return how far apart samples of one line of a name may be [s]."""
 
 
 class MaskCheck:
-    """Judges the samples of a trace, each once, as soon as its reference is known.
+    """Checks each sample of a trace once, as soon as its reference is known.
 
     :param mask: what it has to keep within
-    :param start: samples that were taken later than this are judged, s
+    :param start: samples that were taken later than this are checked [s]
 
     :ivar mask: what it has to keep within
     :ivar verdict: what has come out so far
@@ -115,18 +115,18 @@ class MaskCheck:
     def __init__(self, mask: Mask, start: float) -> None:
         self.mask = mask
         self.verdict = Verdict()
-        self._judged = start
+        self._checked_until = start
         self._excess = mask.excess
 
     def update(self, samplers: SampleReader) -> Verdict:
-        """Judge what is new.
+        """Check the new samples.
 
         :returns: what has come out so far
         """
         trace = samplers.trace(self._excess)
         if trace is None:
             return self.verdict
-        # What counts for samples before that was forgotten: they will never be judged.
+        # What counts for samples before that was forgotten: they will never be checked.
         before = float(numpy.nextafter(trace.whole_from, -math.inf))
         lost = self._new(samplers, self.mask.field, before)[0]
         self._count(lost, numpy.full(len(lost), math.nan))
@@ -136,17 +136,17 @@ class MaskCheck:
         return self.verdict
 
     def finish(self, samplers: SampleReader) -> Optional[float]:
-        """Count what is left as not judged: nothing more is to come.
+        """Count the remaining samples as unchecked, at the end.
 
-        :returns: how long before the trace the reference has ended, s; None where it has not, or
-            where all is judged
+        :returns: how long before the trace the reference has ended [s]; None where it has not, or
+            where all are checked
         """
         left = len(self._new(samplers, self.mask.field, math.inf)[0])
         self.verdict = self.verdict._replace(unjudged=self.verdict.unjudged + left)
         return self.ended(samplers) if left else None
 
     def words(self, samplers: SampleReader) -> str:
-        """Return what has come out so far, and where nothing more can, why."""
+        """Return the result as text, with the reason if no further samples can be checked."""
         ended, text = self.ended(samplers), self.verdict.text
         trace = samplers.trace(self._excess)
         if isinstance(trace, ComputedTrace) and trace.problem:
@@ -154,7 +154,7 @@ class MaskCheck:
         return text if ended is None else f"{text}; {self.mask.reference} silent for {ended:.1f} s"
 
     def ended(self, samplers: SampleReader) -> Optional[float]:
-        """Tell how long before the trace the reference has ended, s; None where it has not."""
+        """Return how long before the trace the reference has ended [s]; None if it has not."""
         traces = [samplers.trace(name) for name in (self.mask.field, self.mask.reference)]
         # By reception: what has stamps that are late, or is delayed, has not ended.
         quiet = [one.silence(0.0) for one in traces if one is not None]
@@ -165,13 +165,13 @@ class MaskCheck:
         return ended if ended > usual else None
 
     def _new(self, samplers: SampleReader, name: str, end: float) -> Samples:
-        """Return the samples of a name after those that were judged, up to a time, s."""
-        begin = float(numpy.nextafter(self._judged, math.inf))
+        """Return the samples of a name after those already checked, up to a time [s]."""
+        begin = float(numpy.nextafter(self._checked_until, math.inf))
         return samplers.samples(name, begin, end) if begin <= end else _NOTHING
 
     def _count(self, times: numpy.ndarray, excess: numpy.ndarray) -> None:
-        """Count samples, by how much they are outside; NaN for those that cannot be judged."""
-        self._judged = float(times.max(initial=self._judged))
+        """Count samples by their excess; NaN for those that cannot be checked."""
+        self._checked_until = float(times.max(initial=self._checked_until))
         outside = numpy.flatnonzero(excess > 0.0)
         unknown = int(numpy.isnan(excess).sum())
         before = self.verdict

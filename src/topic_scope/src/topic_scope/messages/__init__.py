@@ -1,1 +1,1 @@
-"""What messages are: their definitions, fields, values and stamps."""
+"""Definitions, fields, values and stamps of messages."""

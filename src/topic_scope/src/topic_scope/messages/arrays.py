@@ -20,7 +20,7 @@ from topic_scope.messages.fields import (
 
 #: Most arrays of a topic whose lengths are remembered.
 _ARRAYS = 1000
-#: Most sets of names that the messages of a topic have, and how long each counts, s.
+#: Most sets of names that the messages of a topic have, and how long each counts [s].
 _KINDS, KEPT_S = 16, 30.0
 #: A name that can stand in brackets.
 _KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*\Z")
@@ -78,7 +78,7 @@ def with_names(path: Path, names_at: Callable[[Path], Sequence[str]]) -> Path:
 
 
 def has_names(layout: Record) -> bool:
-    """Tell whether elements of arrays in a message have names."""
+    """Return whether elements of arrays in a message have names."""
     parts = [name for name, node in layout.fields if isinstance(node, Array) and node.numeric]
     try:
         return bool(parts) and bool(names_of(layout, (parts[0],)))
@@ -131,7 +131,7 @@ class Arrays:
         self._known: Dict[Path, int] = {}
         self._named: Dict[Path, List[Path]] = {}
         self._layout: Optional[Record] = None
-        #: By the names in it, a message and when it came, s: each publisher may have its own ones.
+        #: By the names in it, a message and when it came [s]: each publisher may have its own ones.
         self._messages: Dict[Tuple[str, ...], Tuple[float, bytes]] = {}
 
     def add_message(self, layout: Record, message: bytes, time: float = 0.0) -> None:
@@ -139,7 +139,7 @@ class Arrays:
 
         :param layout: its layout
         :param message: the message
-        :param time: when it came, s
+        :param time: when it came [s]
         """
         kinds = self._messages if layout is self._layout else {}
         kinds[tuple(names_in(layout, message, ("",)))] = (time, message)

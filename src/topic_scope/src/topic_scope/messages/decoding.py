@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Take numbers out of serialized messages, without making objects of them.
+"""Decoder of numbers in serialized messages, which makes no message objects.
 
 A scope reads thousands of messages a second and wants one number of each. Messages of a fixed size
 are read in bulk; of others, what stands before the number is skipped. The format is described at
@@ -39,7 +39,7 @@ class Decoder:
     def __init__(self, layout: Record, path: Path) -> None:
         steps, leaf = steps_to(layout, path)
         if not isinstance(leaf, Scalar):
-            raise FieldError("what stands there is not a number")
+            raise FieldError("the field is not a number")
         self._steps = steps
         self._size = layout.size
         self.is_time = leaf.datatype in ("time", "duration")
@@ -67,7 +67,7 @@ class Decoder:
         return numpy.array([self._decode_one(data) for data in messages], numpy.float64)
 
     def has(self, message: bytes) -> bool:
-        """Tell whether the elements on the way to the number are in a message."""
+        """Return whether a message has all array elements of the path."""
         try:
             follow(self._steps, message)
         except (NotThere, struct.error):

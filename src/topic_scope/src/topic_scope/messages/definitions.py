@@ -61,7 +61,7 @@ class Array(NamedTuple):
 
     @property
     def numeric(self) -> bool:
-        """Whether there are numbers in it, at any depth."""
+        """Whether it contains numbers, at any depth."""
         return bool(self.element.numeric)
 
     @property

@@ -8,9 +8,9 @@ import numpy
 
 #: Times and values.
 Samples = Tuple[numpy.ndarray, numpy.ndarray]
-#: Computes a trace, as its samples come: takes their times, s, a row for each number that is needed
-#: of a message, and how far apart samples of one line may be, s; returns times and values, for all
-#: samples but perhaps the first.
+#: Computes a trace, as its samples come: takes their times [s], a row for each number of a message
+#: that is needed, and how far apart samples of one line may be [s]; returns times and values, for
+#: all samples but perhaps the first.
 Function = Callable[[numpy.ndarray, numpy.ndarray, float], Samples]
 
 #: What has a heading: the names of its fields.
@@ -38,7 +38,7 @@ def _as_it_is(times: numpy.ndarray, rows: numpy.ndarray, _longest: float) -> Sam
 
 
 def _yaw(times: numpy.ndarray, rows: numpy.ndarray, _longest: float) -> Samples:
-    """Return how far quaternions turn to the left, rad; they need not be of length 1."""
+    """Return how far quaternions turn to the left [rad]; they need not be of length 1."""
     x, y, z, w = rows
     turned: numpy.ndarray = numpy.arctan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
     return times, numpy.where((rows == 0.0).all(axis=0), numpy.nan, turned)
@@ -69,7 +69,7 @@ class _Steps:
 
 
 class _Unwrap:
-    """Takes the jumps out of an angle that is kept within a turn, rad."""
+    """Takes the jumps out of an angle that is kept within a turn [rad]."""
 
     def __init__(self) -> None:
         self._last = numpy.empty(0)

@@ -62,7 +62,7 @@ class NumericField(NamedTuple):
 
 
 def one_element(_path: Path) -> int:
-    """Let the first element stand for an array of any length."""
+    """Return a path with the first element in place of each array."""
     return 1
 
 

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""When a sample was taken: when its message was received, or when the message says so itself.
+"""Source of a sample's time: reception, or a stamp in the message.
 
 A stamp that the user has named is what it says: the sample stands there, however late it comes, as
 long as it counts from the epoch at all.
@@ -26,19 +26,19 @@ _STAMP_PATH: Path = ("header", "stamp")
 _FIELD_PATH: Path = ("time_x",)
 #: How much of what was received counts for the median: s, and most messages.
 _RECENT_S, _RECENT = 2.0, 2000
-#: The clocks' difference is taken anew where it has changed by more than this, s: at first, and
+#: The clocks' difference is measured again if it has changed by more than this [s]: at first, and
 #: when enough has been received. From then on a trace does not move for a machine that is busy.
 TOLERANCE_S, SETTLED_S = 0.002, 0.1
-#: Stamps no further away than this at first are by the scope's clock, and are taken as they are, s.
+#: Stamps within this at first are by the scope's clock, and are kept as they are [s].
 SAME_CLOCK_S = 0.5
-#: Stamps further away than this are not late, but count from elsewhere, s.
+#: Stamps further away than this are not late, but count from elsewhere [s].
 ELSEWHERE_S = 3600.0
-#: A time so far before those that came earlier was set back, and is not just late, s.
+#: A time so far before those that came earlier was set back, and is not just late [s].
 BACK_S = 0.5
 #: How many samples tell what is usual between them; how many times that is a gap; and how long one
-#: is at least where the times are those of receipt, s.
+#: is at least where the times are those of receipt [s].
 _FEW, _MISSING, _LONGEST_DELAY_S = 4, 5.0, 0.25
-#: Beyond this a number is no time, s.
+#: Beyond this a number is no time [s].
 _LARGEST = 1e11
 
 
@@ -68,7 +68,7 @@ def name_of(path: Optional[Path]) -> str:
 
 
 def is_exact(timestamp: str, layout: Record) -> bool:
-    """Tell whether samples stand where messages say, whatever the scope's clock says.
+    """Return whether samples keep their stamps, whatever the scope's clock.
 
     :param timestamp: as for :func:`path_of`, which has to have accepted it
     :param layout: layout of the messages
@@ -81,10 +81,10 @@ def is_exact(timestamp: str, layout: Record) -> bool:
 
 
 def correction(path: Optional[Path], offset: float) -> Optional[str]:
-    """Say in words how stamps were moved.
+    """Describe how stamps were moved.
 
     :param path: where the times of the messages stand
-    :param offset: what was added to them, s
+    :param offset: what was added to them [s]
     :returns: None where nothing was, or where the times are no stamps
     """
     if path != _STAMP_PATH or offset == 0.0:
@@ -96,12 +96,12 @@ def correction(path: Optional[Path], offset: float) -> Optional[str]:
 
 
 def said_in(path: Optional[Path], own: numpy.ndarray) -> numpy.ndarray:
-    """Tell which messages say when they were made.
+    """Return which messages have a valid stamp.
 
     A stamp that nobody has filled in is no time, nor is NaN, or what is beyond all clocks.
 
     :param path: where their times stand
-    :param own: these times, s
+    :param own: these times [s]
     :returns: a truth value for each
     """
     said: numpy.ndarray = numpy.abs(own) <= _LARGEST
@@ -114,10 +114,10 @@ def placed(
     """Return when recorded messages were made, by the clock that recorded them.
 
     :param path: where their times stand
-    :param own: these times, s
-    :param received: when they were recorded, s; for stamps, since the epoch as these
+    :param own: these times [s]
+    :param received: when they were recorded [s]; for stamps, since the epoch as these
     :param exact: whether they were made when they say; see :func:`is_exact`
-    :returns: the times, s, in parts: each begins where the clock was set back
+    :returns: the times [s], in parts: each begins where the clock was set back
     """
     said = said_in(path, own)
     if exact and said.any() and abs(numpy.median((received - own)[said])) < ELSEWHERE_S:
@@ -132,10 +132,10 @@ def placed(
 
 
 def longest_step(path: Optional[Path], times: numpy.ndarray) -> float:
-    """Return how far apart samples of one line may be, s: beyond that, several are missing.
+    """Return how far apart samples of one line may be [s]: beyond that, several are missing.
 
     :param path: where their times stand in the messages
-    :param times: when the latest samples were taken, ascending, s
+    :param times: when the latest samples were taken, ascending [s]
     """
     if len(times) < _FEW:
         return float(numpy.inf)
@@ -146,13 +146,13 @@ def longest_step(path: Optional[Path], times: numpy.ndarray) -> float:
 
 
 def _is_near(own: numpy.ndarray, received: numpy.ndarray) -> numpy.ndarray:
-    """Tell which stamps of the scope's clock can be: one far ahead would push out all others."""
+    """Return which stamps are plausible: one far ahead would push out all others."""
     near: numpy.ndarray = own - received <= ELSEWHERE_S
     return near
 
 
 def _is_time(layout: Record, path: Path) -> bool:
-    """Tell whether something fine enough for a time stands at a place in messages."""
+    """Return whether a field is precise enough for a time."""
     try:
         leaf = leaf_at(layout, path)
     except FieldError:
@@ -165,13 +165,13 @@ class OwnClock:
 
     :param path: where the time stands in the messages
     :param exact: whether a sample stands where its message says; see :func:`is_exact`
-    :param before: time of the latest sample before, which went by the scope's clock, s
+    :param before: time of the latest sample before, which went by the scope's clock [s]
     """
 
     def __init__(
         self, path: Optional[Path], exact: bool = False, before: float = -numpy.inf
     ) -> None:
-        #: What is to be added to an own time to get the scope's, s.
+        #: What is to be added to an own time to get the scope's [s].
         self.offset = 0.0
         #: Whether any message has said a time; else the time of receipt counts.
         self.is_said = False
@@ -191,9 +191,9 @@ class OwnClock:
     def convert(self, own: numpy.ndarray, received: numpy.ndarray) -> Tuple[numpy.ndarray, float]:
         """Convert the times of some messages, and take them into account for those that follow.
 
-        :param own: what they say, s; no message's is changed here
-        :param received: when they were received, s
-        :returns: their times by the own clock, and by how much it was set back before them, s:
+        :param own: what they say [s]; no message's is changed here
+        :param received: when they were received [s]
+        :returns: their times by the own clock, and by how much it was set back before them [s]:
             what came earlier is to be moved by that; 0 where it was not
         """
         said = said_in(self._path, own)
@@ -222,7 +222,7 @@ class OwnClock:
         return numpy.where(said, own, received - self.offset), back
 
     def _middle(self, differences: numpy.ndarray) -> float:
-        """Return how far the clocks are apart, s."""
+        """Return how far the clocks are apart [s]."""
         median = float(numpy.median(differences))
         if self._is_same is None:
             most = ELSEWHERE_S if self._exact else SAME_CLOCK_S

@@ -43,7 +43,7 @@ class Scope:
         site.show(self._server)
         rospy.loginfo("the scope is at %s", chosen.url)
         if not chosen.is_local:
-            rospy.logwarn("it is open to the network: others can watch, nobody can set anything")
+            rospy.logwarn("it is open to the network: others can watch, but cannot set anything")
 
     def _server(self) -> ScopeSession:
         source = LiveGraph(self._node, not self._options.is_local)

@@ -1,1 +1,1 @@
-"""What one page is shown of the samples."""
+"""State of one page, and what it is sent of the samples."""

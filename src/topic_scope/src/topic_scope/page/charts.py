@@ -1,4 +1,4 @@
-"""What a page shows in place of traces over time: their spectra, or one over another."""
+"""Charts in place of traces over time: spectra, or one trace over another."""
 
 import time
 from typing import Any, Dict, Optional, Tuple
@@ -10,7 +10,7 @@ from topic_scope.page.view import LATE_S, GapLimit, LiveView
 from topic_scope.protocol.requests import Chart
 from topic_scope.protocol.scaling import ReadSamples
 
-#: Time between two charts, s.
+#: Time between two charts [s].
 CHART_S = 0.1
 
 
@@ -32,7 +32,7 @@ class ChartFeed:
     ) -> Optional[Dict[str, Any]]:
         """Return what is to be shown, None where it is not time yet, or the same as before.
 
-        :param now: the time, s
+        :param now: the time [s]
         :param read: returns samples
         :param longest_step: tells where a line ends
         :param view: what the page shows

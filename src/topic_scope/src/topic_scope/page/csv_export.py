@@ -8,7 +8,7 @@ from topic_scope.analysis.csv_rows import CsvColumn, header, rows
 from topic_scope.sampling.computed_trace import Recorded
 from topic_scope.sampling.recorder import Recorder
 
-#: Length of a part, s; frames are sent in between.
+#: Length of a part [s]; frames are sent in between.
 PART_S = 0.25
 
 _NOTHING = numpy.empty(0)
@@ -21,8 +21,8 @@ async def parts(
 
     :param recorder: has the samples
     :param names: names of the fields
-    :param start: start of the time span, s
-    :param end: end of the time span, s
+    :param start: start of the time span [s]
+    :param end: end of the time span [s]
     """
     recorder.update()
     spans = [trace.span for trace in map(recorder.trace, names) if trace and trace.span]

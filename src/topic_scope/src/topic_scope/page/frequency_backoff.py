@@ -1,4 +1,4 @@
-"""Whose frequency is looked for again, where it had none a moment ago."""
+"""Backoff for traces without a measurable frequency."""
 
 import math
 from typing import Dict, Optional, Tuple
@@ -11,7 +11,7 @@ ROUNDS = 4
 
 
 class FrequencyBackoff:
-    """Which traces of a page have had no frequency, as they do not repeat themselves.
+    """Record of the traces of a page that had no frequency in recent rounds.
 
     To refuse a frequency takes several times as long as to measure one, as all ways to find it have
     to fail. So it is looked for less often while a page goes with the time, and in other rounds for
@@ -25,10 +25,10 @@ class FrequencyBackoff:
         self._turns: Dict[str, int] = {}
 
     def begin(self, span: Tuple[float, float], now: float) -> None:
-        """Begin a round; for another span, or one that stands still, all is looked for.
+        """Start a round; measure all traces again if the span is another one or stands still.
 
-        :param span: begin and end of what is measured, s
-        :param now: the time, s
+        :param span: begin and end of what is measured [s]
+        :param now: the time [s]
         """
         self._round += 1
         ago = round(now - span[0], 3), round(now - span[1], 3)
@@ -45,7 +45,7 @@ class FrequencyBackoff:
         return None if (self._round - turn) % ROUNDS == 0 else NO_PERIOD
 
     def keep(self, name: str, frequency: Measurement) -> None:
-        """Keep whether a trace has a frequency.
+        """Store whether a trace has a frequency.
 
         :param name: of the trace
         :param frequency: what was measured

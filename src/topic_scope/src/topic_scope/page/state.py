@@ -18,7 +18,7 @@ from topic_scope.sampling.recorder import Recorder
 _NOTES = 50
 #: What makes a frame for one page may take this part of the time, so that the others have the rest.
 _SHARE = 0.25
-#: For how long a page may be ahead of that, s: one long frame, with figures, delays no other.
+#: For how long a page may be ahead of that [s]: one long frame, with figures, delays no other.
 _CREDIT_S = 0.1
 
 
@@ -28,7 +28,7 @@ class Page:
     What a page has not read yet is replaced by what is newer, so that one that does not read costs
     no memory, and sees the present when it reads again.
 
-    :param window: span of time that it sees at first, s
+    :param window: span of time that it sees at first [s]
     """
 
     def __init__(self, window: float) -> None:
@@ -52,7 +52,7 @@ class Page:
     def restart(self, now: float) -> None:
         """Show and await what there is at another time.
 
-        :param now: this time, s
+        :param now: this time [s]
         """
         self.view.restart()
         self.trigger = TriggerWatch(self.trigger.request, now)
@@ -87,10 +87,10 @@ class Page:
         self.chart = ChartFeed(chart)
 
     def watch(self, recorder: Recorder, now: float) -> None:
-        """Look for what the page's trigger waits for.
+        """Search the samples for the page's trigger.
 
         :param recorder: has the samples
-        :param now: time up to which they are there, s
+        :param now: time up to which they are there [s]
         """
 
         def longest(field: str) -> float:  # in steps it holds its value until the next one comes
@@ -105,7 +105,7 @@ class Page:
         """Return what is to be sent now, with all that is new of the traces.
 
         :param recorder: has the samples
-        :param now: time up to which they are there, s
+        :param now: time up to which they are there [s]
         :param measures: whether they are measured, too
         """
         samples, longest = self.scaling.scaled(recorder.samples), recorder.longest_step
@@ -123,17 +123,17 @@ class Page:
         return self.pop_messages() + ([frame] if frame is not None else [])
 
     def is_due(self, now: float) -> bool:
-        """Tell whether it is the page's turn to get a frame.
+        """Return whether a frame of this page is due.
 
         :param now: s on the monotonic clock
         """
         return now >= self._rests_until
 
     def took(self, start: float, end: float) -> None:
-        """Take note of how long its last frame took: a page that wants much gets it less often.
+        """Record the cost of the last frame: a page with costly frames gets fewer.
 
         :param start: start of the work, s on the monotonic clock
-        :param end: its end, s
+        :param end: its end [s]
         """
         self._rests_until = max(self._rests_until, start - _CREDIT_S) + (end - start) / _SHARE
 

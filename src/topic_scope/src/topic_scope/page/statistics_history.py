@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""How the figures of traces have varied since somebody has asked for it."""
+"""Variation of the measurements of traces since a page requested it."""
 
 import math
 from typing import Any, Dict, Iterable, Mapping, Tuple
@@ -20,7 +20,7 @@ class Variation:
         self._least, self._greatest = math.inf, -math.inf
 
     def add(self, number: float) -> None:
-        """Count one more number."""
+        """Add a number."""
         self._count += 1
         away = number - self._mean
         self._mean += away / self._count
@@ -29,7 +29,7 @@ class Variation:
 
     @property
     def summary(self) -> Dict[str, float]:
-        """What is known of them, of one number at least."""
+        """Summary of at least one number."""
         return {
             "mean": self._mean,
             "sigma": math.sqrt(self._squares / self._count),
@@ -40,7 +40,7 @@ class Variation:
 
 
 class StatisticsHistory:
-    """How the figures of one page have varied.
+    """Variation of the measurements of one page.
 
     A figure counts once for each span of time that it was measured in: on a page that stands still
     nothing is added, nor is what cannot be measured.
@@ -52,7 +52,7 @@ class StatisticsHistory:
         self._variations: Dict[str, Dict[str, Variation]] = {}
 
     def forget(self, names: Iterable[str]) -> None:
-        """Begin anew with some traces: their figures are others from now on."""
+        """Drop the history of some traces, whose values have been rescaled."""
         for name in names:
             self._variations.pop(name, None)
 
@@ -62,7 +62,7 @@ class StatisticsHistory:
         """Count what was measured, and tell of each trace how its figures have varied.
 
         :param number: of the request; another one begins anew, with 0 nothing is counted
-        :param span: of which time the figures are, s
+        :param span: of which time the figures are [s]
         :param traces: what is told of each trace by its name; gets ``over_time``
         """
         if number != self._number:

@@ -1,4 +1,4 @@
-"""What a page's table tells of its traces."""
+"""Statistics of a page's traces, as its table shows them."""
 
 import math
 from typing import Any, Dict, Sequence, Tuple
@@ -14,7 +14,7 @@ from topic_scope.protocol.requests import Measure
 from topic_scope.protocol.scaling import ReadSamples
 from topic_scope.sampling.recorder import Recorder
 
-#: Least time without a sample after which a page says so, s.
+#: Least time without a sample after which a page says so [s].
 SILENT_S = 1.0
 
 
@@ -33,7 +33,7 @@ def statistics_of(
     :param view: what the page shows
     :param wanted: what it wants to be measured
     :param retries: knows what had no frequency
-    :param now: the time, s
+    :param now: the time [s]
     """
     span = wanted.span(now) or view.span(now)
     backoff.begin(span, now)
@@ -53,7 +53,7 @@ def left_out(count: int, most: int) -> str:
 
 
 def warn_of(recorder: Recorder, names: Sequence[str], most: int) -> None:
-    """Say on the terminal what is wrong with fields.
+    """Log the problems of fields.
 
     :param recorder: has the samples
     :param names: of the fields

@@ -9,11 +9,11 @@ import numpy
 from topic_scope.analysis.ring import Samples
 from topic_scope.protocol.requests import Trigger
 
-#: How long after the last crossing it is said that none comes, s.
+#: How long after the last crossing it is said that none comes [s].
 _QUIET_S = 0.5
-#: The mode auto shows the last one this much longer at least, so that slow ones do not flicker, s.
+#: The mode auto shows the last one this much longer at least, so that slow ones do not flicker [s].
 _AUTO_S = 1.5
-#: Least time from one crossing to the next that is told, s.
+#: Least time from one crossing to the next that is told [s].
 _SHORTEST_S = 1.0 / 30.0
 
 
@@ -29,13 +29,13 @@ def crossings(
 
     Where there is no such line it is crossed when the second one comes.
 
-    :param times: ascending, s
+    :param times: ascending [s]
     :param values: the samples; what is not finite is left out
     :param level: the level; a sample on it has arrived on the far side
     :param rising: whether it is crossed upwards
     :param hysteresis: how far on the near side the trace has to be before
-    :param longest: how far apart samples of one line may be, s
-    :returns: the moments, s
+    :param longest: how far apart samples of one line may be [s]
+    :returns: the moments [s]
     """
     return _crossings(times, values, level, rising, hysteresis, longest, False)[0]
 
@@ -77,7 +77,7 @@ class TriggerWatch:
     waits for the next. In the mode single it tells of the first only.
 
     :param request: what to wait for
-    :param now: the time from which on it counts, s
+    :param now: the time from which on it counts [s]
 
     :ivar request: what to wait for
     """
@@ -101,10 +101,10 @@ class TriggerWatch:
     ) -> Optional[Dict[str, Any]]:
         """Search what has come for crossings.
 
-        :param now: time up to which all samples are there, s
-        :param window: span of time that the page shows, s
+        :param now: time up to which all samples are there [s]
+        :param window: span of time that the page shows [s]
         :param source: where the samples are
-        :param longest_step: tells how far apart samples of one line may be, s
+        :param longest_step: tells how far apart samples of one line may be [s]
         :returns: what to tell the page, None if it knows that
         """
         if self._is_waiting:

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""What one page sees: which bins it has, and which it needs next."""
+"""View of one page: the bins that it has, and those that it needs next."""
 
 import math
 from typing import (
@@ -19,10 +19,10 @@ from topic_scope.analysis.decimation import all_bins, as_json, bin_of, lasts
 from topic_scope.protocol.requests import View
 from topic_scope.protocol.scaling import ReadSamples
 
-#: Returns how far apart samples of one line of a field may be, s.
+#: Returns how far apart samples of one line of a field may be [s].
 GapLimit = Callable[[str], float]
 
-#: For how long after its end a page that is paused goes on as before, as samples come late, s; and
+#: For how long after its end a page that is paused goes on as before, as samples come late [s]; and
 #: how often it then looks for those that are later.
 LATE_S = 1.0
 
@@ -45,7 +45,7 @@ class LiveView:
         self._frame_at = 0.0
         #: Tells whether the value of a field holds until the next one comes.
         self.stepped: Callable[[str], bool] = lambda _field: False
-        #: What was shown since the page stands still, from start to end, s; None while it moves.
+        #: What was shown since the page stands still, from start to end [s]; None while it moves.
         self.pinned: Optional[Tuple[float, float]] = None
         self._pin()
 
@@ -78,16 +78,16 @@ class LiveView:
 
     @property
     def window(self) -> float:
-        """How long the span of time is, s."""
+        """Length of the time span [s]."""
         return self._view.window
 
     @property
     def width(self) -> int:
-        """How many bins it is shown in."""
+        """Number of bins of the time span."""
         return self._view.width
 
     def span(self, now: float) -> Tuple[float, float]:
-        """Return start and end of what is shown, s."""
+        """Return start and end of what is shown [s]."""
         end = now if self._view.end is None else self._view.end
         return end - self._view.window, end
 
@@ -108,9 +108,9 @@ class LiveView:
     ) -> Optional[Dict[str, Any]]:
         """Return what the page does not have yet.
 
-        :param now: time up to which what was received is there, s
+        :param now: time up to which what was received is there [s]
         :param read: returns samples
-        :param changed_since: tells from when on there are others than at an earlier time, s
+        :param changed_since: tells from when on there are others than at an earlier time [s]
         :param longest_step: tells where a line ends
         :returns: the frame, None where nothing has come
         """
@@ -163,13 +163,13 @@ class LiveView:
 def default_view(window: float) -> View:
     """Return what is shown to a page that has not said what it wants.
 
-    :param window: span of time, s
+    :param window: span of time [s]
     """
     return View(window, 1000, None)
 
 
 def pinned(views: Iterable[LiveView]) -> Dict[str, Tuple[float, float]]:
-    """Return what stands still on some pages: begin and end by name of the field, s."""
+    """Return what stands still on some pages: begin and end by name of the field [s]."""
     spans: Dict[str, Tuple[float, float]] = {}
     for view in views:
         if view.pinned is not None:

@@ -1,1 +1,1 @@
-"""What the page may ask for, and how a request is judged."""
+"""Requests of the page, and their validation."""

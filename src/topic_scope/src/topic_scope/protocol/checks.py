@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""What is checked of a request, part by part."""
+"""Checks of the parts of a request."""
 
 import math
 from typing import Any, Dict, List, Tuple
@@ -9,7 +9,7 @@ from topic_scope.messages.fields import FieldError
 
 #: Most traces of a page.
 TRACES = 32
-#: Times that there are, s since the epoch.
+#: Times that there are [s] since the epoch.
 TIMES = (0.0, 1e11)
 _LONGEST_NAME = 300
 

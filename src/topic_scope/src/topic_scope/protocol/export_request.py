@@ -10,8 +10,8 @@ class Export(NamedTuple):
     """Write these samples to a CSV file.
 
     :param fields: names of the fields
-    :param start: start of the time span, s since the epoch
-    :param end: its end, s
+    :param start: start of the time span [s] since the epoch
+    :param end: its end [s]
     """
 
     fields: Tuple[str, ...]

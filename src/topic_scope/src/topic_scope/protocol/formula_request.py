@@ -10,7 +10,7 @@ from topic_scope.protocol.checks import RequestError, field_in, fields_of, numbe
 
 
 class FormulaText(NamedTuple):
-    """Say what a formula that is being typed would be, or what is wrong with it.
+    """Request to check a formula while it is typed.
 
     :param text: as it was typed
     :param traces: names that its letters stand for
@@ -29,7 +29,7 @@ def formula_text_of(request: Dict[str, Any]) -> FormulaText:
 
 
 def mask_of(request: Dict[str, Any]) -> Optional[Mask]:
-    """Return which mask a trace is to be judged by; None for none."""
+    """Return the requested mask; None to end it."""
     if request.get("field") == "":
         return None
     mask = Mask(

@@ -34,7 +34,7 @@ class OverlayOption(NamedTuple):
 
     :param path: the file
     :param name: what its topics begin with
-    :param offset: how much later it is laid, s
+    :param offset: how much later it is laid [s]
     """
 
     path: str
@@ -43,14 +43,14 @@ class OverlayOption(NamedTuple):
 
 
 class Options(NamedTuple):
-    """What the command line says.
+    """Options of the command line.
 
     :param fields: names of the fields that are shown at first
     :param address: address that the pages are served at
     :param port: port that the pages are served at
     :param next_port: whether the next port that is free will do as well
-    :param history: how long samples are kept, s
-    :param window: span of time that is shown at first, s
+    :param history: how long samples are kept [s]
+    :param window: span of time that is shown at first [s]
     :param open_browser: whether to open the page where there is a browser
     :param setup: what a page is set up to show at first, as one has saved it; None for nothing
     :param bag: the bag to show in place of the graph; None for the graph
@@ -80,7 +80,7 @@ class Options(NamedTuple):
 
     @property
     def url(self) -> str:
-        """Where the page is, as seen from this machine."""
+        """Address of the page, as seen from this machine."""
         is_here = self.is_local or self.address in _ALL
         name = "localhost" if is_here else self.address
         shown = f"[{name}]" if ":" in name else name
@@ -88,7 +88,7 @@ class Options(NamedTuple):
 
 
 def is_loopback(address: str) -> bool:
-    """Tell whether an address is of this machine only."""
+    """Return whether an address is reachable from this machine only."""
     if address == "localhost":
         return True
     try:
@@ -186,7 +186,7 @@ def _parser() -> argparse.ArgumentParser:
         "--address",
         default=DEFAULT_ADDRESS,
         help="address to listen on (%(default)s); with any but a loopback address, others on the"
-        " network can watch, and nobody can set or call anything",
+        " network can watch, but cannot set or call anything",
     )
     parser.add_argument(
         "--history",

@@ -5,7 +5,7 @@ from typing import Any, Dict, NamedTuple, Optional
 
 from topic_scope.protocol.checks import TIMES, RequestError, name_of, number_of
 
-#: How much later or earlier a bag can be laid, s.
+#: How much later or earlier a bag can be laid [s].
 FARTHEST_S = 1e9
 _KIND = "overlay"
 
@@ -14,10 +14,10 @@ class OverlayRequest(NamedTuple):
     """Lay a bag elsewhere; what is None stays as it is.
 
     :param name: of the bag
-    :param offset: how much later than at its begin, s
-    :param begin: where its first message is without the offset, s since the epoch
+    :param offset: how much later than at its begin [s]
+    :param begin: where its first message is without the offset [s] since the epoch
     :param trigger: the time at which it is to cross the level of the page's trigger for the first
-        time, without the offset, s since the epoch
+        time, without the offset [s] since the epoch
     """
 
     name: str

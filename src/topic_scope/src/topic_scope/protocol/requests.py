@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""What a page may ask for: one JSON object a request, checked field by field.
+"""Requests of a page: one JSON object each, validated field by field.
 
 Whoever serves pages has a table of handlers. In it stands beside each type of request what checks
 it and what does it.
@@ -22,9 +22,9 @@ from topic_scope.protocol.checks import (
 
 #: Version of all that page and scope say to each other; the page has the same number.
 VERSION = 1
-#: Longest request that is read, bytes.
+#: Longest request that is read [bytes].
 LONGEST = 64 * 1024
-#: Limits of a view: time span, s, and number of bins.
+#: Limits of a view: time span [s], and number of bins.
 WINDOW = (1e-3, 3600.0)
 WIDTH = (10, 4000)
 #: Least and most parts that a spectrum is the mean of.
@@ -32,12 +32,12 @@ AVERAGES = (1, 64)
 #: How much slower and faster than it was recorded a bag may be played.
 SPEEDS = (0.01, 100.0)
 _LARGEST_NUMBER = 2**53 - 1  # all integers up to here are exact in a page
-#: Times from a reference on, s; largest speed, m/s and rad/s; and coordinate, m.
+#: Times from a reference on [s]; largest speed, m/s and rad/s; and coordinate [m].
 _AWAY, _SPEED, _FAR = (-1e11, 1e11), 100.0, 1e6
 
 
 class Handler(NamedTuple):
-    """What is done with requests of one type.
+    """Validation and handling of one type of request.
 
     :param check: returns what is asked for; raises RequestError
     :param handle: does it for a page; raises RequestError if that cannot be done
@@ -48,7 +48,7 @@ class Handler(NamedTuple):
 
 
 def dispatch(text: Union[str, bytes], handlers: Mapping[str, Handler], page: Any) -> None:
-    """Do what a page asks for.
+    """Handle a request of a page.
 
     :param text: the request as it came
     :param handlers: by type of request
@@ -87,9 +87,9 @@ def hidden_of(request: Dict[str, Any]) -> Tuple[str, ...]:
 class View(NamedTuple):
     """Show this span of time.
 
-    :param window: how long it is, s
+    :param window: how long it is [s]
     :param width: how many bins it is shown in
-    :param end: its end, s since the epoch; None to go with the time
+    :param end: its end [s] since the epoch; None to go with the time
     """
 
     window: float
@@ -117,7 +117,7 @@ class Trigger(NamedTuple):
     :param rising: whether it is crossed upwards
     :param number: the page's own, by which it knows what is told of this request
     :param hysteresis: how far beyond the level the trace has to be before it crosses it
-    :param holdoff: least time from one crossing to the next, s
+    :param holdoff: least time from one crossing to the next [s]
     :param position: which part of the span lies before the crossing
     """
 
@@ -158,8 +158,8 @@ class Measure(NamedTuple):
 
     :param shapes: whether times and ratios of steps and waves are wanted
     :param against: name of the field that phases are against; empty for none
-    :param start: start of the span, s from the reference on; None for what is visible
-    :param end: its end, s from the reference on
+    :param start: start of the span [s] from the reference on; None for what is visible
+    :param end: its end [s] from the reference on
     :param reference: s since the epoch; None to go with the time
     :param latency: whether the times from stamps to reception are wanted
     :param over_time: number of the request to count how figures vary; another one begins anew, 0
@@ -175,7 +175,7 @@ class Measure(NamedTuple):
     over_time: int = 0
 
     def span(self, now: float) -> Optional[Tuple[float, float]]:
-        """Return begin and end, s; None for what is visible."""
+        """Return begin and end [s]; None for what is visible."""
         if self.start is None or self.end is None:
             return None
         reference = now if self.reference is None else self.reference
@@ -304,9 +304,9 @@ def steering_of(request: Dict[str, Any]) -> str:
 class Drive(NamedTuple):
     """Move the robot that is steered, until the next request; for a short time only.
 
-    :param speed: forward, m/s
-    :param turn: counter-clockwise, rad/s
-    :param sent: when this was sent, by the page's clock, s
+    :param speed: forward [m/s]
+    :param turn: counter-clockwise [rad/s]
+    :param sent: when this was sent, by the page's clock [s]
     """
 
     speed: float
@@ -315,7 +315,7 @@ class Drive(NamedTuple):
 
     @property
     def is_stop(self) -> bool:
-        """Whether the robot is to stand still."""
+        """Whether the command stops the robot."""
         return self.speed == 0.0 and self.turn == 0.0
 
 
@@ -335,7 +335,7 @@ class Goal(NamedTuple):
     :param frame: frame of the place
     :param x: m
     :param y: m
-    :param heading: which way to look there, rad
+    :param heading: which way to look there [rad]
     """
 
     topic: str
@@ -359,7 +359,7 @@ class Playback(NamedTuple):
     """Play a bag otherwise; what is None stays as it is.
 
     :param playing: whether its clock goes
-    :param time: where to go to, s since the epoch
+    :param time: where to go to [s] since the epoch
     :param speed: how much faster than it was recorded
     """
 

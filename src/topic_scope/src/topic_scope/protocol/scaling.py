@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""With which gain and offset a page wants its traces, and whether in steps.
+"""Gain, offset and stepped drawing of a page's traces.
 
 All that a page is told of a trace is of the scaled values: what is drawn, measured and triggered on
 agrees with the axis then. CSV files have the values as they came.
@@ -19,7 +19,7 @@ _LARGEST = 1e300
 
 
 class TraceScale(NamedTuple):
-    """How a page wants one trace.
+    """Scaling of one trace on a page.
 
     :param gain: what its values are multiplied by
     :param offset: what is added then
@@ -32,7 +32,7 @@ class TraceScale(NamedTuple):
 
 
 class Scaling(NamedTuple):
-    """How a page wants its traces.
+    """Scaling of all traces of a page.
 
     :param traces: by name of the field; others are as they are
     """
@@ -65,7 +65,7 @@ class Scaling(NamedTuple):
         return {name for name, (here, there) in told.items() if here != there}
 
     def is_stepped(self, name: str) -> bool:
-        """Tell whether the value of a trace holds until the next one comes."""
+        """Return whether a trace is drawn in steps."""
         scale = self.traces.get(name)
         return scale is not None and scale.steps
 

@@ -1,9 +1,9 @@
 # Pure: knows no ROS.
-"""The dead man's switch: a robot moves only as long as somebody keeps telling it to."""
+"""Dead man's switch: a robot moves only while commands keep arriving."""
 
 from typing import NamedTuple, Optional
 
-#: How long a command counts, s: a page repeats it well before.
+#: How long a command counts [s]: a page repeats it well before.
 HOLD_S = 0.2
 #: How much the shortest way of a page's messages is taken to have grown, in s for each s: more
 #: than any two clocks drift apart.
@@ -11,10 +11,10 @@ _LEAK = 1e-3
 
 
 class Velocity(NamedTuple):
-    """How a robot moves.
+    """Velocity of a robot.
 
-    :param speed: forward, m/s
-    :param turn: counter-clockwise, rad/s
+    :param speed: forward [m/s]
+    :param turn: counter-clockwise [rad/s]
     """
 
     speed: float
@@ -39,15 +39,15 @@ class DeadMan:
 
     @property
     def until(self) -> Optional[float]:
-        """When a zero is due, None while the robot is not told to move."""
+        """Time at which a zero is due; None while the robot stands."""
         return self._until
 
     def accept(self, velocity: Velocity, sent: float, now: float) -> Optional[Velocity]:
         """Take a command.
 
         :param velocity: what the robot is to do
-        :param sent: when it was sent, by the sender's clock, s
-        :param now: the time, s
+        :param sent: when it was sent, by the sender's clock [s]
+        :param now: the time [s]
         :returns: what to tell the robot now, None for nothing
         """
         late = self._lateness(sent, now) > HOLD_S
@@ -61,7 +61,7 @@ class DeadMan:
     def expire(self, now: float) -> Optional[Velocity]:
         """Return the zero if it is due, None otherwise.
 
-        :param now: the time, s
+        :param now: the time [s]
         """
         if self._until is None or now < self._until:
             return None
@@ -74,7 +74,7 @@ class DeadMan:
         return STOP if was_moving else None
 
     def _lateness(self, sent: float, now: float) -> float:
-        """Return how much longer a message was under way than the quickest, s."""
+        """Return how much longer a message was under way than the quickest [s]."""
         way = now - sent
         if self._shortest is None:
             self._shortest = way

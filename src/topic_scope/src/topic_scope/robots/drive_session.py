@@ -1,4 +1,4 @@
-"""The wheel of one robot: what a page commands goes out at once, and ends by itself."""
+"""Drive session of one robot: commands are published at once, and time out."""
 
 import threading
 import time
@@ -11,7 +11,7 @@ from topic_scope.robots.dead_man import DeadMan, Velocity
 
 #: The types of commands that a robot may take.
 TYPES = {"geometry_msgs/Twist": Twist, "geometry_msgs/TwistStamped": TwistStamped}
-#: How long the last message may take to leave, s: what waits is lost with its publisher.
+#: How long the last message may take to leave [s]: what waits is lost with its publisher.
 _LEAVING_S = 0.5
 
 
@@ -34,10 +34,10 @@ class DriveSession:
         threading.Thread(target=self._watch, name="drive", daemon=True).start()
 
     def drive(self, velocity: Velocity, sent: float) -> bool:
-        """Tell the robot how to move.
+        """Publish a velocity.
 
         :param velocity: for a short time, or until the next one
-        :param sent: when the page has sent it, by its clock, s
+        :param sent: when the page has sent it, by its clock [s]
         :returns: whether it was told; False for a command that came too late
         """
         with self._wake:
@@ -49,7 +49,7 @@ class DriveSession:
         return told is not None
 
     def close(self) -> bool:
-        """Stop the robot, if it was told to move from here, and leave the topic to others.
+        """Stop the robot if this session has moved it, and unregister the publisher.
 
         :returns: whether it was
         """

@@ -1,4 +1,4 @@
-"""What pages do to robots: drive them, and send them to places."""
+"""Driving of robots by pages: velocity commands and goals."""
 
 import math
 import time
@@ -19,14 +19,14 @@ from topic_scope.robots.dead_man import Velocity
 from topic_scope.robots.drive_session import DriveSession
 
 _GOAL = PoseStamped._type
-#: Longest wait until whoever takes goals has connected, s.
+#: Longest wait until whoever takes goals has connected [s].
 _CONNECTING_S = 3.0
-#: Time in which a zero leaves when the scope ends, s; a busy machine needs some.
+#: Time in which a zero leaves when the scope ends [s]; a busy machine needs some.
 _LAST_S = 0.5
 
 
 class Driving:
-    """Knows who drives what; all methods belong to the thread of the web.
+    """Assigns robots to the pages that drive them; used in the web thread only.
 
     :param node: the scope's
     :param background: where to wait for nodes
@@ -44,7 +44,7 @@ class Driving:
         node.before_end(self._stop_all)
 
     def on_state(self, state: GraphState) -> None:
-        """Take note of what is on the graph."""
+        """Update the state of the graph."""
         subscribers = {topic: set(nodes) - {self._name} for topic, nodes in state.subscribers}
         self._subscribers = {topic: sorted(nodes) for topic, nodes in subscribers.items() if nodes}
         self._types = {topic: state.types.get(topic, "*") for topic in self._subscribers}
@@ -61,7 +61,7 @@ class Driving:
     # --- Commands ----------------------------------------------------------------------------
 
     def steer(self, page: Page, topic: str) -> None:
-        """Give a page the wheel of a robot, and take it from the page that had it.
+        """Start a drive session for a page; it ends that of another page for the same robot.
 
         :param topic: where the robot takes commands; empty to give the wheel back
         :raises ValueError: if nobody takes commands there
@@ -96,7 +96,7 @@ class Driving:
             page.put(_steering(topic, made.datatype))
 
     def leave(self, page: Page) -> None:
-        """Take all wheels from a page; robots that it moved stop."""
+        """End all drive sessions of a page; robots that it moved stop."""
         self._wanted.pop(page, None)
         for topic in [topic for topic, (owner, _) in self._sessions.items() if owner is page]:
             self._sessions.pop(topic)[1].close()
@@ -158,7 +158,7 @@ class Driving:
         publisher.publish(message)
 
     def rest(self) -> None:
-        """Publish nothing any more: no page shows robots."""
+        """Unregister all publishers of goals: no page shows robots."""
         for topic in list(self._goals):
             end = self._goals.pop(topic).unregister
             self._worker.run(("goal", topic), end, lambda _: None)
@@ -166,13 +166,13 @@ class Driving:
     # --- Both --------------------------------------------------------------------------------
 
     def _asked(self, topic: str, known: Any) -> Callable[[], Optional[str]]:
-        """Return the work of asking the subscribers of a topic what they take.
+        """Return a job that asks the subscribers of a topic for their type.
 
         :raises ValueError: if nobody subscribes
         """
         nodes = self._subscribers.get(topic)
         if not nodes:
-            raise ValueError(f"nobody subscribes to {topic}")
+            raise ValueError(f"no subscriber of {topic}")
         return partial(self._queries.subscribed_type, topic, nodes, known)
 
 

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Where things are: frames that hang on one another, as ``/tf`` tells them, seen from above."""
+"""Tree of coordinate frames from ``/tf`` and odometry, seen from above."""
 
 import math
 from typing import Container, Dict, List, Mapping, NamedTuple, Optional, Tuple
@@ -15,7 +15,7 @@ _FRAMES = 5000
 
 
 class Transform(NamedTuple):
-    """Where something is in a frame.
+    """Pose in a frame.
 
     :param position: m
     :param rotation: as a unit quaternion
@@ -35,7 +35,7 @@ class Transform(NamedTuple):
 
     @property
     def heading(self) -> float:
-        """The angle of its x axis seen from above, rad."""
+        """The angle of its x axis seen from above [rad]."""
         x, y, z, w = self.rotation
         return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
@@ -69,7 +69,7 @@ def transform_of(
 
 
 class Place(NamedTuple):
-    """Where a frame is.
+    """Pose of a frame in the root of its tree.
 
     :param root: the frame that all the others hang on
     :param transform: where it is in there
@@ -89,7 +89,7 @@ class Frames:
         self._guesses: Dict[str, Tuple[str, str, Transform]] = {}
 
     def keep(self, topics: Container[str]) -> None:
-        """Forget what other topics have told."""
+        """Drop the transforms of all other topics."""
         parents = {
             child: {source: place for source, place in told.items() if source in topics}
             for child, told in self._parents.items()
@@ -100,7 +100,7 @@ class Frames:
         }
 
     def set_transform(self, source: str, parent: str, child: str, transform: Transform) -> None:
-        """Take note of what ``/tf`` tells.
+        """Set a transform of ``/tf``.
 
         :param source: its topic
         """
@@ -111,7 +111,7 @@ class Frames:
             told[source] = (bare(parent), transform)
 
     def set_odometry(self, source: str, parent: str, child: str, transform: Transform) -> None:
-        """Take note of what an odometry says; it counts where ``/tf`` says nothing of the child.
+        """Set the transform of an odometry; one of ``/tf`` for the child takes precedence.
 
         :param source: its topic; where two tell of one robot, the first by name counts
         """
@@ -121,11 +121,11 @@ class Frames:
             self._guesses[child] = (source, bare(parent), transform)
 
     def knows(self, frame: str) -> bool:
-        """Tell whether it is known where a frame is."""
+        """Return whether a frame has a known pose."""
         return bare(frame) in self._parents or bare(frame) in self._guesses
 
     def place(self, frame: str) -> Place:
-        """Return where a frame is: in itself, if nobody has told."""
+        """Return the pose of a frame; an unknown frame is its own root."""
         frame, transform = bare(frame), IDENTITY
         for _ in range(_DEPTH):
             if frame in self._parents:

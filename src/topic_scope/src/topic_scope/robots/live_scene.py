@@ -35,7 +35,7 @@ class LiveScene:
         tornado.ioloop.PeriodicCallback(self._view.update, scene_feed.PERIOD_S * 1e3).start()
 
     def on_state(self, state: GraphState) -> None:
-        """Take note of what is on the graph."""
+        """Update the state of the graph."""
         self._state = state
         self.driving.on_state(state)
         others = {topic for topic, nodes in state.publishers if set(nodes) - {self._name}}
@@ -49,7 +49,7 @@ class LiveScene:
             self._worker.run("subscriptions", self._subscriptions.adjust, lambda _: None)
 
     def show(self, page: Page, is_on: bool) -> None:
-        """Begin or end to show robots on a page."""
+        """Start or stop showing robots on a page."""
         if not is_on:
             self.leave(page)
             return
@@ -58,6 +58,6 @@ class LiveScene:
             self.on_state(self._state)
 
     def leave(self, page: Page) -> None:
-        """Forget a page; a robot that it drove stops."""
+        """Remove a page; a robot that it drove stops."""
         self.driving.leave(page)
         self._view.leave(page)

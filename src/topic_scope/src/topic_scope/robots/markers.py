@@ -30,14 +30,14 @@ class Markers:
     """The markers of one topic, which come and go one by one."""
 
     def __init__(self) -> None:
-        #: Each with the time at which it is over, s.
+        #: Each with the time at which it is over [s].
         self._items: Dict[Tuple[str, int], Tuple[Item, float]] = {}
 
     def add_message(self, message: Dict[str, Any], now: float) -> None:
         """Add a message.
 
         :param message: a MarkerArray, or a Marker
-        :param now: when it came, s
+        :param now: when it came [s]
         """
         for marker in message.get("markers", [message]):
             key = (marker["ns"], marker["id"])
@@ -54,7 +54,7 @@ class Markers:
     def items(self, now: float) -> List[Item]:
         """Return the markers that are there, each with its frame and its transform in there.
 
-        :param now: the time, s; what is over by then is forgotten
+        :param now: the time [s]; what is over by then is forgotten
         """
         self._items = {key: one for key, one in self._items.items() if now < one[1]}
         return [item for item, _ in self._items.values()]

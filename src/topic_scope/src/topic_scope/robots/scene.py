@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""What a page sees of robots and their world: made of messages, in the frame that all hang on."""
+"""Scene of robots and their world, made of messages, in their common root frame."""
 
 import math
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
@@ -19,7 +19,7 @@ TRANSFORMS = ("tf2_msgs/TFMessage", "tf/tfMessage")
 CUMULATIVE = (*MARKERS, *TRANSFORMS)
 TYPES = (ODOMETRY, SCAN, PATH, GOAL, *MARKERS, *TRANSFORMS)
 
-#: A robot that has said nothing for so long counts as silent, s.
+#: A robot that has said nothing for so long counts as silent [s].
 SILENT_S = 1.0
 #: Most rays of a scan and points of a path that a page is told.
 _RAYS, _POINTS = 2000, 5000
@@ -28,7 +28,7 @@ Message = Dict[str, Any]
 
 
 class _Said(NamedTuple):
-    """What came last on a topic.
+    """Latest message of a topic.
 
     :param message: the message
     :param when: s
@@ -39,7 +39,7 @@ class _Said(NamedTuple):
 
 
 def is_status(layout: Optional[Record]) -> bool:
-    """Tell whether messages say how a robot is, as robot_custom_interfaces/RobotStatus does."""
+    """Return whether messages have the fields of robot_custom_interfaces/RobotStatus."""
     fields = dict(layout.fields) if layout is not None else {}
     name, mode, readings = (fields.get(key) for key in ("robot_name", "mode", "sensor_readings"))
     return (
@@ -51,7 +51,7 @@ def is_status(layout: Optional[Record]) -> bool:
 
 
 class Scene:
-    """Knows what is where; all in the thread of the web, and without ROS."""
+    """Latest state of all robots and obstacles; used in the web thread only, without ROS."""
 
     def __init__(self) -> None:
         self._frames = Frames()
@@ -63,7 +63,7 @@ class Scene:
         self._statuses: Dict[str, _Said] = {}
 
     def keep(self, topics: Mapping[str, str]) -> None:
-        """Forget all other topics.
+        """Drop all other topics.
 
         :param topics: those that there are, and their types
         """
@@ -82,7 +82,7 @@ class Scene:
         :param topic: where it came
         :param datatype: its type; one that is not in TYPES says how a robot is
         :param message: as :class:`.MessageReader` reads it
-        :param now: when it came, s
+        :param now: when it came [s]
         """
         if datatype == ODOMETRY:
             self._add_odometry(topic, message, now)
@@ -129,9 +129,9 @@ class Scene:
     # --- For pages ---------------------------------------------------------------------------
 
     def moving(self, now: float) -> Message:
-        """Return where the robots are, and what their lasers see.
+        """Return the poses of the robots, and their laser scans.
 
-        :param now: the time, s
+        :param now: the time [s]
         """
         robots = [self._robot(topic, *said, now) for topic, said in sorted(self._odometry.items())]
         scans = [
@@ -171,9 +171,9 @@ class Scene:
         return Place(place.root, place.transform.then(transform))
 
     def standing(self, now: float) -> Message:
-        """Return what changes now and then: markers, paths, goals.
+        """Return the parts that change rarely: markers, paths, goals.
 
-        :param now: the time, s
+        :param now: the time [s]
         """
         markers = [self._marker(item) for one in self._markers.values() for item in one.items(now)]
         return {
@@ -198,9 +198,9 @@ class Scene:
         return {"topic": topic, "x": finite(x), "y": finite(y), "heading": finite(there.heading)}
 
     def fleet(self, now: float) -> Message:
-        """Return how the robots say they are.
+        """Return the status of the robots.
 
-        :param now: the time, s
+        :param now: the time [s]
         """
         robots = []
         for topic, (said, when) in self._statuses.items():

@@ -1,4 +1,4 @@
-"""Keeps the pages that show robots up to date with what comes out of a source."""
+"""Feed of the robots' scene to the pages that show it."""
 
 from typing import Any, Dict, Mapping, Optional, Set, Tuple
 
@@ -10,7 +10,7 @@ from topic_scope.page.state import Page
 from topic_scope.sampling.message_source import Batch, MessageSource
 from topic_scope.robots import scene
 
-#: Time between two looks at what has come, s; and how many go by till things that stand are told.
+#: Time between two looks at what has come [s]; and how many go by till things that stand are told.
 PERIOD_S, _SLOWLY = 0.05, 5
 _LOG_PERIOD_S = 60.0
 
@@ -39,7 +39,7 @@ class SceneFeed:
     # --- From the source ---------------------------------------------------------------------
 
     def set_topics(self, types: Mapping[str, str]) -> None:
-        """Take note of the topics that there are, and want those that a robot view shows.
+        """Update the topics, and request those that the scene shows.
 
         :param types: type of each
         """
@@ -50,7 +50,7 @@ class SceneFeed:
         self._source.want(list(self._topics))
 
     def forget(self) -> None:
-        """Forget all that has come: what comes next is of another time."""
+        """Drop all messages: the clock has jumped."""
         self._scene = scene.Scene()
 
     def _is_shown(self, datatype: str) -> bool:
@@ -99,20 +99,20 @@ class SceneFeed:
     # --- Pages -------------------------------------------------------------------------------
 
     def send_to_pages(self, message: Dict[str, Any]) -> None:
-        """Tell all pages that show robots, if there is anything new to tell."""
+        """Send a message to all pages that show robots, if it has changed."""
         if self._told.get(message["type"]) != message:
             self._told[message["type"]] = message
             for page in self.pages:
                 page.put(message)
 
     def enter(self, page: Page) -> None:
-        """Begin to show robots on a page."""
+        """Start to show robots on a page."""
         self.pages.add(page)
         for message in self._told.values():
             page.put(message)
 
     def leave(self, page: Page) -> None:
-        """Show no robots on a page any more."""
+        """Stop showing robots on a page."""
         self.pages.discard(page)
         if not self.pages:
             self._told.clear()  # it is old when the next one comes

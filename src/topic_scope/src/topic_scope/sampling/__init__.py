@@ -1,1 +1,1 @@
-"""From topics to samples that are kept."""
+"""Samples of topics, recorded in memory."""

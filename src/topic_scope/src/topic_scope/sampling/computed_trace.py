@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Traces that are computed of others by a formula."""
+"""Traces that are computed from others by a formula."""
 
 import math
 from typing import Mapping, Optional, Tuple, Union
@@ -39,7 +39,7 @@ class ComputedTrace:
 
     @property
     def stream(self) -> Stream:
-        """What gives the first trace its topic and its time."""
+        """Stream of the first trace."""
         return self._first.stream
 
     @property
@@ -51,21 +51,21 @@ class ComputedTrace:
         return next((trace.jumps for trace in self._traces if trace.jumps), None)
 
     def samples(self, start: float, end: float) -> Samples:
-        """Return times and values of a time span, its ends included, s."""
+        """Return times and values of a time span, its ends included [s]."""
         signal = self._between(start, end)
         return signal.times, signal.values
 
     def received(self, start: float, end: float) -> numpy.ndarray:
-        """Return when the samples of a time span were received, s: those of the first trace."""
+        """Return when the samples of a time span were received [s]: those of the first trace."""
         return self._between(start, end).received
 
     def latency(self, start: float, end: float) -> numpy.ndarray:
-        """Return how long after they were taken samples were received, s: the first trace's."""
+        """Return how long after they were taken samples were received [s]: the first trace's."""
         return self._first.latency(start, end)
 
     @property
     def span(self) -> Optional[Tuple[float, float]]:
-        """The times between which it may have samples, s; None where it has none."""
+        """The times between which it may have samples [s]; None where it has none."""
         spans = [trace.span for trace in self._traces]
         if spans[0] is None or None in spans:
             return None
@@ -74,17 +74,17 @@ class ComputedTrace:
 
     @property
     def longest_step(self) -> float:
-        """How far apart samples of one line may be, s."""
+        """Longest step between samples of one line [s]."""
         return self._first.longest_step
 
     @property
     def until(self) -> float:
-        """Up to when it is known, s; minus infinity where it is not at all."""
+        """Up to when it is known [s]; minus infinity where it is not at all."""
         return self._tree.until(self._operands)
 
     @property
     def lookaround(self) -> Tuple[float, float]:
-        """From how long before a time to how long after it samples count, s."""
+        """From how long before a time to how long after it samples count [s]."""
         return self._tree.lookaround(self._operands)
 
     @property
@@ -101,28 +101,28 @@ class ComputedTrace:
 
     @property
     def whole_from(self) -> float:
-        """After when all that counts for it is there, s."""
+        """After when all that counts for it is there [s]."""
         return max(trace.whole_from for trace in self._traces) + self._back
 
     @property
     def _back(self) -> float:
-        """From how long before a time samples count, s; 0 where too little is known to tell."""
+        """From how long before a time samples count [s]; 0 where too little is known to tell."""
         back = self.lookaround[0]
         return max(back, 0.0) if math.isfinite(back) else 0.0
 
     @property
     def _ahead(self) -> float:
-        """How long after a time it is known, s: less than it reaches; 0 where nothing tells."""
+        """Delay after which a value is known [s]; 0 if unknown."""
         ahead = min(map(_last_of, self._traces)) - self.until
         return max(ahead, 0.0) if math.isfinite(ahead) else 0.0
 
     def age(self, now: float) -> Optional[float]:
-        """Return how long ago the last sample was taken, s; None where there is none."""
+        """Return how long ago the last sample was taken [s]; None where there is none."""
         until = self.until
         return now - until if math.isfinite(until) else None
 
     def silence(self, now: float) -> Optional[float]:
-        """Return for how long nothing has been received of one of them, s; None without samples."""
+        """Return the time since the last reception of the quietest of them [s]; None if unknown."""
         quiet = [trace.silence(now) for trace in self._traces]
         return None if None in quiet else max(one for one in quiet if one is not None)
 
@@ -132,7 +132,7 @@ class ComputedTrace:
 
 
 def _last_of(trace: Trace) -> float:
-    """Return when the latest sample was taken, s."""
+    """Return when the latest sample was taken [s]."""
     age = trace.age(0.0)
     return -math.inf if age is None else -age
 

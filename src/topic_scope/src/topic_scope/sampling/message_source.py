@@ -1,9 +1,9 @@
 # Pure: knows no ROS.
-"""Where messages come from, a node's subscriptions or a bag: what both have in common."""
+"""Common interface of a node's subscriptions and a played bag."""
 
 from typing import Collection, Iterable, List, Mapping, MutableSequence, NamedTuple, Protocol
 
-#: Time between two messages of a topic that the clock does not tell apart, s: the resolution of a
+#: Time between two messages of a topic that the clock does not tell apart [s]: the resolution of a
 #: float.
 TICK_S = 5e-7
 
@@ -12,7 +12,7 @@ class Batch(NamedTuple):
     """Messages that came over one connection.
 
     :param header: what the publisher has said of them
-    :param times: when they came, s: no two of a topic at the same time
+    :param times: when they came [s]: no two of a topic at the same time
     :param messages: as they came
     """
 
@@ -22,32 +22,32 @@ class Batch(NamedTuple):
 
 
 class Clock(Protocol):
-    """What the times of messages are by."""
+    """Clock of the times of messages."""
 
     def now(self) -> float:
-        """Return the time up to which all messages are there, s since the epoch."""
+        """Return the time up to which all messages are there [s] since the epoch."""
 
 
 class Subscription(Protocol):
-    """Where the messages of one topic come out."""
+    """Queue of the messages of one topic."""
 
     def drain(self) -> Iterable[Batch]:
         """Return what has come since the last call, oldest first."""
 
 
 class MessageSource(Protocol):
-    """Where the messages of all topics come out."""
+    """Source of the messages of all topics."""
 
     @property
     def clock(self) -> Clock:
-        """What the messages' times are by."""
+        """Clock of the messages' times."""
 
     def want(self, topics: Collection[str], is_more: bool = False) -> None:
-        """Have the messages of these topics, from now on or a little later.
+        """Request the messages of these topics, from now on or a little later.
 
         :param topics: their names
         :param is_more: whether more is read of them than before
         """
 
     def subscriptions(self) -> Mapping[str, Subscription]:
-        """Return the outlets that are open now, by topic."""
+        """Return the open subscriptions, by topic."""

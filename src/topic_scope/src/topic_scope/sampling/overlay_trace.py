@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Traces that are there as a whole, and are laid somewhere on the scope's clock: those of a bag."""
+"""Traces of an overlaid bag, complete from the start, and movable in time."""
 
 import math
 from typing import Mapping, Optional, Protocol, Tuple
@@ -15,11 +15,11 @@ _READING, _NOTHING = "the bag is being read", "the bag has no number there"
 
 
 class Overlay(Protocol):
-    """What is laid over what a scope shows."""
+    """Overlaid bag."""
 
     @property
     def place(self) -> float:
-        """When it begins, s by the scope's clock."""
+        """Start by the scope's clock [s]."""
 
     @property
     def layouts(self) -> Mapping[str, Record]:
@@ -50,17 +50,17 @@ class OverlayStream(Stream):
 
     @property
     def offset(self) -> float:
-        """When the overlay begins, s: its samples count from there."""
+        """Start of the overlay [s]: its samples count from there."""
         return self._overlay.place
 
     @property
     def path(self) -> Optional[Path]:
-        """Where the time stands in the messages, None where that of recording is in use."""
+        """Path of the stamp in the messages; None for the time of recording."""
         return self._path
 
     @property
     def correction(self) -> Optional[str]:
-        """How stamps were moved, in words; None where they were not."""
+        """Correction of the stamps, as text; None without one."""
         return self.words
 
 
@@ -92,7 +92,7 @@ class OverlayTrace(Trace):
         self.problem = None if numpy.isfinite(values).any() else _NOTHING
 
     def pin(self, start: float, end: float) -> None:
-        """Keep all: nothing that comes replaces it."""
+        """Do nothing: all samples are kept anyway."""
 
     def latency(self, start: float, end: float) -> numpy.ndarray:
         """Return nothing: what it was recorded by is another clock."""

@@ -1,4 +1,4 @@
-"""Where messages come in: the threads of connections leave them here as they are, and go on."""
+"""Subscriptions that queue serialized messages, so that connection threads never wait."""
 
 import sys
 import threading
@@ -27,7 +27,7 @@ class SteadyClock:
         self._offset = max(time.time() - time.monotonic() for _ in range(_READINGS))
 
     def now(self) -> float:
-        """Return the time, s."""
+        """Return the time [s]."""
         return self._offset + time.monotonic()
 
 
@@ -111,7 +111,7 @@ class RawSubscriptions:
 
     @property
     def is_to_adjust(self) -> bool:
-        """Whether others are open than are wanted."""
+        """Whether the open subscriptions differ from the requested ones."""
         return set(self._wanted) != set(self._open)
 
     def subscriptions(self) -> Mapping[str, RawSubscription]:

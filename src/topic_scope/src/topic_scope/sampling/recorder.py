@@ -1,4 +1,4 @@
-"""Records the fields that are looked at: from names to samples."""
+"""Recorder of the shown fields: from names to samples."""
 
 import itertools
 import math
@@ -50,7 +50,7 @@ class Recorder:
 
     :param source: where the messages come in
     :param layouts: knows the messages
-    :param history: how long samples are kept, and a field that nobody looks at any more, s
+    :param history: how long samples are kept, and a field that nobody looks at any more [s]
     :param overlays: what is laid over that: its topics are among those that there are
     """
 
@@ -72,13 +72,13 @@ class Recorder:
         self._choices: Dict[Tuple[str, str, bool], List[Choice]] = {}
         self._traces: Dict[str, Trace] = {}
         self._streams: Dict[Tuple[str, str], Stream] = {}
-        #: Up to when what is computed and looked at was known at the latest update, s.
+        #: Up to when what is computed and looked at was known at the latest update [s].
         self._known: Dict[str, float] = {}
-        #: When the latest updates were, and the time of the earliest sample that each brought, s.
+        #: When the latest updates were, and the time of the earliest sample that each brought [s].
         self._updates: Deque[Tuple[float, float]] = deque(maxlen=_UPDATES)
 
     def set_topics(self, types: Mapping[str, str]) -> None:
-        """Take note of the topics that there are, and of the type of each."""
+        """Update the topics, and the type of each."""
         self._types = types
         kept = {*types, *(topic for topic, _ in self._streams)}
         self._arrays = {topic: one for topic, one in self._arrays.items() if topic in kept}
@@ -153,7 +153,7 @@ class Recorder:
         """Record these fields; those that were wanted before stay for the time of the history.
 
         :param names: names that :meth:`expand` has returned, or refused: of these there is nothing
-        :param now: the time, s
+        :param now: the time [s]
         """
         wanted = {part for name in names for part in terms(name)}
         self._known = {name: self._known.get(name, -math.inf) for name in names if formula_of(name)}
@@ -173,7 +173,7 @@ class Recorder:
         self._source.want(topics, any(type(one) is Trace for one in begun))
 
     def forget(self) -> None:
-        """Forget all samples that came: those that come next are of another time."""
+        """Drop all samples: the clock has jumped."""
         traces, self._streams = self._traces, {}
         self._traces = {name: one for name, one in traces.items() if isinstance(one, OverlayTrace)}
         self._updates.clear()
@@ -186,7 +186,7 @@ class Recorder:
     def pin(self, spans: Mapping[str, Tuple[float, float]]) -> None:
         """Keep the samples of fields for as long as these spans are named.
 
-        :param spans: start and end by name of the field, s
+        :param spans: start and end by name of the field [s]
         """
         pinned: Dict[str, Tuple[float, float]] = {}
         for name, (start, end) in spans.items():
@@ -217,7 +217,7 @@ class Recorder:
     def update(self) -> float:
         """Take in what has come.
 
-        :returns: the time up to which all samples are there, s
+        :returns: the time up to which all samples are there [s]
         """
         now = self._source.clock.now()
         earliest = now
@@ -252,7 +252,7 @@ class Recorder:
         return now
 
     def changed_since(self, moment: float) -> float:
-        """Return the time from which on samples may differ from what they were, s.
+        """Return the time from which on samples may differ from what they were [s].
 
         :param moment: what an :meth:`update` returned; all samples later than that are new
         """
@@ -262,12 +262,12 @@ class Recorder:
         return min([moment, *(earliest for _, earliest in new)])
 
     def samples(self, name: str, start: float, end: float) -> Samples:
-        """Return the samples of a field, or of what is computed, from one time to another, s."""
+        """Return the samples of a field, or of what is computed, from one time to another [s]."""
         trace = self.trace(name)
         return trace.samples(start, end) if trace else _NOTHING
 
     def longest_step(self, name: str) -> float:
-        """Return how far apart samples of one line of a field may be, s."""
+        """Return how far apart samples of one line of a field may be [s]."""
         trace = self._traces.get(terms(name)[0])
         return trace.longest_step if trace else math.inf
 

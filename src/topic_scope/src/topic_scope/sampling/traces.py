@@ -13,7 +13,7 @@ from topic_scope.messages.decoding import Decoder
 from topic_scope.messages.definitions import Record
 from topic_scope.sampling.message_source import Batch
 
-#: More than any rounding of a time since the epoch, s.
+#: More than any rounding of a time since the epoch [s].
 _MORE_S = 1e-5
 #: How many samples tell what is usual between them.
 _USUAL = 200
@@ -42,12 +42,12 @@ class Stream:
 
     @property
     def offset(self) -> float:
-        """What is to be added to the times in the rings to get the scope's, s."""
+        """Offset from the times in the rings to those of the scope [s]."""
         return self._time.offset
 
     @property
     def path(self) -> Optional[fields.Path]:
-        """Where the time stands in the messages, None where that of receipt is in use."""
+        """Path of the stamp in the messages; None for the time of reception."""
         return self._path if self._time.is_said else None
 
     @property
@@ -57,7 +57,7 @@ class Stream:
 
     @property
     def correction(self) -> Optional[str]:
-        """How stamps were moved, in words; None where they were not."""
+        """Correction of the stamps, as text; None without one."""
         return timestamp_source.correction(self.path, self.offset)
 
     def record(self, path: fields.Path, history: float, function: str = "") -> "Trace":
@@ -75,7 +75,7 @@ class Stream:
 
         :param layout: their layout
         :param batch: the messages
-        :returns: the time of the earliest one, s; minus infinity where earlier samples have moved
+        :returns: the time of the earliest one [s]; minus infinity where earlier samples have moved
         """
         if layout is not self._layout:
             self._read_as(layout)
@@ -128,11 +128,11 @@ class Trace:
 
     :param stream: where they come from
     :param path: where the field stands in a message
-    :param history: how long samples are kept, s
+    :param history: how long samples are kept [s]
     :param function: name of what is computed of it, see :mod:`.derived`; empty for nothing
 
     :ivar ring: the samples, by the own clock of their messages
-    :ivar used_at: when somebody has looked at it, s
+    :ivar used_at: when somebody has looked at it [s]
     """
 
     def __init__(
@@ -155,7 +155,7 @@ class Trace:
 
     @property
     def stream(self) -> Stream:
-        """Where they come from."""
+        """Stream that the samples come from."""
         return self._stream
 
     @property
@@ -173,8 +173,8 @@ class Trace:
         """Take the samples of some messages.
 
         :param messages: the messages
-        :param times: when they were taken, by their own clock, s
-        :param received: when they were received, s
+        :param times: when they were taken, by their own clock [s]
+        :param received: when they were received [s]
         """
         if len(self._decoders) == len(self._paths):
             rows = numpy.array([decoder.decode(messages) for decoder in self._decoders])
@@ -189,21 +189,21 @@ class Trace:
                 self._longest_step, self._new = None, 0
 
     def samples(self, start: float, end: float) -> Samples:
-        """Return times and values of a time span by the scope's clock, its ends included, s."""
+        """Return times and values of a time span by the scope's clock, its ends included [s]."""
         times, values, _ = self._between(start, end)
         return times, values
 
     def received(self, start: float, end: float) -> numpy.ndarray:
-        """Return when the samples of a time span were received, s."""
+        """Return when the samples of a time span were received [s]."""
         return self._between(start, end)[2]
 
     def signal(self, start: float, end: float) -> Signal:
-        """Return the samples of a time span, s, for a formula."""
+        """Return the samples of a time span [s], for a formula."""
         times, values, received = self._between(start, end)
         return Signal(times, values, received, self.longest_step)
 
     def latency(self, start: float, end: float) -> numpy.ndarray:
-        """Return how long after they were taken the samples of a time span were received, s.
+        """Return how long after they were taken the samples of a time span were received [s].
 
         :returns: by the clocks as they are, with no correction; nothing for times of receipt
         """
@@ -213,7 +213,7 @@ class Trace:
         return received - (times - self._offset_at(start, end))
 
     def pin(self, start: float, end: float) -> None:
-        """Keep the samples of a time span, and no others, when their time is over, s."""
+        """Keep the samples of a time span, and no others, when their time is over [s]."""
         if (start, end) != self._pinned:
             if self._pinned[0] > self._pinned[1]:  # nothing has been
                 self._pinned_offset = self.stream.offset
@@ -223,20 +223,20 @@ class Trace:
     def move(self, by: float) -> None:
         """Move all samples by their own clock, which was set back; they stay where they are here.
 
-        :param by: how far, s
+        :param by: how far [s]
         """
         self.ring.move(by)
         self._pinned_offset -= by
 
     @property
     def span(self) -> Optional[Tuple[float, float]]:
-        """The times of the first and the last sample, s; None where there is none."""
+        """Times of the first and the last sample [s]; None without samples."""
         times, _, _ = self._between(-math.inf, math.inf)
         return (min(float(times[0]), self._pinned[0]), float(times[-1])) if len(times) else None
 
     @property
     def longest_step(self) -> float:
-        """How far apart samples of one line may be, s: as the latest have told, or those before."""
+        """Longest step between samples of one line [s], from the latest samples."""
         if self._longest_step is None:
             latest = self.ring.latest(_USUAL)
             self._longest_step = timestamp_source.longest_step(self.stream.path, latest)
@@ -244,7 +244,7 @@ class Trace:
 
     @property
     def whole_from(self) -> float:
-        """After when no sample is missing, s; minus infinity where none was forgotten."""
+        """After when no sample is missing [s]; minus infinity where none was forgotten."""
         if not self.ring.has_forgotten or len(self.ring) < 2:
             return -math.inf
         first, second = self.ring.between(-math.inf, math.inf)[0, :2]
@@ -253,23 +253,23 @@ class Trace:
         return float(first - min(second - first, self.longest_step)) + self.stream.offset
 
     def age(self, now: float) -> Optional[float]:
-        """Return how long ago its last sample was taken, s; None where there is none.
+        """Return how long ago its last sample was taken [s]; None where there is none.
 
-        :param now: the time, s
+        :param now: the time [s]
         """
         latest = self.ring.latest(1)
         return now - float(latest[0]) - self.stream.offset if len(latest) else None
 
     def silence(self, now: float) -> Optional[float]:
-        """Return for how long nothing has been received, s; None where there is no sample.
+        """Return for how long nothing has been received [s]; None where there is no sample.
 
-        :param now: the time, s
+        :param now: the time [s]
         """
         last = self.ring.last_received
         return None if last is None else now - last
 
     def _offset_at(self, start: float, end: float) -> float:
-        """Return what is to be added to the own times of a time span to get the scope's, s."""
+        """Return what is to be added to the own times of a time span to get the scope's [s]."""
         if self._pinned[0] <= (start + end) / 2.0 <= self._pinned[1]:
             # The clocks may have gone apart since, as where a simulation is slower.
             return self._pinned_offset

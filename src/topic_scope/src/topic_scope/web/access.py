@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Who may connect: requests that some other site has made a browser send are refused.
+"""Access rules: reject requests that another site has made a browser send.
 
 A page of another site can open a WebSocket to this machine, and by pointing its own name to
 127.0.0.1 (DNS rebinding) it can even pass for the same site. So both headers are looked at: the
@@ -12,7 +12,7 @@ from typing import Collection, List, Optional
 
 
 def names_of(short: str, full: str, address: str) -> List[str]:
-    """Return what this machine is called.
+    """Return the names of this machine.
 
     :param short: its name
     :param full: its name with that of its domain
@@ -25,7 +25,7 @@ def names_of(short: str, full: str, address: str) -> List[str]:
 
 
 def is_known_name(host: str, names: Collection[str]) -> bool:
-    """Tell whether a request was meant for this machine.
+    """Return whether a request was meant for this machine.
 
     :param host: its header ``Host``
     :param names: what this machine is called; every address is fine
@@ -41,7 +41,7 @@ def is_known_name(host: str, names: Collection[str]) -> bool:
 
 
 def is_same_origin(origin: Optional[str], host: str) -> bool:
-    """Tell whether a request comes from a page that was served here.
+    """Return whether a request comes from a page that was served here.
 
     :param origin: its header ``Origin``; browsers always send it, other programs need not
     :param host: its header ``Host``

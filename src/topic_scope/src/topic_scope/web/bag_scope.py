@@ -1,4 +1,4 @@
-"""The oscilloscope without a node: it shows a bag, and asks no master."""
+"""Oscilloscope that shows a bag, without a node and without a master."""
 
 import asyncio
 import logging
@@ -52,7 +52,7 @@ def run(options: Options, sockets: List[socket.socket], over: Sequence[BagOverla
 
 
 def _log_to_terminal() -> None:
-    """Have what nodes would log said here: this is none."""
+    """Log to the terminal what a node would log by rosout."""
     rospy.rostime.set_rostime_initialized(True)  # what is logged now and then asks for the time
     handler = logging.StreamHandler()
     handler.setFormatter(logging.Formatter("[%(levelname)s] %(message)s"))

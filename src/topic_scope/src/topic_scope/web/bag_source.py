@@ -1,4 +1,4 @@
-"""A bag as what a scope shows, with its clock in the place of the computer's."""
+"""Data source that plays a bag, by the bag's clock in place of the computer's."""
 
 import os
 from typing import Any, Dict, List
@@ -16,18 +16,18 @@ from topic_scope.protocol.requests import Handler
 from topic_scope.robots.scene_feed import PERIOD_S, SceneFeed
 from topic_scope.web.data_source import Pages
 
-#: Time between two updates of how far it is, s.
+#: Time between two updates of how far it is [s].
 _PERIOD_S = 0.025
 
 
 class BagSource:
-    """What there is in a bag; there are no nodes, and so no graph and no parameters.
+    """Contents of a bag; a bag has no nodes, so no graph and no parameters.
 
     Robots are shown by the clock of the bag, as they were then.
 
     :param path: the file
-    :param history: how much of what came before the clock is shown, s
-    :param window: span of time that is shown at first, s: where the clock begins
+    :param history: how much of what came before the clock is shown [s]
+    :param window: span of time that is shown at first [s]: where the clock begins
     :raises BagError: if it cannot be read, or holds nothing
     """
 
@@ -48,7 +48,7 @@ class BagSource:
         self._told: Dict[str, Any] = {}
 
     def start(self, server: Pages) -> None:
-        """Show the first window of the bag, and wait for somebody who wants it to go on."""
+        """Show the first window of the bag, paused."""
         self._server = server
         server.on_topics(self._types)
         self._seek(self.source.start + self._window)
@@ -56,7 +56,7 @@ class BagSource:
         tornado.ioloop.PeriodicCallback(self._update_robots, PERIOD_S * 1e3).start()
 
     def refresh(self) -> None:
-        """Read again what is shown, where more is wanted of it."""
+        """Read the shown span again if fields were added."""
         if self.source.lacks_past:
             self._seek(self.source.place)
 
@@ -75,7 +75,7 @@ class BagSource:
             self._robots.update()
 
     def _update(self) -> None:
-        """Tell pages how far it is."""
+        """Send the state of the playback to all pages."""
         if self._is_loading and not self.source.is_loading:
             self._is_loading = False
             self._server.resume()
@@ -102,21 +102,21 @@ class BagSource:
     # --- Pages -------------------------------------------------------------------------------
 
     def hello(self) -> Dict[str, Any]:
-        """Return what the greeting of a page has besides."""
+        """Return the fields that this source adds to a page's hello message."""
         ends = {"start": self.source.start, "end": self.source.end}
         return {"readonly": False, "bag": {"name": self._name, **ends}}
 
     def messages(self) -> List[Dict[str, Any]]:
-        """Return what a new page is told."""
+        """Return the messages for a new page."""
         return [self._state()]
 
     def leave(self, page: Page) -> None:
-        """Forget a page."""
+        """Remove a page."""
         self._robots.leave(page)
         self._robots.set_topics(self._types)
 
     def handlers(self) -> Dict[str, Handler]:
-        """Return what shows robots on a page, and what plays the bag for all pages."""
+        """Return the handlers of requests about robots and playback."""
         needs_nodes = ("graph", "set", "call", "transition", "steer", "drive", "goal")
         return {
             "robots": Handler(requests.robots_of, self._show_robots_on),

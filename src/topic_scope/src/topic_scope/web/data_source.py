@@ -1,4 +1,4 @@
-"""What a scope shows: the graph of a master, or a bag; and how it speaks with the server."""
+"""Interface between a scope session and its data source: a live graph or a bag."""
 
 from typing import Any, Dict, List, Mapping, Protocol
 
@@ -9,7 +9,7 @@ from topic_scope.sampling.message_source import MessageSource
 
 
 class Pages(Protocol):
-    """The server of all pages, as an origin sees it.
+    """Scope session, as its data source sees it.
 
     All methods belong to the thread of the web.
     """
@@ -18,20 +18,20 @@ class Pages(Protocol):
         """Return the pages that are open."""
 
     def send_to_pages(self, message: Dict[str, Any], *about: str) -> None:
-        """Tell all pages; a later message of this type about the same replaces it."""
+        """Send to all pages; a later message of this type and subject replaces it."""
 
     def on_topics(self, types: Mapping[str, str]) -> None:
-        """Take note of the topics, and the type of each."""
+        """Update the topics and the type of each."""
 
     def halt(self) -> None:
-        """Forget all samples: the time will be another one. Pages get no frames till then."""
+        """Drop all samples and send no frames until :meth:`resume`: the clock will jump."""
 
     def resume(self) -> None:
-        """Go on, at the time that it is now."""
+        """Send frames again, from the present time of the clock."""
 
 
 class DataSource(Protocol):
-    """Where messages come from, and what else there is; methods belong to the thread of the web."""
+    """Source of messages, pages' extra data and handlers; used in the web thread only."""
 
     @property
     def source(self) -> MessageSource:
@@ -39,26 +39,26 @@ class DataSource(Protocol):
 
     @property
     def begin(self) -> float:
-        """Where bags begin that are laid over it, s."""
+        """Default start of overlaid bags [s]."""
 
     @property
     def layouts(self) -> Layouts:
-        """What is known of their types."""
+        """Layouts of their types."""
 
     def start(self, server: Pages) -> None:
-        """Begin, and tell a server from now on."""
+        """Start, and report to the session from now on."""
 
     def hello(self) -> Dict[str, Any]:
-        """Return what the greeting of a page has besides."""
+        """Return the fields that this source adds to a page's hello message."""
 
     def messages(self) -> List[Dict[str, Any]]:
-        """Return what a new page is told."""
+        """Return the messages for a new page."""
 
     def handlers(self) -> Dict[str, Handler]:
-        """Return what handles requests that are not about the traces of a page."""
+        """Return the handlers of requests that are not about a page's traces."""
 
     def refresh(self) -> None:
-        """Look at once for what is wanted."""
+        """Check at once for newly requested topics."""
 
     def leave(self, page: Page) -> None:
-        """Forget a page."""
+        """Remove a page."""

@@ -1,4 +1,4 @@
-"""What the browser talks to: files, data as CSV and the WebSocket."""
+"""Request handlers of the web server: files, data as CSV, and the WebSocket."""
 
 import asyncio
 import errno
@@ -28,12 +28,12 @@ DYGRAPHS = "/usr/share/javascript/dygraphs"
 PAGES = 32
 #: Why a connection is ended where there are as many: try again later.
 TRY_AGAIN = 1013
-#: What the system keeps for a page that does not read, bytes; it would let it grow to megabytes.
+#: What the system keeps for a page that does not read [bytes]; it would let it grow to megabytes.
 _SEND_BUFFER = 256 * 1024
 
 
 class ScopeHolder:
-    """What pages are about, which may change while they are served.
+    """Holder of the scope that pages show, which is replaced once the master answers.
 
     :ivar scope: has ``sockets``, ``open``, ``close``, ``handle`` and ``export``
     """
@@ -65,7 +65,7 @@ def _check_host(handler: tornado.web.RequestHandler) -> None:
 
 
 def set_strict_headers(handler: tornado.web.RequestHandler) -> None:
-    """Let a page load nothing from elsewhere, nor be shown within another one."""
+    """Set headers that keep a page from loading other sites' content, and from being framed."""
     handler.set_header("X-Content-Type-Options", "nosniff")
     handler.set_header("Cache-Control", "no-cache")
     handler.set_header(
@@ -81,7 +81,7 @@ def _plain(host: str) -> str:
 
 
 class StaticFiles(tornado.web.StaticFileHandler):
-    """Files of one folder; what is outside of it is refused."""
+    """Handler for the files of one folder; paths outside of it are rejected."""
 
     def prepare(self) -> None:
         _check_host(self)
@@ -91,7 +91,7 @@ class StaticFiles(tornado.web.StaticFileHandler):
 
 
 class CsvData(tornado.web.RequestHandler):
-    """Samples as CSV.
+    """Handler for samples as CSV.
 
     :param holder: has what has them
     """
@@ -125,7 +125,7 @@ class CsvData(tornado.web.RequestHandler):
 
 
 class PageSocket(tornado.websocket.WebSocketHandler):
-    """The connection of one page.
+    """WebSocket of one page.
 
     :param holder: has what the page is about
     """
@@ -152,7 +152,7 @@ class PageSocket(tornado.websocket.WebSocketHandler):
         self.enter()
 
     def enter(self) -> None:
-        """Show what there is to be shown now."""
+        """Attach the page to the present scope."""
         self.page = self._holder.scope.open(self)
 
     def on_message(self, message: Any) -> None:
@@ -164,7 +164,7 @@ class PageSocket(tornado.websocket.WebSocketHandler):
 
     @property
     def is_ready(self) -> bool:
-        """Whether all that was sent before is on its way."""
+        """Whether all earlier messages have been written to the socket."""
         return self._writing is None or self._writing.done()
 
     def send(self, messages: List[Dict[str, Any]]) -> None:

@@ -29,7 +29,7 @@ class PlaceholderScope:
     """Stands where the server will be.
 
     :param uri: where the master is to be
-    :param window: span of time that a page sees at first, s
+    :param window: span of time that a page sees at first [s]
     """
 
     def __init__(self, uri: str, window: float) -> None:
@@ -38,19 +38,19 @@ class PlaceholderScope:
         self._trouble = ""
 
     def open(self, connection: handlers.PageSocket) -> Page:
-        """Tell a page what it waits for, as far as that is known."""
+        """Send a page the reason for the wait, if it is known."""
         self.sockets.append(connection)
         connection.send([master_message(self._trouble)])
         return Page(self._window)
 
     def miss(self) -> None:
-        """Tell pages that the master does not answer: before, the scope may only need a moment."""
+        """Report to all pages that the master does not answer."""
         self._trouble = f"There is no ROS master at {self._uri} yet: the scope waits for it."
         for connection in self.sockets:
             connection.send([master_message(self._trouble)])
 
     def close(self, connection: handlers.PageSocket) -> None:
-        """Forget a page."""
+        """Remove a page."""
         if connection in self.sockets:
             self.sockets.remove(connection)
 
@@ -116,7 +116,7 @@ class HttpServer:
         self._loop.start()
 
     def _look_for_master(self) -> None:
-        """Say where the page is, and what it waits for, if that will not be said soon."""
+        """Log the page's address and report a missing master, if the master does not answer."""
         try:
             with MasterClient("/scope", timeout=1.0) as master:
                 master.read([])

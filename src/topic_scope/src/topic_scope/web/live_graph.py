@@ -1,4 +1,4 @@
-"""The graph of a master as what a scope shows, with parameters, services and robots."""
+"""Data source of a live ROS graph, with parameters, services and robots."""
 
 from typing import Any, Callable, Dict, List
 
@@ -21,7 +21,7 @@ from topic_scope.web.http_server import master_message
 
 
 class LiveGraph:
-    """What there is on the graph.
+    """Data source with everything on the ROS graph.
 
     :param node: the scope's
     :param is_readonly: whether pages may change nothing
@@ -36,7 +36,7 @@ class LiveGraph:
         self._trouble = ""  # what is wrong with the master, in words
 
     def start(self, server: Pages) -> None:
-        """Begin to follow the graph."""
+        """Start to poll the graph."""
         deliver: Callable[..., None] = tornado.ioloop.IOLoop.current().add_callback
         self._server = server
         self._controls = PanelManager(deliver, server.send_to_pages)
@@ -66,25 +66,25 @@ class LiveGraph:
         self._robots.on_state(state)
 
     def refresh(self) -> None:
-        """Look at the graph at once."""
+        """Poll the graph at once."""
         self._watch.refresh()
 
     # --- Pages -------------------------------------------------------------------------------
 
     def hello(self) -> Dict[str, Any]:
-        """Return what the greeting of a page has besides."""
+        """Return the fields that this source adds to a page's hello message."""
         return {"readonly": self._is_readonly}
 
     def messages(self) -> List[Dict[str, Any]]:
-        """Return what a new page is told."""
+        """Return the messages for a new page."""
         return self._controls.messages() + [master_message(self._trouble)]
 
     def leave(self, page: Page) -> None:
-        """Forget a page; a robot that it drove stops."""
+        """Remove a page; a robot that it drove stops."""
         self._robots.leave(page)
 
     def handlers(self) -> Dict[str, Handler]:
-        """Return what shows the graph and robots, and what changes something on the graph."""
+        """Return the handlers of requests that show the graph and robots, or change something."""
         controls, robots = self._controls, self._robots
         return {
             "graph": Handler(requests.graph_of, self._show_graph),
@@ -113,7 +113,7 @@ class LiveGraph:
     def _changing(
         self, check: Callable[[Dict[str, Any]], Any], change: Callable[[Page, Any], None]
     ) -> Handler:
-        """Return what handles requests that change something, where that is allowed.
+        """Return a handler that rejects its requests on a read-only scope.
 
         :param check: as of a handler
         :param change: does it; raises ValueError if that cannot be done

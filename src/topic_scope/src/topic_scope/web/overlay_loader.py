@@ -1,4 +1,4 @@
-"""The bags that are laid over what a scope shows: read beside the thread of the web, and moved."""
+"""Loader of overlaid bags: reads them outside the web thread, and moves them in time."""
 
 import os
 from typing import Any, Callable, Dict, List, Sequence, Tuple
@@ -27,7 +27,7 @@ def open_overlays(options: Options) -> List[BagOverlay]:
 
 
 class OverlayLoader:
-    """Reads what is wanted of bags, and lays them where pages want them; for all pages alike.
+    """Reads the requested traces of bags, and moves the bags in time; for all pages alike.
 
     All methods belong to the thread of the web.
 
@@ -52,12 +52,12 @@ class OverlayLoader:
         return {topic: kind for bag in self._bags.values() for topic, kind in bag.types.items()}
 
     def begin_at(self, time: float) -> None:
-        """Have all of them begin at a time, s by the scope's clock."""
+        """Set the start of all bags by the scope's clock [s]."""
         for bag in self._bags.values():
             bag.begin = time
 
     def message(self) -> Dict[str, Any]:
-        """Return what a page is told of them."""
+        """Return the message that describes the bags to a page."""
         told = [
             {
                 "name": bag.name,
@@ -71,7 +71,7 @@ class OverlayLoader:
         return {"type": "overlays", "bags": told}
 
     def read_wanted(self) -> None:
-        """Begin to read what has no samples yet; of a bag that is being read, when that is over."""
+        """Start to read the traces without samples; a bag that is being read follows later."""
         for bag in self._bags.values():
             self._read(bag)
 
@@ -142,7 +142,7 @@ class OverlayLoader:
 
 
 def _crossings(series: Series, page: Page, trigger: Trigger, longest: float) -> numpy.ndarray:
-    """Return when a line of a bag would trigger a page, scaled as the page wants that trace, s."""
+    """Return when a line of a bag would trigger a page, scaled as the page wants that trace [s]."""
     samples = numpy.array(series.times), numpy.array(series.values)
     times, values = page.scaling.scaled(lambda *_: samples)(trigger.field, 0.0, 0.0)
     longest = 0.0 if page.scaling.is_stepped(trigger.field) else longest

@@ -42,9 +42,7 @@ class ScopeSession:
         loop = tornado.ioloop.IOLoop.current()
         self._overlays = OverlayLoader(bags, loop.add_callback, self._on_overlays)
         self._overlays.begin_at(source.begin)
-        self._selection = FieldSelection(
-            options.fields, self._recorder, self._overlays, self.pages
-        )
+        self._selection = FieldSelection(options.fields, self._recorder, self._overlays, self.pages)
         self.frames = FrameSender(self._recorder, self.sockets)
         source.start(self)
         own = TraceRequests(self._recorder, self._selection, self._overlays, source.refresh)

@@ -8,13 +8,13 @@ const DAY = 86400; // s
 
 const two = (number) => String(Math.floor(number)).padStart(2, "0");
 
-/** How far the zone's clock is ahead of UTC at a time, s. */
+/** Offset of the time zone from UTC at a time [s]. */
 const ahead = (time) => -60 * new Date(time * 1000).getTimezoneOffset();
 
 /**
  * Write the time of day.
- * @param {number} time since the epoch, s
- * @param {number} step what is to be told apart, s
+ * @param {number} time since the epoch [s]
+ * @param {number} step what is to be told apart [s]
  * @returns {string}
  */
 export function clockText(time, step) {
@@ -28,7 +28,7 @@ export function clockText(time, step) {
 
 /**
  * Write the date.
- * @param {number} time since the epoch, s
+ * @param {number} time since the epoch [s]
  * @returns {string}
  */
 export function dateText(time) {
@@ -38,7 +38,7 @@ export function dateText(time) {
 
 /**
  * Name the zone by how far it is ahead of UTC.
- * @param {number} time since the epoch, s
+ * @param {number} time since the epoch [s]
  * @returns {string}
  */
 export function zoneText(time) {
@@ -48,8 +48,8 @@ export function zoneText(time) {
 
 /**
  * List round times of day.
- * @param {number} from since the epoch, s
- * @param {number} to since the epoch, s
+ * @param {number} from since the epoch [s]
+ * @param {number} to since the epoch [s]
  * @param {number} most how many at most
  * @returns {{v: number, label: string}[]}
  */

@@ -1,4 +1,4 @@
-/** The WebSocket to the server, which comes back by itself. */
+/** WebSocket to the server, which reconnects automatically. */
 
 const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 5000;
@@ -13,7 +13,7 @@ export class Connection {
    * @param {string} url of the WebSocket
    * @param {function(Object): void} onMessage takes each message of the server
    * @param {function("connecting"|"connected"|"lost", number, string): void} onChange takes the
-   *   new state, and for "lost" the wait until the next attempt, ms, and what the server said, if
+   *   new state, and for "lost" the wait until the next attempt [ms], and what the server said, if
    *   it did
    */
   constructor(url, onMessage, onChange) {
@@ -58,7 +58,7 @@ export class Connection {
     });
   }
 
-  /** Expect something each second from now on: the server shows something, and no more waits itself. */
+  /** Expect a message each second from now on: the server has started to send. */
   expectMore() {
     this.expectsMore = true;
   }

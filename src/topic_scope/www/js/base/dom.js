@@ -92,7 +92,7 @@ export function options(choices) {
 }
 
 /**
- * Look a colour of the theme up.
+ * Return a colour of the theme.
  * @param {string} name of its property in theme.css, without the dashes
  * @returns {string}
  */
@@ -101,7 +101,7 @@ export function themeColour(name) {
 }
 
 /**
- * Have the browser save a file.
+ * Save a file through the browser.
  * @param {Blob} blob
  * @param {string} name of the file
  */

@@ -10,11 +10,11 @@ import { byId, make } from "./dom.js";
  * @property {?function(): void} act null: the browser or a control does it
  */
 
-/** Tell whether a key is for the page: pressed alone, and of no use to the control with the focus. */
+/** Whether a key is for the page: pressed alone, and unused by the control with the focus. */
 export const isForPage = (event) =>
   !event.ctrlKey && !event.altKey && !event.metaKey && !isTaken(event);
 
-/** Tell whether a control with the focus keeps a key for itself. */
+/** Return whether a control with the focus uses a key itself. */
 function isTaken(event) {
   const target = event.target;
   if (document.querySelector("dialog[open]")) return true;

@@ -1,4 +1,4 @@
-/** Shows the state of the connection, and what the server could not do. */
+/** State of the connection, and errors of the server. */
 
 import { byId, setText } from "./dom.js";
 
@@ -7,7 +7,7 @@ const PROTOCOL = 1; // the server has the same number: a page of another version
 let leaving = null;
 let isOutdated = false;
 
-/** Show a sentence above all else; none to show nothing. */
+/** Show a message above all else; an empty one hides it. */
 function warn(text, canRetry) {
   byId("banner").hidden = !text;
   byId("reconnect").hidden = !canRetry;
@@ -17,7 +17,7 @@ function warn(text, canRetry) {
 /**
  * Show the state of the connection.
  * @param {"connecting"|"connected"|"lost"} state
- * @param {number} wait until the next attempt, ms
+ * @param {number} wait until the next attempt [ms]
  * @param {string} reason what the server said when it ended the connection, if it did
  */
 export function showLink(state, wait, reason) {
@@ -31,7 +31,7 @@ export function showLink(state, wait, reason) {
 }
 
 /**
- * Tell whether a message can be read; say so where it comes from another version of the scope.
+ * Return whether a message can be read; report a server of another version.
  * @param {{type: string, protocol: ?number}} message
  * @returns {boolean}
  */

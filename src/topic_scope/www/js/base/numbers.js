@@ -109,7 +109,7 @@ export function readNumber(text) {
 }
 
 /**
- * Say why a number with a comma is refused.
+ * Explain why a number with a comma is rejected.
  * @param {string} text that a person typed
  * @returns {string} a sentence; empty where there is no comma
  */

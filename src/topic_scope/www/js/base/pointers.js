@@ -18,11 +18,11 @@ export function wheelFactor({ deltaMode, deltaY }, turned = deltaY) {
 }
 
 /**
- * Have a function called while two fingers are on an element; meanwhile other listeners do not get their events.
+ * Call a function while two fingers are on an element; other listeners do not get these events.
  * @param {HTMLElement} element
  * @param {function({factor: number, x: number, y: number, across: number, upright: boolean}): void}
  *   stretch factor: how much farther the fingers are apart than before; x, y: the middle between
- *   them on the screen; across: how far that has moved to the right, pixels; upright: whether they
+ *   them on the screen; across: how far that has moved to the right [pixels]; upright: whether they
  *   began one above the other
  */
 export function startTwoFingers(element, stretch) {

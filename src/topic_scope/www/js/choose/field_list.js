@@ -1,22 +1,22 @@
-/** What can be chosen, as the chooser lists it: by topic, the useful ones first. */
+/** List of the fields to choose from: by topic, the useful ones first. */
 
 import { byName, searchFor } from "../base/names.js";
 
 /** Types of topics that are about the nodes themselves. */
 const HIDDEN = /^(dynamic_reconfigure\/|rosgraph_msgs\/(Log|TopicStatistics)$|bond\/|lifecycle_msgs\/)/;
-/** What a message has besides its subject. */
+/** Fields of a message besides its subject. */
 const FORMAL = /(^|[/\]])(header\/(seq|stamp)|layout\/.*|.*covariance\[.*)$/;
 const ELEMENT = /\[[\w-]+\]/g;
 
 /**
- * Tell whether a topic is hidden until the user asks for all.
+ * Return whether a topic is hidden until the user asks for all.
  * @param {string} datatype of the topic
  * @returns {boolean}
  */
 export const isHidden = (datatype) => HIDDEN.test(datatype);
 
 /**
- * Tell whether a field is what its message is for.
+ * Return whether a field is the subject of its message.
  * @param {{field: string, topic: string}} choice
  * @returns {boolean}
  */

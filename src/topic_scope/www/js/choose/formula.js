@@ -1,4 +1,4 @@
-/** A formula that is typed where else one searches: the server says what it is, or what is wrong. */
+/** Entry of a formula in the search field; the server checks it while it is typed. */
 
 import { make } from "../base/dom.js";
 
@@ -42,7 +42,7 @@ export class FormulaEntry {
     this.onAnswer();
   }
 
-  /** What helps to type one: what the letters stand for, and which functions there are. */
+  /** Help for the entry: the meaning of the letters, and the functions. */
   help() {
     const traces = this.state.values.fields.slice(0, LETTERS.length);
     const lines = traces.map((field, index) => `${LETTERS[index]} is ${field}`);

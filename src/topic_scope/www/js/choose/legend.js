@@ -15,7 +15,7 @@ const AT_CURSORS = [["a", "at A"], ["b", "at B"], ["difference", "B − A"]];
 const without = (set, item) => new Set([...set].filter((other) => other !== item));
 const toggled = (set, item) => (set.has(item) ? without(set, item) : new Set([...set, item]));
 
-/** Say in words what data a trace lacks, how its stamps were corrected, and why it jumps. */
+/** Describe missing data, corrected stamps and jumps of a trace. */
 function missing({ silent, nan, problem, correction, jumps }) {
   if (problem) return problem;
   const words = silent ? [`no data for ${Math.floor(silent)} s`] : [];
@@ -84,7 +84,7 @@ export class Legend {
     if (focused) this.body.querySelector(`[data-control="${CSS.escape(focused)}"]`)?.focus();
   }
 
-  /** Have figures stand below the names where a row has no room for all. */
+  /** Place measurements below the names if a row has no room for all. */
   fit() {
     this.room.classList.remove("stacked");
     this.room.classList.toggle("stacked", this.isTooWide);
@@ -153,7 +153,7 @@ export class Legend {
     return { element, name, cells, timestamp, badge };
   }
 
-  /** What the table tells of a trace: key of the figure -> text. */
+  /** Cells of a trace in the table: key of the measurement -> text. */
   figuresOf(field) {
     const { cells } = this.rows.get(field);
     return new Map(this.figures.map(([key]) => [key, cells.get(key).textContent]));

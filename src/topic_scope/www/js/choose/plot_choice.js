@@ -1,4 +1,4 @@
-/** Which plot a trace is in: chosen in its row, or by dragging its name onto a plot. */
+/** Choice of a trace's plot: in its row, or by dragging its name onto a plot. */
 
 import { byId, make, options } from "../base/dom.js";
 import { choose, chosenOf, plotCount, PLOTS } from "../state/traces.js";
@@ -34,7 +34,7 @@ export function plotChoice(state, field) {
 }
 
 /**
- * Have a trace dragged to another plot, or to where a new one is made.
+ * Let a trace be dragged to another plot, or to a new one.
  * @param {HTMLElement} handle what is dragged
  * @param {import("../state/store.js").State} state
  * @param {string} field
@@ -71,7 +71,7 @@ export function startDrag(handle, state, field) {
     if (event.button !== 0 || event.pointerType === "touch" || state.values.chart.kind !== "time") return;
     from = event;
     handle.setPointerCapture(event.pointerId);
-    // At the document, as the row may be made anew meanwhile.
+    // At the document, as the row may be rebuilt meanwhile.
     document.addEventListener("lostpointercapture", end, { once: true });
   });
   handle.addEventListener("pointermove", (event) => {

@@ -1,4 +1,4 @@
-/** What stamps the samples of a trace: its name follows an @ in the name of the field. */
+/** Timestamp source of a trace, which follows an @ in the name of the field. */
 
 import { make, options, setText } from "../base/dom.js";
 import { isComputed } from "../state/traces.js";

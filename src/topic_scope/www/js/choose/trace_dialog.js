@@ -1,4 +1,4 @@
-/** The dialog with what else can be chosen for a trace. */
+/** Dialog with the other settings of a trace. */
 
 import { byId, options, setText } from "../base/dom.js";
 import { readNumber, typed } from "../base/numbers.js";

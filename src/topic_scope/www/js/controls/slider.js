@@ -29,7 +29,7 @@ export function travel(parameter, value) {
 }
 
 /**
- * Tell whether a slider should get other ends for a value.
+ * Return whether a slider needs other ends for a value.
  * @param {{low: number, high: number}} ends in use
  * @param {{low: number, high: number}} wanted for the value
  * @param {number} value
@@ -44,7 +44,7 @@ export function isPoor(ends, wanted, value) {
 }
 
 /**
- * Say in words what is allowed.
+ * Describe the allowed range.
  * @param {Object} parameter as the server describes it
  * @returns {string} empty where everything is
  */

@@ -1,4 +1,4 @@
-/** Where the parts of the graph go: layers from left to right, a band for each namespace. */
+/** Layout of the graph: layers from left to right, a band for each namespace. */
 
 import { byName } from "../base/names.js";
 
@@ -9,7 +9,7 @@ const TITLE = 16; // of a namespace
 const MARGIN = 20;
 const STOP = 6; // height of what a way needs to pass
 
-/** How far a way back goes below what it connects, pixels. */
+/** Distance of a backward edge below the items that it connects [pixels]. */
 export const BACK = 40;
 
 /**

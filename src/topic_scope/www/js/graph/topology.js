@@ -1,4 +1,4 @@
-/** The graph of nodes and topics, drawn anew when it changes. */
+/** The graph of nodes and topics, redrawn when it changes. */
 
 import { byId, draw, setText } from "../base/dom.js";
 import { byName, namespaceOf } from "../base/names.js";
@@ -10,7 +10,7 @@ const CHARACTER = 7.4; // width, pixels
 
 const shortName = (name) => name.slice(namespaceOf(name).length + 1) || name;
 
-/** What is to be placed: nodes and topics, and the ways of the messages between them. */
+/** Items of the layout: nodes and topics, and the edges between them. */
 function itemsOf(graph, all) {
   const heard = new Set(graph.edges.filter(({ to }) => to).map(({ topic }) => topic));
   const nodes = [...graph.nodes].sort(byName).map((name) => ({

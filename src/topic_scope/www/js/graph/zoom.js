@@ -1,4 +1,4 @@
-/** How large the graph is: to fit, or as the user zooms; and where it is found by a word. */
+/** Zoom of the graph: to fit, or by the user; and search in it. */
 
 import { byId, setText } from "../base/dom.js";
 import { isForPage } from "../base/keys.js";

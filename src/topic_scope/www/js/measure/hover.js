@@ -1,4 +1,4 @@
-/** Tells the time and the values under the pointer. */
+/** Readout of the time and the values under the pointer. */
 
 import { clockText } from "../base/clock.js";
 import { make, nameText } from "../base/dom.js";

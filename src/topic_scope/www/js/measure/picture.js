@@ -86,7 +86,7 @@ export function wrapped(name, most, widthOf) {
   return lines;
 }
 
-/** What the table of the page shows: the heads of its figures, and the figures of each trace. */
+/** Content of the page's table: its heads, and the measurements of each trace. */
 function tableOf(fields) {
   const cells = (row) => [...row.querySelectorAll("[data-cell]")].map((cell) => cell.textContent);
   const rows = [...document.querySelectorAll("#legend tr")].filter((row) => fields.includes(row.dataset.field));
@@ -176,7 +176,7 @@ function drawBelow(context, { blocks, notes, columns }, top, width, { colourOf, 
  * @param {string[]} fields that are shown
  * @param {{colourOf: function(string): string, dashOf: function(string): number[],
  *   labelOf: function(string): string, notes: string[]}} style of fields, and what else is said
- * @param {number} until the right edge of what is shown, since the epoch, s
+ * @param {number} until the right edge of what is shown, since the epoch [s]
  * @returns {HTMLCanvasElement}
  */
 export function picture(drawn, fields, style, until) {

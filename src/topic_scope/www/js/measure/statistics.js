@@ -1,4 +1,4 @@
-/** What is measured of the traces: which figures, of which span of time, against which trace. */
+/** Choice of measurements: which ones, of which span of time, against which trace. */
 
 import { byId, make, options } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
@@ -32,7 +32,7 @@ const LATENCIES = ["latency", "latency_max"];
 const SOON_MS = 100; // while a cursor is dragged, nothing is sent more often
 
 /**
- * Say how sure a figure is, or why it cannot be measured.
+ * Describe the uncertainty of a measurement, or why it is missing.
  * @param {Object} measured what is measured of a trace
  * @param {string} key of the figure
  * @returns {string} empty for what is exact, or not there
@@ -50,7 +50,7 @@ export const shownFigures = ({ measures }) => FIGURES.filter(([key]) => measures
 /**
  * Make the request for what the server is to measure.
  * @param {Object} values of the state
- * @param {?number} reference what the cursors count from, since the epoch, s; null: the present
+ * @param {?number} reference what the cursors count from, since the epoch [s]; null: the present
  * @returns {Object} the request
  */
 export function wantedMeasures({ measures, cursors, fields }, reference) {

@@ -1,4 +1,4 @@
-/** The table of how the figures of traces have varied. */
+/** Table of the variation of the traces' measurements. */
 
 import { byId, make, setText } from "../base/dom.js";
 import { figure } from "../base/numbers.js";

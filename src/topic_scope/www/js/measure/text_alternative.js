@@ -1,4 +1,4 @@
-/** The plot in words, for those who cannot see it. */
+/** Text alternative to the plot, for users who cannot see it. */
 
 import { byId, setText } from "../base/dom.js";
 import { figure } from "../base/numbers.js";

@@ -6,7 +6,7 @@ import { KEPT } from "../state/persistence.js";
 import { TRIGGER_EDGES, TRIGGER_MODES } from "../state/store.js";
 import { Handle } from "../plot/handle.js";
 
-/** What the dialog has: input, what of the trigger it is, its unit in that of the trigger, most. */
+/** Inputs of the dialog: input, key of the trigger, unit, maximum. */
 const MORE = [
   ["trigger-hysteresis", "hysteresis", 1, Infinity],
   ["trigger-holdoff", "holdoff", 1, 3600],

@@ -1,4 +1,4 @@
-/** Which key does what. */
+/** List of the keys and their actions. */
 
 import { byId } from "../base/dom.js";
 import { verticals } from "../state/traces.js";

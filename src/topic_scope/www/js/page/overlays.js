@@ -1,4 +1,4 @@
-/** The bags that are laid over what the scope shows: where each of them lies in time. */
+/** Overlaid bags, and the position of each in time. */
 
 import { byId, make } from "../base/dom.js";
 import { notify } from "../base/link.js";

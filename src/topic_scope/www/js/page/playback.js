@@ -1,4 +1,4 @@
-/** Plays a bag: where in it the scope is, how fast it plays, and what the page lacks then. */
+/** Playback of a bag: position, speed, and the parts of the page that need a live graph. */
 
 import { clockText, dateText, zoneText } from "../base/clock.js";
 import { byId, options, setText } from "../base/dom.js";

@@ -1,4 +1,4 @@
-/** Tells the server what the user has chosen, also after a connection that was lost. */
+/** Requests to the server, repeated after a lost connection. */
 
 import { clamp } from "../base/numbers.js";
 import { scalingOf } from "../state/traces.js";
@@ -124,7 +124,7 @@ export class Requests {
     this.send(message, !shapes && !latency && !against && start === null && !overTime);
   }
 
-  /** Have the server send what the graph or the robots need while they are shown. */
+  /** Request the messages of the graph or the robots while they are shown. */
   sendShown() {
     for (const type of ["graph", "robots"]) {
       const on = this.state.values.view === type;

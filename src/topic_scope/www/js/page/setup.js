@@ -1,4 +1,4 @@
-/** What a page is set up to show: kept in its address, in files, and given by the command line. */
+/** Set-up of a page: in its address, in files, and from the command line. */
 
 import { byId, download } from "../base/dom.js";
 import { notify } from "../base/link.js";
@@ -16,7 +16,7 @@ const isText = (value) => typeof value === "string";
 const isBound = (value) => value === null || Number.isFinite(value);
 const isList = (value) => Array.isArray(value) && value.every(isText);
 
-/** How each part is written, and what is checked when it is read. */
+/** Writer and validator of each part of a set-up. */
 const PARTS = {
   fields: { ok: isList },
   hidden: { ok: isList, write: (set) => [...set], read: (list) => new Set(list) },

@@ -16,7 +16,7 @@ const windowText = (window) => (window < 1 ? `${typed(window * 1000)} ms` : `${t
 /**
  * The address of the samples that are visible, at full resolution.
  * @param {string[]} fields
- * @param {{from: number, to: number}} shown since the epoch, s
+ * @param {{from: number, to: number}} shown since the epoch [s]
  * @returns {string}
  */
 function csvAddress(fields, { from, to }) {
@@ -83,7 +83,7 @@ export function startTools(state, view, plot, sweep, open, chart) {
   const csv = byId("csv");
   const address = () => { csv.href = csvAddress(state.shown, sweep.shown); };
   for (const before of ["pointerdown", "focus", "keydown", "click"]) csv.addEventListener(before, address);
-  setInterval(address, ADDRESS_MS); // whoever copies it need not have pressed it
+  setInterval(address, ADDRESS_MS); // users may copy it without pressing the button
 
   function showWindows({ window, history }) {
     const lengths = WINDOWS.filter((length) => length <= history);

@@ -6,7 +6,7 @@ import { axisName, axisOf, axisParts, plotCount } from "../state/traces.js";
 
 const SIDES = { x: "time", y: "left", y2: "right" };
 
-/** What an axis is called; one of the first plot by its side alone. */
+/** Title of an axis; one of the first plot by its side alone. */
 function called(name) {
   const [side, plot] = axisParts(name);
   return `${SIDES[side]} axis${plot === 1 ? "" : ` of plot ${plot}`}`;

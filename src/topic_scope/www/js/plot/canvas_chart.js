@@ -49,7 +49,7 @@ export class Chart {
     new ResizeObserver(() => this.redraw()).observe(element);
   }
 
-  /** Begin anew with the ranges of the axes. */
+  /** Reset the ranges of the axes. */
   forget() {
     this.auto = { x: new AutoRange(), y: new AutoRange() };
   }
@@ -108,7 +108,7 @@ export class Chart {
     return { x: around(ranges.x, w), y: around(ranges.y, h) };
   }
 
-  /** Where on the canvas a point is. */
+  /** Return the position of a point on the canvas. */
   place(x, y) {
     const { area, ranges } = this;
     return [

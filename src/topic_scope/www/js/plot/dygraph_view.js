@@ -96,7 +96,7 @@ export class Plot {
     this.element.remove();
   }
 
-  /** Find the vertical ranges anew, when other traces are here. */
+  /** Reset the vertical ranges, when the traces have changed. */
   forgetRanges() {
     this.auto = { y: new AutoRange(), y2: new AutoRange() };
   }
@@ -232,7 +232,7 @@ export class Plot {
     return `${title === "time, s" ? "time" : title},${day} ${zoneText(to)}`;
   }
 
-  /** How wide the numbers of an axis are: more than usual where they need many digits. */
+  /** Width of the numbers of an axis: wider if they need many digits. */
   labelWidth([low, high]) {
     const labels = ticks(low, high, this.area.h / PIXELS_PER_TICK.y).map(({ label }) => label.length);
     return Math.max(LABEL_WIDTH, LETTER * Math.max(0, ...labels));
@@ -248,7 +248,7 @@ export class Plot {
     return chosen[0] < chosen[1] ? chosen : range;
   }
 
-  /** Where the traces are: x, y, w and h in the element, pixels. */
+  /** Area of the traces: x, y, w and h in the element [pixels]. */
   get area() {
     return this.graph.getArea();
   }
@@ -274,7 +274,7 @@ export class Plot {
     return ranges[axis === "y2" ? ranges.length - 1 : 0];
   }
 
-  /** The ends of the time axis, as it counts, s. */
+  /** The ends of the time axis, as it counts [s]. */
   get times() {
     return this.graph.xAxisRange();
   }

@@ -12,8 +12,8 @@ const BOLDEST = 0.6;
  * @param {[number, number]} extent the least and the greatest value of the latest sweep
  * @param {Map<string, import("../state/persistence.js").Line>[]} sweeps
  * @param {string[]} fields
- * @param {number} from on the time axis, s
- * @param {number} to on the time axis, s
+ * @param {number} from on the time axis [s]
+ * @param {number} to on the time axis [s]
  * @returns {[number, number]}
  */
 export function widened([low, high], sweeps, fields, from, to) {
@@ -30,7 +30,7 @@ export function widened([low, high], sweeps, fields, from, to) {
   return [low, high];
 }
 
-/** What is behind the traces of one plot. */
+/** Layer behind the traces of one plot. */
 export class EarlierSweeps {
   constructor() {
     this.canvas = document.createElement("canvas");

@@ -10,7 +10,7 @@ const WINDOWS = ["hann", "flattop", "blackman", "rectangular"];
 const AVERAGES = [1, 2, 4, 8, 16, 32];
 const FLOOR_DB = 120; // below the largest line nothing is drawn
 
-/** Tell whether a chart of a set-up is valid. */
+/** Whether a chart of a set-up is valid. */
 export const isChart = ({ kind, x, window, scale, averages, equal }) =>
   KINDS.some(([name]) => name === kind) && typeof x === "string" && WINDOWS.includes(window) &&
   ["dB", "linear"].includes(scale) && AVERAGES.includes(averages) && typeof equal === "boolean";

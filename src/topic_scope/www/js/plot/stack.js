@@ -25,14 +25,14 @@ export class Plots {
   }
 
   /**
-   * Have a function called after each drawing.
+   * Call a function after each drawing.
    * @param {function(): void} listener
    */
   onDrawn(listener) {
     this.listeners.push(listener);
   }
 
-  /** Have as many plots as there are to be, and the traces in theirs. */
+  /** Add or remove plots, and assign the traces to theirs. */
   arrange() {
     const { list, state } = this;
     const count = plotCount(state.values);
@@ -67,7 +67,7 @@ export class Plots {
     for (const plot of this.list) plot.redraw();
   }
 
-  /** How wide the labels of both axes are for all plots to have the same edges, 0 for no axis. */
+  /** Widths of both axes' labels that align all plots; 0 for no axis. */
   widths() {
     const widest = (side, plots) => Math.max(0, ...plots.map((plot) => plot.widths[side]));
     return {
@@ -76,7 +76,7 @@ export class Plots {
     };
   }
 
-  /** From the first plot to the last one: x, y, w and h in the element, pixels. */
+  /** From the first plot to the last one: x, y, w and h in the element [pixels]. */
   get area() {
     const [first] = this.list;
     const { x, y, w, h } = first.area;
@@ -160,7 +160,7 @@ export class Plots {
     return rounded(low + inside * (high - low), high - low);
   }
 
-  /** The ends of the time axis, as it counts, s. */
+  /** The ends of the time axis, as it counts [s]. */
   get times() {
     return this.list[0].times;
   }

@@ -1,4 +1,4 @@
-/** Which part of the world is seen: metres to pixels, with one scale for both axes and y upwards. */
+/** Camera: metres to pixels, with one scale for both axes and y upwards. */
 
 import { clamp } from "../base/numbers.js";
 
@@ -15,7 +15,7 @@ export class Camera {
   }
 
   /**
-   * Where a place is in the picture.
+   * Return the position of a place in the picture.
    * @returns {[number, number]} pixels from the top left corner
    */
   toPicture(x, y) {
@@ -23,7 +23,7 @@ export class Camera {
   }
 
   /**
-   * Which place is at a point of the picture.
+   * Return the place at a point of the picture.
    * @returns {[number, number]} m
    */
   toWorld(across, down) {

@@ -98,7 +98,7 @@ export class Drawing {
     this.context.fill();
   }
 
-  /** How wide a text is, pixels. */
+  /** Return the width of a text [pixels]. */
   widthOf(text) {
     this.context.font = FONT;
     return this.context.measureText(text).width;
@@ -155,7 +155,7 @@ export class Drawing {
     return isGrey && alpha > 0.5 ? this.style("muted") : colour(parts);
   }
 
-  /** What a laser sees. */
+  /** Draw a laser scan. */
   scan({ at, first, step, ranges }, fill) {
     this.context.fillStyle = fill;
     const size = 3 * this.pixel;

@@ -1,4 +1,4 @@
-/** A tile for each robot that says how it is. */
+/** Status tiles, one for each robot. */
 
 import { byId, make } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
@@ -20,7 +20,7 @@ function tile({ topic, name, mode, readings, age }) {
 let shown = "";
 
 /**
- * Show the tiles, anew only where they differ.
+ * Show the tiles; rebuild them only if they differ.
  * @param {{robots: Object[]}} message as the server sends it
  */
 export function showFleet({ robots }) {

@@ -1,4 +1,4 @@
-/** The robots in words: what the picture shows, for those who cannot see it, and to choose one. */
+/** Table of the robots, as text alternative to the picture and to choose one. */
 
 import { byId, make, setPressed, setText } from "../base/dom.js";
 import { typed } from "../base/numbers.js";
@@ -8,7 +8,7 @@ const DEGREES = 180 / Math.PI;
 /** The name of a robot by its topic: robot1 for /robot1/odom. */
 export const nameOf = (topic) => topic.replace(/^\//, "").replace(/(.)\/odom$/, "$1");
 
-/** How far another odometry of a robot is from the one that it is shown by. */
+/** Distance of another odometry of a robot from the one that is shown. */
 function away(robot, { x, y, heading, frame, silent }) {
   if (silent) return "silent";
   if (frame !== robot.frame) return `in the frame ${frame}`;
@@ -29,7 +29,7 @@ export class RobotList {
     this.rows = new Map(); // topic -> button
   }
 
-  /** Make all rows anew: the colours are others. */
+  /** Rebuild all rows: the colours have changed. */
   forget() {
     this.rows.clear();
   }

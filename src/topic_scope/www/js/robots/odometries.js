@@ -1,4 +1,4 @@
-/** Which odometries are of one robot. */
+/** Grouping of odometries by robot. */
 
 const spaceOf = (topic) => topic.slice(0, topic.lastIndexOf("/") + 1);
 

@@ -12,7 +12,7 @@ const CLICK = 5; // pixels within which a press is not a drag
  *   pick: function({x: number, y: number, heading: ?number}): void,
  *   over: function(number, number): void}} acts moved: the user has moved the picture; aim: a goal
  *   is being drawn out; pick: it is set, with a heading where it was drawn out; over: where the
- *   pointer is, m
+ *   pointer is [m]
  */
 export function startPointer(canvas, { camera, picksGoal, moved, aim, pick, over }) {
   const pointers = new Map();

@@ -17,7 +17,7 @@ const PAD = [
 
 const unit = (value) => clamp(value, -1, 1);
 
-/** Takes the wheel of a robot, and commands it. */
+/** Drives a robot through a drive session of the server. */
 export class Teleop {
   /**
    * @param {function(Object): void} send takes messages for the server
@@ -99,7 +99,7 @@ export class Teleop {
     if (this.held.delete(what) && !this.held.size) this.stop();
   }
 
-  /** Nothing is held any more. */
+  /** Release all keys and buttons. */
   release() {
     if (this.held.size) this.stop();
   }

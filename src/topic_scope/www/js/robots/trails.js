@@ -1,4 +1,4 @@
-/** Where robots have been since the page is open. */
+/** Trails of the robots since the page was opened. */
 
 const APART = 0.02; // of two points, m
 const JUMP = 0.5; // a robot that is so far from where it was a moment ago was put there, m
@@ -34,7 +34,7 @@ export class Trails {
     return this.lines.get(topic) ?? [];
   }
 
-  /** Forget all. */
+  /** Remove all trails. */
   clear() {
     this.lines.clear();
   }

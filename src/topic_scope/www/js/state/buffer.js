@@ -27,7 +27,7 @@ export class TraceBuffer {
    * @param {{now: number, bin: number, reset: boolean, first: number,
    *   traces: Object<string, Array<?number>>, places: ?Object<string, number[]>,
    *   lasts: ?Object<string, Array<?number>>}} frame
-   * @param {number} span how much of the past is to be kept, s
+   * @param {number} span how much of the past is to be kept [s]
    */
   apply(frame, span) {
     const fields = Object.keys(frame.traces);
@@ -86,7 +86,7 @@ export class TraceBuffer {
   /**
    * Tabulate traces for dygraphs, see rows.js.
    * @param {string[]} fields
-   * @param {number} reference what the times count from, since the epoch, s
+   * @param {number} reference what the times count from, since the epoch [s]
    * @param {Array<Array<?number>>} [rows] of an earlier call, to be used again
    * @returns {Array<Array<?number>>} never empty
    */
@@ -102,8 +102,8 @@ export class TraceBuffer {
   /**
    * Find the smallest and the largest value of some traces.
    * @param {string[]} fields
-   * @param {number} from since the epoch, s
-   * @param {number} to since the epoch, s
+   * @param {number} from since the epoch [s]
+   * @param {number} to since the epoch [s]
    * @returns {[number, number]} infinite, and the wrong way round, where there is none
    */
   extent(fields, from, to) {
@@ -140,7 +140,7 @@ export class TraceBuffer {
    * steps, the last value before. There is none where the line has ended: beside its ends it counts as
    * far as it is from there to the next value.
    * @param {string} field
-   * @param {number} time since the epoch, s
+   * @param {number} time since the epoch [s]
    * @returns {?number}
    */
   at(field, time) {

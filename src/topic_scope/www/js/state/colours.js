@@ -29,7 +29,7 @@ export function colourOf(state, field) {
  * Return the dash of a trace, the picked one or that of its slot.
  * @param {import("./store.js").State} state
  * @param {string} field
- * @returns {number[]} dashes and gaps in turn, pixels; none for a line without gaps
+ * @returns {number[]} dashes and gaps in turn [pixels]; none for a line without gaps
  */
 export function dashOf(state, field) {
   const { dash } = chosenOf(state.values, field);

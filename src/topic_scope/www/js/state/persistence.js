@@ -1,11 +1,11 @@
 /** Persistence: sweeps that the trigger held before the latest one stay visible, so that jitter shows as a band. */
 
-/** How many earlier sweeps may stay visible. */
+/** Numbers of earlier sweeps that may stay visible. */
 export const KEPT = [0, 4, 8, 16, 32, 64];
 
 /**
  * @typedef {Object} Line
- * @property {Float64Array} points time from the trigger, s, and value in turn; NaN where the line ends
+ * @property {Float64Array} points time from the trigger [s], and value in turn; NaN where the line ends
  * @property {boolean} steps whether a value holds until the next one
  */
 
@@ -13,7 +13,7 @@ export const KEPT = [0, 4, 8, 16, 32, 64];
  * Find how a trace goes in a stretch of time.
  * @param {import("./buffer.js").TraceBuffer} buffer
  * @param {string} field
- * @param {number} zero what times count from, since the epoch, s
+ * @param {number} zero what times count from, since the epoch [s]
  * @param {number} from s from there
  * @param {number} to s from there
  * @returns {Line}
@@ -40,9 +40,9 @@ export class Persistence {
 
   /**
    * Keep a sweep that is about to be replaced.
-   * @param {{buffer: import("./buffer.js").TraceBuffer, time: number}} held with the time of its trigger, s
+   * @param {{buffer: import("./buffer.js").TraceBuffer, time: number}} held with the time of its trigger [s]
    * @param {number} from the first time of it that is shown, s from its trigger
-   * @param {number} to the last one, s
+   * @param {number} to the last one [s]
    */
   keep({ buffer, time }, from, to) {
     if (!this.most) return;
@@ -56,7 +56,7 @@ export class Persistence {
     this.sweeps.splice(0, this.sweeps.length - this.most);
   }
 
-  /** Forget all: the next sweeps show something else. */
+  /** Drop all sweeps: the next ones show other data. */
   forget() {
     this.sweeps = [];
   }

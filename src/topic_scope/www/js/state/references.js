@@ -1,10 +1,10 @@
-/** References: traces that are kept as they are at one moment, to be compared with what they are later. */
+/** References: copies of traces at one moment, for comparison with later samples. */
 
 import { clockText } from "../base/clock.js";
 import { typed } from "../base/numbers.js";
 import { lineOf } from "./persistence.js";
 
-/** Most of them. */
+/** Most references at a time. */
 export const MOST = 8;
 
 /**
@@ -13,10 +13,10 @@ export const MOST = 8;
  * @property {string} field the trace that it was; it has its plot, axis and colour, and goes with it
  * @property {Map<string, string>} figures that the table had of it
  * @property {import("./buffer.js").TraceBuffer} buffer
- * @property {number} zero what its times count from, since the epoch, s
+ * @property {number} zero what its times count from, since the epoch [s]
  * @property {number} from where it begins, s from there
  * @property {number} to where it ends, s from there
- * @property {number} later how far it is moved to the right, s
+ * @property {number} later how far it is moved to the right [s]
  * @property {number} offset what is added to its values
  * @property {Map<string, import("./persistence.js").Line>} lines what is drawn, by field
  */
@@ -28,7 +28,7 @@ function withLine(one) {
   return { ...one, lines: new Map([[field, { points: moved, steps }]]) };
 }
 
-/** Let references go with their traces. */
+/** Remove references together with their traces. */
 export function startReferences(state) {
   state.on(["fields"], ({ fields, references }) => {
     const left = references.filter(({ field }) => fields.includes(field));
@@ -77,7 +77,7 @@ export function removeReference(state, name) {
 /**
  * Find the value of a reference, as it is drawn.
  * @param {Reference} one
- * @param {number} time on the time axis, s
+ * @param {number} time on the time axis [s]
  * @returns {?number} null where it has none
  */
 export function valueOf({ buffer, field, zero, from, to, later, offset }, time) {
@@ -86,7 +86,7 @@ export function valueOf({ buffer, field, zero, from, to, later, offset }, time) 
   return value === null ? null : value + offset;
 }
 
-/** When a reference was kept: the time of its right edge. */
+/** Time of a reference: that of its right edge. */
 export const keptText = ({ zero, to }) => `kept ${clockText(zero + to, 1)}`;
 
 /** Describe a reference for a picture. */

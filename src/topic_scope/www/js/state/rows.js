@@ -8,16 +8,16 @@ const PLACES = 8; // in a bin, as the server counts them
 const MIDDLE = PLACES; // the first of the rows at the middle, between those of the places
 const ROWS = 2 * PLACES + 3;
 
-/** Which of the rows of a bin is that of a place; two samples may share one. */
+/** Index of a place among the rows of its bin; two samples may share one. */
 const rowOf = (place, turn) => 2 * place + turn + (place < PLACES / 2 ? 0 : 3);
 
-/** Where in its bin each row is, 0 to 1. */
+/** Position of each row in its bin, 0 to 1. */
 const PARTS = new Array(ROWS).fill(0.5);
 for (let place = 0; place < PLACES; place += 1) {
   for (const turn of [0, 1]) PARTS[rowOf(place, turn)] = (place + 0.5) / PLACES;
 }
 
-/** How many bits are set. */
+/** Number of bits that are set. */
 function bitCount(bits) {
   let count = 0;
   for (let left = bits; left; left &= left - 1) count += 1;
@@ -26,7 +26,7 @@ function bitCount(bits) {
 
 const MOST = 3; // values of a trace in a bin
 
-/** Whether there is a number. */
+/** Whether a value is a number. */
 export const isThere = (value) => value !== null && value !== undefined && !Number.isNaN(value);
 
 /**

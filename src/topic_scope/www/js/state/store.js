@@ -1,4 +1,4 @@
-/** What the user has chosen: one object, and listeners to its parts. */
+/** State of the page: one object with the user's choices, and listeners to its parts. */
 
 import { axisOf } from "./traces.js";
 
@@ -13,7 +13,7 @@ import { axisOf } from "./traces.js";
 export const TRIGGER_MODES = ["off", "normal", "auto", "single"];
 export const TRIGGER_EDGES = ["rising", "falling"];
 
-/** What a page starts with. Times are in s. */
+/** Initial state of a page; times in [s]. */
 const INITIAL = {
   fields: [], // chosen, in order
   available: [], // {field, datatype, topic}
@@ -63,7 +63,7 @@ export class State {
   }
 
   /**
-   * Have a function called when one of some values is set.
+   * Call a function when one of some values is set.
    * @param {string[]} names
    * @param {function(Object): void} listener takes the values
    */
@@ -111,7 +111,7 @@ export class State {
     this.set({ trigger: { ...trigger, ...changes, number: trigger.number + 1 }, ...others });
   }
 
-  /** Whether what is shown goes with the time. */
+  /** Whether the view follows the present time. */
   get isRunning() {
     return this.values.end === null && this.values.playing;
   }

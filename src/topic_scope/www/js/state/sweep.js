@@ -1,4 +1,4 @@
-/** What the screen shows: the running trace, a paused stretch, or one held by the trigger. */
+/** Shown sweep: the running trace, a paused span, or one held by the trigger. */
 
 import { TraceBuffer } from "./buffer.js";
 import { Persistence } from "./persistence.js";
@@ -36,7 +36,7 @@ export class Sweep {
     });
   }
 
-  /** Forget what the trigger holds. */
+  /** Drop the sweep that the trigger holds. */
   release() {
     this.held = null;
     this.persistence.forget();
@@ -67,14 +67,14 @@ export class Sweep {
     if (message.state === "triggered") this.pending = [...this.pending.slice(-1), message.time];
   }
 
-  /** What the server's clock shows, also while no frames come, since the epoch, s. */
+  /** What the server's clock shows, also while no frames come, since the epoch [s]. */
   get now() {
     return this.state.values.playing ? performance.now() / 1000 + this.ahead : this.live.now;
   }
 
   /**
    * What is to be drawn: bins, earlier sweeps, what times count from, and both edges, since the
-   * epoch, s.
+   * epoch [s].
    * @returns {{buffer: TraceBuffer, earlier: Map<string, import("./persistence.js").Line>[],
    *   reference: number, from: number, to: number}}
    */

@@ -1,4 +1,4 @@
-/** What is chosen for each trace besides its axis and the colour that a user has picked. */
+/** Settings of each trace besides its axis and its colour. */
 
 import { typed } from "../base/numbers.js";
 
@@ -11,7 +11,7 @@ export const DRAWN = ["line", "steps"];
 /** Largest gain and offset that the scope takes. */
 export const LARGEST = 1e300;
 
-/** Dashes and gaps of a line by name, pixels; as many slots as there are colours go with each. */
+/** Dashes and gaps of a line by name [pixels]; as many slots as there are colours go with each. */
 export const DASHES = new Map([
   ["solid", []], ["dashed", [9, 4]], ["dotted", [2, 3]], ["dash-dot", [9, 3, 2, 3]],
 ]);
@@ -41,10 +41,10 @@ export function axisParts(name) {
 /** A vertical axis, as it is set. */
 export const axisOf = ({ axes }, name) => axes[name] || FREE;
 
-/** What is chosen for a trace. */
+/** Settings of a trace. */
 export const chosenOf = ({ traces }, field) => traces.get(field) || USUAL;
 
-/** How many plots there are. */
+/** Number of plots. */
 export const plotCount = ({ fields, traces }) =>
   Math.max(1, ...fields.map((field) => chosenOf({ traces }, field).plot));
 
@@ -130,7 +130,7 @@ export function scaledText(values, field) {
 /** The name of a trace, with what it is scaled by. */
 export const labelOf = (values, field) => [field, scaledText(values, field)].filter(Boolean).join(" ");
 
-/** What is chosen for a trace that is new: the plot of the topic or part which stood for it before. */
+/** Settings of a new trace: the plot of the topic that it was expanded from. */
 function inherited(traces, field) {
   const whole = [...traces].find(([name]) => field.startsWith(`${name}/`));
   return whole ? { ...USUAL, plot: whole[1].plot } : USUAL;
@@ -197,7 +197,7 @@ const CHECKS = {
   offset: isScale,
 };
 
-/** Tell whether what a set-up says of traces is valid. */
+/** Return whether the traces of a set-up are valid. */
 export const isTraces = (object) => Object.values(object).every((chosen) =>
   Object.entries(chosen).every(([name, value]) => Object.hasOwn(CHECKS, name) && CHECKS[name](value)));
 

@@ -22,7 +22,7 @@ export class View {
     });
   }
 
-  /** Let what is shown stand still. */
+  /** Pause the view. */
   pause() {
     if (this.state.values.end !== null) return;
     const { to, reference } = this.sweep.shown;

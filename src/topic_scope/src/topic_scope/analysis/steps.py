@@ -57,7 +57,7 @@ class Step(NamedTuple):
 
 
 def step_of(times: numpy.ndarray, values: numpy.ndarray) -> Union[Step, str]:
-    """Return the step that a trace is, or why it is none, in words.
+    """Return the step of a trace, or the reason why it is not a step.
 
     :param times: ascending [s]
     :param values: finite, and of moderate size, not all the same
@@ -197,7 +197,7 @@ def _count(values: numpy.ndarray) -> int:
 
 
 def _why_none(step: Step, sigma: float) -> str:
-    """Return why something is no step, in words; nothing if it is one."""
+    """Return why a trace is not a step; an empty text for a step."""
     values, height = step.values, step.height
     if height <= _ABOVE * sigma or height < _OF_RANGE * float(values.max() - values.min()):
         return "it does not end at another level than it begins at"

@@ -112,7 +112,7 @@ class ColumnReader:
         stamps = numpy.array(
             [self._stamp.value(message) - self._begin for message in found.messages], numpy.int64
         )
-        # What nobody has filled in, or what is of another clock.
+        # An unset stamp, or one of another clock.
         said = numpy.abs(stamps - found.times) < ELSEWHERE_S * 1e9
         return numpy.where(said, stamps, found.times)
 

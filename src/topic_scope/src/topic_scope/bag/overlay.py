@@ -100,7 +100,7 @@ class BagOverlay:
         return longest_step(path, numpy.array(series.times)[there])
 
     def read(self, names: Sequence[str]) -> List[Series]:
-        """Return lines over time; as it opens the file anew, any thread may call it.
+        """Return lines over time; it opens the file itself, so any thread may call it.
 
         :param names: what they are called in the bag
         :raises FieldError: if there is no such line

@@ -1,6 +1,6 @@
 """Plays a bag: its messages come out as those of subscriptions do, by the clock of the bag.
 
-It is read in the thread of whoever asks for the time, a few chunks at each call: so it needs no
+It is read in the thread that calls :meth:`now`, a few chunks at each call: so it needs no
 lock and no queue, and in memory is what lies between the chunks that have begun and the clock. When
 it is sent elsewhere it first reads what came before that place, for as long as a scope keeps it, as
 fast as it can; from there on it goes by the clock.
@@ -97,7 +97,7 @@ class BagPlayer:
         self.is_loading = self.is_playing = self.lacks_past = False
         self.problems: Deque[str] = deque(maxlen=10)
 
-    # --- What somebody wants of it -----------------------------------------------------------
+    # --- Requests ----------------------------------------------------------------------------
 
     @property
     def start(self) -> float:

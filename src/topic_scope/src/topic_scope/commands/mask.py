@@ -202,7 +202,7 @@ def main() -> None:
     except OSError as error:
         _fail(f"{arguments.save}: {error.strerror or error}")
     except KeyboardInterrupt:
-        sys.exit(130)  # as a shell puts it
+        sys.exit(130)  # as a shell reports an interrupt
 
 
 def _fail(text: str) -> NoReturn:

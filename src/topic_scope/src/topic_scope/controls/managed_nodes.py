@@ -19,11 +19,11 @@ _SERVICES = ("get_state", "get_available_transitions", "change_state")
 
 
 class ManagedNodes:
-    """Knows the managed nodes by their services; all methods belong to the thread of the web.
+    """Knows the managed nodes by their services; all methods belong to the web thread.
 
     They are asked, as the event of a transition that ends in a crash never comes.
 
-    :param background: where to wait for nodes
+    :param worker: where to wait for nodes
     :param send: sends a message to all pages
     """
 

@@ -36,10 +36,10 @@ def topics_of(
 
 
 class NodeStatuses:
-    """Knows what nodes say of themselves; all methods belong to the thread of the web.
+    """Knows what nodes say of themselves; all methods belong to the web thread.
 
     :param subscriptions: where what they say comes in
-    :param background: where to wait for the master
+    :param worker: where to wait for the master
     :param send: sends a message to all pages
     """
 

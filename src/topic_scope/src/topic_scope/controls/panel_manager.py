@@ -39,7 +39,7 @@ class _NoPanel(Exception):
 
 
 class PanelManager:
-    """Knows the panels; all methods belong to the thread of the web.
+    """Knows the panels; all methods belong to the web thread.
 
     :param deliver: hands a function to that thread
     :param send: sends to all pages: a message, and what it is about

@@ -42,7 +42,7 @@ def call(
 ) -> None:
     """Call a service, without waiting for it.
 
-    :param background: where to wait for it
+    :param worker: where to wait for it
     :param service: its name
     :param kind: its kind
     :param data: for SetBool, the truth value

@@ -45,9 +45,9 @@ class Asked(NamedTuple):
 
 
 class Settings:
-    """Sets values; all methods belong to the thread of the web.
+    """Sets values; all methods belong to the web thread.
 
-    :param background: where to wait for nodes
+    :param worker: where to wait for nodes
     :param change: has a node change parameters by name; raises an exception if it does not answer
     :param send_values: sends all pages the values of parameters that have changed
     :param read_again: has the panel of a node follow what is on the parameter server now
@@ -114,7 +114,7 @@ class Settings:
             result = Changed(False, f"{node} does not answer: {result}", {})
         panel = next(iter(asked.values())).panel
         self._send_values(panel, panel.follow(result.values))
-        self._read_again(panel.node)  # somebody else's change may be newer than this answer
+        self._read_again(panel.node)  # another client's change may be newer than this reply
         refused = self._refused.setdefault(node, {})
         if result.success:
             for name in [name for name in refused if refused[name] == result.values.get(name)]:

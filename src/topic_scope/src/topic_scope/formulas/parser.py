@@ -122,7 +122,7 @@ def parse_formula(text: str) -> Formula:
     """Read a formula.
 
     :param text: the formula, without the ``=`` before it
-    :raises FormulaError: if it is none; the text says in words why
+    :raises FormulaError: if it is invalid; the text states the reason
     """
     tokens = tokens_of(text)
     fields: List[str] = []

@@ -1,7 +1,7 @@
 """Ask nodes themselves for what the master does not know.
 
 They keep count of the messages that they send, so that nothing has to be subscribed to. And they
-know which type they take: the master has one type for each topic only, that of whoever came first,
+know which type they take: the master has one type for each topic only, that of the first node,
 and it stays when a node starts again with another one.
 """
 
@@ -53,7 +53,7 @@ class NodeQueries:
                     self._uris[node] = self._look_up(node)
                 statistics = self._ask(self._uris[node], "getBusStats")
                 answers[node] = (time.monotonic(), statistics)
-            except Exception:  # whatever a node that is ending, or is none, may answer
+            except Exception:  # of any kind: a node that is shutting down may reply anything
                 self._uris.pop(node, None)
                 self._paused[node] = time.monotonic() + PAUSE_S
         return answers
@@ -72,7 +72,7 @@ class NodeQueries:
             try:
                 subscriptions = self._ask(self._look_up(node), "getSubscriptions")
                 types = [datatype for name, datatype in subscriptions if name == topic]
-            except Exception:  # whatever a node that is ending, or is none, may answer
+            except Exception:  # of any kind: a node that is shutting down may reply anything
                 continue
             for datatype in types:
                 if datatype in known:

@@ -105,7 +105,7 @@ class GraphFeed:
     """Makes the graph message, with rates while a page shows it; in the web thread.
 
     :param name: name of the scope's node, which is left out
-    :param background: where to wait for nodes
+    :param worker: runs calls that wait for nodes
     :param send: passes the graph on to the pages that show it
     """
 

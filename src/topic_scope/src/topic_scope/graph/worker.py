@@ -11,9 +11,9 @@ class Worker:
     """Runs each job in a thread of its own, without waiting for it.
 
     A node that is stopped answers never, and rospy waits for it as long. So one piece of work for
-    the same thing is done at a time, and who waits for ever holds up nobody else.
+    the same thing is done at a time, and a job that never ends blocks no other.
 
-    :param deliver: hands a function to the thread of the web
+    :param deliver: hands a function to the web thread
     """
 
     def __init__(self, deliver: Callable[[Callable[[], None]], None]) -> None:
@@ -29,7 +29,7 @@ class Worker:
 
         :param what: the thing that it is about
         :param work: the work; returns or raises its result
-        :param then: called in the thread of the web with the result, or the exception
+        :param then: called in the web thread with the result, or the exception
         :returns: False if earlier work is not done yet, so that this was not begun
         """
         if what in self._busy or len(self._busy) >= LIMIT:

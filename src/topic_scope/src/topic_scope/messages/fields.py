@@ -123,7 +123,7 @@ def split(name: str, topics: Collection[str]) -> Optional[Tuple[str, str]]:
 def to_path(text: str) -> Path:
     """Return the path that a text such as ``pose/x`` or ``data[3]`` stands for.
 
-    :raises FieldError: if it is none
+    :raises FieldError: if it is invalid
     """
     path: List[Union[str, int]] = []
     for part in text.split("/") if text else []:

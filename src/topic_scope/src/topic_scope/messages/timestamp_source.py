@@ -98,7 +98,7 @@ def correction(path: Optional[Path], offset: float) -> Optional[str]:
 def said_in(path: Optional[Path], own: numpy.ndarray) -> numpy.ndarray:
     """Return which messages have a valid stamp.
 
-    A stamp that nobody has filled in is no time, nor is NaN, or what is beyond all clocks.
+    An unset stamp is not a time, nor is NaN, or what is beyond all clocks.
 
     :param path: where their times stand
     :param own: these times [s]

@@ -61,7 +61,7 @@ class StatisticsHistory:
     ) -> None:
         """Count what was measured, and tell of each trace how its figures have varied.
 
-        :param number: of the request; another one begins anew, with 0 nothing is counted
+        :param number: of the request; another number restarts the count, 0 ends it
         :param span: of which time the figures are [s]
         :param traces: what is told of each trace by its name; gets ``over_time``
         """

@@ -65,7 +65,7 @@ def field_names(name: Any, kind: str) -> List[str]:
 def field_in(request: Dict[str, Any], kind: str, key: str = "field") -> str:
     """Return the one field that a request names.
 
-    :raises RequestError: if it is none, or several
+    :raises RequestError: if it is not a name, or stands for several
     """
     fields = field_names(request.get(key), kind)
     if len(fields) != 1:
@@ -77,7 +77,7 @@ def time_of(text: Any) -> float:
     """Read a time.
 
     :param text: s since the epoch
-    :raises RequestError: if it is none
+    :raises RequestError: if it is invalid
     """
     try:
         time = float(text)
@@ -91,7 +91,7 @@ def time_of(text: Any) -> float:
 def name_of(request: Dict[str, Any], kind: str, key: str) -> str:
     """Return a name in a request.
 
-    :raises RequestError: if it is none
+    :raises RequestError: if it is invalid
     """
     name = request.get(key)
     if not isinstance(name, str) or not 0 < len(name) <= _LONGEST_NAME:
@@ -102,7 +102,7 @@ def name_of(request: Dict[str, Any], kind: str, key: str) -> str:
 def word_of(request: Dict[str, Any], kind: str, key: str, words: Tuple[str, ...]) -> str:
     """Return one of some words in a request.
 
-    :raises RequestError: if it is none of them
+    :raises RequestError: if it is not one of them
     """
     word = request.get(key)
     if not isinstance(word, str) or word not in words:
@@ -124,7 +124,7 @@ def flag_of(request: Dict[str, Any], kind: str, key: str) -> bool:
 def number_of(request: Dict[str, Any], kind: str, key: str, low: float, high: float) -> float:
     """Return a number in a request.
 
-    :raises RequestError: if it is none, or out of range
+    :raises RequestError: if it is not a number, or out of range
     """
     number = request.get(key)
     if isinstance(number, bool) or not isinstance(number, (int, float)):

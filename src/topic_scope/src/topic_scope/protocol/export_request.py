@@ -23,7 +23,7 @@ def export_of(request: Dict[str, Any]) -> Export:
     """Return which samples are to be written.
 
     :param request: ``fields``, and optionally ``start`` and ``end``, texts as in an address
-    :raises RequestError: if a time is none, or no field has a name that can be one
+    :raises RequestError: if a time or the names of all fields are invalid
     """
     fields = fields_of(request.get("fields"))
     problems = [problem_of(name) for name in fields]

@@ -162,7 +162,7 @@ class Measure(NamedTuple):
     :param end: its end [s] from the reference on
     :param reference: s since the epoch; None to go with the time
     :param latency: whether the times from stamps to reception are wanted
-    :param over_time: number of the request to count how figures vary; another one begins anew, 0
+    :param over_time: number of the request to count how figures vary; another one restarts it, 0
         ends it
     """
 

@@ -26,7 +26,7 @@ class DriveSession:
 
     def __init__(self, topic: str, datatype: str) -> None:
         self.datatype = datatype
-        # A queue: a subscriber that does not read holds nobody up, and gets the newest in the end.
+        # With a queue, a subscriber that does not read blocks no other, and gets the newest one.
         self._publisher = rospy.Publisher(topic, TYPES[datatype], queue_size=1)
         self._dead_man = DeadMan()
         self._wake = threading.Condition()

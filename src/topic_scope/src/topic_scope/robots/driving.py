@@ -19,7 +19,7 @@ from topic_scope.robots.dead_man import Velocity
 from topic_scope.robots.drive_session import DriveSession
 
 _GOAL = PoseStamped._type
-#: Longest wait until whoever takes goals has connected [s].
+#: Longest wait for a subscriber of goals to connect [s].
 _CONNECTING_S = 3.0
 #: Time in which a zero leaves when the scope ends [s]; a busy machine needs some.
 _LAST_S = 0.5
@@ -29,7 +29,7 @@ class Driving:
     """Assigns robots to the pages that drive them; used in the web thread only.
 
     :param node: the scope's
-    :param background: where to wait for nodes
+    :param worker: runs calls that wait for nodes
     """
 
     def __init__(self, node: Maker, worker: Worker) -> None:
@@ -64,7 +64,7 @@ class Driving:
         """Start a drive session for a page; it ends that of another page for the same robot.
 
         :param topic: where the robot takes commands; empty to give the wheel back
-        :raises ValueError: if nobody takes commands there
+        :raises ValueError: if the topic has no subscriber
         """
         if topic and self._wanted.get(page) == topic:
             return  # a second click, before there is an answer
@@ -118,7 +118,7 @@ class Driving:
             )
 
     def _stop_all(self) -> None:
-        # For good: pages go on sending commands to the thread of the web until the process ends.
+        # For good: pages go on sending commands to the web thread until the process ends.
         self._is_over = True
         if any([one.close() for _, one in list(self._sessions.values())]):
             time.sleep(_LAST_S)
@@ -128,7 +128,7 @@ class Driving:
     def send(self, page: Page, request: Goal) -> None:
         """Send a robot to a place.
 
-        :raises ValueError: if nobody takes goals there
+        :raises ValueError: if the topic has no subscriber
         """
         ask = self._asked(request.topic, (_GOAL,))
         work = partial(self._send, request, ask)
@@ -168,7 +168,7 @@ class Driving:
     def _asked(self, topic: str, known: Any) -> Callable[[], Optional[str]]:
         """Return a job that asks the subscribers of a topic for their type.
 
-        :raises ValueError: if nobody subscribes
+        :raises ValueError: if the topic has no subscriber
         """
         nodes = self._subscribers.get(topic)
         if not nodes:

@@ -56,7 +56,7 @@ def transform_of(
     """Return the transform that a message holds.
 
     :param position: its x, y, z
-    :param rotation: its x, y, z, w; all zero, where nobody has filled it in, turns nothing
+    :param rotation: its x, y, z, w; all zero, if unset, is the identity
     :returns: the transform, None if something in it is not finite
     """
     place = tuple(float(position[name]) for name in "xyz")

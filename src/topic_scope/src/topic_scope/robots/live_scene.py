@@ -17,7 +17,7 @@ from topic_scope.robots.driving import Driving
 class LiveScene:
     """Shows and drives robots; topics are subscribed to only while a page shows them.
 
-    All methods belong to the thread of the web.
+    All methods belong to the web thread.
 
     :param node: the scope's
     :param deliver: hands a function to that thread

@@ -18,7 +18,7 @@ _LOG_PERIOD_S = 60.0
 class SceneFeed:
     """Makes the robot view; messages are wanted only while a page shows it.
 
-    All methods belong to the thread of the web.
+    All methods belong to the web thread.
 
     :param source: where messages come in
     :param layouts: knows them

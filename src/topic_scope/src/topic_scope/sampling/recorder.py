@@ -20,7 +20,7 @@ from topic_scope.sampling.traces import Stream, Trace
 
 #: Most fields that are listed, and most topics that are subscribed to for one message alone.
 LISTED, UNKNOWN = 5000, 50
-#: Most traces that are recorded; beyond that, those that nobody looks at any more are forgotten.
+#: Most traces that are recorded; beyond that, those that no page shows are dropped.
 TRACES = 1024
 #: How many updates are remembered for pages that have not had a frame since.
 _UPDATES = 400
@@ -50,7 +50,7 @@ class Recorder:
 
     :param source: where the messages come in
     :param layouts: knows the messages
-    :param history: how long samples are kept, and a field that nobody looks at any more [s]
+    :param history: how long samples are kept, and a field that no page shows [s]
     :param overlays: what is laid over that: its topics are among those that there are
     """
 
@@ -85,7 +85,7 @@ class Recorder:
 
     def choices(self) -> List[Choice]:
         """List the fields that can be chosen now."""
-        # What nobody looks at stays as it is: listing it again would cost more than all else.
+        # A topic that no page shows is not listed again: that would cost more than all else.
         known, self._choices = self._choices, {}
         recorded = {stream.topic for stream in self._streams.values()}
         for topic, datatype in sorted(self._types.items(), key=_rank):

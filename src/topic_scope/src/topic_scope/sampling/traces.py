@@ -132,7 +132,7 @@ class Trace:
     :param function: name of what is computed of it, see :mod:`.derived`; empty for nothing
 
     :ivar ring: the samples, by the own clock of their messages
-    :ivar used_at: when somebody has looked at it [s]
+    :ivar used_at: when a page last showed it [s]
     """
 
     def __init__(

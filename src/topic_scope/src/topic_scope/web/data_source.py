@@ -11,7 +11,7 @@ from topic_scope.sampling.message_source import MessageSource
 class Pages(Protocol):
     """Scope session, as its data source sees it.
 
-    All methods belong to the thread of the web.
+    All methods belong to the web thread.
     """
 
     def pages(self) -> List[Page]:

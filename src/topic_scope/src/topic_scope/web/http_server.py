@@ -84,7 +84,7 @@ class HttpServer:
     def show(self, make: Callable[[], ScopeSession]) -> None:
         """Show something from now on.
 
-        :param make: makes it, in the thread of the web
+        :param make: makes it, in the web thread
         :raises Exception: what that raises
         """
         made = threading.Event()

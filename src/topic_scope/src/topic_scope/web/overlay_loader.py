@@ -29,7 +29,7 @@ def open_overlays(options: Options) -> List[BagOverlay]:
 class OverlayLoader:
     """Reads the requested traces of bags, and moves the bags in time; for all pages alike.
 
-    All methods belong to the thread of the web.
+    All methods belong to the web thread.
 
     :param bags: the bags
     :param deliver: hands a function to that thread

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Judge whether a trace keeps within limits around another one: see topic_scope.commands.mask."""
+"""Check whether a trace keeps within limits around another one: see topic_scope.commands.mask."""
 
 from nodekit.entry_point import main
 

@@ -1,1 +1,1 @@
-"""What the tests of the page need: a browser without a screen, a scope, and how to await things."""
+"""Helpers of the page's tests: a headless browser, a scope, and waits for conditions."""

@@ -52,7 +52,7 @@ const isSeen = (one) => one.checkVisibility({ visibilityProperty: true })
 const isThere = (one) => isSeen(one.closest("select") ?? one); // an option in a list that is closed
 return [...document.querySelectorAll(arguments[0])].find(isThere) ?? null;
 """
-#: Does what a click does, or tells why there can be none.
+#: Does what a click does, or tells why it is impossible.
 _PRESS = """
 const one = document.querySelector(arguments[0]);
 if (!one) return "there is no such element";
@@ -62,7 +62,7 @@ one.focus();
 one.click();
 return "";
 """
-#: Does what the choice of an option does, or tells why there can be none.
+#: Does what the choice of an option does, or tells why it is impossible.
 _CHOOSE = """
 const [selector, value] = arguments;
 const one = document.querySelector(`${selector} option[value='${value}']`)?.closest("select");
@@ -159,7 +159,6 @@ class Browser:
 
     def wait_for(self, selector: str) -> WebElement:
         """Wait until an element is there and can be seen."""
-
         found: WebElement = wait_until(
             lambda: self.run(_SEEN, selector), lambda: f"no {selector} on the page"
         )

@@ -93,7 +93,7 @@ class BrowserTest(unittest.TestCase):
 class PageTest(BrowserTest):
     """Shows the two signals of the course, and checks after each test that nothing was wrong.
 
-    The page stays open from test to test, and only its set-up begins anew. A test that changes more
+    The page stays open from test to test, and only its set-up is reset. A test that changes more
     than a set-up has calls :meth:`leave_page` in the end.
     """
 

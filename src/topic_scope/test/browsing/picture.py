@@ -1,4 +1,4 @@
-"""What is painted in a picture that the page has saved."""
+"""Contents of a picture that the page has saved."""
 
 from pathlib import Path
 from typing import List, Tuple

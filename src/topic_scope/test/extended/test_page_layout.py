@@ -13,7 +13,7 @@ from selenium.webdriver.common.keys import Keys
 from wire.robot import Robot
 
 LAPTOP, SCREEN, PHONE = (1366, 768), (1920, 1080), (390, 844)
-#: Nobody publishes it: its row has words in the place of figures.
+#: A topic without a publisher: its row has words in the place of figures.
 LONG = "/robot1/left_arm/joint_states/position[shoulder]"
 #: Boxes of what can be seen of some elements.
 _BOXES = """
@@ -56,7 +56,7 @@ def overlap(one: Box, other: Box) -> bool:
 
 
 class Layout(BrowserTest):
-    """How the page looks; all in one session."""
+    """Layout of the page; all in one session."""
 
     ARGUMENTS = PageTest.ARGUMENTS
 
@@ -87,7 +87,7 @@ class Layout(BrowserTest):
     def resize(self, width: int, height: int) -> None:
         """Give the page a size, and wait until all that is drawn has it."""
         self.browser.resize(width, height)
-        for _ in range(2):  # what is drawn anew may move what is beside it
+        for _ in range(2):  # a redrawn element may move its neighbours
             self.browser.driver.execute_async_script("requestAnimationFrame(arguments[0])")
 
     def show_cursors(self) -> None:

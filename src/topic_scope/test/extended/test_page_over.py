@@ -1,4 +1,4 @@
-"""What lies over one another on the page: sweeps of the trigger, and a bag over another one."""
+"""Overlays on the page: sweeps of the trigger, and a bag over another one."""
 
 import json
 import math

@@ -39,7 +39,7 @@ _ROLES = (
 
 
 class Panels(PanelTest):
-    """What a user does beside the plot."""
+    """Use of the panels beside the plot."""
 
     def test_a_list_and_a_switch(self) -> None:
         self.browser.choose(row("waveform") + " select", "triangle")

@@ -32,7 +32,7 @@ _BOX = "return document.querySelector(arguments[0]).getBoundingClientRect().toJS
 
 
 class Plots(PageTest):
-    """What a user does to learn more of a trace."""
+    """Use of the plots to learn more of a trace."""
 
     def test_measures_what_is_asked_for_and_between_the_cursors(self) -> None:
         self.browser.keys("m")
@@ -92,7 +92,7 @@ class Plots(PageTest):
         self.browser.driver.refresh()  # it is in the address
         wait_until(lambda: varied("rate", "count") > 12, lambda: self.browser.text("#over-time"))
         before = varied("rate", "count")
-        self.browser.press("#over-time-anew")
+        self.browser.press("#over-time-restart")
         wait_until(
             lambda: varied("rate", "count") < before, lambda: self.browser.text("#over-time")
         )
@@ -102,7 +102,7 @@ class Plots(PageTest):
         self.assertFalse(self.browser.find("#over-time").is_displayed())
 
     def wait_certainty(self, figure: str, wanted: str) -> None:
-        """Wait until the table says how sure a figure of the signal is, or why there is none."""
+        """Wait until the table says how sure a figure of the signal is, or why it is missing."""
         cell = f"#legend tr[data-field='{SIGNAL}'] [data-cell={figure}]"
         wait_until(
             lambda: self.browser.find(cell).get_attribute("title") == wanted,
@@ -442,7 +442,7 @@ class Plots(PageTest):
             "if (!lines.length) queueMicrotask(end);"
             "lines.push([this.strokeStyle, this.getLineDash(), points, this.lineWidth]); }"
             "return stroke.call(this); };"
-            # Draws anew, whether something comes or not.
+            # Redraws, with or without new samples.
             "for (const _ of [0, 1]) document.getElementById('theme').click();"
         )
 

@@ -59,7 +59,7 @@ return Array.from({ length: height }, (_, row) => Array.from({ length: width }, 
 
 
 class View(PageTest):
-    """What a user does with the plot."""
+    """Use of the plot."""
 
     def test_the_address_says_what_is_shown_and_so_does_a_file(self) -> None:
         self.browser.choose("#window", "2")
@@ -202,7 +202,7 @@ class View(PageTest):
         self.assertEqual(len(self.samples()[0][1]), 4)
 
     def test_the_link_to_the_samples_can_be_copied(self) -> None:
-        link = "return document.querySelector('#csv').href"  # nobody has pointed at it
+        link = "return document.querySelector('#csv').href"  # the pointer has not been on it
         wait_until(lambda: "field=" in self.browser.run(link), lambda: self.browser.run(link))
         wait_until(lambda: self.cell(SIGNAL, "rate") > 0.0, lambda: self.browser.text("#legend"))
 
@@ -268,7 +268,7 @@ class View(PageTest):
         self.browser.press("#run")
         self.assertEqual(self.browser.text("#run"), "Run")
         before = self.samples()
-        # Clocks that are put beside each other anew move a trace by a sample or two.
+        # A new estimate of the clock's offset moves a trace by a sample or two.
         kept = " ".join(row[0] for _, row in before[10:-10])
         later = f"{scope.url}/data.csv?field={SIGNAL}&start={before[-1][0] + 2.5}"
         wait_until(lambda: len(urlopen(later).read().splitlines()) > 1, lambda: "nothing later")
@@ -343,7 +343,7 @@ class View(PageTest):
         exact = (0.5 - numpy.interp(at, *rows.T).mean(axis=1) / 6.0) * height
         # Not where the curve begins and ends: there is ink in a part of the column alone.
         there = (at[:, 0] > rows[1, 0]) & (at[:, -1] < rows[-2, 0])
-        # Nor where the line ends and begins anew, as a busy machine has left samples out.
+        # Nor where the line ends and restarts, as a busy machine has left samples out.
         (gaps,) = numpy.nonzero(numpy.diff(rows[:, 0]) > 0.05)
         for gap in gaps:
             there &= (at[:, -1] < rows[gap, 0]) | (at[:, 0] > rows[gap + 1, 0])
@@ -846,7 +846,7 @@ class View(PageTest):
 
     def test_notices_that_nothing_comes_any_more_and_comes_back(self) -> None:
         self.expected_errors = ["WebSocket connection"]
-        with hanging(self.scope.pid):  # as where a link is cut: nobody closes it
+        with hanging(self.scope.pid):  # as with a cut link, the connection stays open
             self.wait_banner("The scope does not answer. Trying again in 1 s.")
             self.assertNotEqual(self.browser.text("#link"), "connected")
         self.browser.wait_connected()

@@ -135,8 +135,8 @@ class Controls(ControlsTest):
         wait_state("active")
         page.send("transition", node=node, label="configure")
         self.assertIn(f"{node} cannot configure now", page.wait_for("error")["text"])
-        page.send("transition", node="/nobody", label="configure")
-        page.wait_for("error", lambda told: "/nobody cannot" in told["text"])
+        page.send("transition", node="/missing", label="configure")
+        page.wait_for("error", lambda told: "/missing cannot" in told["text"])
         page.forget()
         talker.kill()  # the master goes on to list its services
         self.assertEqual(wait_state("does not answer"), [])

@@ -1,4 +1,4 @@
-"""How the scope starts and ends, and what it does when the master does not stay."""
+"""Start and end of the scope, also while the master restarts."""
 
 import os
 import shutil

@@ -1,4 +1,4 @@
-"""What pages that show robots are fed with, and who has the wheel of a robot."""
+"""Messages to pages that show robots, and control of a robot by one page."""
 
 import threading
 import time
@@ -28,7 +28,7 @@ def moves(commands: List[Command]) -> bool:
 
 
 class Feed(RobotsTest):
-    """What a page is told."""
+    """Messages to a page."""
 
     def test_is_fed_only_while_a_page_shows_robots(self) -> None:
         robot = self.robot("/feed/")
@@ -67,7 +67,7 @@ class Feed(RobotsTest):
         robot = self.robot("/honest/")
         page = self.page()
         page.send("robots", on=True)
-        wait_until(publisher.get_num_connections, lambda: "nobody listens")
+        wait_until(publisher.get_num_connections, lambda: "no subscriber")
         robot.x = 4.0
         page.wait_for("robots", lambda told: any(one["x"] == 4.0 for one in told["robots"]))
 
@@ -83,14 +83,17 @@ class Feed(RobotsTest):
         pose = message.pose
         self.assertEqual((message.header.frame_id, pose.position.x), ("odom", 1.5))
         self.assertAlmostEqual(pose.orientation.z, 0.9975, delta=1e-4)
-        for topic, why in (("/nobody", "nobody subscribes"), ("/aimed/cmd_vel", "takes a PoseSt")):
+        for topic, why in (
+            ("/missing", "no node subscribes"),
+            ("/aimed/cmd_vel", "takes a PoseSt"),
+        ):
             page.forget()
             page.send("goal", **{**goal, "topic": topic})
             self.assertIn(why, page.wait_for("error")["text"])
 
 
 class DeadMan(RobotsTest):
-    """A robot stops when nobody tells it to move any more: one zero, then silence."""
+    """A robot without commands stops: one zero, then silence."""
 
     def test_another_page_takes_the_wheel(self) -> None:
         robot = self.robot("/two/")

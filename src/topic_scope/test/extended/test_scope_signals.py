@@ -1,4 +1,4 @@
-"""What pages are told of signals of any type and time, and of a bag laid over them."""
+"""Samples sent to pages: signals of any type and time, and a bag laid over them."""
 
 import math
 import os

@@ -71,6 +71,6 @@ class MaskLive(unittest.TestCase):
         self.assertTrue(any(row["/actual/data"] == "1.2" for row in rows), rows)
 
     def test_what_is_not_there_is_no_pass(self) -> None:
-        nothing = self.check("--seconds", "1", "--around", "/nobody/data")
+        nothing = self.check("--seconds", "1", "--around", "/missing/data")
         self.assertEqual(nothing.returncode, 2, nothing)
         self.assertIn("no sample could be checked: there is no such topic yet", nothing.stderr)

@@ -29,7 +29,7 @@ from nodekit.testing.running import rosrun
 
 
 class Page(PageTest):
-    """What a user does with the plot."""
+    """Use of the plot."""
 
     def test_traces_move_until_paused(self) -> None:
         self.assertEqual(self.browser.driver.title, "topic_scope")
@@ -161,7 +161,7 @@ class Page(PageTest):
 
 
 class Panels(PanelTest):
-    """What a user does with the panels."""
+    """Use of the panels."""
 
     def test_a_slider_changes_the_parameter_and_the_topic(self) -> None:
         slider = self.browser.find(row("frequency") + " input[type=range]")

@@ -85,7 +85,7 @@ class Bag(unittest.TestCase):
         cls.addClassCleanup(folder.cleanup)
         cls.path = str(pathlib.Path(folder.name, "sine.bag"))
         record(cls.path)
-        # Nobody is there.
+        # No master is there.
         patch = mock.patch.dict(os.environ, ROS_MASTER_URI="http://localhost:1")
         patch.start()
         cls.addClassCleanup(patch.stop)
@@ -300,7 +300,7 @@ class Bag(unittest.TestCase):
             ),
             lambda: browser.text("#playback-time") + browser.text("#plot"),
         )
-        # From the end it begins anew; the slider has the focus still.
+        # From the end it restarts; the slider has the focus still.
         browser.keys(" ")
         wait_until(
             lambda: (

@@ -110,9 +110,9 @@ class Modules(BrowserTest):
         told = self.browser.call(
             "state/traces.js",
             "(() => { const written = module.writeTraces(module.readTraces(a[0]));"
-            " const judge = (one) => {"
+            " const isAccepted = (one) => {"
             " try { return module.isTraces({'/c': one}); } catch { return false; } };"
-            " return [written, module.isTraces(written), a[1].map(judge)]; })()",
+            " return [written, module.isTraces(written), a[1].map(isAccepted)]; })()",
             chosen,
             wrong,
         )

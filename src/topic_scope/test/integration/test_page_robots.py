@@ -17,7 +17,7 @@ CANVAS = "#robot-canvas"
 
 
 class PageRobots(PageTest):
-    """What a user does with a robot."""
+    """Use of the page to drive a robot."""
 
     def wait_text(self, selector: str, text: str) -> None:
         """Wait until something is said."""

@@ -1,4 +1,4 @@
-"""What cw1.launch records, plot_bag.py writes down as rosbag itself reads it."""
+"""plot_bag.py against rosbag, on a bag recorded by cw1.launch."""
 
 import csv
 import os

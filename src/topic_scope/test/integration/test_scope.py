@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What pages are told and may ask for: signals, panels, the graph, robots, and who is let in."""
+"""Messages and requests of pages: signals, panels, the graph, robots, and access."""
 
 import http.client
 import json
@@ -123,7 +123,7 @@ class Signals(SignalsTest):
 
 
 class Controls(ControlsTest):
-    """What nodes say of themselves, values that are set and refused, the graph."""
+    """Panels of nodes, values that are set and rejected, and the graph."""
 
     def test_a_panel_shows_what_the_node_says(self) -> None:
         self.panelled()
@@ -207,7 +207,7 @@ class Controls(ControlsTest):
 
 
 class Guards(SignalsTest):
-    """Who is let in, and what garbage does."""
+    """Access, and malformed requests."""
 
     def test_a_page_of_another_site_is_refused(self) -> None:
         for headers in (
@@ -305,7 +305,7 @@ class ReadOnly(ScopeTest):
 
 
 class DeadMan(RobotsTest):
-    """A robot stops when nobody tells it to move any more: one zero, then silence."""
+    """A robot without commands stops: one zero, then silence."""
 
     #: What ends the driving, and what the robot takes.
     ENDS: Dict[str, Tuple[Any, Callable[[Client], Any]]] = {

@@ -1,4 +1,4 @@
-"""Who may connect."""
+"""Access rules."""
 
 from typing import Optional
 

@@ -1,4 +1,4 @@
-"""What is read of a bag is what rosbag reads; and what is said of one that is broken."""
+"""Bag reader against rosbag, and errors of broken bags."""
 
 import struct
 from pathlib import Path
@@ -177,7 +177,7 @@ def test_relative_names_are_taken_for_global_ones(tmp_path: Path) -> None:
 
 
 def test_topic_that_changes_its_type(tmp_path: Path) -> None:
-    # rosbag writes one type for each name, but recorded by somebody else these are one topic.
+    # rosbag writes one type for each name, but in bags of other recorders these are one topic.
     path = write_bag(tmp_path / "x.bag", [("/x", Int32(1), 0), ("x", Float64(1.0), 1)])
     with BagFile(path) as bag, pytest.raises(BagError) as caught:
         list(slices(bag, ["/x"]))

@@ -1,4 +1,4 @@
-"""What a bag plays, and when, by a clock of the test's own."""
+"""Messages of a played bag and their times, by the test's own clock."""
 
 import contextlib
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What is drawn of a bag."""
+"""Plots of a bag."""
 
 import math
 from array import array

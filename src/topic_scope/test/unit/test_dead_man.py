@@ -40,7 +40,7 @@ def test_commands_that_a_link_has_held_up_are_left_out() -> None:
     assert switch.expire(3.9) == STOP
     late = [switch.accept(AHEAD, 101.0 + 0.05 * n, 4.0) for n in range(40)]
     assert late[:36] == [None] * 36 and late[-1] == AHEAD
-    # A link on which all comes half a second late is none to drive over.
+    # A link with a delay of half a second is unfit for driving.
     assert switch.expire(5.0) == STOP
     assert {switch.accept(AHEAD, 103.0 + 0.05 * n, 6.5 + 0.05 * n) for n in range(40)} == {None}
     assert switch.accept(STOP, 105.0, 8.5) is None

@@ -1,4 +1,4 @@
-"""What is computed of traces, however their samples come."""
+"""Computed traces, with samples in any portions."""
 
 import math
 from typing import List

@@ -43,7 +43,7 @@ def test_all_kinds_are_there_with_their_values_and_ends() -> None:
     assert shown["gain"]["help"] == "the gain"
 
 
-def test_values_are_judged_before_they_are_sent() -> None:
+def test_values_are_validated_before_they_are_sent() -> None:
     assert panel().check("gain", 9) == 9.0
     with pytest.raises(ParameterError, match="gain: refused 11: must be"):
         panel().check("gain", 11.0)

@@ -1,4 +1,4 @@
-"""What formulas compute over time: filters, means and slopes against their exact truth."""
+"""Formulas over time: filters, means and slopes against exact values."""
 
 import math
 from typing import List, Tuple

@@ -1,4 +1,4 @@
-"""What has no frequency is measured less often, and what may have one at once."""
+"""Back-off of the frequency measurement for traces without a frequency."""
 
 from typing import Dict, List
 

@@ -1,4 +1,4 @@
-"""What pages are told before there is a scope."""
+"""Responses to pages before the scope is ready."""
 
 from typing import Any, Dict, List
 

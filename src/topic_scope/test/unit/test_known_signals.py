@@ -1,4 +1,4 @@
-"""What is measured of two hundred known signals is true as far as it says, or it says why not."""
+"""Measurements of two hundred known signals: right within their uncertainty, or with a reason."""
 
 import math
 from functools import lru_cache
@@ -45,7 +45,7 @@ def measures(signal: Signal) -> Dict[str, Measurement]:
 
 
 def is_true(name: str, figure: Measurement, signal: Signal) -> bool:
-    """Tell whether a figure is right within its uncertainty, or says why there is none."""
+    """Tell whether a figure is right within its uncertainty, or gives a reason instead."""
     if figure.value is None:
         return bool(figure.reason)
     if name not in signal.truth:

@@ -27,7 +27,7 @@ def test_the_limits_are_formulas() -> None:
     assert MASK._replace(reference="/c-/d", time=1e-05).upper == "=highest((/c - /d), 1e-05) + 0.5"
 
 
-def test_each_sample_is_judged_once_when_its_reference_is_known() -> None:
+def test_each_sample_is_checked_once_when_its_reference_is_known() -> None:
     source = TimedSource()
     made = recording(source, *MASK.names)
     check = MaskCheck(MASK, 1000.5)
@@ -43,7 +43,7 @@ def test_each_sample_is_judged_once_when_its_reference_is_known() -> None:
         made.update()
         verdict = check.update(made)
     # Up to 0.1 s before the end the reference is known, and 0.51 s are before the start.
-    assert verdict.inside + verdict.outside == 400 - 51 - 10 and verdict.unjudged == 0
+    assert verdict.inside + verdict.outside == 400 - 51 - 10 and verdict.unchecked == 0
     assert verdict.outside == 5 and verdict.first == pytest.approx(1002.0)
     # The wave rises there: the highest value is 0.1 s later.
     worst = max(wave(index - 8) + 2.0 - wave(index + 10) - 0.5 for index in range(200, 205))
@@ -52,7 +52,7 @@ def test_each_sample_is_judged_once_when_its_reference_is_known() -> None:
 
 
 @pytest.mark.parametrize("time", [35.0, 80.0])
-def test_what_is_forgotten_before_it_can_be_judged_is_counted_and_said(time: float) -> None:
+def test_samples_dropped_before_the_check_are_counted_and_reported(time: float) -> None:
     source = TimedSource()
     mask = MASK._replace(time=time)
     made = recording(source, *mask.names)  # keeps 60 s
@@ -66,7 +66,7 @@ def test_what_is_forgotten_before_it_can_be_judged_is_counted_and_said(time: flo
         check.update(made)
     assert check.verdict.outside == 0 and check.verdict.inside < 300
     # All up to where what is kept begins, and as long after that as counts.
-    counted = check.verdict.inside + check.verdict.unjudged
+    counted = check.verdict.inside + check.verdict.unchecked
     assert counted == pytest.approx(10 * min(141 + time, 200), abs=15)
     says = f" not checked; it needs {time + 1:g} s before and {time:g} s after each, and samples"
     assert says in check.words(made)
@@ -91,7 +91,7 @@ def test_a_reference_that_has_ended_is_named_while_the_trace_goes_on() -> None:
     assert said[3] == f"{said[1]}; /b/data silent for 2.0 s"
 
 
-def test_where_the_reference_has_a_gap_nothing_is_judged() -> None:
+def test_nothing_is_checked_in_a_gap_of_the_reference() -> None:
     source = TimedSource()
     made = recording(source, *MASK.names)
     check = MaskCheck(MASK, -math.inf)
@@ -103,13 +103,13 @@ def test_where_the_reference_has_a_gap_nothing_is_judged() -> None:
     made.update()
     verdict = check.update(made)
     # From 0.1 s before the gap to as long behind it, and 0.1 s at the start.
-    assert verdict.outside == 0 and verdict.unjudged == pytest.approx(10 + 120, abs=2)
+    assert verdict.outside == 0 and verdict.unchecked == pytest.approx(10 + 120, abs=2)
     assert verdict.text.endswith(" not checked")
 
 
 @pytest.fixture
 def bag(tmp_path: Path, monkeypatch: "pytest.MonkeyPatch") -> str:
-    """A bag of 4 s, in the folder that the command is called in: a late wave with a peak."""
+    """Write a bag of 4 s into the command's folder: a late wave with a peak."""
     monkeypatch.chdir(tmp_path)
     messages: List[Any] = []
     for index in range(400):
@@ -158,7 +158,7 @@ def test_a_failure_stops_it_and_is_saved(bag: str, monkeypatch: "pytest.MonkeyPa
 def test_a_failure_is_saved_before_it_is_forgotten(
     bag: str, monkeypatch: "pytest.MonkeyPatch", history: float, peak: int
 ) -> None:
-    """What comes after it is added at the end, if it is still there then."""
+    """Later samples are added at the end, if the history still holds them."""
     monkeypatch.setattr(mask_command, "_HISTORY_S", history)
     arguments = ("/a", "--around", "/b", "--bag", bag, "--value", "0.3", "--save", "out.csv")
     assert status(monkeypatch, *arguments, "--all") == 1
@@ -182,7 +182,7 @@ def test_a_failure_is_saved_before_it_is_forgotten(
         (["/a", "--around", "/b", "--seconds", "1s"], "'1s' is not a number from 0.1 to 1e+06"),
     ],
 )
-def test_what_cannot_be_judged_is_no_pass(
+def test_samples_that_cannot_be_checked_do_not_pass(
     bag: str,
     monkeypatch: "pytest.MonkeyPatch",
     capsys: "pytest.CaptureFixture[str]",

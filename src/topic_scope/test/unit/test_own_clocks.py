@@ -109,7 +109,7 @@ def test_what_stands_still_stays_there_while_a_simulation_goes_at_another_speed(
     assert kept[: len(shown)] == shown  # by such a clock, some of the span comes only now
     made.pin({"/a/signal_y": (end - 5.0, end + 1.0)})  # moved: no farther than it is kept
     assert values_in(made, end - 4.0, end) == kept
-    go_on(2, -1000.0)  # the simulation begins anew
+    go_on(2, -1000.0)  # the simulation restarts
     assert values_in(made, end - 4.0, end) == kept
     trace = made.trace("/a/signal_y")
     assert trace is not None and trace.span is not None and trace.span[0] <= end - 3.9

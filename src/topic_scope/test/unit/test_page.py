@@ -1,4 +1,4 @@
-"""What waits for a page stays bounded, and is in the right order; what it is told agrees."""
+"""Queue of a page: bounded, in order, and consistent."""
 
 import math
 from typing import Any, Dict, Tuple
@@ -96,7 +96,7 @@ def test_figures_over_time_begin_anew_where_they_would_mix_what_differs() -> Non
 def test_the_picture_of_a_page_that_stands_still_agrees_with_its_figures_however_long(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """What looks 5 s ahead comes 5 s after the pause; and is kept when its time is over."""
+    """A formula that looks 5 s ahead ends 5 s after the pause, and is kept."""
     monkeypatch.setattr(charts, "CHART_S", 0.0)
     name = "=highest(/a/data, 5)"
     shown: Dict[int, float] = {}

@@ -95,7 +95,7 @@ VALUES = (
 
 @settings(max_examples=30)
 @given(st.sampled_from([name for name in Gauge.declared if name != "marks"]), VALUES)
-def test_values_are_judged_as_the_node_does(name: str, value: Any) -> None:
+def test_values_are_validated_as_by_the_node(name: str, value: Any) -> None:
     try:
         expected: Any = getattr(Gauge(**{name: value}), name)
     except ParameterError as error:

@@ -1,4 +1,4 @@
-"""How often a trace repeats itself, and that noise and what changes its pace do not."""
+"""Frequency of periodic traces; noise and signals of changing pace have none."""
 
 import math
 import time

@@ -22,7 +22,7 @@ from topic_scope.commands import plot_bag
 
 @pytest.fixture
 def bag(tmp_path: Path, monkeypatch: "pytest.MonkeyPatch") -> str:
-    """A bag of 3 s, in the folder that the command is called in."""
+    """Write a bag of 3 s into the command's folder."""
     monkeypatch.chdir(tmp_path)
     messages: List[Any] = [("/x", Float64(0.1 * second), second * 10**9) for second in range(4)]
     messages += [("/a", Float64MultiArray(data=[0.5] * n), n * 10**9 - 10**9) for n in (1, 2, 3)]

@@ -1,4 +1,4 @@
-"""Where messages come in, with a socket in place of a publisher and no master."""
+"""Raw subscriptions, with a socket in place of a publisher and no master."""
 
 import contextlib
 import socket
@@ -25,7 +25,7 @@ def packet(number: float) -> bytes:
 
 
 class Connection:
-    """What connects the process to a publisher of the topic."""
+    """Connection of the process to a publisher of the topic."""
 
     def __init__(self, stack: contextlib.ExitStack, name: str = "/publisher") -> None:
         ours, self.socket = (stack.enter_context(end) for end in socket.socketpair())

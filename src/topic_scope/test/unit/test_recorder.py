@@ -1,4 +1,4 @@
-"""What is recorded, and for how long; messages come from a source that a test fills."""
+"""Recorded samples and their lifetime; messages come from a source that a test fills."""
 
 import io
 import math

@@ -218,7 +218,7 @@ def test_a_bad_request_is_refused_in_words(request_: Any) -> None:
         ({"reference": f"=-/b/x{'+-/b/x' * 17}"}, "mask: a formula has at most"),
     ],
 )
-def test_a_mask_that_could_never_judge_is_refused(changes: Any, sentence: str) -> None:
+def test_a_mask_that_could_never_check_is_rejected(changes: Any, sentence: str) -> None:
     mask = {"type": "mask", "field": "/a/x", "reference": "/b/x", "value": 1, "time": 0}
     with pytest.raises(RequestError, match=sentence):
         understood(json.dumps({**mask, **changes}))

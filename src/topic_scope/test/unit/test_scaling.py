@@ -1,4 +1,4 @@
-"""How a page wants its traces: scaled, in steps."""
+"""Scaling of a page's traces, and drawing in steps."""
 
 import math
 from typing import Any, Tuple

@@ -1,4 +1,4 @@
-"""What a page is told of robots, made of messages of any node."""
+"""Scene of robots sent to a page, from messages of any node."""
 
 import json
 import math
@@ -75,7 +75,7 @@ def test_a_scan_is_where_its_laser_is() -> None:
     shown = Scene()
     receive(shown, "/robot1/odom", odometry(1.0, 0.0, math.pi / 2, "robot1/odom"))
     receive(shown, "/robot1/scan", scan("robot1/laser", 1.0, math.inf, math.nan, 0.05, 3.0))
-    # Nobody says where the laser is: it is taken to be on the robot of its namespace.
+    # No transform says where the laser is: it is taken to be on the robot of its namespace.
     (seen,) = told(shown.moving(0.0))["scans"]
     assert seen["at"] == pytest.approx([0.0, 1.0, -1.0, 0.0, 1.0, 0.0], abs=1e-4)
     assert seen["ranges"] == [1000, 0, 0, 0, 3000]

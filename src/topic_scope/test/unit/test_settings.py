@@ -62,7 +62,7 @@ class World:
     def __init__(self) -> None:
         self.node = OfflineParameters(Gauge)
         self.is_silent = False
-        #: What somebody else changes before the answer to a change arrives.
+        #: Changes by another client before the response to a change arrives.
         self.overtaking: Dict[str, Any] = {}
         self.sent: List[Mapping[str, Any]] = []
         self.answers: List[Dict[str, Any]] = []

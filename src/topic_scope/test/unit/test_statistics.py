@@ -1,4 +1,4 @@
-"""What is measured of a trace."""
+"""Statistics of a trace."""
 
 import math
 from typing import List

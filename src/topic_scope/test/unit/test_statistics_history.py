@@ -1,4 +1,4 @@
-"""How figures vary over time is counted once for each span that they are of."""
+"""History of the statistics: each time span is counted once."""
 
 import math
 import statistics

@@ -1,4 +1,4 @@
-"""What is said on the terminal of the fields that it names."""
+"""Statistics printed on the terminal for the named fields."""
 
 from typing import List, Optional
 

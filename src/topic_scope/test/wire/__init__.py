@@ -1,1 +1,1 @@
-"""What tests of the server's interface share; a .test file puts the folder above on PYTHONPATH."""
+"""Helpers of tests of the server's interface; a .test file puts the folder above on PYTHONPATH."""

@@ -1,4 +1,4 @@
-"""What tests of the panels share."""
+"""Base of the tests of the panels."""
 
 from typing import Any
 

@@ -29,7 +29,7 @@ _PARAMETERS: List[Tuple[str, str, Any, Any, Any, str]] = [
 
 
 class Kind:
-    """What a .cfg file is made into."""
+    """Module generated from a .cfg file."""
 
     defaults = {name: default for name, _, default, *_ in _PARAMETERS}
     min = {name: low for name, _, _, low, _, _ in _PARAMETERS}

@@ -15,7 +15,7 @@ _PERIOD_S = 0.05
 
 
 class Command(NamedTuple):
-    """What it was told.
+    """Commands that it received.
 
     :param when: s on the monotonic clock
     :param speed: m/s

@@ -1,4 +1,4 @@
-"""What tests of robots that pages show and drive share."""
+"""Base of the tests of robots that pages show and drive."""
 
 import time
 from typing import Any, List

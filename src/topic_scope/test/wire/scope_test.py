@@ -40,6 +40,6 @@ class ScopeTest(unittest.TestCase):
         self.addCleanup(publisher.unregister)
         wait_until(
             publisher.get_num_connections,
-            lambda: f"nobody listens to {topic}; errors: {page.messages('error')}",
+            lambda: f"no subscriber of {topic}; errors: {page.messages('error')}",
         )
         return publisher

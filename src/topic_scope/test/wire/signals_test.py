@@ -1,4 +1,4 @@
-"""What tests of the signals that pages are told of share."""
+"""Base of the tests of signals sent to pages."""
 
 import csv
 import io

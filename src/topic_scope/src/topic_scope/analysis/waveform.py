@@ -138,7 +138,7 @@ class _Sine(NamedTuple):
 def _sine(
     times: numpy.ndarray, values: numpy.ndarray, frequency: Measurement, begin: float, end: float
 ) -> Optional[_Sine]:
-    """Return the sine that fits a trace best; None where there is none in it."""
+    """Return the sine that fits a trace best; None without one."""
     assert frequency.value is not None
     inside = (times >= begin) & (times <= end)
     times, parts = times[inside], values[inside]

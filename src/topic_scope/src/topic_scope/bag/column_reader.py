@@ -107,7 +107,7 @@ class ColumnReader:
         return CsvColumn(self.column.topic, times[late:] - before, places[late:], texts)
 
     def _stamps_ns(self, found: Slice) -> numpy.ndarray:
-        """Return the stamps since the start of the bag [ns]; where there is none, the recording."""
+        """Return the stamps, or else the times of recording, since the start of the bag [ns]."""
         assert self._stamp is not None
         stamps = numpy.array(
             [self._stamp.value(message) - self._begin for message in found.messages], numpy.int64

@@ -25,7 +25,7 @@ class Series(NamedTuple):
 
     :param name: name of the field
     :param times: when each message was made, since the start of the bag [s]
-    :param values: the number in each message; NaN where there is none to plot
+    :param values: the number in each message; NaN for a message without one
     :param correction: how the stamps were moved, in words
     """
 

@@ -41,7 +41,7 @@ SERVICE, TYPE = "set_parameters", "dynamic_reconfigure/Reconfigure"
 #: How long a node may take to tell its parameters [s].
 _ANSWER_S = 2.0
 _TYPES = {"bool": "bool", "int": "int", "double": "float", "str": "str"}
-#: What an int or a float has for an end where there is none.
+#: Ends that stand for an unlimited int or float.
 _NO_END = {"int": 2**31 - 1, "float": 1e300}
 
 

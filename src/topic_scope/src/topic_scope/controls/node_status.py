@@ -89,4 +89,4 @@ class NodeStatuses:
 
 
 def _ignore(_result: Any) -> None:
-    """A master that does not answer is asked again with the next look at the graph."""
+    """Skip a master that does not answer; the next poll of the graph asks it again."""

@@ -129,7 +129,7 @@ def _entry(node: str, described: Mapping[str, Any]) -> Tuple[str, Entry, Any]:
         parameter = parameter_of(described)
         parameter.name = f"{node}/{name}"
         value = parameter.coerce(described["value"])
-    except (KeyError, ValueError) as error:  # an unknown kind, a bad limit, a value that is none
+    except (KeyError, ValueError) as error:  # an unknown kind, a bad limit, an invalid value
         raise DescriptionError(f"{name}: {error}") from None
     shown: Dict[str, Any] = {
         "name": name,

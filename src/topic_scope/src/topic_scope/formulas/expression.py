@@ -21,7 +21,7 @@ class Operands(NamedTuple):
 
     :param read: returns the samples from one time to another [s]
     :param longest_step: tells how far apart samples of one line may be [s]
-    :param last: tells when the last sample was taken [s]; minus infinity where there is none
+    :param last: tells when the last sample was taken [s]; minus infinity without one
     """
 
     read: Callable[[str, float, float], Signal]

@@ -62,7 +62,7 @@ def low_passed(signal: Signal, cutoff: float) -> Signal:
     """Return what a low-pass of first order makes of a signal that goes straight between samples.
 
     Of ``T y' = x - y`` with ``T = 1 / (2 pi cutoff)``; it begins with the first sample, and after
-    a gap anew. Each step is ``y = a y + b``: pairs of steps are joined to one until all are.
+    a gap again. Each step is ``y = a y + b``: pairs of steps are joined to one until all are.
 
     :param cutoff: where the amplitude is down by 3 dB [Hz]
     """
@@ -76,8 +76,8 @@ def low_passed(signal: Signal, cutoff: float) -> Signal:
     late = numpy.divide(1.0 - kept, ratio, where=ratio > 1e-9, out=numpy.ones(len(ratio)))
     changes = numpy.diff(values)
     change = changes * (1.0 - late) + (1.0 - kept) * values[:-1]
-    anew = (steps > signal.longest) | (numpy.diff(numpy.flatnonzero(finite)) > 1)
-    kept[anew], change[anew] = 0.0, values[1:][anew]
+    restarts = (steps > signal.longest) | (numpy.diff(numpy.flatnonzero(finite)) > 1)
+    kept[restarts], change[restarts] = 0.0, values[1:][restarts]
     factors, sums = numpy.concatenate([[0.0], kept]), numpy.concatenate([values[:1], change])
     shift = 1
     while shift < len(sums) and factors[shift:].max() > _FORGOTTEN:

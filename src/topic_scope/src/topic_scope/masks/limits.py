@@ -71,14 +71,14 @@ class Verdict(NamedTuple):
 
     :param inside: how many samples were within the limits
     :param outside: how many were not
-    :param unjudged: how many could not be checked, as the reference was not known there
-    :param first: when the first one outside was taken [s]; None where none was
+    :param unchecked: how many could not be checked, as the reference was not known there
+    :param first: when the first one outside was taken [s]; None without one
     :param worst: by how much the worst one was outside
     """
 
     inside: int = 0
     outside: int = 0
-    unjudged: int = 0
+    unchecked: int = 0
     first: Optional[float] = None
     worst: float = 0.0
 
@@ -86,7 +86,7 @@ class Verdict(NamedTuple):
     def text(self) -> str:
         """Result as text."""
         words = f"{self.inside} samples inside, {self.outside} outside"
-        return f"{words}, {self.unjudged} not checked" if self.unjudged else words
+        return f"{words}, {self.unchecked} not checked" if self.unchecked else words
 
 
 class SampleReader(Protocol):
@@ -142,7 +142,7 @@ class MaskCheck:
             where all are checked
         """
         left = len(self._new(samplers, self.mask.field, math.inf)[0])
-        self.verdict = self.verdict._replace(unjudged=self.verdict.unjudged + left)
+        self.verdict = self.verdict._replace(unchecked=self.verdict.unchecked + left)
         return self.ended(samplers) if left else None
 
     def words(self, samplers: SampleReader) -> str:
@@ -179,7 +179,7 @@ class MaskCheck:
         self.verdict = Verdict(
             before.inside + len(times) - len(outside) - unknown,
             before.outside + len(outside),
-            before.unjudged + unknown,
+            before.unchecked + unknown,
             before.first if before.first is not None else first,
             max(before.worst, float(excess[outside].max(initial=0.0))),
         )

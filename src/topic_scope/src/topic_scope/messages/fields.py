@@ -151,7 +151,7 @@ def resolve(
     :param text: as :func:`split` returned it; empty for all of a message
     :param lengths: tells how many elements an array has whose length is not declared
     :param function: name of what is computed of each; for a yaw, those of quaternions are returned
-    :raises FieldError: if there are none
+    :raises FieldError: if the type has no such field
     """
     path = to_path(text)
     node = leaf_at(layout, path)

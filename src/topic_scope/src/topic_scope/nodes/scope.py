@@ -8,7 +8,7 @@ from typing import Sequence
 
 import rospy
 
-from nodekit import Maker, run
+from nodekit import NodeScope, run
 from topic_scope.bag.file import BagError
 from topic_scope.bag.overlay import BagOverlay
 from topic_scope.protocol import options
@@ -37,7 +37,7 @@ class Scope:
     """
 
     def __init__(
-        self, node: Maker, chosen: Options, site: HttpServer, over: Sequence[BagOverlay]
+        self, node: NodeScope, chosen: Options, site: HttpServer, over: Sequence[BagOverlay]
     ) -> None:
         self._node, self._options, self._over = node, chosen, over
         site.show(self._server)
@@ -71,7 +71,7 @@ def main() -> None:
     if chosen.open_browser:
         threading.Thread(target=handlers.open_browser, args=(chosen.url,), daemon=True).start()
 
-    def start(node: Maker) -> Scope:
+    def start(node: NodeScope) -> Scope:
         if chosen.port != wanted.port:
             rospy.loginfo("port %d is taken: the next free one is %d", wanted.port, chosen.port)
         return Scope(node, chosen, site, over)

@@ -1,8 +1,7 @@
 # Pure: knows no ROS.
 """Requests of a page: one JSON object each, validated field by field.
 
-Whoever serves pages has a table of handlers. In it stands beside each type of request what checks
-it and what does it.
+A server of pages has a table of handlers, with the check and the action of each type of request.
 """
 
 import json

@@ -8,7 +8,7 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 import rospy
 from geometry_msgs.msg import PoseStamped
 
-from nodekit import Maker
+from nodekit import NodeScope
 from topic_scope.graph.worker import Worker
 from topic_scope.graph.master_watch import GraphState
 from topic_scope.graph.node_queries import NodeQueries
@@ -32,7 +32,7 @@ class Driving:
     :param worker: runs calls that wait for nodes
     """
 
-    def __init__(self, node: Maker, worker: Worker) -> None:
+    def __init__(self, node: NodeScope, worker: Worker) -> None:
         self._name, self._worker = node.name, worker
         self._queries = NodeQueries(node.name)
         self._subscribers: Dict[str, List[str]] = {}
@@ -41,7 +41,7 @@ class Driving:
         self._wanted: Dict[Page, str] = {}
         self._goals: Dict[str, rospy.Publisher] = {}
         self._is_over = False
-        node.before_end(self._stop_all)
+        node.on_shutdown(self._stop_all)
 
     def on_state(self, state: GraphState) -> None:
         """Update the state of the graph."""

@@ -4,7 +4,7 @@ from typing import Callable, Optional
 
 import tornado.ioloop
 
-from nodekit import Maker
+from nodekit import NodeScope
 from topic_scope.graph.worker import Worker
 from topic_scope.graph.master_watch import GraphState
 from topic_scope.messages.layouts import Layouts
@@ -25,7 +25,7 @@ class LiveScene:
     :ivar driving: what drives robots
     """
 
-    def __init__(self, node: Maker, deliver: Callable[[Callable[[], None]], None]) -> None:
+    def __init__(self, node: NodeScope, deliver: Callable[[Callable[[], None]], None]) -> None:
         self._name = node.name
         self._worker = Worker(deliver)
         self.driving = Driving(node, self._worker)

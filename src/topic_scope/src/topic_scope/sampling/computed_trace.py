@@ -19,7 +19,7 @@ class ComputedTrace:
 
     It has a value at each sample of the first of them, with the others on the straight line between
     two of their samples; so it ends where one of them has ended so far, and follows when more
-    comes. Where samples that count for a value were forgotten, there is none.
+    comes. No value is computed where samples that it needs were dropped.
 
     :param formula: how it is computed
     :param traces: what it is computed of, by the names in the formula
@@ -117,7 +117,7 @@ class ComputedTrace:
         return max(ahead, 0.0) if math.isfinite(ahead) else 0.0
 
     def age(self, now: float) -> Optional[float]:
-        """Return how long ago the last sample was taken [s]; None where there is none."""
+        """Return how long ago the last sample was taken [s]; None without one."""
         until = self.until
         return now - until if math.isfinite(until) else None
 

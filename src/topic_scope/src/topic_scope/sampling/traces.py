@@ -253,7 +253,7 @@ class Trace:
         return float(first - min(second - first, self.longest_step)) + self.stream.offset
 
     def age(self, now: float) -> Optional[float]:
-        """Return how long ago its last sample was taken [s]; None where there is none.
+        """Return how long ago its last sample was taken [s]; None without one.
 
         :param now: the time [s]
         """

@@ -4,7 +4,7 @@ from typing import Any, Callable, Dict, List
 
 import tornado.ioloop
 
-from nodekit import Maker
+from nodekit import NodeScope
 from topic_scope.controls.panel_manager import PanelManager
 from topic_scope.graph.worker import Worker
 from topic_scope.graph.topology import GraphFeed
@@ -27,7 +27,7 @@ class LiveGraph:
     :param is_readonly: whether pages may change nothing
     """
 
-    def __init__(self, node: Maker, is_readonly: bool) -> None:
+    def __init__(self, node: NodeScope, is_readonly: bool) -> None:
         self.source = RawSubscriptions(SteadyClock())
         self.begin = self.source.clock.now()
         self.layouts = Layouts()

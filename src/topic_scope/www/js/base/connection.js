@@ -2,7 +2,7 @@
 
 const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 5000;
-// A server says something at once, and then each second: one that does not is none. On a slow link a large
+// A server says something at once, and then each second: one that does not is not a scope. On a slow link a large
 // message may take longer, so the page waits longer each time that it was cut off.
 const SILENT_MS = 10000;
 const LONGEST_SILENT_MS = 60000;
@@ -81,7 +81,7 @@ export class Connection {
   }
 
   /**
-   * Send a message, if connected; what is lost is sent again by whoever restores the state.
+   * Send a message, if connected; the code that restores the state sends lost messages again.
    * @param {Object} message
    */
   send(message) {

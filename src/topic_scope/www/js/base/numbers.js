@@ -62,7 +62,7 @@ export function ticks(low, high, most) {
  * @param {?number} value
  * @param {number} [digits]
  * @param {?number} [spread] from the least to the greatest value of the trace
- * @returns {string} a dash where there is none
+ * @returns {string} a dash without a number
  */
 export function figure(value, digits = 5, spread = null) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
@@ -131,7 +131,7 @@ export class AutoRange {
   }
 
   /**
-   * @param {number} low smallest value, may be infinite where there is none
+   * @param {number} low smallest value, may be infinite for none
    * @param {number} high largest value
    * @param {number} now s
    * @returns {[number, number]}

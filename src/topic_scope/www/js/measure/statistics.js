@@ -116,9 +116,9 @@ export function startMeasures(state, sweep, plot, requests) {
 
   against.addEventListener("change", () => change({ against: against.value }));
   between.addEventListener("change", () => change({ between: between.checked }));
-  const countAnew = () => change({ overTime: (state.values.measures.overTime || 0) + 1 });
-  overTime.addEventListener("change", () => (overTime.checked ? countAnew() : change({ overTime: 0 })));
-  byId("over-time-anew").addEventListener("click", countAnew);
+  const restartCount = () => change({ overTime: (state.values.measures.overTime || 0) + 1 });
+  overTime.addEventListener("change", () => (overTime.checked ? restartCount() : change({ overTime: 0 })));
+  byId("over-time-restart").addEventListener("click", restartCount);
   plot.onDrawn(sendSoon);
   state.on(["measures", "cursors"], sendSoon);
   return () => {

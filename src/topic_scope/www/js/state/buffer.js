@@ -104,7 +104,7 @@ export class TraceBuffer {
    * @param {string[]} fields
    * @param {number} from since the epoch [s]
    * @param {number} to since the epoch [s]
-   * @returns {[number, number]} infinite, and the wrong way round, where there is none
+   * @returns {[number, number]} infinite and reversed without values
    */
   extent(fields, from, to) {
     let low = Infinity;
@@ -137,7 +137,7 @@ export class TraceBuffer {
 
   /**
    * Return the value of a trace at a time: the middle of the nearest bin that holds something; of
-   * steps, the last value before. There is none where the line has ended: beside its ends it counts as
+   * steps, the last value before. A line that has ended has no value: beside its ends it counts as
    * far as it is from there to the next value.
    * @param {string} field
    * @param {number} time since the epoch [s]

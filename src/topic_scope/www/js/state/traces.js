@@ -171,7 +171,7 @@ export function arranged({ fields, traces, axes }) {
 
 /**
  * Keep the plots in order, whatever is chosen.
- * @param {import("./store.js").State} state made anew: later listeners see the plots in order
+ * @param {import("./store.js").State} state rebuilt: later listeners see the plots in order
  */
 export function keepArranged(state) {
   let isBusy = false;

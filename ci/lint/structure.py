@@ -60,6 +60,7 @@ SUBJECTS: Dict[str, Dict[str, str]] = {
         "deprecated": "old names of the public API, which warn",
         "entry_point": "the first lines of a script, before rospy is imported, and the last ones",
         "validation": "checks arguments of nodekit's methods, at the line of the call",
+        "throttle": "a rate limit of log lines, one per instance and key",
         "message_definitions": "parses message definitions",
         "lifecycle_states": "the states of a managed node, and its transitions",
         "parameters": "declare, validate, reconcile, describe",

@@ -70,6 +70,7 @@ if TYPE_CHECKING:  # the same names for type checkers and editors
     from nodekit.process.run import abort as abort
     from nodekit.process.run import init_node as init_node
     from nodekit.process.run import run as run
+    from nodekit.throttle import Throttle as Throttle
 
     Latest = LatestMessage
     give_up = abort
@@ -132,6 +133,7 @@ _HOMES: Dict[str, str] = {
     "abort": "process.run",
     "init_node": "process.run",
     "run": "process.run",
+    "Throttle": "throttle",
 }
 
 __all__ = sorted([*_HOMES, *OLD_NAMES])

@@ -7,7 +7,8 @@ import rospy
 import rospy.core
 
 from nodekit.groups.callback_groups import Group
-from nodekit.messaging import failures, throttle
+from nodekit import throttle
+from nodekit.messaging import failures
 from nodekit.node.callbacks import Callback
 
 

@@ -10,6 +10,7 @@ import sys
 import pytest
 from rosgraph import roslogging
 
+from nodekit import Throttle
 from nodekit.rospy_internals import logs, start
 from nodekit.testing.waiting import TIMEOUT_S
 
@@ -19,7 +20,7 @@ start.apply_patches()
 @pytest.fixture(autouse=True)
 def notices_are_due(monkeypatch):
     """Have the first lost line of each test reported."""
-    monkeypatch.setattr(logs, "_quiet_until", 0.0)
+    monkeypatch.setattr(logs, "_notices", Throttle(60.0))
 
 
 @pytest.fixture

@@ -47,7 +47,7 @@ class Ear:
 
     @property
     def impl(self):
-        """rospy's object behind the subscription."""
+        """Rospy's object behind the subscription."""
         return self.subscription._subscriber.impl
 
     @property

@@ -7,9 +7,8 @@ import pytest
 import rospy
 from std_msgs.msg import Float32
 
-from nodekit import Node
+from nodekit import Node, throttle
 from nodekit.groups.callback_groups import Group
-from nodekit.messaging import throttle
 from nodekit.node import callbacks
 from nodekit.node.names import Names
 
@@ -18,7 +17,6 @@ from nodekit.node.names import Names
 def logged(monkeypatch: "pytest.MonkeyPatch") -> List[str]:
     lines: List[str] = []
     monkeypatch.setattr(rospy, "logwarn", lambda text, *args: lines.append(text % args))
-    monkeypatch.setattr(rospy, "logwarn_throttle_identical", lambda _, text: lines.append(text))
     return lines
 
 
@@ -30,6 +28,33 @@ def test_due_once_in_a_period(monkeypatch: "pytest.MonkeyPatch") -> None:
     for now[0] in (100.0, 100.1, 109.9, 110.0, 119.9, 300.0, 301.0):
         due.append(what.is_due())
     assert due == [True, False, False, True, False, True, False]
+
+
+def test_keys_of_one_throttle_are_due_independently() -> None:
+    limit = throttle.Throttle(10.0)
+    assert [limit.is_due(key) for key in ("late", "lost", "late", None, "lost", None)] == [
+        True,
+        True,
+        False,
+        True,
+        False,
+        False,
+    ]
+
+
+def test_two_owners_of_the_same_warning_are_both_due() -> None:
+    owners = [throttle.Throttle(10.0) for _ in range(2)]
+    assert [owner.is_due("late") for owner in owners * 2] == [True, True, False, False]
+
+
+def test_expired_keys_are_removed(monkeypatch: "pytest.MonkeyPatch") -> None:
+    now = [100.0]
+    monkeypatch.setattr(throttle.time, "monotonic", lambda: now[0])
+    limit = throttle.Throttle(10.0)
+    for now[0] in range(100, 1000):
+        assert limit.is_due(now[0])
+    assert len(limit._quiet_until) <= throttle._PRUNE_ABOVE + 1
+    assert not limit.is_due(995)
 
 
 def test_numbers_that_are_not_finite_are_told_of_once_for_each_topic(logged: List[str]) -> None:

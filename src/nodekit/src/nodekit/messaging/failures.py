@@ -5,7 +5,7 @@ import traceback
 import rospy
 import rospy.core
 
-from nodekit.messaging.throttle import Throttle
+from nodekit.throttle import Throttle
 
 #: A function's failures are logged at most this often, s.
 LOG_PERIOD_S = 5.0

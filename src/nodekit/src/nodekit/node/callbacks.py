@@ -10,8 +10,8 @@ import rospy
 from nodekit.groups.callback_groups import CallbackGroup, NoGroup
 from nodekit.groups.ready_queue import CallQueue, ReadyQueue
 from nodekit.messaging.failures import Failures
-from nodekit.messaging.throttle import Throttle
 from nodekit.node import fork_guard
+from nodekit.throttle import Throttle
 from nodekit.validation import check_function
 
 #: Most messages kept for a busy callback, from publishers of the same process; the newest.

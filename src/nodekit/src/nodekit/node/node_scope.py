@@ -14,7 +14,6 @@ from nodekit.messaging.service import Service
 from nodekit.messaging.stream_log import StreamLog as RateLimitedLog
 from nodekit.messaging.stream_log import shortened
 from nodekit.messaging.subscription import LatestMessage, Subscription
-from nodekit.messaging.throttle import Throttle
 from nodekit.node.callbacks import (
     MOST_KEPT,
     Callback,
@@ -36,6 +35,7 @@ from nodekit.parameters.class_rules import judge_rules
 from nodekit.parameters.declaration import OwnParameters, ParameterSet, Rule, Snapshot
 from nodekit.parameters.schema import AT_START
 from nodekit.rospy_internals.shutdown import Ending, at_end
+from nodekit.throttle import Throttle
 from nodekit.timing.scheduler import Scheduler, get_scheduler
 from nodekit.validation import check_function, check_name, check_service_class
 from nodekit_msgs.srv import SetParameters

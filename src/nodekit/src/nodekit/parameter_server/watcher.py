@@ -19,6 +19,7 @@ from nodekit.parameter_server.registrations import Registrations
 from nodekit.parameter_server.watched_key import WatchedKey
 from nodekit.parameters.kinds import MISSING, is_same
 from nodekit.rospy_internals import parameters, shutdown
+from nodekit.throttle import Throttle
 
 #: Time between two reads where no notification arrives, s.
 RECONCILE_S = 1.0
@@ -59,7 +60,7 @@ class Watcher:
         self._bell = threading.Event()
         self._reachable = True
         self._ended = False
-        self._logged: Dict[str, float] = {}
+        self._throttle = Throttle(_LOG_PERIOD_S)
         if not parameters.on_push(self._on_push):
             rospy.logwarn("unsupported rospy version: changes are noticed once a second only")
         self._take_over_logging()
@@ -289,9 +290,7 @@ class Watcher:
         return found
 
     def _log_defect(self, what: str) -> None:
-        now = time.monotonic()
-        if now - self._logged.get(what, -_LOG_PERIOD_S) >= _LOG_PERIOD_S:
-            self._logged[what] = now
+        if self._throttle.is_due(what):
             rospy.logerr("%s:\n%s", what, traceback.format_exc())
 
 

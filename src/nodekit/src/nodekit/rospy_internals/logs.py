@@ -4,7 +4,6 @@ import atexit
 import logging
 import os
 import sys
-import time
 from typing import Any, Optional
 
 import rosgraph.roslogging
@@ -13,10 +12,12 @@ import rospy.core
 import rospy.impl.rosout
 from rosgraph.roslogging import RosStreamHandler
 
-#: Shortest time between two notices that lines are lost, s.
+from nodekit.throttle import Throttle
+
+#: Shortest time between two notices that lines are lost [s].
 _NOTICE_PERIOD_S = 60.0
 
-_quiet_until = 0.0
+_notices = Throttle(_NOTICE_PERIOD_S)
 
 
 def mend_logs() -> None:
@@ -112,10 +113,7 @@ def _escape_from_now_on(handler: logging.Handler) -> bool:
 
 def _notice(error: OSError) -> None:
     """Say on stderr, now and then, that log lines are lost."""
-    global _quiet_until
-    now = time.monotonic()
-    if now >= _quiet_until:
-        _quiet_until = now + _NOTICE_PERIOD_S
+    if _notices.is_due():
         try:
             sys.stderr.write(f"WARNING: log lines are lost: {error}\n")
         except OSError:

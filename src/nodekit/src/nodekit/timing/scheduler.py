@@ -16,6 +16,7 @@ from typing import Callable, Dict, Iterable, List, Optional, Set, Tuple, Union
 import rospy
 
 from nodekit.rospy_internals.shutdown import Ending, at_end
+from nodekit.throttle import Throttle
 from nodekit.timing.clocks import MonotonicClock, SimulatedClock
 from nodekit.timing.timetable import SLACK_S, Timetable
 
@@ -26,6 +27,8 @@ Dispatch = Callable[[Work], None]
 
 #: Highest rate of a timer, Hz: deadlines must be further apart than they are blurred.
 HIGHEST_HZ = 0.1 / SLACK_S
+#: Shortest time between two log lines about exceptions of one timer [s].
+_LOG_PERIOD_S = 5.0
 
 
 def checked_rate(rate: float) -> float:
@@ -73,6 +76,7 @@ class Timer:
         #: Calls that are due and not made yet, by the time since the first one, s.
         self._due: List[float] = []
         self._left_out = 0
+        self._throttle = Throttle(_LOG_PERIOD_S)
 
     @property
     def skipped(self) -> int:
@@ -120,7 +124,8 @@ class Timer:
         try:
             self._callback(elapsed)
         except BaseException:  # one timer's defect must not end the others
-            rospy.logerr_throttle(5.0, f"a timer failed:\n{traceback.format_exc()}")
+            if self._throttle.is_due():
+                rospy.logerr("a timer failed:\n%s", traceback.format_exc())
 
 
 class Scheduler:

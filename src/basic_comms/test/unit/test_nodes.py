@@ -35,7 +35,7 @@ def clocks(monkeypatch: Any) -> Iterator[Clocks]:
     monkeypatch.setattr(process, "time", SimpleNamespace(monotonic=lambda: made.machine))
     monkeypatch.setattr(rospy, "get_time", lambda: made.ros)
     monkeypatch.setattr(rospy.rostime, "is_wallclock", lambda: not made.simulated)
-    monkeypatch.setattr(rospy, "logwarn_throttle", lambda _, text: made.warnings.append(text))
+    monkeypatch.setattr(rospy, "logwarn", lambda text, *args: made.warnings.append(text % args))
     yield made
 
 
@@ -76,6 +76,16 @@ def test_samples_that_are_all_left_out_do_no_harm(clocks: Clocks) -> None:
     node.receive([sample(0.2, 0.5), sample(0.3, math.nan)], True)
     assert answers(node) == [0.5]
     assert clocks.warnings[-1].startswith("/signal: 3 samples dropped so far")
+
+
+def test_two_process_nodes_in_one_process_both_warn_of_dropped_samples(clocks: Clocks) -> None:
+    nodes = [OfflineNode(**PLAIN) for _ in range(2)]
+    for node in nodes:
+        Process(node)
+    for node in nodes * 2:
+        node.receive([sample(0.0, math.nan)], True)
+    assert len(clocks.warnings) == 2
+    assert all("1 samples dropped so far" in warning for warning in clocks.warnings)
 
 
 @pytest.mark.parametrize("simulated", [True, False])

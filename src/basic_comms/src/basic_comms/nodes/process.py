@@ -10,7 +10,7 @@ from basic_comms.conditioning.conditioner import Conditioner
 from basic_comms.conditioning.lateness import LatenessMonitor
 from basic_comms.conditioning.process_parameters import ProcessParameters
 from basic_comms.msg import signal_msg
-from nodekit import Node, run
+from nodekit import Node, Throttle, run
 
 #: Least time between two warnings about the same kind of odd input, s.
 _WARN_EVERY_S = 10.0
@@ -34,6 +34,7 @@ class Process:
     def __init__(self, node: Node) -> None:
         self._settings = node.declare_parameters(ProcessParameters)
         self._conditioner = Conditioner()
+        self._throttle = Throttle(_WARN_EVERY_S)
         self._lateness = LatenessMonitor()
         # time_x follows /clock where there is one.
         self._now = time.monotonic if rospy.rostime.is_wallclock() else rospy.get_time
@@ -71,32 +72,26 @@ class Process:
             self._publisher.publish(Float32(self._latest))
 
     def _warn_of_restart(self, time_x: float) -> None:
-        rospy.logwarn_throttle(
-            _WARN_EVERY_S,
-            f"{self._input}: time_x went back or repeated itself (now {time_x:g} s): "
-            "searching for the phase again",
-        )
+        if self._throttle.is_due("restart"):
+            text = (
+                "%s: time_x went back or repeated itself (now %g s): searching for the phase again"
+            )
+            rospy.logwarn(text, self._input, time_x)
 
     def _warn_of_lateness(self) -> None:
         lateness = self._lateness
-        name = self._input
+        if not self._throttle.is_due("late" if lateness.is_late else "in time again"):
+            return
         if lateness.is_late:
-            rospy.logwarn_throttle(
-                _WARN_EVERY_S, f"{name}: samples are {lateness.worst:.1f} s late"
-            )
+            rospy.logwarn("%s: samples are %.1f s late", self._input, lateness.worst)
         else:
-            rospy.logwarn_throttle(
-                _WARN_EVERY_S,
-                f"{name}: samples are in time again; {lateness.count} were late, by up "
-                f"to {lateness.worst:.1f} s",
-            )
+            text = "%s: samples are in time again; %d were late, by up to %.1f s"
+            rospy.logwarn(text, self._input, lateness.count, lateness.worst)
 
     def _warn_of_rejection(self) -> None:
-        rospy.logwarn_throttle(
-            _WARN_EVERY_S,
-            f"{self._input}: {self._conditioner.rejected} samples dropped so far, "
-            "because a field or the result is not finite",
-        )
+        if self._throttle.is_due("rejection"):
+            text = "%s: %d samples dropped so far, because a field or the result is not finite"
+            rospy.logwarn(text, self._input, self._conditioner.rejected)
 
 
 def main() -> None:

@@ -18,7 +18,10 @@ from diff_drive_sim.messages.scanner import Scanner
 from diff_drive_sim.messages.world_markers import world_markers
 from diff_drive_sim.robot_parameters import GAZEBO, RobotParameters
 from diff_drive_sim.simulation.robot import Robot
-from nodekit import Node, run
+from nodekit import Node, Throttle, run
+
+#: Shortest time between two warnings about rejected commands [s].
+_WARN_EVERY_S = 10.0
 
 
 class DiffDrive:
@@ -57,6 +60,7 @@ class DiffDrive:
         self._scanner: Optional[Scanner] = None
         self._now = rospy.Time()
         self._touched = False
+        self._throttle = Throttle(_WARN_EVERY_S)
         self._odom = node.create_publisher("odom", Odometry)
         self._truth = node.create_publisher("ground_truth", Odometry)
         self._joints = node.create_publisher("joint_states", JointState)
@@ -92,7 +96,8 @@ class DiffDrive:
         if not (math.isfinite(linear) and math.isfinite(angular)):
             text = "%s: ignored a command of %s m/s and %s rad/s: must be finite"
             name = self._node.resolve("cmd_vel")
-            rospy.logwarn_throttle(10.0, text % (name, linear, angular))
+            if self._throttle.is_due():
+                rospy.logwarn(text, name, linear, angular)
             return
         self._catch_up()
         self._robot.command(linear, angular)

@@ -3,7 +3,7 @@
 import rospy
 from sensor_msgs.msg import Image, LaserScan, Temperature
 
-from nodekit import MultiThreadedExecutor, Node, run
+from nodekit import MultiThreadedExecutor, Node, Throttle, run
 from parameters_demo.sensors import of_scan
 
 
@@ -17,6 +17,7 @@ class ProcessingDemoNode:
     """
 
     def __init__(self, node: Node) -> None:
+        self._throttle = Throttle(1.0)
         MultiThreadedExecutor(2).add_node(node)
         node.create_subscription("data/lidar", LaserScan, self.on_lidar)
         node.create_subscription("data/camera", Image, self.on_camera)
@@ -24,17 +25,19 @@ class ProcessingDemoNode:
 
     def on_lidar(self, scan: LaserScan) -> None:
         """Log what is nearest."""
-        rospy.loginfo_throttle(1.0, f"Received LiDAR data: {of_scan(scan)}")
+        if self._throttle.is_due("lidar"):
+            rospy.loginfo("Received LiDAR data: %s", of_scan(scan))
 
     def on_camera(self, image: Image) -> None:
         """Log how large the image is."""
-        text = f"Received Camera data: width={image.width}, height={image.height}"
-        rospy.loginfo_throttle(1.0, text)
+        if self._throttle.is_due("camera"):
+            text = "Received Camera data: width=%d, height=%d"
+            rospy.loginfo(text, image.width, image.height)
 
     def on_temperature(self, temperature: Temperature) -> None:
         """Log how warm it is."""
-        text = f"Received Temperature data: {temperature.temperature:.2f} °C"
-        rospy.loginfo_throttle(1.0, text)
+        if self._throttle.is_due("temperature"):
+            rospy.loginfo("Received Temperature data: %.2f °C", temperature.temperature)
 
 
 def main() -> None:

@@ -5,7 +5,7 @@ from sensor_msgs.msg import CameraInfo, Image
 from std_msgs.msg import Header
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
-from nodekit import IntParameter, Node, ParameterSet, StringParameter, run
+from nodekit import IntParameter, Node, ParameterSet, StringParameter, Throttle, run
 from parameters_demo.messages import camera_info, image
 from parameters_demo.picture import Picture
 
@@ -39,6 +39,7 @@ class CameraDemo:
 
     def __init__(self, node: Node) -> None:
         self._parameters = node.declare_parameters(CameraDemoParameters, on_change=self._on_change)
+        self._throttle = Throttle(1.0)
         self._picture = Picture(self._parameters.values.camera_name)
         self._frames = 0
         self._images = node.create_publisher("camera/image_color", Image)
@@ -54,7 +55,8 @@ class CameraDemo:
         self._infos.publish(camera_info(header))
         self._images.publish(image(header, self._picture.draw(self._frames, now.to_sec())))
         self._frames += 1
-        rospy.loginfo_throttle(1.0, f"Published frame from: {name}")
+        if self._throttle.is_due():
+            rospy.loginfo("Published frame from: %s", name)
 
     def slow_down(self, request: TriggerRequest) -> TriggerResponse:
         """Set a parameter in code: it is validated as any other, and set on the server."""

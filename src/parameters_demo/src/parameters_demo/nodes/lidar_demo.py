@@ -4,7 +4,7 @@ import rospy
 from sensor_msgs.msg import LaserScan
 from std_msgs.msg import Header
 
-from nodekit import EnumParameter, IntParameter, Node, ParameterSet, StringParameter, run
+from nodekit import EnumParameter, IntParameter, Node, ParameterSet, StringParameter, Throttle, run
 from parameters_demo.messages import laser_scan
 from parameters_demo.room import MODELS, scan
 
@@ -33,6 +33,7 @@ class LidarDemo:
 
     def __init__(self, node: Node) -> None:
         self._parameters = node.declare_parameters(LidarDemoParameters)
+        self._throttle = Throttle(1.0)
         self._scans = node.create_publisher("lidar/points", LaserScan)
         node.create_timer(lambda: self._parameters.values.lidar_rate, self.publish)
 
@@ -44,8 +45,9 @@ class LidarDemo:
         scanner = MODELS[settings.lidar_model]
         ranges = scan(scanner, now.to_sec())
         self._scans.publish(laser_scan(header, scanner, ranges, 1.0 / settings.lidar_rate))
-        text = f"Published scan from: {settings.lidar_name} ({settings.lidar_model})"
-        rospy.loginfo_throttle(1.0, text)
+        if self._throttle.is_due():
+            text = "Published scan from: %s (%s)"
+            rospy.loginfo(text, settings.lidar_name, settings.lidar_model)
 
 
 def main() -> None:

@@ -3,7 +3,7 @@
 import rospy
 from std_msgs.msg import Header
 
-from nodekit import IntParameter, Node, ParameterSet, StringParameter, run
+from nodekit import IntParameter, Node, ParameterSet, StringParameter, Throttle, run
 from parameters_demo.messages import radar_tracks
 from parameters_demo.traffic import returns
 from parameters_demo_msgs.msg import RadarTracks
@@ -28,6 +28,7 @@ class RadarDemo:
 
     def __init__(self, node: Node) -> None:
         self._parameters = node.declare_parameters(RadarDemoParameters)
+        self._throttle = Throttle(1.0)
         self._tracks = node.create_publisher("radar/tracks", RadarTracks)
         node.create_timer(lambda: self._parameters.values.radar_rate, self.publish)
 
@@ -38,7 +39,8 @@ class RadarDemo:
         header = Header(stamp=now, frame_id=f"{name}_frame")
         seen = returns(now.to_sec())
         self._tracks.publish(radar_tracks(header, seen))
-        rospy.loginfo_throttle(1.0, f"Published {len(seen)} returns from: {name}")
+        if self._throttle.is_due():
+            rospy.loginfo("Published %d returns from: %s", len(seen), name)
 
 
 def main() -> None:

@@ -5,7 +5,7 @@ from typing import Optional
 
 import rospy
 
-from nodekit import Node, run
+from nodekit import Node, Throttle, run
 from pid_control.law.controller_parameters import ControllerParameters
 from pid_control.law.pid import Pid
 from pid_control.law.stamps import FIRST, GAP, LATE, RESTART, StampJudge
@@ -56,6 +56,7 @@ class Controller:
         self._publisher = node.publisher("motor_input", motor_input)
         self._terms = node.publisher("~terms", ControllerTerms)
         self._motor = node.resolve("motor_output")
+        self._throttle = Throttle(_WARN_EVERY_S)
         self._group = node.default_group
         node.subscribe("set_point", set_point, self._on_set_point, finite=True)
         node.subscribe("motor_output", motor_output, self._on_output, finite=True)
@@ -128,7 +129,8 @@ class Controller:
             self._pause()
 
     def _warn(self, text: str) -> None:
-        rospy.logwarn_throttle(_WARN_EVERY_S, f"{self._motor}: {text}")
+        if self._throttle.is_due():
+            rospy.logwarn("%s: %s", self._motor, text)
 
 
 def main() -> None:

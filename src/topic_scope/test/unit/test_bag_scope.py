@@ -8,8 +8,7 @@ import rospy
 from topic_scope.web import bag_scope
 
 bag_scope._log_to_terminal()
-for _ in range(2):
-    rospy.logwarn_throttle(60.0, "a page is in trouble")
+rospy.logwarn("a page is in trouble")
 """
 
 

@@ -158,7 +158,7 @@ def test_what_waits_is_bounded_and_takes_a_hundred_bytes_each(
         tracemalloc.stop()
     assert most < 100 * 100 * 100
     with mock.patch("topic_scope.sampling.raw_subscriptions.WAITING", most), mock.patch(
-        "rospy.logwarn_throttle"
+        "rospy.logwarn"
     ) as log:
         for _ in range(200):
             connection.bring(*range(100))
@@ -175,10 +175,10 @@ def test_a_topic_that_is_heard_as_another_type_keeps_no_other_out(
     stack.callback(subscriptions.want, [])
     rival = rospy.Subscriber(TOPIC, Float32)
     subscriptions.want([TOPIC, OTHER])
-    with mock.patch("rospy.logwarn_throttle") as log:
+    with mock.patch("rospy.logwarn") as log:
         subscriptions.adjust()
     assert set(subscriptions.subscriptions()) == {OTHER}
-    assert TOPIC in log.call_args[0][1]
+    assert TOPIC in str(log.call_args[0][1])
     rival.unregister()
     subscriptions.adjust()
     assert set(subscriptions.subscriptions()) == {TOPIC, OTHER}

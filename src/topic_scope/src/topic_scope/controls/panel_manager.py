@@ -12,6 +12,7 @@ from nodekit import (
     DescriptionError,
     FollowedParameter,
     ParameterClient,
+    Throttle,
     follow_parameter,
 )
 from topic_scope.controls import dynamic_reconfigure_panels, services
@@ -55,6 +56,7 @@ class PanelManager:
         self._panels: Dict[str, Panel] = {}
         self._followed: Dict[str, FollowedParameter] = {}
         self._failed: Dict[str, float] = {}
+        self._throttle = Throttle(60.0)
         self._foreign: Collection[str] = ()
         self._settings = Settings(self._worker, self._change, self._send_values, self._read_again)
         self._managed = ManagedNodes(self._worker, send)
@@ -120,7 +122,8 @@ class PanelManager:
         if isinstance(result, Exception):
             self._failed[node] = time.monotonic() + RETRY_S
             if isinstance(result, DescriptionError):
-                rospy.logwarn_throttle(60.0, f"no panel for {node}: {result}")
+                if self._throttle.is_due(node):
+                    rospy.logwarn("no panel for %s: %s", node, result)
             return
         self._panels[node], followed = result
         self._followed[node] = followed

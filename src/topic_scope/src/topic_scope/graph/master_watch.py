@@ -7,6 +7,7 @@ from typing import Any, Callable, List, Mapping, NamedTuple, Tuple
 import rosgraph
 import rospy
 
+from nodekit import Throttle
 from nodekit.master import MasterClient
 from topic_scope.messages.layouts import Layouts
 from topic_scope.sampling.raw_subscriptions import RawSubscriptions
@@ -50,6 +51,7 @@ class MasterWatch:
         self._layouts = layouts
         self._master = MasterClient(rospy.get_name(), rospy.get_node_uri())
         self._wake = threading.Event()
+        self._throttle = Throttle(_LOG_PERIOD_S)
 
     def start(
         self, on_state: Callable[[GraphState], Any], on_silence: Callable[[str], Any]
@@ -79,6 +81,7 @@ class MasterWatch:
                 rospy.logdebug("the master does not answer: %s", error)
                 on_silence(rosgraph.get_master_uri())
             except Exception:  # of any kind: without this thread nothing new would be seen
-                rospy.logerr_throttle(_LOG_PERIOD_S, f"the graph: {traceback.format_exc()}")
+                if self._throttle.is_due():
+                    rospy.logerr("the graph: %s", traceback.format_exc())
             self._wake.wait(PERIOD_S)
             self._wake.clear()

@@ -4,6 +4,7 @@ from typing import Any, Dict, Mapping, Optional, Set, Tuple
 
 import rospy
 
+from nodekit import Throttle
 from topic_scope.messages.layouts import Layouts
 from topic_scope.messages.record_reader import MessageReader
 from topic_scope.page.state import Page
@@ -35,6 +36,7 @@ class SceneFeed:
         self.pages: Set[Page] = set()
         self._told: Dict[str, Dict[str, Any]] = {}
         self._ticks = 0
+        self._throttle = Throttle(_LOG_PERIOD_S)
 
     # --- From the source ---------------------------------------------------------------------
 
@@ -82,9 +84,9 @@ class SceneFeed:
             try:
                 self._scene.add_message(topic, datatype, reader.read(data), when)
             except (LookupError, TypeError, ValueError) as error:
-                why = f"{datatype} has other fields than known: {error!r}"
-                text = f"{topic} is left out of the robot view: {why}"
-                rospy.logwarn_throttle(_LOG_PERIOD_S, text)
+                if self._throttle.is_due(topic):
+                    why = f"{datatype} has other fields than known: {error!r}"
+                    rospy.logwarn("%s is left out of the robot view: %s", topic, why)
 
     def _is_known(self, header: Mapping[str, str]) -> bool:
         return header["type"] in scene.TYPES or scene.is_status(self._layouts.received(header))

@@ -8,7 +8,7 @@ from typing import Any, Collection, Dict, List, Mapping
 
 import rospy
 
-from nodekit import Subscription
+from nodekit import Subscription, Throttle
 from topic_scope.sampling.message_source import TICK_S, Batch
 
 #: Most bytes that messages of a topic take while they wait to be read; what comes beyond that is
@@ -45,6 +45,7 @@ class RawSubscription:
         #: Without the objects of messages and times: they would take three times as much.
         self._waiting: List[Batch] = []
         self._bytes = 0
+        self._throttle = Throttle(_WARN_EVERY_S)
         self._latest = 0.0
         self._subscription = Subscription(topic, rospy.AnyMsg, self._on_messages)
         self._subscription.open()
@@ -55,9 +56,8 @@ class RawSubscription:
         with self._lock:
             for message in messages:
                 if self._bytes > WAITING:
-                    rospy.logwarn_throttle(
-                        _WARN_EVERY_S, f"{self.topic} comes too fast: messages are lost"
-                    )
+                    if self._throttle.is_due():
+                        rospy.logwarn("%s comes too fast: messages are lost", self.topic)
                     return
                 header = message._connection_header
                 if not self._waiting or self._waiting[-1].header is not header:
@@ -88,6 +88,7 @@ class RawSubscriptions:
         self.clock = clock
         self._wanted: Collection[str] = ()
         self._open: Dict[str, RawSubscription] = {}
+        self._throttle = Throttle(_REFUSED_EVERY_S)
 
     def want(self, topics: Collection[str], is_more: bool = False) -> None:
         """Subscribe to these topics with the next :meth:`adjust`; see :class:`.MessageSource`."""
@@ -102,7 +103,8 @@ class RawSubscriptions:
             except (
                 rospy.ROSException
             ) as error:  # as of /clock, to which rospy subscribes in simulated time
-                rospy.logwarn_throttle(_REFUSED_EVERY_S, f"no samples: {error}")
+                if self._throttle.is_due(topic):
+                    rospy.logwarn("no samples: %s", error)
                 continue
             self._open = {**self._open, topic: made}
         for topic in set(self._open) - wanted:

@@ -7,6 +7,7 @@ from typing import List
 import rospy
 import tornado.ioloop
 
+from nodekit import Throttle
 from topic_scope.page.state import Page
 from topic_scope.sampling.recorder import Recorder
 from topic_scope.web.handlers import PageSocket
@@ -33,6 +34,7 @@ class FrameSender:
         self.has_samples = False
         self._recorder, self._sockets = recorder, sockets
         self._statistics_at = 0.0
+        self._throttle = Throttle(_LOG_PERIOD_S)
 
     def start(self) -> None:
         """Start the periodic callbacks in the current loop."""
@@ -61,7 +63,8 @@ class FrameSender:
                 elif connection.is_ready:
                     connection.send(connection.page.pop_messages())
             except Exception:  # of any kind: the frames of other pages must not stop
-                rospy.logerr_throttle(_LOG_PERIOD_S, f"no frame: {traceback.format_exc()}")
+                if self._throttle.is_due():
+                    rospy.logerr("no frame: %s", traceback.format_exc())
 
     def _send_frame(self, connection: PageSocket, page: Page, now: float) -> None:
         page.watch(self._recorder, now)

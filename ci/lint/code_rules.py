@@ -6,6 +6,7 @@ and functions that no package may use are banned in pyproject.toml, where ruff r
 
 import ast
 import pathlib
+import re
 import sys
 from typing import Dict, Iterable, Iterator, List, Mapping, Set, Tuple
 
@@ -20,6 +21,9 @@ ROS = {"rospy", "rosgraph", "roslib", "std_msgs", "std_srvs", "genpy", "rclpy"}
 LONGEST = 400
 #: Imports by name what it offers, so that nothing is imported before it is used.
 PUBLIC_MODULE = "nodekit"
+
+#: rospy's throttles, keyed by line of code: of two nodes in a process, one silences the other.
+THROTTLE = re.compile(r"log[a-z]+_throttle")
 
 #: The Python of ROS Noetic. mypy is set to it as well, and knows what its modules hold.
 NOETIC = (3, 8)
@@ -107,13 +111,21 @@ def breaches(name: str, tree: ast.AST) -> Iterator[Tuple[int, str]]:
             yield line, f"it must not depend on ROS, but imports {imported}"
 
 
+def shared_throttles(tree: ast.AST) -> Iterator[Tuple[int, str]]:
+    """Return line and sentence of each use of rospy's throttles, which nodes of a process share."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and THROTTLE.match(node.attr):
+            yield node.lineno, f"{node.attr} is keyed by line of code: use nodekit.Throttle"
+
+
 def all_breaches() -> Iterator[str]:
     """Return a line for each breach in the workspace."""
     trees = {}
     for name, path in modules():
         text = path.read_text("utf-8")
         trees[name] = ast.parse(text, str(path), feature_version=NOETIC)
-        for line, sentence in breaches(name, trees[name]):
+        found = [*breaches(name, trees[name]), *shared_throttles(trees[name])]
+        for line, sentence in found:
             yield f"{path.relative_to(SOURCES.parent)}:{line}: {sentence}"
         if len(text.splitlines()) > LONGEST:
             yield f"{name}: longer than {LONGEST} lines"

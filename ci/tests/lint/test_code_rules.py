@@ -40,3 +40,8 @@ def test_independent_rooms_are_rooms() -> None:
         assert groups
         for group in groups:
             assert len(group) > 1 and group <= set(code_rules.ROOMS[package])
+
+
+def test_throttle_of_rospy_is_reported() -> None:
+    text = "rospy.logwarn_throttle(1, '')\nrospy.logerr_throttle_identical\nthrottle.is_due()\n"
+    assert [line for line, _ in code_rules.shared_throttles(ast.parse(text))] == [1, 2]

@@ -50,18 +50,18 @@ if TYPE_CHECKING:  # the same names for type checkers and editors
     from nodekit.parameters.declaration import ParameterSet as ParameterSet
     from nodekit.parameters.declaration import read_once as read_once
     from nodekit.parameters.declaration import rule as rule
-    from nodekit.parameters.kinds import BoolParameter as BoolParameter
-    from nodekit.parameters.kinds import BytesParameter as BytesParameter
-    from nodekit.parameters.kinds import EnumParameter as EnumParameter
-    from nodekit.parameters.kinds import ListParameter as ListParameter
-    from nodekit.parameters.kinds import Parameter as Parameter
-    from nodekit.parameters.kinds import ParameterError as ParameterError
-    from nodekit.parameters.kinds import StringParameter as StringParameter
-    from nodekit.parameters.kinds import format_value as format_value
-    from nodekit.parameters.kinds import to_wire as to_wire
-    from nodekit.parameters.number_kinds import FloatParameter as FloatParameter
-    from nodekit.parameters.number_kinds import IntParameter as IntParameter
-    from nodekit.parameters.number_kinds import RateParameter as RateParameter
+    from nodekit.parameters.numeric_types import FloatParameter as FloatParameter
+    from nodekit.parameters.numeric_types import IntParameter as IntParameter
+    from nodekit.parameters.numeric_types import RateParameter as RateParameter
+    from nodekit.parameters.parameter_types import BoolParameter as BoolParameter
+    from nodekit.parameters.parameter_types import BytesParameter as BytesParameter
+    from nodekit.parameters.parameter_types import EnumParameter as EnumParameter
+    from nodekit.parameters.parameter_types import ListParameter as ListParameter
+    from nodekit.parameters.parameter_types import Parameter as Parameter
+    from nodekit.parameters.parameter_types import ParameterError as ParameterError
+    from nodekit.parameters.parameter_types import StringParameter as StringParameter
+    from nodekit.parameters.parameter_types import format_value as format_value
+    from nodekit.parameters.parameter_types import to_wire as to_wire
     from nodekit.parameters.schema import DescriptionError as DescriptionError
     from nodekit.parameters.schema import describe as describe
     from nodekit.parameters.schema import parameter_of as parameter_of
@@ -113,18 +113,18 @@ _HOMES: Dict[str, str] = {
     "ParameterSet": "parameters.declaration",
     "read_once": "parameters.declaration",
     "rule": "parameters.declaration",
-    "BoolParameter": "parameters.kinds",
-    "BytesParameter": "parameters.kinds",
-    "EnumParameter": "parameters.kinds",
-    "format_value": "parameters.kinds",
-    "ListParameter": "parameters.kinds",
-    "Parameter": "parameters.kinds",
-    "ParameterError": "parameters.kinds",
-    "StringParameter": "parameters.kinds",
-    "to_wire": "parameters.kinds",
-    "FloatParameter": "parameters.number_kinds",
-    "IntParameter": "parameters.number_kinds",
-    "RateParameter": "parameters.number_kinds",
+    "BoolParameter": "parameters.parameter_types",
+    "BytesParameter": "parameters.parameter_types",
+    "EnumParameter": "parameters.parameter_types",
+    "format_value": "parameters.parameter_types",
+    "ListParameter": "parameters.parameter_types",
+    "Parameter": "parameters.parameter_types",
+    "ParameterError": "parameters.parameter_types",
+    "StringParameter": "parameters.parameter_types",
+    "to_wire": "parameters.parameter_types",
+    "FloatParameter": "parameters.numeric_types",
+    "IntParameter": "parameters.numeric_types",
+    "RateParameter": "parameters.numeric_types",
     "describe": "parameters.schema",
     "DescriptionError": "parameters.schema",
     "parameter_of": "parameters.schema",

@@ -23,7 +23,7 @@ from nodekit.node.node import Node
 from nodekit.node.node_scope import NodeScope
 from nodekit.node.resource_owner import Closed
 from nodekit.node.timers import NodeTimer
-from nodekit.rospy_internals.shutdown import Ending, at_end
+from nodekit.rospy_internals.shutdown import ShutdownPhase, at_end
 from nodekit.validation import LONGEST_S, check_wait
 
 #: Base name of the service that reports a node's callbacks.
@@ -152,4 +152,4 @@ def _shut_down_all() -> None:
         executor.shutdown(0.0)
 
 
-at_end(Ending.TOOLKIT, _shut_down_all)
+at_end(ShutdownPhase.TOOLKIT, _shut_down_all)

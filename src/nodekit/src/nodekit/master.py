@@ -29,8 +29,8 @@ from typing import (
 import rosgraph
 
 # What a reading holds is public as this module is.
-from nodekit.parameters.kinds import MISSING as MISSING
-from nodekit.parameters.kinds import UNREADABLE as UNREADABLE
+from nodekit.parameters.parameter_types import MISSING as MISSING
+from nodekit.parameters.parameter_types import UNREADABLE as UNREADABLE
 from nodekit.validation import check_timeout
 
 T = TypeVar("T")

@@ -14,7 +14,6 @@ from xmlrpc.client import ServerProxy
 
 import rospy
 from helpers.parameter_node import GaugeParameters
-
 from nodekit.master import MasterClient, MasterUnreachable, Reading
 from nodekit.parameter_server import followed_parameter, reconfigure, watcher
 from nodekit.parameter_server.followed_parameter import FollowedParameter
@@ -23,8 +22,8 @@ from nodekit.parameter_server.watched_key import WatchedKey
 from nodekit.parameter_server.watcher import Watcher
 from nodekit.parameters import reconciler
 from nodekit.parameters.declaration import ParameterError, to_wire
-from nodekit.parameters.reconciler import Seen
-from nodekit.rospy_internals.parameters import ROSOUT_PARAMETER
+from nodekit.parameters.reconciler import Observation
+from nodekit.rospy_internals.parameter_cache import ROSOUT_PARAMETER
 from nodekit.testing.processes import Server
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
@@ -75,7 +74,7 @@ class Onlooker:
         self.watched = WatchedKey(key, lambda raw: False, self.on_reading)
         self.pushed: List[Any] = []
 
-    def on_reading(self, seen: Seen) -> bool:
+    def on_reading(self, seen: Observation) -> bool:
         self.pushed += seen.pushed
         return True
 

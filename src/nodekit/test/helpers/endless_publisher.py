@@ -4,9 +4,8 @@
 import threading
 
 import rospy
-from std_msgs.msg import String
-
 from nodekit.messaging.publisher import Publisher
+from std_msgs.msg import String
 
 
 def publish_on(publisher: Publisher, stop: threading.Event) -> None:

@@ -7,6 +7,8 @@ import threading
 from typing import Any, Dict
 
 import rospy
+from nodekit.parameters import reconciler
+from nodekit.parameters.parameter_types import to_wire
 
 from nodekit import (
     BoolParameter,
@@ -22,8 +24,6 @@ from nodekit import (
     rule,
     run,
 )
-from nodekit.parameters import reconciler
-from nodekit.parameters.kinds import to_wire
 
 
 class GaugeParameters(ParameterSet):

@@ -18,12 +18,6 @@ from unittest import mock
 
 import rosgraph
 import rospy
-from rosgraph_msgs.msg import Log, TopicStatistics
-from std_msgs.msg import Float32, String
-from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
-
-from lifecycle_msgs.msg import Transition
-from lifecycle_msgs.srv import ChangeState
 from nodekit.executors import SingleThreadedExecutor
 from nodekit.managed.managed_node import ManagedNode
 from nodekit.messaging import service
@@ -43,12 +37,18 @@ from nodekit.parameters.declaration import (
 )
 from nodekit.process.host import host_all
 from nodekit.process.run import init_node
-from nodekit.rospy_internals import publishers, subscribers
+from nodekit.rospy_internals import incoming_topic, outgoing_topic
 from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Server
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from nodekit.timing.scheduler import get_scheduler
+from rosgraph_msgs.msg import Log, TopicStatistics
+from std_msgs.msg import Float32, String
+from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
+
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
 
 
 class Settings(ParameterSet):
@@ -137,9 +137,9 @@ class Start(OnMaster):
 
     def test_what_is_closed_amid_the_start_is_not_opened_either(self) -> None:
         for owner, function in (
-            (publishers, "send_at_once"),
+            (outgoing_topic, "send_at_once"),
             (service, "_LoggedService"),
-            (subscribers, "receive_in_batches"),
+            (incoming_topic, "receive_in_batches"),
             (live_parameters, "open_all"),
             (followed_parameter, "open_all"),
             (NodeTimer, "start_together"),

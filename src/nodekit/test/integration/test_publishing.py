@@ -17,15 +17,14 @@ import rosgraph
 import rosnode
 import rospy
 from helpers.recording_subscriber import numbered
-from rosgraph.network import encode_ros_handshake_header
-from std_msgs.msg import String
-
 from nodekit.messaging.publisher import Publisher
-from nodekit.rospy_internals import publishers
+from nodekit.rospy_internals import outgoing_topic
 from nodekit.testing.processes import hanging
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 from nodekit.transport import delivery
+from rosgraph.network import encode_ros_handshake_header
+from std_msgs.msg import String
 
 HELPERS = os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, "helpers")
 
@@ -289,13 +288,13 @@ class PublishingTest(unittest.TestCase):
 
     def test_closing_amid_the_opening_leaves_nothing_either(self):
         publisher = Publisher(self.topic, String)
-        register = publishers.send_at_once
+        register = outgoing_topic.send_at_once
 
         def close_and_register(*arguments):
             publisher.close()
             return register(*arguments)
 
-        with mock.patch.object(publishers, "send_at_once", close_and_register):
+        with mock.patch.object(outgoing_topic, "send_at_once", close_and_register):
             publisher.open()
         (published, _, _) = rosgraph.Master(rospy.get_name()).getSystemState()
         self.assertNotIn(self.topic, dict(published))

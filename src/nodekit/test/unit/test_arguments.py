@@ -6,7 +6,6 @@ import subprocess
 import sys
 
 import pytest
-
 from nodekit.node.name_rules import IllegalName
 from nodekit.process.arguments import ArgumentError, check
 

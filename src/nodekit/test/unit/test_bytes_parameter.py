@@ -5,10 +5,9 @@ from typing import Any
 
 import pytest
 import yaml
-
 from nodekit.parameters.declaration import ParameterError, ParameterSet, StringParameter
-from nodekit.parameters.kinds import BytesParameter, format_value, to_wire
-from nodekit.parameters.reconciler import Reconciler, Seen
+from nodekit.parameters.parameter_types import BytesParameter, format_value, to_wire
+from nodekit.parameters.reconciler import Observation, Reconciler
 from nodekit.parameters.schema import as_table, as_yaml, describe, parameter_of
 
 
@@ -46,8 +45,8 @@ def test_what_is_binary_on_the_server_is_written_back_as_a_list() -> None:
     reconciler = Reconciler(Lock, ())
     held = {"key": to_wire(b"\x00\xff"), "name": "door"}
     reconciler.start(dict(held), 0.0)
-    assert reconciler.step(Seen(dict(held)), 1.0).writes == {}
-    verdict = reconciler.step(Seen({**held, "key": xmlrpc.client.Binary(b"ac")}), 2.0)
+    assert reconciler.step(Observation(dict(held)), 1.0).writes == {}
+    verdict = reconciler.step(Observation({**held, "key": xmlrpc.client.Binary(b"ac")}), 2.0)
     assert (verdict.values.key, verdict.writes) == (b"ac", {"key": [97, 99]})
 
 

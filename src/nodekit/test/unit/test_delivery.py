@@ -11,16 +11,21 @@ import types
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
 from nodekit.testing.waiting import wait_until
 from nodekit.transport import delivery
-from nodekit.transport.link import PROBATION_S, REPORT_PERIOD_S, Link, LossReports, Phase
+from nodekit.transport.subscriber_connection import (
+    PROBATION_S,
+    REPORT_PERIOD_S,
+    LossReports,
+    Phase,
+    SubscriberConnection,
+)
 
 TIME_OUT = 20.0  # s
 BIG = b"b" * 1_000_000  # more than a pair's buffers take
 
 
-class RecordingLink(Link):
+class RecordingLink(SubscriberConnection):
     """A link that keeps its reports."""
 
     def __init__(self, sock, lock=None):
@@ -157,7 +162,7 @@ def test_messages_are_whole_in_order_and_accounted_for(steps):
 
 
 def test_full_receivers_together_are_waited_for_once(pairs, clock):
-    links = [Link("full", pairs()[0], threading.RLock()) for _ in range(20)]
+    links = [SubscriberConnection("full", pairs()[0], threading.RLock()) for _ in range(20)]
     start = clock.now
     delivery.deliver(BIG, links)
     assert clock.now - start == pytest.approx(delivery.PATIENCE_S)
@@ -168,7 +173,7 @@ def test_full_receivers_together_are_waited_for_once(pairs, clock):
 
 
 def test_what_is_lost_counts_as_so_many_messages_as_went_together(pairs, clock):
-    link = Link("full", pairs()[0], threading.RLock())
+    link = SubscriberConnection("full", pairs()[0], threading.RLock())
     for _ in range(20):
         delivery.deliver(BIG, [link], 3)
     held = sum(each.messages for each in link.held)
@@ -187,13 +192,15 @@ def test_others_have_the_message_before_a_full_receiver_is_waited_for(pairs, clo
         return []
 
     clock.wait = look
-    delivery.deliver(b"news", [Link(name, s, clock) for name, s in (("f", full), ("g", ours))])
+    delivery.deliver(
+        b"news", [SubscriberConnection(name, s, clock) for name, s in (("f", full), ("g", ours))]
+    )
     assert seen == [b"news"]
 
 
 def test_receiver_that_was_back_lately_is_not_waited_for(pairs, clock, unwatched):
     ours, theirs = pairs()
-    link = Link("slow", ours, threading.RLock())
+    link = SubscriberConnection("slow", ours, threading.RLock())
 
     def stall():
         start = clock.now
@@ -216,7 +223,7 @@ def test_receiver_that_was_back_lately_is_not_waited_for(pairs, clock, unwatched
 def test_receiver_that_reads_in_time_loses_nothing(pairs, unwatched, monkeypatch):
     monkeypatch.setattr(delivery, "PATIENCE_S", TIME_OUT)
     ours, theirs = pairs()
-    link = Link("reader", ours, threading.RLock())
+    link = SubscriberConnection("reader", ours, threading.RLock())
     messages = [packet(number, 100_000) for number in range(20)]
     received = []
     size = sum(map(len, messages))
@@ -230,7 +237,7 @@ def test_receiver_that_reads_in_time_loses_nothing(pairs, unwatched, monkeypatch
 
 
 def test_stalled_receiver_is_served_in_the_background_until_it_is_back(pairs, monkeypatch):
-    monkeypatch.setattr("nodekit.transport.link.REPORT_PERIOD_S", 0.0)
+    monkeypatch.setattr("nodekit.transport.subscriber_connection.REPORT_PERIOD_S", 0.0)
     threads = threading.active_count()
     ours, theirs = pairs()
     link = RecordingLink(ours)

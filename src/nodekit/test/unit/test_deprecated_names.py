@@ -6,6 +6,8 @@ import warnings
 from typing import Any, Dict, Iterator, List
 
 import pytest
+from nodekit.node.names import Names
+from nodekit.node.old_methods import OldMethods
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
@@ -18,8 +20,6 @@ from nodekit import (
     ReentrantCallbackGroup,
     deprecated,
 )
-from nodekit.node.names import Names
-from nodekit.node.old_methods import OldMethods
 
 
 class Settings(ParameterSet):

@@ -5,11 +5,10 @@ from typing import Any, List
 from unittest import mock
 
 import pytest
-
 from nodekit.master import MasterUnreachable
 from nodekit.parameter_server.followed_parameter import FollowedParameter
 from nodekit.parameter_server.watched_key import WatchedKey
-from nodekit.parameters.reconciler import Seen
+from nodekit.parameters.reconciler import Observation
 
 
 def test_what_a_callback_changes_is_its_own() -> None:
@@ -20,15 +19,15 @@ def test_what_a_callback_changes_is_its_own() -> None:
     assert first == ["one"]
     first.append("mine")
     assert not followed._is_news(["one"])
-    followed._on_reading(Seen(["two"], [], False, 0.0))
+    followed._on_reading(Observation(["two"], [], False, 0.0))
     assert told and not followed._is_news(["two"])
-    followed._on_reading(Seen(["two"], [], False, 0.0))
+    followed._on_reading(Observation(["two"], [], False, 0.0))
     assert len(told) == 1
 
 
 @pytest.mark.parametrize("fails", [False, True])
 def test_who_asks_to_be_told_while_being_told_is_told_once_more(fails: bool) -> None:
-    def on_reading(seen: Seen) -> bool:
+    def on_reading(seen: Observation) -> bool:
         watched.due = True  # as another thread does it
         if fails:
             raise MasterUnreachable("on purpose")

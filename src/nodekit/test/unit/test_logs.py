@@ -8,13 +8,13 @@ import subprocess
 import sys
 
 import pytest
+from nodekit.rospy_internals import logs, startup
+from nodekit.testing.waiting import TIMEOUT_S
 from rosgraph import roslogging
 
 from nodekit import Throttle
-from nodekit.rospy_internals import logs, start
-from nodekit.testing.waiting import TIMEOUT_S
 
-start.apply_patches()
+startup.apply_patches()
 
 
 @pytest.fixture(autouse=True)
@@ -85,7 +85,7 @@ def test_characters_that_the_stream_lacks_are_escaped(kind, capsys):
 def test_where_no_log_file_can_be_written_the_console_is_left(place):
     program = (
         "import rosgraph.roslogging as r, logging;"
-        "from nodekit.rospy_internals import start; start.apply_patches();"
+        "from nodekit.rospy_internals import startup; startup.apply_patches();"
         "r.configure_logging('rospy', logging.INFO, filename='x.log');"
         "logging.getLogger('rosout').info('heard')"
     )
@@ -104,7 +104,7 @@ def test_where_no_log_file_can_be_written_the_console_is_left(place):
 def test_line_for_a_pipe_does_not_wait_in_a_buffer():
     program = (
         "import rosgraph.roslogging as r, logging, sys;"
-        "from nodekit.rospy_internals import start; start.apply_patches();"
+        "from nodekit.rospy_internals import startup; startup.apply_patches();"
         "r.configure_logging('rospy', logging.INFO, filename='null');"
         "logging.getLogger('rosout').info('heard');"
         "sys.stdin.read()"
@@ -128,7 +128,7 @@ def test_output_that_cannot_be_written_is_no_exit_status():
             [
                 sys.executable,
                 "-c",
-                "from nodekit.rospy_internals import start; start.apply_patches(); print('a line')",
+                "from nodekit.rospy_internals import startup; startup.apply_patches(); print('a line')",
             ],
             env={name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"},
             stdout=full,

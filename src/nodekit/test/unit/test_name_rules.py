@@ -2,13 +2,12 @@
 
 import pytest
 import rosgraph.names
-
 from nodekit.node.name_rules import (
     IllegalName,
-    is_legal_name,
     check_base_name,
     check_namespace,
     checked,
+    is_legal_name,
 )
 from nodekit.node.names import Names
 

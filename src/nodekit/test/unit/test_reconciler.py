@@ -5,7 +5,6 @@ from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Tuple
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
 from nodekit.parameters.declaration import (
     FloatParameter,
     ListParameter,
@@ -15,19 +14,19 @@ from nodekit.parameters.declaration import (
     StringParameter,
     rule,
 )
-from nodekit.parameters.judging import corrections, on_wire
-from nodekit.parameters.kinds import MISSING, UNREADABLE
+from nodekit.parameters.errors import RuleError
+from nodekit.parameters.parameter_types import MISSING, UNREADABLE
 from nodekit.parameters.reconciler import (
     BURST,
     HALF_DONE_S,
     OVERLAP_S,
     REFILL_S,
-    Budget,
+    Decision,
+    Observation,
     Reconciler,
-    Seen,
-    Verdict,
+    TokenBucket,
 )
-from nodekit.parameters.refusals import RuleError
+from nodekit.parameters.validation import corrections, on_wire
 
 
 class Gauge(ParameterSet):
@@ -351,7 +350,7 @@ def test_step_by_step(name: str) -> None:
             assert reconciler.values == IN_FORCE.replace(**row.values), where
             continue
         read_at = LATE if row.early else now
-        verdict = reconciler.step(Seen(server, row.pushed, row.forgotten, read_at), now)
+        verdict = reconciler.step(Observation(server, row.pushed, row.forgotten, read_at), now)
         assert verdict.values == reconciler.values == IN_FORCE.replace(**row.values), where
         assert verdict.writes == row.writes, where
         assert [error.name for error in verdict.refusals] == list(row.refused), where
@@ -367,7 +366,7 @@ def test_start_writes_what_is_unset_all_at_once() -> None:
     reconciler = Reconciler(Gauge)
     assert reconciler.is_news(MISSING)
     verdict = reconciler.start({"level": "5", "other": 1}, 0.0)
-    assert verdict == Verdict(
+    assert verdict == Decision(
         Gauge(level=5.0),
         {"level": 5.0, "title": "gauge", "low": 0.0, "high": 9.0},
         [],
@@ -377,7 +376,9 @@ def test_start_writes_what_is_unset_all_at_once() -> None:
     reconciler.written(0.0)
     assert not reconciler.is_news({**on_wire(Gauge(level=5.0)), "other": 1})
     # A value that came when the defaults were written wins.
-    late = reconciler.step(Seen({**on_wire(Gauge(level=5.0)), "other": 1}, [("level", 7)]), 0.1)
+    late = reconciler.step(
+        Observation({**on_wire(Gauge(level=5.0)), "other": 1}, [("level", 7)]), 0.1
+    )
     assert (late.values.level, late.writes, late.unknown) == (7.0, {"level": 7.0}, {})
 
 
@@ -386,7 +387,7 @@ def test_nodes_with_the_same_values_share_what_is_kept_of_them() -> None:
     for reconciler in (first, second):
         reconciler.start({"level": 1}, 0.0)
         reconciler.written(0.0)
-        reconciler.step(Seen(on_wire(Gauge()), forgotten=True), 0.1)
+        reconciler.step(Observation(on_wire(Gauge()), forgotten=True), 0.1)
         assert not reconciler.is_news(on_wire(Gauge()))
     assert first.values is second.values is Gauge.as_declared()
     assert not first._odd  # what the server holds is what is in force
@@ -413,7 +414,7 @@ def test_a_rule_of_the_node_s_judges_each_change() -> None:
     with pytest.raises(RuleError, match="level: refused 0.5: must be above 1"):
         reconciler.judge({"level": 0.5})
     for raw in ({**on_wire(Gauge(level=0.5))}, {}):  # set, and deleted, which is the default
-        seen = Seen(raw, [("", raw)])
+        seen = Observation(raw, [("", raw)])
         assert reconciler.step(seen, 1.0).again
         refused = reconciler.step(seen, 2.0)
         assert refused.values.level == refused.writes["level"] == 5.0
@@ -460,7 +461,7 @@ def test_a_judged_change_is_adopted_only_when_it_is_told_to_be() -> None:
     verdict = reconciler.judge({"level": "5", "title": "old"})
     # Also what is in force already: the server may hold another title, which nobody has read yet.
     writes = {"level": 5.0, "title": "old"}
-    assert verdict == Verdict(IN_FORCE.replace(level=5.0), writes, [], {})
+    assert verdict == Decision(IN_FORCE.replace(level=5.0), writes, [], {})
     assert reconciler.values == IN_FORCE
     reconciler.adopt(verdict, 1.0)
     assert reconciler.values.level == 5.0
@@ -548,7 +549,9 @@ class World:
         raw = self.server
         if not (self.pushed or self.reconciler.is_news(raw)):
             return
-        verdict = self.reconciler.step(Seen(raw, list(self.pushed), read_at=self.now), self.now)
+        verdict = self.reconciler.step(
+            Observation(raw, list(self.pushed), read_at=self.now), self.now
+        )
         type(verdict.values)(**verdict.values.as_dict())
         for name, value in verdict.writes.items():
             in_force = on_wire(verdict.values)
@@ -631,7 +634,7 @@ def test_whatever_is_set_the_server_tells_valid_values_in_the_end(moves: Any) ->
 
 
 def test_a_burst_goes_at_once_and_more_one_by_one():
-    budget = Budget()
+    budget = TokenBucket()
     assert [budget.allow("level", 0.0) for _ in range(BURST)] == [True] * BURST
     assert not budget.allow("level", 0.5 * REFILL_S)
     assert budget.allow("title", 0.5 * REFILL_S)
@@ -640,7 +643,7 @@ def test_a_burst_goes_at_once_and_more_one_by_one():
 
 
 def test_one_more_goes_with_each_of_the_questions_that_come_once_in_a_while():
-    budget = Budget()
+    budget = TokenBucket()
     for _ in range(BURST):
         budget.allow("level", 0.0)
     assert all(budget.allow("level", number * REFILL_S) for number in range(1, 1000))
@@ -648,7 +651,7 @@ def test_one_more_goes_with_each_of_the_questions_that_come_once_in_a_while():
 
 @given(st.lists(st.floats(0.0, 3.0 * REFILL_S), max_size=200))
 def test_never_more_is_allowed_than_the_burst_and_one_a_period(pauses):
-    budget, now, allowed = Budget(), 0.0, 0
+    budget, now, allowed = TokenBucket(), 0.0, 0
     for pause in pauses:
         now += pause
         allowed += budget.allow("level", now)
@@ -657,7 +660,7 @@ def test_never_more_is_allowed_than_the_burst_and_one_a_period(pauses):
 
 @pytest.mark.parametrize("rest", [BURST * REFILL_S, 1e6])
 def test_the_burst_is_back_after_a_rest(rest):
-    budget = Budget()
+    budget = TokenBucket()
     for _ in range(2 * BURST):
         budget.allow("level", 0.0)
     assert [budget.allow("level", rest) for _ in range(BURST + 1)].count(True) == BURST

@@ -6,7 +6,6 @@ from typing import Any, List, Type
 from xml.etree import ElementTree
 
 import pytest
-
 from nodekit.testing import running
 
 

@@ -10,7 +10,6 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
-
 from nodekit.parameters.declaration import (
     BoolParameter,
     EnumParameter,

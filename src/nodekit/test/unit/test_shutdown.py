@@ -11,17 +11,17 @@ def fail():
     raise ValueError("on purpose")
 
 rospy.on_shutdown(partial(print, "rospy's first"))
-from nodekit.rospy_internals.shutdown import Ending, at_end
+from nodekit.rospy_internals.shutdown import ShutdownPhase, at_end
 rospy.on_shutdown(partial(print, "rospy's second"))
-for ending in (Ending.TOOLKIT, Ending.NODES, Ending.TRANSITIONS):
+for ending in (ShutdownPhase.TOOLKIT, ShutdownPhase.NODES, ShutdownPhase.TRANSITIONS):
     for number in (1, 2):
         at_end(ending, partial(print, ending.name, number))
-at_end(Ending.NODES, fail)
-forget = at_end(Ending.NODES, partial(print, "forgotten"))
+at_end(ShutdownPhase.NODES, fail)
+forget = at_end(ShutdownPhase.NODES, partial(print, "forgotten"))
 forget()
 rospy.signal_shutdown("the test is over")
-at_end(Ending.TOOLKIT, partial(print, "too late"))
-at_end(Ending.NODES, partial(print, "much too late"))
+at_end(ShutdownPhase.TOOLKIT, partial(print, "too late"))
+at_end(ShutdownPhase.NODES, partial(print, "much too late"))
 """
 
 

@@ -11,7 +11,7 @@ import yaml
 from nodekit.commands.request_errors import exit_on_error
 from nodekit.master import MasterClient
 from nodekit.node.parameter_client import ChangeRefused, ParameterClient
-from nodekit.parameter_server.services import CHANGE
+from nodekit.parameter_server.parameter_services import CHANGE
 
 
 def main() -> None:

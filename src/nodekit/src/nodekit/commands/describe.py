@@ -14,7 +14,7 @@ from std_srvs.srv import Trigger
 from nodekit.commands.request_errors import exit_on_error
 from nodekit.master import MasterClient
 from nodekit.node.clients import CallError, call_service
-from nodekit.parameter_server.services import DESCRIBE
+from nodekit.parameter_server.parameter_services import DESCRIBE
 from nodekit.parameters.schema import DescriptionError, as_table, description_in
 
 #: Longest wait for all responses before printing, so that names are in order [s].

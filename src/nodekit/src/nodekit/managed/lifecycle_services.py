@@ -23,7 +23,7 @@ from nodekit.managed.lifecycle import Lifecycle, Result
 from nodekit.node.callbacks import ServiceCallback
 from nodekit.node.node import Node
 from nodekit.node.node_scope import NodeScope
-from nodekit.rospy_internals.shutdown import Ending, at_end
+from nodekit.rospy_internals.shutdown import ShutdownPhase, at_end
 from nodekit.timing.clocks import MonotonicClock
 from nodekit.timing.scheduler import Scheduler, Timer
 
@@ -175,4 +175,4 @@ def _warn_about_busy(managed: LifecycleServices, waited: float) -> None:
     rospy.logwarn(text, managed.node.name, managed.state.label, waited)
 
 
-at_end(Ending.TRANSITIONS, _end_all)
+at_end(ShutdownPhase.TRANSITIONS, _end_all)

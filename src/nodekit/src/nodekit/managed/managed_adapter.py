@@ -9,7 +9,7 @@ from nodekit.managed.lifecycle_scope import CannotManage
 from nodekit.managed.managed_node import ManagedNode
 from nodekit.node.node import Node
 from nodekit.node.node_scope import NodeScope
-from nodekit.parameters.kinds import ParameterError
+from nodekit.parameters.parameter_types import ParameterError
 
 
 class ManagedAdapter(ManagedNode):

@@ -5,7 +5,7 @@ from typing import Any, List, NamedTuple, Optional, Sequence
 
 import rospy
 
-from nodekit.rospy_internals import made, publishers
+from nodekit.rospy_internals import outgoing_topic, registry
 from nodekit.validation import check_message_class
 
 #: queue of the plain publisher that stands in where rospy's internals are not as expected
@@ -68,23 +68,23 @@ class Publisher:
         self._lifespan = lifespan
         self._first: Any = None
         self._publisher: Optional[rospy.Publisher] = None
-        self._topic: Optional[publishers.OutgoingTopic] = None
+        self._topic: Optional[outgoing_topic.OutgoingTopic] = None
         self._is_closed = False
 
     def open(self) -> None:
         """Advertise it, unless it was closed."""
         if self._is_closed:
             return
-        mismatch = publishers.publisher_mismatch()
+        mismatch = outgoing_topic.publisher_mismatch()
         if mismatch:
             rospy.logwarn_once("unsupported rospy version: publishing with queues: %s", mismatch)
         name, data_class = self.resolved_name, self.data_class
-        topic: Optional[publishers.OutgoingTopic] = None
-        with made.topic_lock():
+        topic: Optional[outgoing_topic.OutgoingTopic] = None
+        with registry.topic_lock():
             if not mismatch:
-                topic = publishers.send_at_once(name, data_class, self._latch, self._lifespan)
+                topic = outgoing_topic.send_at_once(name, data_class, self._latch, self._lifespan)
             publisher = rospy.Publisher(
-                made.name_before(name),
+                registry.name_before(name),
                 data_class,
                 latch=self._latch,
                 queue_size=FALLBACK_QUEUE_SIZE,

@@ -2,19 +2,19 @@
 
 from typing import Any, Callable, Optional
 
-from nodekit.messaging.failures import Failures
-from nodekit.rospy_internals.made import name_before
-from nodekit.rospy_internals.services import ClosableService
+from nodekit.messaging.callback_errors import CallbackErrors
+from nodekit.rospy_internals.closable_service import ClosableService
+from nodekit.rospy_internals.registry import name_before
 
 
 class _LoggedService(ClosableService):
     """Logs what goes wrong; mostly an answer that its type cannot hold."""
 
-    _failures: Optional[Failures] = None  # made for the first one: hardly any service has one
+    _failures: Optional[CallbackErrors] = None  # made for the first one: hardly any service has one
 
     def error_handler(self, *_: Any) -> None:
         """Log the exception that is being handled; rospy calls this."""
-        self._failures = self._failures or Failures()
+        self._failures = self._failures or CallbackErrors()
         self._failures.record(f"service {self.resolved_name}")
 
 

@@ -5,7 +5,7 @@ from typing import Any, Callable, List, Optional
 
 import rospy
 
-from nodekit.rospy_internals import latched, made, subscribers
+from nodekit.rospy_internals import incoming_topic, latched, registry
 from nodekit.validation import check_message_class
 
 
@@ -36,14 +36,14 @@ class Subscription:
         """Subscribe, unless it was closed."""
         if self._is_closed:
             return
-        mismatch = subscribers.subscriber_mismatch()
+        mismatch = incoming_topic.subscriber_mismatch()
         if mismatch:
             rospy.logwarn_once("unsupported rospy version: receiving one by one: %s", mismatch)
         name, data_class = self.resolved_name, self._data_class
-        before = made.name_before(name)
-        with made.topic_lock():
+        before = registry.name_before(name)
+        with registry.topic_lock():
             self._is_late = latched.is_heard(name)
-            if not mismatch and subscribers.receive_in_batches(name, data_class, self._receive):
+            if not mismatch and incoming_topic.receive_in_batches(name, data_class, self._receive):
                 self._subscriber = rospy.Subscriber(before, data_class, tcp_nodelay=True)
             else:
                 self._subscriber = rospy.Subscriber(
@@ -69,7 +69,7 @@ class Subscription:
         self._is_closed = True
         subscriber, self._subscriber = self._subscriber, None
         if subscriber is not None:
-            subscribers.stop_receiving(self.resolved_name, self._receive)
+            incoming_topic.stop_receiving(self.resolved_name, self._receive)
             subscriber.unregister()
 
 

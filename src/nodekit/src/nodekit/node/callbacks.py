@@ -9,7 +9,7 @@ import rospy
 
 from nodekit.groups.callback_groups import CallbackGroup, NoGroup
 from nodekit.groups.ready_queue import CallQueue, ReadyQueue
-from nodekit.messaging.failures import Failures
+from nodekit.messaging.callback_errors import CallbackErrors
 from nodekit.node import fork_guard
 from nodekit.throttle import Throttle
 from nodekit.validation import check_function
@@ -58,7 +58,7 @@ class Callback:
         self.group = group
         self.function = function
         self.closed = False
-        self.failures = Failures()
+        self.failures = CallbackErrors()
         self.calls: Optional[CallQueue] = None
         self.what = what
 

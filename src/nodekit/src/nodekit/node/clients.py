@@ -18,7 +18,7 @@ from rosgraph.network import parse_http_host_and_port as host_and_port
 from nodekit.groups.callback_groups import NoGroup
 from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.node.callbacks import Callback, ServiceCallback
-from nodekit.rospy_internals.shutdown import Ending, at_end
+from nodekit.rospy_internals.shutdown import ShutdownPhase, at_end
 from nodekit.transport.service_call import CallFailed, ServiceCall
 from nodekit.validation import (
     check_function,
@@ -336,4 +336,4 @@ def _close_all() -> None:
         client.close()
 
 
-at_end(Ending.TOOLKIT, _close_all)
+at_end(ShutdownPhase.TOOLKIT, _close_all)

@@ -10,9 +10,8 @@ from nodekit.groups.callback_groups import CallbackGroup, NoGroup
 from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.messaging.finite import is_finite
 from nodekit.messaging.publisher import Publisher
+from nodekit.messaging.rate_limited_log import RateLimitedLog, shortened
 from nodekit.messaging.service import Service
-from nodekit.messaging.stream_log import StreamLog as RateLimitedLog
-from nodekit.messaging.stream_log import shortened
 from nodekit.messaging.subscription import LatestMessage, Subscription
 from nodekit.node.callbacks import (
     MOST_KEPT,
@@ -29,12 +28,12 @@ from nodekit.node.resource_owner import ResourceOwner, Thing
 from nodekit.node.timers import NodeTimer, Rate
 from nodekit.parameter_server import reconfigure
 from nodekit.parameter_server.live_parameters import LiveParameters
-from nodekit.parameter_server.services import change_handler, description_handler
+from nodekit.parameter_server.parameter_services import change_handler, description_handler
 from nodekit.parameter_server.watcher import get_watcher
-from nodekit.parameters.class_rules import judge_rules
 from nodekit.parameters.declaration import OwnParameters, ParameterSet, Rule, Snapshot
+from nodekit.parameters.declaration_checks import judge_rules
 from nodekit.parameters.schema import AT_START
-from nodekit.rospy_internals.shutdown import Ending, at_end
+from nodekit.rospy_internals.shutdown import ShutdownPhase, at_end
 from nodekit.throttle import Throttle
 from nodekit.timing.scheduler import Scheduler, get_scheduler
 from nodekit.validation import check_function, check_name, check_service_class
@@ -370,7 +369,7 @@ class NodeScope(OldMethods, ResourceOwner):
     def _call_at_end(self, callback: Callable[[], Any], what: str) -> None:
         hook = self.own(Callback(NoGroup(), callback, f"{self.name}: {what}"))
         unregistration = self.own(contextlib.ExitStack())
-        unregistration.callback(at_end(Ending.NODES, hook.call))
+        unregistration.callback(at_end(ShutdownPhase.NODES, hook.call))
 
     def attach(self, ready: Optional[ReadyQueue]) -> None:
         """Let an executor make the calls of this node from now on, or rospy's threads.

@@ -5,8 +5,8 @@ from typing import Any, Callable, Optional, Sequence
 
 from nodekit.parameter_server.watched_key import WatchedKey, call_listener
 from nodekit.parameter_server.watcher import Watcher, get_watcher
-from nodekit.parameters.kinds import MISSING, UNREADABLE, NoValue, is_same
-from nodekit.parameters.reconciler import Seen
+from nodekit.parameters.parameter_types import MISSING, UNREADABLE, NoValue, is_same
+from nodekit.parameters.reconciler import Observation
 from nodekit.validation import check_function
 
 _UNKNOWN = NoValue("UNKNOWN")
@@ -58,7 +58,7 @@ class FollowedParameter:
     def _is_news(self, raw: Any) -> bool:
         return not is_same(raw, self._held)
 
-    def _on_reading(self, seen: Seen) -> bool:
+    def _on_reading(self, seen: Observation) -> bool:
         self._held = seen.raw
         value = _value(seen.raw)
         if not is_same(value, self._reported) and not (seen.forgotten and seen.raw is MISSING):

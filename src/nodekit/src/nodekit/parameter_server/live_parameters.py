@@ -11,10 +11,10 @@ from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.parameter_server.watched_key import WatchedKey, call_listener
 from nodekit.parameter_server.watcher import Watcher
 from nodekit.parameters.declaration import ParameterSet, Rule, Snapshot
-from nodekit.parameters.judging import on_wire
-from nodekit.parameters.kinds import MISSING, ParameterError, format_value
-from nodekit.parameters.reconciler import Reconciler, Seen, Verdict
+from nodekit.parameters.parameter_types import MISSING, ParameterError, format_value
+from nodekit.parameters.reconciler import Decision, Observation, Reconciler
 from nodekit.parameters.schema import AT_START
+from nodekit.parameters.validation import on_wire
 from nodekit.validation import check_function
 
 Bell = Callable[[], None]
@@ -73,7 +73,7 @@ class LiveParameters(Generic[Snapshot]):
         #: Replaced and never changed, since several threads walk through it.
         self._bells: Tuple[Bell, ...] = ()
         #: What has not been logged yet: values before, and what has come of a change.
-        self._unreported: List[Tuple[Snapshot, Verdict]] = []
+        self._unreported: List[Tuple[Snapshot, Decision]] = []
         raw = watcher.first_reading(self.namespace)
         try:
             verdict = self._reconciler.start(raw, time.monotonic())
@@ -135,7 +135,7 @@ class LiveParameters(Generic[Snapshot]):
         with self._lock:
             return self._reconciler.is_news(raw)
 
-    def _on_reading(self, seen: Seen) -> bool:
+    def _on_reading(self, seen: Observation) -> bool:
         try:
             with self._lock:
                 if not self._is_open:
@@ -154,17 +154,17 @@ class LiveParameters(Generic[Snapshot]):
         """
         if self._unwritten and (raw is MISSING or isinstance(raw, dict)):
             raw = {**(raw if raw is not MISSING else {}), **self._unwritten}
-        verdict = self._step(Seen(raw, forgotten=True, read_at=read_at))
+        verdict = self._step(Observation(raw, forgotten=True, read_at=read_at))
         unwritten, self._unwritten = self._unwritten, {}
         self._is_open = True
         return self._resolved({**unwritten, **verdict.writes})
 
-    def _step(self, seen: Seen) -> Verdict:
+    def _step(self, seen: Observation) -> Decision:
         verdict = self._reconciler.step(seen, time.monotonic())
         self._adopt(verdict)
         return verdict
 
-    def _adopt(self, verdict: Verdict) -> None:
+    def _adopt(self, verdict: Decision) -> None:
         """Have in force what the reconciler has decided, and keep it to report it."""
         self._unreported.append((self.values, verdict))
         self.values = self._reconciler.values
@@ -183,7 +183,7 @@ class LiveParameters(Generic[Snapshot]):
             for bell in self._bells:
                 call_listener(bell, self.namespace)
 
-    def _log(self, old: Snapshot, verdict: Verdict) -> None:
+    def _log(self, old: Snapshot, verdict: Decision) -> None:
         before, in_force = old.as_dict(), verdict.values.as_dict()
         # First: of a good value that was set just before a bad one, the refusal says that it stays.
         for name, value in in_force.items():

@@ -20,9 +20,9 @@ from nodekit.parameters.declaration import (
     ParameterError,
     ParameterSet,
 )
-from nodekit.parameters.judging import on_wire
-from nodekit.parameters.kinds import is_same
+from nodekit.parameters.parameter_types import is_same
 from nodekit.parameters.schema import help_of
+from nodekit.parameters.validation import on_wire
 
 try:
     from dynamic_reconfigure.msg import (

@@ -4,7 +4,7 @@ from typing import Any, Callable, List, Tuple
 
 import rospy
 
-from nodekit.parameters.reconciler import Seen
+from nodekit.parameters.reconciler import Observation
 
 
 class WatchedKey:
@@ -18,7 +18,7 @@ class WatchedKey:
     """
 
     def __init__(
-        self, key: str, is_news: Callable[[Any], bool], on_reading: Callable[[Seen], bool]
+        self, key: str, is_news: Callable[[Any], bool], on_reading: Callable[[Observation], bool]
     ) -> None:
         self.key = key
         self._is_news = is_news
@@ -53,7 +53,7 @@ class WatchedKey:
         count = len(pushed)
         self.due = False  # before: what is asked for meanwhile is handed over once more
         try:
-            is_done = self._on_reading(Seen(raw, pushed[:count], self.forgotten, read_at))
+            is_done = self._on_reading(Observation(raw, pushed[:count], self.forgotten, read_at))
         finally:  # also where this raises
             self.due = self.due or not is_done
         if is_done:

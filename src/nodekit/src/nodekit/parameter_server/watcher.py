@@ -15,10 +15,10 @@ from typing import Any, Collection, Dict, Iterator, List, Optional, Sequence, Se
 import rospy
 
 from nodekit.master import MasterClient, MasterUnreachable, Reading, Turns
-from nodekit.parameter_server.registrations import Registrations
 from nodekit.parameter_server.watched_key import WatchedKey
-from nodekit.parameters.kinds import MISSING, is_same
-from nodekit.rospy_internals import parameters, shutdown
+from nodekit.parameters.parameter_types import MISSING, is_same
+from nodekit.rospy_internals import parameter_cache, shutdown
+from nodekit.rospy_internals.master_registrations import MasterRegistrations
 from nodekit.throttle import Throttle
 
 #: Time between two reads where no notification arrives, s.
@@ -54,17 +54,17 @@ class Watcher:
         #: What is being handed over, and by which thread.
         self._under_way: Optional[WatchedKey] = None
         self._thread: Optional[threading.Thread] = None
-        self._registrations = Registrations(client)
+        self._registrations = MasterRegistrations(client)
         self._ahead: Dict[str, Any] = {}
         self._turns = Turns(RECONCILE_KEYS)
         self._bell = threading.Event()
         self._reachable = True
         self._ended = False
         self._throttle = Throttle(_LOG_PERIOD_S)
-        if not parameters.on_push(self._on_push):
+        if not parameter_cache.on_push(self._on_push):
             rospy.logwarn("unsupported rospy version: changes are noticed once a second only")
         self._take_over_logging()
-        shutdown.at_end(shutdown.Ending.TOOLKIT, self.shut_down)
+        shutdown.at_end(shutdown.ShutdownPhase.TOOLKIT, self.shut_down)
         threading.Thread(target=self._run, name="parameter_watcher", daemon=True).start()
 
     def _take_over_logging(self) -> None:
@@ -72,12 +72,12 @@ class Watcher:
 
         One left behind is no trifle: the master would shut down whoever has this port by then.
         """
-        key = parameters.ROSOUT_PARAMETER
+        key = parameter_cache.ROSOUT_PARAMETER
         self._subscribe([key])
         reading = self.client.read([key])
         self._registrations.begin(reading)
         value = reading.values[key]
-        parameters.cache(key, value if value is not MISSING else False)
+        parameter_cache.cache(key, value if value is not MISSING else False)
 
     @contextlib.contextmanager
     def reading_ahead(self, keys: Sequence[str]) -> Iterator[Dict[str, Any]]:
@@ -157,7 +157,7 @@ class Watcher:
         """Return what the master is to notify of."""
         if self._ended:
             return set()
-        return {parameters.ROSOUT_PARAMETER, *(one.key for one in self._watched)}
+        return {parameter_cache.ROSOUT_PARAMETER, *(one.key for one in self._watched)}
 
     # Without a lock, which a hung master would keep for long: what has changed meanwhile, in
     # another thread, is put right afterwards.
@@ -203,7 +203,7 @@ class Watcher:
             try:
                 self._read_and_hand_over(turn)
                 if is_due and not self._ended:
-                    self._registrations.look_after_services()
+                    self._registrations.reclaim_services()
             except MasterUnreachable as error:
                 self._log_reachable(False, error)
             except BaseException:  # no defect may end this thread
@@ -245,16 +245,16 @@ class Watcher:
     def _read(self, watched: List[WatchedKey]) -> Tuple[float, Reading]:
         read_at = time.monotonic()
         reading = self.client.read([one.key for one in watched])
-        self._registrations.compare(reading)
+        self._registrations.detect_loss(reading)
         return read_at, reading
 
     def _register_again(self) -> None:
         """Tell a master all that it has to know and does not any more."""
-        self._registrations.renew()
+        self._registrations.reregister()
         self._subscribe(self._keys())
         for one in self._watched:
             one.forgotten = True
-        self._registrations.renewed()
+        self._registrations.log_reregistered()
 
     def _hand_over(self, watched: List[WatchedKey], reading: Reading, read_at: float) -> None:
         """Hand over what was read; who fails keeps nobody else from being told."""

@@ -27,8 +27,10 @@ from typing import (
     TypeVar,
 )
 
-from nodekit.parameters.class_rules import judge_default, judge_members, judge_rules
-from nodekit.parameters.kinds import (
+from nodekit.parameters.declaration_checks import judge_default, judge_members, judge_rules
+from nodekit.parameters.errors import ParameterErrors, RuleError
+from nodekit.parameters.numeric_types import FloatParameter, IntParameter, RateParameter
+from nodekit.parameters.parameter_types import (
     BoolParameter,
     EnumParameter,
     ListParameter,
@@ -38,8 +40,6 @@ from nodekit.parameters.kinds import (
     format_value,
     to_wire,
 )
-from nodekit.parameters.number_kinds import FloatParameter, IntParameter, RateParameter
-from nodekit.parameters.refusals import ParameterErrors, RuleError
 
 __all__ = [
     "BoolParameter",

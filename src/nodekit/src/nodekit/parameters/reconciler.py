@@ -25,7 +25,9 @@ from typing import (
 )
 
 from nodekit.parameters.declaration import ParameterSet, Rule, Snapshot
-from nodekit.parameters.judging import (
+from nodekit.parameters.errors import RuleError, raise_all
+from nodekit.parameters.parameter_types import MISSING, UNREADABLE, NoValue, ParameterError, is_same
+from nodekit.parameters.validation import (
     accept_each,
     corrections,
     keep_rules,
@@ -35,8 +37,6 @@ from nodekit.parameters.judging import (
     unknown_names,
     unknown_refused,
 )
-from nodekit.parameters.kinds import MISSING, UNREADABLE, NoValue, ParameterError, is_same
-from nodekit.parameters.refusals import RuleError, raise_all
 
 #: How long values that do not go together may stand before they are refused, s:
 #: on a busy machine "rosparam load" may pause between one leaf and the next.
@@ -51,7 +51,7 @@ REFILL_S = 1.0
 _UNKNOWN = NoValue("UNKNOWN")
 
 
-class Budget:
+class TokenBucket:
     """A token bucket for each name.
 
     Two programs that correct each other must not do so in an endless quick loop.
@@ -74,7 +74,7 @@ class Budget:
         return allowed
 
 
-class Seen(NamedTuple):
+class Observation(NamedTuple):
     """What was seen of a namespace on the server.
 
     :param raw: the namespace as the server holds it, MISSING where nothing is set
@@ -90,7 +90,7 @@ class Seen(NamedTuple):
     read_at: float = math.inf
 
 
-class Verdict(NamedTuple):
+class Decision(NamedTuple):
     """What a step has come to.
 
     :param values: in force from now on
@@ -132,7 +132,7 @@ class Reconciler(Generic[Snapshot]):
     ) -> None:
         self.values = declaration.as_declared()
         self._exempt, self._rules = exempt, rules
-        self._budget = Budget()
+        self._budget = TokenBucket()
         #: What the server is to hold beside what is in force, or in its place; all else is news.
         self._odd: Dict[str, Any] = dict.fromkeys(declaration.declared, _UNKNOWN)
         #: When the server was last written to, s: what was read before says nothing of now.
@@ -153,21 +153,23 @@ class Reconciler(Generic[Snapshot]):
         """
         return not is_same({} if raw is MISSING else raw, {**on_wire(self.values), **self._odd})
 
-    def start(self, raw: Any, now: float) -> Verdict:
+    def start(self, raw: Any, now: float) -> Decision:
         """Bring the values at the start into force, or refuse them all.
 
         :param raw: the namespace as the server holds it, MISSING where nothing is set
         :param now: the time, s on the monotonic clock
         :raises ParameterError: names all that is refused; nothing is in force then
         """
-        seen = Seen(raw, forgotten=True)  # as after a restart: the server holds nothing of ours
+        seen = Observation(
+            raw, forgotten=True
+        )  # as after a restart: the server holds nothing of ours
         values, refusals = self._judge(seen, now)
         raise_all(refusals)
         broken = values.broken_rule(values.declared, self._rules)  # the defaults may break one
         raise_all([broken] if broken is not None else [])
         return self._decide(seen, values, [], now)
 
-    def step(self, seen: Seen, now: float) -> Verdict:
+    def step(self, seen: Observation, now: float) -> Decision:
         """Judge what the server holds now, and adopt what is good.
 
         :param seen: what was seen of the namespace
@@ -178,9 +180,9 @@ class Reconciler(Generic[Snapshot]):
             if not self._may_be_half_done(refusals, now):
                 return self._decide(seen, values, refusals, now)
         self.failed()  # to be asked again, whatever is read
-        return Verdict(self.values, {}, [], {}, again=True)
+        return Decision(self.values, {}, [], {}, again=True)
 
-    def judge(self, changes: Mapping[str, Any]) -> Verdict:
+    def judge(self, changes: Mapping[str, Any]) -> Decision:
         """Judge a change from within the node; nothing is adopted yet.
 
         :param changes: new values by name
@@ -191,9 +193,9 @@ class Reconciler(Generic[Snapshot]):
         raise_all([*unknown_refused(self.values.declared, changes), *refused, *broken])
         wire = on_wire(values)
         # Also what is in force already: others may have set something else that is not read yet.
-        return Verdict(values, {name: wire[name] for name in changes}, [], {})
+        return Decision(values, {name: wire[name] for name in changes}, [], {})
 
-    def adopt(self, verdict: Verdict, now: float) -> None:
+    def adopt(self, verdict: Decision, now: float) -> None:
         """Bring a judged change into force: it has been written.
 
         It is newer than what is on its way: no notification may take it back.
@@ -226,7 +228,7 @@ class Reconciler(Generic[Snapshot]):
             return raw if raw is not MISSING else {}
         return {**self._odd, **dict.fromkeys(self.values.declared, UNREADABLE)}
 
-    def _judge(self, seen: Seen, now: float) -> Tuple[Snapshot, List[ParameterError]]:
+    def _judge(self, seen: Observation, now: float) -> Tuple[Snapshot, List[ParameterError]]:
         """Return which values are to come into force, and what is refused."""
         tree = self._tree(seen.raw)
         defaults = {name: item.default for name, item in self.values.declared.items()}
@@ -257,8 +259,8 @@ class Reconciler(Generic[Snapshot]):
         return self._broken_since is not None and now - self._broken_since < HALF_DONE_S
 
     def _decide(
-        self, seen: Seen, values: Snapshot, refusals: Sequence[ParameterError], now: float
-    ) -> Verdict:
+        self, seen: Observation, values: Snapshot, refusals: Sequence[ParameterError], now: float
+    ) -> Decision:
         """Adopt values; return what to write now, and what to tell of."""
         tree = self._tree(seen.raw)
         wire, wanted = on_wire(values), corrections(values, tree)
@@ -277,7 +279,7 @@ class Reconciler(Generic[Snapshot]):
         names = [name for name in leaves(tree) if name not in self._told_unknown]
         unknown = unknown_names(values.declared, names, self._exempt)
         self._told_unknown = {*self._told_unknown, *unknown} or ()
-        return Verdict(values, writes, [e for e in refusals if str(e) not in told], unknown)
+        return Decision(values, writes, [e for e in refusals if str(e) not in told], unknown)
 
 
 def _is_namespace(raw: Any) -> bool:

@@ -1,6 +1,6 @@
 """Describe parameters to programs and people, exactly enough to judge by.
 
-A description says all that a kind of :mod:`nodekit.parameters.kinds` judges by,
+A description says all that a kind of :mod:`nodekit.parameters.parameter_types` judges by,
 so that a client in another process can build the same parameter of it.
 """
 
@@ -13,7 +13,8 @@ import yaml
 
 from nodekit.parameters import yaml_text
 from nodekit.parameters.declaration import ParameterSet
-from nodekit.parameters.kinds import (
+from nodekit.parameters.numeric_types import FloatParameter, IntParameter
+from nodekit.parameters.parameter_types import (
     BoolParameter,
     BytesParameter,
     EnumParameter,
@@ -23,7 +24,6 @@ from nodekit.parameters.kinds import (
     format_value,
     to_wire,
 )
-from nodekit.parameters.number_kinds import FloatParameter, IntParameter
 
 _KINDS: Dict[str, Type[Parameter[Any]]] = {
     "bool": BoolParameter,

@@ -10,9 +10,9 @@ from nodekit.node.name_rules import IllegalName
 from nodekit.node.names import Names
 from nodekit.node.node import Node
 from nodekit.parameter_server.watcher import get_watcher
-from nodekit.parameters.kinds import ParameterError
+from nodekit.parameters.parameter_types import ParameterError
 from nodekit.process.run import NodeClass, run, selected_class
-from nodekit.rospy_internals import parameters
+from nodekit.rospy_internals import parameter_cache
 
 #: Base name, namespace and class of a node.
 Member = Tuple[str, str, NodeClass]
@@ -40,7 +40,7 @@ def host_all(node: Node, members: Sequence[Member]) -> List[Node]:
     """
     _allow_many_connections()
     # Otherwise rospy sends the names of all topics, including theirs, with each log line.
-    parameters.cache(parameters.ROSOUT_PARAMETER, True)
+    parameter_cache.cache(parameter_cache.ROSOUT_PARAMETER, True)
     up = []
     names = [Names.hosted(namespace, base).node for base, namespace, _ in members]
     for name, count in Counter(names).items():

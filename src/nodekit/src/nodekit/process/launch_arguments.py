@@ -12,7 +12,7 @@ from xml.etree import ElementTree
 import rospkg
 from roslib.packages import find_resource
 
-from nodekit.parameters.judging import unknown_names
+from nodekit.parameters.validation import unknown_names
 
 
 def warnings() -> List[str]:

@@ -15,10 +15,10 @@ from nodekit.node.name_rules import IllegalName
 from nodekit.node.node import Node
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.declaration import OwnParameters
-from nodekit.parameters.kinds import ParameterError
+from nodekit.parameters.parameter_types import ParameterError
 from nodekit.process import arguments, launch_arguments
-from nodekit.rospy_internals import registration, start
-from nodekit.rospy_internals.made import NameTaken
+from nodekit.rospy_internals import registrar, startup
+from nodekit.rospy_internals.registry import NameTaken
 from nodekit.validation import check_function, check_name
 
 #: A node's class, or a function that returns its object.
@@ -47,7 +47,7 @@ def run(name: str, cls: NodeClass) -> None:
     check_function(cls, "run: class")
     try:
         arguments.check(rospy.names.get_mappings().get("__name", name), os.environ, sys.argv)
-        start.register_signals()
+        startup.register_signals()
         _tighten_timer_slack()
         _wait_for_master(name)
         kept_alive = _start_beside(name, cls)
@@ -86,11 +86,11 @@ def init_node(name: str) -> Node:
     :returns: the node, an argument of its class
     :raises MasterUnreachable: if the master does not respond
     """
-    start.apply_patches()
-    with start.looking_often():
+    startup.apply_patches()
+    with startup.fast_init_poll():
         rospy.init_node(name, disable_signals=True)
     # The watcher also registers the node again after a restart of the master.
-    registration.take_over(get_watcher().client.request)
+    registrar.take_over(get_watcher().client.request)
     return Node()
 
 

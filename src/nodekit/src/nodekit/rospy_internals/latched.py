@@ -7,7 +7,7 @@ import rospy
 import rospy.topics
 from rospy.impl.registration import Registration, get_topic_manager
 
-from nodekit.rospy_internals.subscribers import (
+from nodekit.rospy_internals.incoming_topic import (
     BatchCallback,
     IncomingTopic,
     subscriber_mismatch,

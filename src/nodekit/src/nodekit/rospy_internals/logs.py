@@ -20,7 +20,7 @@ _NOTICE_PERIOD_S = 60.0
 _notices = Throttle(_NOTICE_PERIOD_S)
 
 
-def mend_logs() -> None:
+def patch_logs() -> None:
     """Let a log that cannot be written cost its lines and nothing else.
 
     rospy raises the error of a full disk, a closed pipe or a character that the console lacks in

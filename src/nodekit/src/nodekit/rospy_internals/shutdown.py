@@ -14,7 +14,7 @@ from rospy.impl.tcpros_base import TCPServer
 _HUNG_UP = "incoming connection failed"
 
 
-def mend_shutdown() -> None:
+def patch_shutdown() -> None:
     """Let nodes end without a traceback.
 
     A server whose first client comes while the node ends listens on a socket that is closed
@@ -40,7 +40,7 @@ def mend_shutdown() -> None:
         rospy.logwarn("unsupported rospy version: nodes end after what rospy.on_shutdown was given")
 
 
-class Ending(enum.IntEnum):
+class ShutdownPhase(enum.IntEnum):
     """The order in which all ends: what is given for the first is called before all the rest."""
 
     #: What nodes' classes have asked for; publishers and clients still work.
@@ -53,10 +53,12 @@ class Ending(enum.IntEnum):
 
 #: What is to be called, each the latest first. Lists are changed and copied in one step, also amid
 #: a signal.
-_functions: Dict[Ending, List[Callable[[], object]]] = {ending: [] for ending in Ending}
+_functions: Dict[ShutdownPhase, List[Callable[[], object]]] = {
+    ending: [] for ending in ShutdownPhase
+}
 
 
-def at_end(ending: Ending, function: Callable[[], object]) -> Callable[[], None]:
+def at_end(ending: ShutdownPhase, function: Callable[[], object]) -> Callable[[], None]:
     """Have a function called when the process is told to end.
 
     Where that has begun, one of the toolkit is called at once, and maybe twice: rospy drops what it
@@ -67,7 +69,7 @@ def at_end(ending: Ending, function: Callable[[], object]) -> Callable[[], None]
     :returns: a function that ends this
     """
     _functions[ending].insert(0, function)
-    if ending is Ending.TOOLKIT and rospy.core.is_shutdown_requested():
+    if ending is ShutdownPhase.TOOLKIT and rospy.core.is_shutdown_requested():
         function()
     return partial(_functions[ending].remove, function)
 

@@ -3,9 +3,9 @@
 from typing import Any, Dict, Generic, List, Mapping, Type
 
 from nodekit.parameters.declaration import Snapshot
-from nodekit.parameters.judging import on_wire
-from nodekit.parameters.kinds import ParameterError
-from nodekit.parameters.reconciler import Reconciler, Seen
+from nodekit.parameters.parameter_types import ParameterError
+from nodekit.parameters.reconciler import Observation, Reconciler
+from nodekit.parameters.validation import on_wire
 
 #: Time between two readings [s]: long enough for inconsistent values to settle.
 _BETWEEN_S = 10.0
@@ -39,7 +39,7 @@ class OfflineParameters(Generic[Snapshot]):
         again = True
         while again:
             self._now += _BETWEEN_S
-            judged = self._reconciler.step(Seen(dict(self.server)), self._now)
+            judged = self._reconciler.step(Observation(dict(self.server)), self._now)
             again = judged.again
         self.server.update(judged.writes)
         self._reconciler.written(self._now)

@@ -7,7 +7,6 @@ from typing import Any, Type
 import rostest
 from rosunit import xmlrunner
 
-
 #: Environment variable that ends a run at the first failing test: later tests would often wait in
 #: vain for the same condition.
 FAIL_FAST = "NODEKIT_TESTS_FAIL_FAST"

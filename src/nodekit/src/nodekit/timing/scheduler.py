@@ -15,7 +15,7 @@ from typing import Callable, Dict, Iterable, List, Optional, Set, Tuple, Union
 
 import rospy
 
-from nodekit.rospy_internals.shutdown import Ending, at_end
+from nodekit.rospy_internals.shutdown import ShutdownPhase, at_end
 from nodekit.throttle import Throttle
 from nodekit.timing.clocks import MonotonicClock, SimulatedClock
 from nodekit.timing.timetable import SLACK_S, Timetable
@@ -143,7 +143,7 @@ class Scheduler:
         self._order = itertools.count()
         self._latest = -math.inf
         self._closed = False
-        at_end(Ending.TOOLKIT, self.close)
+        at_end(ShutdownPhase.TOOLKIT, self.close)
         threading.Thread(target=self._run, name="scheduler", daemon=True).start()
 
     def allowed_catch_up(self, catch_up: float) -> float:

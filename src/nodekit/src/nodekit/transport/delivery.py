@@ -3,7 +3,7 @@
 A message goes out from the caller's own thread, without a queue: the shortest way there is. That
 leaves the receiver that does not read. It is waited for once, for :data:`PATIENCE_S`; from then on
 it counts as stalled, and a thread that exists only while there is such a receiver serves it in the
-background, see :mod:`nodekit.transport.link`.
+background, see :mod:`nodekit.transport.subscriber_connection`.
 
 A delivery is a message or several that are ready at once: they share a call of the kernel, which
 takes longer than all else that is done for a small message.
@@ -16,7 +16,7 @@ import threading
 import time
 from typing import Dict, Iterable, Iterator, List, Optional, Set
 
-from nodekit.transport.link import Link
+from nodekit.transport.subscriber_connection import SubscriberConnection
 
 #: longest time one delivery waits for all its receivers together, s
 PATIENCE_S = 0.05
@@ -26,7 +26,7 @@ DRAIN_PERIOD_S = 0.1
 DRAIN_PAUSE_S = 0.001
 
 
-def deliver(data: bytes, links: Iterable[Link], messages: int = 1) -> None:
+def deliver(data: bytes, links: Iterable[SubscriberConnection], messages: int = 1) -> None:
     """Send messages to every receiver; wait at most :data:`PATIENCE_S` for those that are full.
 
     :param data: the messages, one after the other, as they go on the wire
@@ -46,11 +46,11 @@ def deliver(data: bytes, links: Iterable[Link], messages: int = 1) -> None:
             _leave_behind([link for link in full if link.held])
 
 
-def _wait(full: List[Link]) -> None:
+def _wait(full: List[SubscriberConnection]) -> None:
     now = time.monotonic()
     deadline = now + PATIENCE_S
     poller = select.poll()
-    waiting: Dict[int, Link] = {}
+    waiting: Dict[int, SubscriberConnection] = {}
     for link in full:
         descriptor = link.fileno()
         if descriptor >= 0 and link.begin_wait(now):
@@ -64,7 +64,7 @@ def _wait(full: List[Link]) -> None:
         now = time.monotonic()
 
 
-def _leave_behind(links: List[Link]) -> None:
+def _leave_behind(links: List[SubscriberConnection]) -> None:
     for link in links:
         link.stall()
     _drain.watch(links)
@@ -75,10 +75,10 @@ class _Drain:
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
-        self._links: Set[Link] = set()
+        self._links: Set[SubscriberConnection] = set()
         self._thread: Optional[threading.Thread] = None
 
-    def watch(self, links: List[Link]) -> None:
+    def watch(self, links: List[SubscriberConnection]) -> None:
         with self._lock:
             self._links.update(links)
             if self._links and self._thread is None:
@@ -95,7 +95,7 @@ class _Drain:
                 links = list(self._links)
             self._serve(links)
 
-    def _serve(self, links: List[Link]) -> None:
+    def _serve(self, links: List[SubscriberConnection]) -> None:
         for link in self._writable(links):
             with _defects_logged(link), link.lock:
                 if link.stalled:
@@ -112,10 +112,10 @@ class _Drain:
                 if not link.needs_attention():
                     self._links.discard(link)
 
-    def _writable(self, links: List[Link]) -> List[Link]:
+    def _writable(self, links: List[SubscriberConnection]) -> List[SubscriberConnection]:
         """Wait for the stalled ones of some links; return those that may take something."""
         poller = select.poll()
-        polled: Dict[int, Link] = {}
+        polled: Dict[int, SubscriberConnection] = {}
         for link in links:
             descriptor = link.fileno()
             if link.stalled and descriptor >= 0:
@@ -125,7 +125,7 @@ class _Drain:
 
 
 @contextlib.contextmanager
-def _defects_logged(link: Link) -> Iterator[None]:
+def _defects_logged(link: SubscriberConnection) -> Iterator[None]:
     """Log what a link's own ``close`` or ``report`` raises, as the others need the thread."""
     try:
         yield

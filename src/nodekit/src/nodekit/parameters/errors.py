@@ -2,7 +2,7 @@
 
 from typing import Any, List, Sequence, Tuple
 
-from nodekit.parameters.kinds import ParameterError, format_value
+from nodekit.parameters.parameter_types import ParameterError, format_value
 
 
 class RuleError(ParameterError):

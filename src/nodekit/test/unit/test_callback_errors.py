@@ -5,11 +5,11 @@ from typing import Any, List
 import pytest
 import rospy
 import rospy.core
-
 from nodekit.groups.callback_groups import Group
-from nodekit import throttle
-from nodekit.messaging import failures
+from nodekit.messaging import callback_errors
 from nodekit.node.callbacks import Callback
+
+from nodekit import throttle
 
 
 @pytest.fixture()
@@ -19,7 +19,7 @@ def logged(monkeypatch: "pytest.MonkeyPatch") -> List[str]:
     return lines
 
 
-def fail(what: failures.Failures) -> None:
+def fail(what: callback_errors.CallbackErrors) -> None:
     try:
         raise ValueError("on purpose")
     except ValueError:
@@ -31,7 +31,7 @@ def test_failures_are_counted_and_logged_at_times(
 ) -> None:
     now = [100.0]
     monkeypatch.setattr(throttle.time, "monotonic", lambda: now[0])
-    what = failures.Failures()
+    what = callback_errors.CallbackErrors()
     for moment in (100.0, 101.0, 104.9, 105.0):
         now[0] = moment
         fail(what)
@@ -48,7 +48,7 @@ def test_what_fails_when_the_end_has_begun_is_counted_only(
     # rospy calls whoever wants to know before it says that it is shut down.
     monkeypatch.setattr(rospy.core, "_in_shutdown", True)
     assert not rospy.is_shutdown()
-    what: Any = failures.Failures()
+    what: Any = callback_errors.CallbackErrors()
     fail(what)
     assert (what.count, logged) == (1, [])
 

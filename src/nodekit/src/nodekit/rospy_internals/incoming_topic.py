@@ -21,9 +21,9 @@ from rospy.impl.registration import Registration, get_topic_manager
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSSub
 
-from nodekit.rospy_internals import registration
-from nodekit.rospy_internals.made import refuse_another
-from nodekit.rospy_internals.reading import Reader
+from nodekit.rospy_internals import registrar
+from nodekit.rospy_internals.registry import refuse_another
+from nodekit.rospy_internals.tcpros_reader import Reader
 
 #: Called with the messages that have arrived together, oldest first, and whether the thread is that
 #: of a connection, which may be kept waiting.
@@ -216,7 +216,7 @@ class IncomingTopic(_Topic):
         super().remove_connection(c)
         told = self._told_of.pop(c.endpoint_id, -math.inf)
         if time.monotonic() - told < ANEW_S and not self.closed:
-            registration.connect(self.resolved_name, c.endpoint_id)
+            registrar.connect(self.resolved_name, c.endpoint_id)
 
     def add_connection(self, c: Any) -> bool:
         """Add a publisher's connection.

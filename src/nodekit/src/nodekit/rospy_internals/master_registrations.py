@@ -10,14 +10,14 @@ from typing import List, Optional, Set
 import rospy
 
 from nodekit.master import MasterClient, Reading, Turns
-from nodekit.rospy_internals import registration
-from nodekit.rospy_internals.registration import with_owners
+from nodekit.rospy_internals import registrar
+from nodekit.rospy_internals.registrar import with_owners
 
 #: Most services that are looked up at a time; where there are more, they take turns.
 LOOKUPS = 20
 
 
-class Registrations:
+class MasterRegistrations:
     """Keeps what this process has registered.
 
     :param client: asks the master
@@ -39,7 +39,7 @@ class Registrations:
         """Remember which master it is."""
         self._master_pid = reading.master_pid
 
-    def compare(self, reading: Reading) -> None:
+    def detect_loss(self, reading: Reading) -> None:
         """Compare what was read with what the master was, and find out what it has lost."""
         if self._master_pid not in (None, reading.master_pid):
             self.are_lost = self._is_another = True
@@ -47,26 +47,26 @@ class Registrations:
             self.are_lost = True
         self._master_pid = reading.master_pid
 
-    def renew(self) -> None:
+    def reregister(self) -> None:
         """Register all topics and services again.
 
         :raises MasterUnreachable: if the master does not answer
         """
-        self._is_refused = not registration.register_again(self._client.request)
+        self._is_refused = not registrar.register_again(self._client.request)
 
-    def renewed(self) -> None:
+    def log_reregistered(self) -> None:
         """Log that the master has been told all."""
         why = "was restarted" if self._is_another else "had forgotten this node"
         self.are_lost = self._is_another = False
         if not self._is_refused:
             rospy.logwarn("the master %s: registered again, settings in force are kept", why)
 
-    def look_after_services(self) -> None:
+    def reclaim_services(self) -> None:
         """Register those again that another node had taken over, and has left.
 
         :raises MasterUnreachable: if the master does not answer
         """
-        services = registration.services()
+        services = registrar.services()
         turn = self._turns.next(list(services))
         if not turn:
             return
@@ -85,7 +85,7 @@ class Registrations:
             rospy.logwarn(text, with_owners(taken, self._client.request))
             self._taken.update(taken)
         if free and not self.are_lost:
-            registration.register_services(free, self._client.request)
+            registrar.register_services(free, self._client.request)
             self._taken.difference_update(free)
             rospy.loginfo(
                 "no longer offered by any node, registered again: service %s", ", ".join(free)

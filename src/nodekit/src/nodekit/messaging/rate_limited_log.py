@@ -24,7 +24,7 @@ def shortened(text: str) -> str:
     return f"{text[:start]}... ({left_out} characters) ...{text[-_END:]}"
 
 
-class StreamLog:
+class RateLimitedLog:
     """Logs each line of a slow stream, and of a quick one how much was left out.
 
     :param per_second: how many lines a second are logged, 1/s

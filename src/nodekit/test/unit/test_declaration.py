@@ -1,7 +1,6 @@
 """Sets of declared parameters: immutable snapshots, rules across parameters, inheritance."""
 
 import pytest
-
 from nodekit.parameters.declaration import (
     EnumParameter,
     FloatParameter,

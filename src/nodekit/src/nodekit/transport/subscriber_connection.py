@@ -101,7 +101,7 @@ class LossReports:
         return news
 
 
-class Link:
+class SubscriberConnection:
     """The way to one receiver. Whoever calls a method that sends or stalls holds ``lock``.
 
     :param name: the receiver's name, for reports

@@ -5,8 +5,7 @@ import threading
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from nodekit.messaging.stream_log import LONGEST, StreamLog, shortened
+from nodekit.messaging.rate_limited_log import LONGEST, RateLimitedLog, shortened
 
 
 @given(st.text(max_size=LONGEST))
@@ -22,15 +21,15 @@ def test_a_very_long_one_keeps_its_ends_and_says_how_much_is_left_out(size):
     assert f"({size - LONGEST} characters)" in short
     assert len(short) < LONGEST + 40
     logged = []
-    StreamLog(log=logged.append).line(text)
+    RateLimitedLog(log=logged.append).line(text)
     assert logged == [short]
 
 
 @given(st.integers(1, 20), st.lists(st.integers(0, 50), max_size=10))
 def test_each_second_some_lines_are_logged_and_the_rest_is_counted(per_second, seconds):
     logged, expected = [], []
-    log = StreamLog(per_second, logged.append)
-    limit = per_second + StreamLog.JITTER
+    log = RateLimitedLog(per_second, logged.append)
+    limit = per_second + RateLimitedLog.JITTER
     for second, count in enumerate(seconds):
         lines = [f"{number} of second {second}" for number in range(count)]
         for line in lines:
@@ -44,7 +43,7 @@ def test_each_second_some_lines_are_logged_and_the_rest_is_counted(per_second, s
 
 def test_slow_stream_is_logged_line_by_line_at_once():
     logged = []
-    log = StreamLog(log=logged.append)
+    log = RateLimitedLog(log=logged.append)
     for number in range(100):
         log.line(str(number))
         assert logged[-1] == str(number)
@@ -54,7 +53,7 @@ def test_slow_stream_is_logged_line_by_line_at_once():
 
 def test_lines_of_several_threads_are_all_logged_or_counted():
     logged = []
-    log = StreamLog(per_second=10, log=logged.append)
+    log = RateLimitedLog(per_second=10, log=logged.append)
 
     def talk():
         for _ in range(1000):
@@ -66,7 +65,7 @@ def test_lines_of_several_threads_are_all_logged_or_counted():
     for thread in threads:
         thread.join(20.0)
     log.end_second()
-    limit = 10 + StreamLog.JITTER
+    limit = 10 + RateLimitedLog.JITTER
     assert logged == ["line"] * limit + [f"... and {4000 - limit} more in the last second"]
 
 
@@ -78,7 +77,7 @@ def test_a_line_that_cannot_be_logged_counts_and_holds_up_no_other():
             raise OSError("the disk is full")
         logged.append(text)
 
-    log = StreamLog(log=fail_first)
+    log = RateLimitedLog(log=fail_first)
     with pytest.raises(OSError):
         log.line("first")
     log.line("second")

@@ -4,7 +4,7 @@ import inspect
 import re
 from typing import Any, Collection, Dict
 
-from nodekit.parameters.kinds import Parameter
+from nodekit.parameters.parameter_types import Parameter
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _MUST_BE_NAME = "must be a letter (a-z, A-Z), then letters, digits and underscores"

@@ -9,7 +9,7 @@ import math
 import numbers
 from typing import Any, ClassVar, Optional
 
-from nodekit.parameters.kinds import Parameter, Value, format_value
+from nodekit.parameters.parameter_types import Parameter, Value, format_value
 
 #: XML-RPC, and so the parameter server, carries integers of 32 bits.
 INT32_MIN, INT32_MAX = -(2**31), 2**31 - 1

@@ -4,8 +4,8 @@ import difflib
 from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from nodekit.parameters.declaration import ParameterSet, Rule, Snapshot
-from nodekit.parameters.kinds import MISSING, Parameter, ParameterError, plain, to_wire
-from nodekit.parameters.refusals import RuleError
+from nodekit.parameters.errors import RuleError
+from nodekit.parameters.parameter_types import MISSING, Parameter, ParameterError, plain, to_wire
 
 
 def accept_each(

@@ -23,10 +23,10 @@ from rospy.impl.registration import Registration, get_topic_manager
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSPub
 
-from nodekit.rospy_internals.made import refuse_another
-from nodekit.rospy_internals.subscribers import IncomingTopic, subscriber_mismatch
+from nodekit.rospy_internals.incoming_topic import IncomingTopic, subscriber_mismatch
+from nodekit.rospy_internals.registry import refuse_another
 from nodekit.transport.delivery import deliver
-from nodekit.transport.link import Link
+from nodekit.transport.subscriber_connection import SubscriberConnection
 
 _PUBLISHER_ATTRIBUTES = (
     "publock closed connections is_latch latch seq message_data_sent c_lock check "
@@ -89,7 +89,7 @@ def send_at_once(
     return topic
 
 
-class SubscriberLink(Link):
+class SubscriberLink(SubscriberConnection):
     """A subscriber's connection, whose losses are logged.
 
     :param transport: rospy's object for it

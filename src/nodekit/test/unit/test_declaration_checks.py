@@ -3,8 +3,6 @@
 from typing import Any, Dict
 
 import pytest
-
-from nodekit.parameters.class_rules import judge_rules
 from nodekit.parameters.declaration import (
     BoolParameter,
     EnumParameter,
@@ -17,6 +15,7 @@ from nodekit.parameters.declaration import (
     read_once,
     rule,
 )
+from nodekit.parameters.declaration_checks import judge_rules
 
 SHARED = IntParameter(1, help="")
 

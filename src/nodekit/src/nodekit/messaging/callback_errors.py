@@ -11,7 +11,7 @@ from nodekit.throttle import Throttle
 LOG_PERIOD_S = 5.0
 
 
-class Failures(Throttle):
+class CallbackErrors(Throttle):
     """The failures of one function.
 
     :ivar count: how many there were

@@ -11,15 +11,14 @@ import warnings
 import pytest
 import rospy
 import rospy.topics
+from nodekit.messaging.publisher import FALLBACK_QUEUE_SIZE, Publisher
+from nodekit.rospy_internals import outgoing_topic
+from nodekit.testing.waiting import wait_until
 from rosgraph_msgs.msg import Log
 from rospy.impl.registration import get_topic_manager
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import QueuedConnection, TCPROSPub
 from std_msgs.msg import Float32, Header, String
-
-from nodekit.messaging.publisher import FALLBACK_QUEUE_SIZE, Publisher
-from nodekit.rospy_internals import publishers
-from nodekit.testing.waiting import wait_until
 
 TOPIC = "/topic"
 TIME_OUT = 20.0  # s
@@ -83,9 +82,9 @@ def connect():
 @pytest.fixture
 def mismatch():
     """Forget what was found out about rospy, before and after."""
-    publishers.publisher_mismatch.cache_clear()
-    yield publishers.publisher_mismatch
-    publishers.publisher_mismatch.cache_clear()
+    outgoing_topic.publisher_mismatch.cache_clear()
+    yield outgoing_topic.publisher_mismatch
+    outgoing_topic.publisher_mismatch.cache_clear()
 
 
 def impl(publisher):
@@ -126,7 +125,7 @@ def test_absent_internals_are_recognised(mismatch, monkeypatch):
 
 
 def test_unknown_rospy_means_a_plain_publisher(opened, connect, monkeypatch):
-    monkeypatch.setattr(publishers, "publisher_mismatch", lambda: "all is different")
+    monkeypatch.setattr(outgoing_topic, "publisher_mismatch", lambda: "all is different")
     publisher = opened(String, latch=True)
     assert impl(publisher).queue_size == FALLBACK_QUEUE_SIZE
     assert impl(publisher).is_latch
@@ -164,7 +163,7 @@ def test_messages_are_counted_where_rosnode_and_diagnostics_look(opened, connect
 def test_later_subscriber_gets_the_last_message_while_it_is_alive(opened, connect, monkeypatch):
     monkeypatch.setattr(rospy.topics, "is_initialized", lambda: True)
     now = [100.0]
-    monkeypatch.setattr(publishers, "time", types.SimpleNamespace(monotonic=lambda: now[0]))
+    monkeypatch.setattr(outgoing_topic, "time", types.SimpleNamespace(monotonic=lambda: now[0]))
     publisher = opened(String, lifespan=0.1)
     monkeypatch.setattr(rospy.core, "is_initialized", lambda: True)
     publisher.publish(String("early"))
@@ -445,7 +444,7 @@ def test_what_was_latched_before_opening_is_sent_then(unopened, connect, monkeyp
     for module in (rospy.core, rospy.topics):
         monkeypatch.setattr(module, "is_initialized", lambda: True)
     if not known:
-        monkeypatch.setattr(publishers, "publisher_mismatch", lambda: "all is different")
+        monkeypatch.setattr(outgoing_topic, "publisher_mismatch", lambda: "all is different")
     publisher = unopened(String, latch=True)
     publisher.publish(String("old"))
     publisher.publish_all([String("older"), String("newer")])

@@ -20,7 +20,7 @@ from rospy.impl.registration import (
 )
 
 from nodekit.master import MasterClient
-from nodekit.rospy_internals.made import Entry, all_made
+from nodekit.rospy_internals.registry import Entry, all_entries
 
 #: Sends calls (method, argument, ...) to the master and returns its answers (code, message,
 #: value); raises ConnectionError where it does not answer in time.
@@ -128,7 +128,7 @@ class _Registrar(RegistrationListener):
 
     def put_right(self, batch: _Batch) -> None:
         """Tell the master what another thread has made or closed since the batch has noted it."""
-        made = {entry[:2]: entry for entry in all_made()}
+        made = {entry[:2]: entry for entry in all_entries()}
         self.add([made[entry[:2]] for entry in batch.removed if entry[:2] in made])
         self.remove([entry for entry in batch.added if entry[:2] not in made])
 
@@ -253,7 +253,7 @@ def register_again(request: Request) -> bool:
     :raises ConnectionError: if that does
     """
     registrar = _registrar or _Registrar((_listeners() or [_OwnServer])[0], request)
-    return registrar.add(all_made(), request)
+    return registrar.add(all_entries(), request)
 
 
 def services() -> Dict[str, str]:

@@ -13,7 +13,7 @@ from rospy.impl.registration import Registration, get_service_manager, get_topic
 Entry = Tuple[str, str, str]
 
 
-def all_made() -> List[Entry]:
+def all_entries() -> List[Entry]:
     """Return every topic and service of this process."""
     topics, services = get_topic_manager(), get_service_manager()
     entries: List[Entry] = []

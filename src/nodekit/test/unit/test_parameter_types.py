@@ -11,8 +11,14 @@ import numpy
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
-from nodekit.parameters.kinds import (
+from nodekit.parameters.numeric_types import (
+    INT32_MAX,
+    INT32_MIN,
+    FloatParameter,
+    IntParameter,
+    RateParameter,
+)
+from nodekit.parameters.parameter_types import (
     BoolParameter,
     BytesParameter,
     EnumParameter,
@@ -22,13 +28,6 @@ from nodekit.parameters.kinds import (
     format_value,
     is_same,
     to_wire,
-)
-from nodekit.parameters.number_kinds import (
-    INT32_MAX,
-    INT32_MIN,
-    FloatParameter,
-    IntParameter,
-    RateParameter,
 )
 
 BOOL = BoolParameter(False, help="a switch")

@@ -11,11 +11,10 @@ import time
 
 import pytest
 import rospy
+from nodekit.rospy_internals import tcpros_server
+from nodekit.testing.waiting import wait_until
 from rosgraph.network import encode_ros_handshake_header, read_ros_handshake_header
 from rospy.impl.tcpros_base import TCPROSServer, TCPServer
-
-from nodekit.rospy_internals import accepting
-from nodekit.testing.waiting import wait_until
 
 TIME_OUT = 20.0  # s
 
@@ -101,7 +100,7 @@ def warnings(monkeypatch):
 @pytest.fixture
 def served(monkeypatch, warnings):
     monkeypatch.setattr(TCPServer, "run", TCPServer.run)
-    accepting.mend_accepting()
+    tcpros_server.patch_tcpros_server()
     run, ended = TCPServer.run, threading.Event()
     monkeypatch.setattr(TCPServer, "run", lambda server: (run(server), ended.set()))
     with contextlib.ExitStack() as stack:
@@ -109,15 +108,15 @@ def served(monkeypatch, warnings):
 
 
 def test_this_rospy_is_known():
-    assert accepting.accepting_mismatch() == ""
+    assert tcpros_server.tcpros_server_mismatch() == ""
 
 
 @pytest.mark.parametrize("method", ["_RUN", "_START", "_HANDLE"])
 @pytest.mark.parametrize("other", [lambda server: None, print])
 def test_a_rospy_that_accepts_in_another_way_is_left_alone(monkeypatch, warnings, method, other):
-    monkeypatch.setattr(accepting, method, other)
+    monkeypatch.setattr(tcpros_server, method, other)
     run = TCPServer.run
-    accepting.mend_accepting()
+    tcpros_server.patch_tcpros_server()
     assert TCPServer.run is run
     assert "unsupported rospy version" in warnings[0]
 
@@ -169,7 +168,7 @@ def test_headers_are_handled_in_the_order_of_arrival(served):
 
 @pytest.mark.parametrize("drip", [b"", b"x"])
 def test_who_takes_too_long_is_hung_up_on(monkeypatch, served, warnings, drip):
-    monkeypatch.setattr(accepting, "HEADER_TIMEOUT_S", 0.3)
+    monkeypatch.setattr(tcpros_server, "HEADER_TIMEOUT_S", 0.3)
     peer = served.connect()
     peer.sendall(struct.pack("<I", 1000))
     before = time.monotonic()
@@ -189,8 +188,8 @@ def test_who_takes_too_long_is_hung_up_on(monkeypatch, served, warnings, drip):
 
 
 def test_of_too_many_silent_connections_the_oldest_go(monkeypatch, served, warnings):
-    monkeypatch.setattr(accepting, "MOST_WAITING", 3)
-    monkeypatch.setattr(accepting, "GRACE_S", 0.1)
+    monkeypatch.setattr(tcpros_server, "MOST_WAITING", 3)
+    monkeypatch.setattr(tcpros_server, "GRACE_S", 0.1)
     peers = [served.connect() for _ in range(4)]
     assert is_closed(peers[0])
     served.ask(callerid="/newcomer")
@@ -202,8 +201,8 @@ def test_of_too_many_silent_connections_the_oldest_go(monkeypatch, served, warni
 
 
 def test_many_that_connect_at_once_cut_nobody_off(monkeypatch, served, warnings):
-    monkeypatch.setattr(accepting, "MOST_WAITING", 3)
-    monkeypatch.setattr(accepting, "GRACE_S", TIME_OUT)
+    monkeypatch.setattr(tcpros_server, "MOST_WAITING", 3)
+    monkeypatch.setattr(tcpros_server, "GRACE_S", TIME_OUT)
     peers = [served.connect() for _ in range(3)]
     peers.append(served.ask(callerid="/3"))
     time.sleep(0.05)
@@ -217,7 +216,7 @@ def test_many_that_connect_at_once_cut_nobody_off(monkeypatch, served, warnings)
 def test_more_than_the_queue_of_rospy_holds_are_connected_at_once(monkeypatch, served, warnings):
     served.ask()
     served.wait_for("/n")  # it accepts
-    monkeypatch.setattr(accepting, "MOST_WAITING", 3)
+    monkeypatch.setattr(tcpros_server, "MOST_WAITING", 3)
     port = served.server.get_address()[1]
     # All but three stay in the queue. Who finds it full tries again after 1 s.
     peers = [socket.create_connection(("localhost", port), 0.9) for _ in range(30)]
@@ -235,7 +234,7 @@ def test_too_long_a_header_is_refused_before_it_is_read(served, warnings):
 
 def test_longest_header_is_read(monkeypatch, served):
     whole = header(callerid="/long", message_definition="x" * 100_000)
-    monkeypatch.setattr(accepting, "LONGEST_HEADER", len(whole) - 4)
+    monkeypatch.setattr(tcpros_server, "LONGEST_HEADER", len(whole) - 4)
     served.connect().sendall(whole)
     served.wait_for("/long")
 
@@ -274,7 +273,7 @@ def test_nonsense_and_defects_end_one_connection_only(served, warnings, said):
 @pytest.mark.parametrize("number", [errno.EMFILE, errno.EPROTO, errno.EPERM])
 def test_accepting_goes_on_when_one_could_not_be_accepted(monkeypatch, served, warnings, number):
     """Rospy's own thread ends with this error, and nobody can connect any more."""
-    monkeypatch.setattr(accepting, "_PAUSE_S", 0.01)
+    monkeypatch.setattr(tcpros_server, "_PAUSE_S", 0.01)
     accept = socket.socket.accept
     errors = [OSError(number, "no room"), ConnectionAbortedError(), BlockingIOError()]
 
@@ -299,7 +298,7 @@ def test_header_that_rospy_reads_is_the_one_that_is_read_here():
     ours, theirs = socket.socketpair()
     with ours, theirs:
         theirs.sendall(header(callerid="/same"))
-        pending = accepting._Pending(ours, ("127.0.0.1", 1))
+        pending = tcpros_server._Pending(ours, ("127.0.0.1", 1))
         read = pending.read_header()
         theirs.sendall(header(callerid="/same"))
         ours.setblocking(True)

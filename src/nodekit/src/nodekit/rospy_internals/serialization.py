@@ -9,7 +9,7 @@ import rospy.topics
 _USERS = (rospy.msg, rospy.topics, rospy.impl.tcpros_base)
 
 
-def mend_serialising() -> None:
+def patch_serialization() -> None:
     """Leave nothing half-written of a message with a field that does not fit.
 
     rospy leaves in the buffer what came before that field. The next messages then follow it and

@@ -4,10 +4,9 @@ from typing import Any, Dict, List
 
 import pytest
 import rospy
-
 from nodekit.master import Reading
-from nodekit.parameter_server.registrations import LOOKUPS, Registrations
-from nodekit.rospy_internals import registration
+from nodekit.rospy_internals import registrar
+from nodekit.rospy_internals.master_registrations import LOOKUPS, MasterRegistrations
 
 OWN, OTHER = "rosrpc://own:1", "rosrpc://other:1"
 
@@ -30,7 +29,7 @@ class Master:
 
 
 class Rig:
-    """Registrations on a master of the test's own, and what they do and say."""
+    """MasterRegistrations on a master of the test's own, and what they do and say."""
 
     def __init__(self, patch: "pytest.MonkeyPatch") -> None:
         self.master = Master()
@@ -38,16 +37,16 @@ class Rig:
         self.accepts = True
         self.renewals = 0
         self.services = {"/a": OWN}
-        self.tested = Registrations(self.master)  # type: ignore[arg-type]
+        self.tested = MasterRegistrations(self.master)  # type: ignore[arg-type]
 
         def log(text: str, *arguments: Any) -> None:
             self.lines.append(text % arguments)
 
         patch.setattr(rospy, "logwarn", log)
         patch.setattr(rospy, "loginfo", log)
-        patch.setattr(registration, "services", lambda: self.services)
-        patch.setattr(registration, "register_again", self.register_again)
-        patch.setattr(registration, "register_services", self.register_services)
+        patch.setattr(registrar, "services", lambda: self.services)
+        patch.setattr(registrar, "register_again", self.register_again)
+        patch.setattr(registrar, "register_services", self.register_services)
 
     def register_again(self, _request: Any) -> bool:
         self.renewals += 1
@@ -58,15 +57,15 @@ class Rig:
 
     def read(self, knows_node: bool, pid: int = 1) -> None:
         """Act as the watcher does."""
-        self.tested.compare(Reading({}, knows_node, pid))
+        self.tested.detect_loss(Reading({}, knows_node, pid))
         if self.tested.are_lost:
-            self.tested.renew()
-            self.tested.renewed()
+            self.tested.reregister()
+            self.tested.log_reregistered()
 
-    def look_after_services(self) -> List[str]:
+    def reclaim_services(self) -> List[str]:
         """Look after the services; return what was said."""
         before = len(self.lines)
-        self.tested.look_after_services()
+        self.tested.reclaim_services()
         return self.lines[before:]
 
 
@@ -108,18 +107,16 @@ def test_master_that_refuses_everything_is_asked_once_and_no_restart_is_claimed(
 
 def test_service_that_was_taken_over_is_registered_again_when_it_is_free(rig: Rig) -> None:
     rig.master.owners = {"/a": OWN}
-    assert rig.look_after_services() == []
+    assert rig.reclaim_services() == []
     rig.master.owners = {"/a": OTHER}
     text = "taken over by another node, which is now called instead: service /a (/other)"
-    assert [rig.look_after_services(), rig.look_after_services()] == [[text], []]
+    assert [rig.reclaim_services(), rig.reclaim_services()] == [[text], []]
     rig.master.owners = {}
-    assert rig.look_after_services() == [
-        "no longer offered by any node, registered again: service /a"
-    ]
+    assert rig.reclaim_services() == ["no longer offered by any node, registered again: service /a"]
     assert rig.master.owners == {"/a": OWN}
-    assert rig.look_after_services() == []
+    assert rig.reclaim_services() == []
     rig.master.owners = {"/a": OTHER}
-    assert rig.look_after_services() == [text]
+    assert rig.reclaim_services() == [text]
 
 
 @pytest.mark.parametrize("frees", [False, True])
@@ -127,10 +124,10 @@ def test_service_that_is_taken_over_a_second_time_is_told_again(rig: Rig, frees:
     told = []
     for _ in range(2):
         rig.master.owners = {"/a": OTHER}
-        told += rig.look_after_services()
+        told += rig.reclaim_services()
         # The other one has ended, or this node has registered it again before the other one has.
         rig.master.owners = {} if frees else {"/a": OWN}
-        rig.look_after_services()
+        rig.reclaim_services()
     assert len(told) == 2 and told[0] == told[1]
 
 
@@ -139,7 +136,7 @@ def test_many_services_take_turns(rig: Rig) -> None:
     rig.services = rig.master.owners = dict.fromkeys(names, OWN)
     seen: List[str] = []
     for _ in range(3):
-        rig.look_after_services()
+        rig.reclaim_services()
         assert len(rig.master.asked) <= LOOKUPS
         seen += rig.master.asked
     assert seen == names

@@ -6,12 +6,11 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 import rospy
 import rospy.core
-from rospy.impl.registration import RegManager, Registration, get_registration_listeners
-from std_msgs.msg import String
-
 from nodekit.messaging.publisher import Publisher
-from nodekit.rospy_internals import registration
+from nodekit.rospy_internals import registrar
 from nodekit.testing.waiting import in_thread, wait_until
+from rospy.impl.registration import Registration, RegManager, get_registration_listeners
+from std_msgs.msg import String
 
 PUB, SUB, SRV = Registration.PUB, Registration.SUB, Registration.SRV
 URI = "http://here:1/"
@@ -51,7 +50,7 @@ def ending(monkeypatch):
     state = Ending()
     monkeypatch.setattr(rospy.core, "is_shutdown_requested", lambda: state.requested)
     monkeypatch.setattr(rospy, "get_node_uri", lambda: URI)
-    monkeypatch.setattr(registration, "_PAUSE_S", 0.001)
+    monkeypatch.setattr(registrar, "_PAUSE_S", 0.001)
     return state
 
 
@@ -68,9 +67,9 @@ def topics(count):
 
 def test_many_are_registered_and_taken_back_by_five_hundreds(ending):
     ask = Asked()
-    registrar = registration._Registrar(None, ask)
-    registrar.add(topics(1201))
-    registrar.remove(topics(1201))
+    tested = registrar._Registrar(None, ask)
+    tested.add(topics(1201))
+    tested.remove(topics(1201))
     assert [len(calls) for calls in ask.requests] == [500, 500, 201] * 2
     for method, calls in (
         ("registerPublisher", ask.calls[:1201]),
@@ -82,7 +81,7 @@ def test_many_are_registered_and_taken_back_by_five_hundreds(ending):
 def test_what_is_published_is_registered_before_what_listens(ending):
     ask = Asked()
     entries = [(SRV, "/s", "rosrpc://here:2"), (SUB, "/t", "*"), (PUB, "/t", "*")]
-    registration._Registrar(None, ask).add(entries)
+    registrar._Registrar(None, ask).add(entries)
     lookups, *requests = ask.requests
     assert lookups == [("lookupService", "/s")]
     assert requests == [
@@ -96,7 +95,7 @@ def test_what_is_published_is_registered_before_what_listens(ending):
 
 def test_node_that_ends_in_the_middle_of_its_start_leaves_nothing_registered(ending):
     ask = Asked(lambda calls: len(ask.requests) == 2 and ending.request())
-    registration._Registrar(None, ask).add(topics(1201) + [(SRV, "/s", "rosrpc://here:2")])
+    registrar._Registrar(None, ask).add(topics(1201) + [(SRV, "/s", "rosrpc://here:2")])
     registered = [call[1] for call in ask.calls if call[0].startswith("register")]
     taken_back = [call[1] for call in ask.calls if call[0].startswith("unregister")]
     assert len(registered) == 1000, "nothing more is registered once the node ends"
@@ -110,7 +109,7 @@ def test_master_that_does_not_answer_is_asked_again_until_it_does(ending, warnin
             raise ConnectionError("no answer")
 
     ask = Asked(fail_three_times)
-    registration._Registrar(None, ask).add(topics(1))
+    registrar._Registrar(None, ask).add(topics(1))
     assert len(ask.requests) == 4
     assert warnings == ["cannot register yet: no answer"]
 
@@ -122,7 +121,7 @@ def test_master_that_does_not_answer_holds_no_node_up_that_ends(ending, warnings
         raise ConnectionError("no answer")
 
     ask = Asked(fail)
-    registration._Registrar(None, ask).add(topics(1))
+    registrar._Registrar(None, ask).add(topics(1))
     assert [calls[0][0] for calls in ask.requests] == ["registerPublisher"] * 3 + [
         "unregisterPublisher"
     ]
@@ -132,16 +131,16 @@ def test_master_that_does_not_answer_holds_no_node_up_that_ends(ending, warnings
 def asked(ending, monkeypatch):
     """Have all that is made registered with requests that are kept."""
     ask = Asked()
-    registrar = registration._Registrar(None, ask)
-    monkeypatch.setattr(registration, "_registrar", registrar)
-    monkeypatch.setattr(get_registration_listeners(), "listeners", [registrar])
+    tested = registrar._Registrar(None, ask)
+    monkeypatch.setattr(registrar, "_registrar", tested)
+    monkeypatch.setattr(get_registration_listeners(), "listeners", [tested])
     return ask
 
 
 def test_topic_that_is_made_anew_while_it_is_taken_back_stays_registered(asked):
     old, new = (Publisher("/topic", String) for _ in range(2))
     old.open()
-    with registration.together():
+    with registrar.together():
         old.close()
         in_thread(new.open).join()
     told = [call[0] for call in asked.calls]
@@ -151,7 +150,7 @@ def test_topic_that_is_made_anew_while_it_is_taken_back_stays_registered(asked):
 
 def test_topic_that_is_closed_while_it_is_registered_is_taken_back(asked):
     publisher = Publisher("/topic", String)
-    with registration.together():
+    with registrar.together():
         publisher.open()
         in_thread(publisher.close).join()
     told = [call[0] for call in asked.calls]
@@ -161,16 +160,16 @@ def test_topic_that_is_closed_while_it_is_registered_is_taken_back(asked):
 def test_service_that_is_closed_while_it_is_registered_again_is_taken_back(asked, monkeypatch):
     offered = {"/closed": mock.Mock(), "/open": mock.Mock()}
     entries = [(SRV, name, "rosrpc://here:2") for name in offered]
-    registration._registrar.add(entries)
+    registrar._registrar.add(entries)
     manager = mock.Mock(get_service=offered.get)
-    monkeypatch.setattr(registration, "get_service_manager", lambda: manager)
+    monkeypatch.setattr(registrar, "get_service_manager", lambda: manager)
     asked.meanwhile = lambda calls: offered.pop("/closed", None)
     asked.requests.clear()
-    registration.register_services(list(offered), asked)
+    registrar.register_services(list(offered), asked)
     told = [call[:3] for call in asked.calls if call[0] != "lookupService"]
     assert told[:2] == [("registerService", *entry[1:]) for entry in entries]
     assert told[2:] == [("unregisterService", "/closed", "rosrpc://here:2")]
-    assert list(registration.services()) == ["/open"]
+    assert list(registrar.services()) == ["/open"]
 
 
 class Handler:
@@ -189,7 +188,7 @@ def test_publishers_that_rospy_was_just_told_of_are_not_forgotten_for_another_on
     handler = Handler()
     listener = RegManager(handler)
     listener.publisher_update("/topic", ["http://there:1/", "http://there:2/"])
-    registration._Registrar(listener, Asked()).connect("/topic", ["http://there:3/"])
+    registrar._Registrar(listener, Asked()).connect("/topic", ["http://there:3/"])
     running = in_thread(listener.run)
     wait_until(lambda: len(handler.connected) == 3, lambda: str(handler.connected))
     handler.done = True
@@ -204,8 +203,8 @@ def test_without_rospy_s_listener_its_own_server_is_told_of_publishers(ending, m
         uri = f"http://localhost:{server.server_address[1]}/"
         monkeypatch.setattr(rospy, "get_node_uri", lambda: uri)
         monkeypatch.delattr(get_registration_listeners(), "listeners")
-        monkeypatch.setattr(registration, "all_made", lambda: [(SUB, "/topic", "std_msgs/String")])
+        monkeypatch.setattr(registrar, "all_entries", lambda: [(SUB, "/topic", "std_msgs/String")])
         serving = in_thread(server.handle_request)
-        assert registration.register_again(lambda calls: [(1, "", ["http://there:1/"])])
+        assert registrar.register_again(lambda calls: [(1, "", ["http://there:1/"])])
         serving.join()
     assert told == [(rospy.get_name(), "/topic", ["http://there:1/"])]

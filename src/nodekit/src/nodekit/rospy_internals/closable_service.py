@@ -7,7 +7,7 @@ from typing import Any, Dict, List, Tuple
 import rospy
 from rospy.impl.registration import get_service_manager
 
-from nodekit.rospy_internals.made import NameTaken
+from nodekit.rospy_internals.registry import NameTaken
 
 
 class ClosableService(rospy.Service):

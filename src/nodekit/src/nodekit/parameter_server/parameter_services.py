@@ -9,7 +9,7 @@ from nodekit.master import MasterUnreachable
 from nodekit.parameter_server.live_parameters import LiveParameters
 from nodekit.parameters import yaml_text
 from nodekit.parameters.declaration import ParameterSet
-from nodekit.parameters.kinds import ParameterError, format_value, to_wire
+from nodekit.parameters.parameter_types import ParameterError, format_value, to_wire
 from nodekit.parameters.schema import as_yaml, describe
 from nodekit_msgs.srv import SetParametersRequest, SetParametersResponse
 

@@ -5,12 +5,11 @@ import threading
 import time
 
 import pytest
-
 from nodekit.master import Reading
 from nodekit.parameter_server import watcher as watching
 from nodekit.parameter_server.watched_key import WatchedKey
-from nodekit.parameters.kinds import MISSING
-from nodekit.rospy_internals import parameters, registration, shutdown
+from nodekit.parameters.parameter_types import MISSING
+from nodekit.rospy_internals import parameter_cache, registrar, shutdown
 from nodekit.testing.waiting import wait_until
 
 #: More than are read each second; they take three turns.
@@ -79,8 +78,10 @@ def notify():
 
 @pytest.fixture
 def watcher(monkeypatch, client, notify):
-    monkeypatch.setattr(parameters, "on_push", lambda handle: notify.functions.append(handle) or 1)
-    monkeypatch.setattr(parameters, "cache", lambda key, value: None)
+    monkeypatch.setattr(
+        parameter_cache, "on_push", lambda handle: notify.functions.append(handle) or 1
+    )
+    monkeypatch.setattr(parameter_cache, "cache", lambda key, value: None)
     monkeypatch.setattr(shutdown, "at_end", lambda ending, function: None)
     made = watching.Watcher(client)
     yield made
@@ -169,7 +170,7 @@ def test_notifications_come_again_after_a_restart_of_the_master(
 ):
     """The read once a second would hide it for good that there are none."""
     again = []
-    monkeypatch.setattr(registration, "register_again", again.append)
+    monkeypatch.setattr(registrar, "register_again", again.append)
     told = Told("/n")
     watcher.watch([told.watched])
     before = set(client.subscribed)

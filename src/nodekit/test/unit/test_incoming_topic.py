@@ -13,17 +13,16 @@ import rospy.impl.tcpros_base
 import rospy.topics
 from hypothesis import given
 from hypothesis import strategies as st
+from nodekit.messaging.publisher import Publisher
+from nodekit.messaging.subscription import LatestMessage, Subscription
+from nodekit.rospy_internals import incoming_topic, latched, registrar
+from nodekit.testing.waiting import wait_until
 from rosgraph.network import write_ros_handshake_header
 from rospy.exceptions import TransportException, TransportInitError, TransportTerminated
 from rospy.impl.registration import get_topic_manager
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSSub
 from std_msgs.msg import Float32, String
-
-from nodekit.messaging.publisher import Publisher
-from nodekit.messaging.subscription import LatestMessage, Subscription
-from nodekit.rospy_internals import latched, registration, subscribers
-from nodekit.testing.waiting import wait_until
 
 TOPIC = "/topic"
 TIME_OUT = 20.0  # s
@@ -99,23 +98,23 @@ def packet(word):
 
 
 def test_this_rospy_is_known():
-    subscribers.subscriber_mismatch.cache_clear()
-    assert subscribers.subscriber_mismatch() == ""
+    incoming_topic.subscriber_mismatch.cache_clear()
+    assert incoming_topic.subscriber_mismatch() == ""
 
 
 @pytest.mark.parametrize("part", ["_SUBSCRIBER_ATTRIBUTES", "_TRANSPORT_ATTRIBUTES"])
 def test_missing_attribute_is_recognised(monkeypatch, part):
-    subscribers.subscriber_mismatch.cache_clear()
+    incoming_topic.subscriber_mismatch.cache_clear()
     monkeypatch.setattr(subscribers, part, "close something_else")
-    assert "something_else" in subscribers.subscriber_mismatch()
-    subscribers.subscriber_mismatch.cache_clear()
+    assert "something_else" in incoming_topic.subscriber_mismatch()
+    incoming_topic.subscriber_mismatch.cache_clear()
 
 
 def test_absent_internals_are_recognised(monkeypatch):
-    subscribers.subscriber_mismatch.cache_clear()
+    incoming_topic.subscriber_mismatch.cache_clear()
     monkeypatch.delattr(rospy.topics._SubscriberImpl, "receive_callback")
-    assert subscribers.subscriber_mismatch() != ""
-    subscribers.subscriber_mismatch.cache_clear()
+    assert incoming_topic.subscriber_mismatch() != ""
+    incoming_topic.subscriber_mismatch.cache_clear()
 
 
 @given(st.lists(st.text(max_size=20), min_size=1, max_size=20), st.data())
@@ -214,12 +213,12 @@ def test_a_subscription_that_comes_later_hears_what_was_latched_before(connected
     assert connected.words == ["old", "last"], "the first one has heard it from the connection"
 
 
-@pytest.mark.parametrize("told, expected", [([0.0], 1), ([], 0), ([subscribers.ANEW_S], 0)])
+@pytest.mark.parametrize("told, expected", [([0.0], 1), ([], 0), ([incoming_topic.ANEW_S], 0)])
 def test_publisher_that_was_told_of_before_its_connection_ended_is_looked_for(
     connected, monkeypatch, told, expected
 ):
     now, looked_for = time.monotonic(), []
-    monkeypatch.setattr(registration, "connect", lambda *what: looked_for.append(what))
+    monkeypatch.setattr(registrar, "connect", lambda *what: looked_for.append(what))
     for ago in told:
         with monkeypatch.context() as patch:
             patch.setattr(time, "monotonic", lambda: now - ago)
@@ -246,9 +245,11 @@ def test_a_defect_of_one_callback_leaves_the_others_alone(connected):
         raise ValueError("defect")
 
     topic = connected.impl
-    subscribers.receive_in_batches(TOPIC, String, fail)
+    incoming_topic.receive_in_batches(TOPIC, String, fail)
     late = []
-    subscribers.receive_in_batches(TOPIC, String, lambda messages, may_wait: late.extend(messages))
+    incoming_topic.receive_in_batches(
+        TOPIC, String, lambda messages, may_wait: late.extend(messages)
+    )
     connected.socket.sendall(packet("news"))
     connected.receive_all()
     assert connected.words == ["news"]
@@ -285,7 +286,7 @@ def test_where_batches_are_not_possible_messages_come_one_by_one(monkeypatch, kn
         if known:
             stack.callback(rospy.Subscriber(TOPIC, String).unregister)
         else:
-            monkeypatch.setattr(subscribers, "subscriber_mismatch", lambda: "all is different")
+            monkeypatch.setattr(incoming_topic, "subscriber_mismatch", lambda: "all is different")
         connected = Publisherless(stack)
         connected.socket.sendall(packet("one") + packet("two"))
         connected.receive_all()
@@ -422,7 +423,7 @@ def test_subscriber_that_publishes_in_turn_is_not_in_its_own_way(together):
             other.start()
             other.join(TIME_OUT)
 
-    subscribers.receive_in_batches(TOPIC, String, answer)
+    incoming_topic.receive_in_batches(TOPIC, String, answer)
     publisher.publish(String("question"))
     assert ear.words == ["question", "answer"]
 
@@ -460,7 +461,7 @@ def test_connection_that_a_publisher_refuses_is_none_any_more(stack, monkeypatch
 
 def test_second_connection_to_a_publisher_leaves_the_first_one_alone(connected, monkeypatch):
     looked_for = []
-    monkeypatch.setattr(registration, "connect", lambda *what: looked_for.append(what))
+    monkeypatch.setattr(registrar, "connect", lambda *what: looked_for.append(what))
     second = TCPROSTransport(TCPROSSub(TOPIC, String), TOPIC)
     second.set_endpoint_id("/publisher")
     assert not connected.topic.add_connection(second)
@@ -553,7 +554,7 @@ def test_where_batches_are_not_possible_closing_ends_it_too(monkeypatch, known):
     with contextlib.ExitStack() as stack:
         plain = []
         if not known:
-            monkeypatch.setattr(subscribers, "subscriber_mismatch", lambda: "all is different")
+            monkeypatch.setattr(incoming_topic, "subscriber_mismatch", lambda: "all is different")
         second = rospy.Subscriber(TOPIC, String, plain.append)
         stack.callback(second.unregister)
         connected = Publisherless(stack)

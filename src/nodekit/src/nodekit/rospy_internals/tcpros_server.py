@@ -55,7 +55,7 @@ _HANDLE_USES = {
 _START_USES = {"TCPServer", "_tcp_server_callback"}
 
 
-def accepting_mismatch() -> str:
+def tcpros_server_mismatch() -> str:
     """Compare how rospy accepts with what this module takes for granted.
 
     :returns: what is different; empty if nothing is
@@ -69,9 +69,9 @@ def accepting_mismatch() -> str:
     return ""
 
 
-def mend_accepting() -> None:
+def patch_tcpros_server() -> None:
     """Let no connection keep another one waiting; for servers that are started from now on."""
-    mismatch = accepting_mismatch()
+    mismatch = tcpros_server_mismatch()
     if mismatch:
         rospy.logwarn("unsupported rospy version: a silent connection delays others: %s", mismatch)
     else:

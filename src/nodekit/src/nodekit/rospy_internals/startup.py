@@ -11,11 +11,11 @@ from typing import Any, Iterator, Optional
 import rospy.core
 import rospy.impl.init
 
-from nodekit.rospy_internals.accepting import mend_accepting
-from nodekit.rospy_internals.logs import mend_logs
-from nodekit.rospy_internals.serialising import mend_serialising
-from nodekit.rospy_internals.shutdown import mend_shutdown
-from nodekit.rospy_internals.subscribers import ask_for_statistics_once
+from nodekit.rospy_internals.incoming_topic import ask_for_statistics_once
+from nodekit.rospy_internals.logs import patch_logs
+from nodekit.rospy_internals.serialization import patch_serialization
+from nodekit.rospy_internals.shutdown import patch_shutdown
+from nodekit.rospy_internals.tcpros_server import patch_tcpros_server
 
 #: How often to look whether the node is registered, s.
 _LOOK_EVERY_S = 0.001
@@ -25,10 +25,10 @@ _LOOK_EVERY_S = 0.001
 def apply_patches() -> None:
     """Apply all patches, once in a process; before ``rospy.init_node``."""
     ask_for_statistics_once()
-    mend_accepting()
-    mend_logs()
-    mend_serialising()
-    mend_shutdown()
+    patch_tcpros_server()
+    patch_logs()
+    patch_serialization()
+    patch_shutdown()
 
 
 def register_signals() -> None:
@@ -59,7 +59,7 @@ def _leave(_number: int, _frame: Optional[FrameType]) -> None:
 
 
 @contextlib.contextmanager
-def looking_often() -> Iterator[None]:
+def fast_init_poll() -> Iterator[None]:
     """Start a node as soon as it is registered; ``rospy.init_node`` looks every 0.1 s only."""
     module = rospy.impl.init
     if getattr(module, "time", None) is not time:  # it waits in another way

@@ -3,7 +3,6 @@
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-
 from nodekit.parameters.declaration import (
     BoolParameter,
     EnumParameter,
@@ -15,7 +14,8 @@ from nodekit.parameters.declaration import (
     StringParameter,
     rule,
 )
-from nodekit.parameters.judging import (
+from nodekit.parameters.parameter_types import MISSING
+from nodekit.parameters.validation import (
     accept_each,
     corrections,
     keep_rules,
@@ -23,7 +23,6 @@ from nodekit.parameters.judging import (
     on_wire,
     unknown_names,
 )
-from nodekit.parameters.kinds import MISSING
 
 
 class Gauge(ParameterSet):

@@ -172,7 +172,7 @@ class MasterClient:
             raise _Fault(str(self._unreachable(error))) from None
         except _FAILURES as error:
             raise self._unreachable(error) from None
-        with self._making_sense(results):
+        with self._valid_reply(results):
             if len(results) != len(calls):
                 raise ValueError
             return [self._checked(result) for result in results]
@@ -185,7 +185,7 @@ class MasterClient:
         return code, text, value
 
     @contextlib.contextmanager
-    def _making_sense(self, answer: Any) -> Iterator[None]:
+    def _valid_reply(self, answer: Any) -> Iterator[None]:
         """Take an answer without sense as that of something else than a master."""
         try:
             yield
@@ -255,13 +255,13 @@ class MasterClient:
     def system_state(self) -> SystemState:
         """Ask who publishes, subscribes and serves what."""
         state = self.request([("getSystemState",)])[0][2]
-        with self._making_sense(state):
+        with self._valid_reply(state):
             return SystemState(*([(name, nodes) for name, nodes in part] for part in state))
 
     def topic_types(self) -> Dict[str, str]:
         """Ask for the type of each topic."""
         types = self.request([("getTopicTypes",)])[0][2]
-        with self._making_sense(types):
+        with self._valid_reply(types):
             return {topic: kind for topic, kind in types}
 
     def lookup_node(self, name: str) -> Optional[str]:

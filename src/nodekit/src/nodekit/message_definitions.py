@@ -91,7 +91,7 @@ def parse(datatype: str, text: str) -> Fields:
     :raises DefinitionError: if it is malformed
     """
     found = {name: fields_of(name, body) for name, body in parts_of(datatype, text).items()}
-    _refuse_unknown(datatype, found, [])
+    _check_defined(datatype, found, [])
     return found
 
 
@@ -123,11 +123,11 @@ def fields_of(datatype: str, text: str) -> Tuple[Field, ...]:
     return tuple(line for line in lines if line is not None)
 
 
-def _refuse_unknown(datatype: str, found: Fields, within: List[str]) -> None:
+def _check_defined(datatype: str, found: Fields, within: List[str]) -> None:
     if datatype in within:
         raise DefinitionError(f"the type {datatype} contains itself")
     if datatype not in found:
         raise DefinitionError(f"the type {datatype} is not defined")
     for field in found[datatype]:
         if "/" in field.base:
-            _refuse_unknown(field.base, found, [*within, datatype])
+            _check_defined(field.base, found, [*within, datatype])

@@ -473,7 +473,7 @@ class Races(unittest.TestCase):
             self.user.set(self.level, -1.0)
 
         self.server.after_read = set_both
-        self.watcher.ring()
+        self.watcher.wake()
         self.assert_ends_with(live, level=5.0)
         changed, refused = [text for text in self.warnings.texts if self.level in text]
         self.assertEqual(changed, f"{self.level}: 1 -> 5")
@@ -608,7 +608,7 @@ class Races(unittest.TestCase):
             self.user.delete(key)
 
         self.server.restart = lose
-        self.watcher.ring()
+        self.watcher.wake()
         wait_until(lambda: self.server.restart is None, lambda: "the server is not read")
 
     def assert_stays(self, condition: Callable[[], bool]) -> None:

@@ -46,8 +46,8 @@ def test_what_is_binary_on_the_server_is_written_back_as_a_list() -> None:
     held = {"key": to_wire(b"\x00\xff"), "name": "door"}
     reconciler.start(dict(held), 0.0)
     assert reconciler.step(Observation(dict(held)), 1.0).writes == {}
-    verdict = reconciler.step(Observation({**held, "key": xmlrpc.client.Binary(b"ac")}), 2.0)
-    assert (verdict.values.key, verdict.writes) == (b"ac", {"key": [97, 99]})
+    decision = reconciler.step(Observation({**held, "key": xmlrpc.client.Binary(b"ac")}), 2.0)
+    assert (decision.values.key, decision.writes) == (b"ac", {"key": [97, 99]})
 
 
 def test_a_client_builds_the_same_parameter_from_the_description() -> None:

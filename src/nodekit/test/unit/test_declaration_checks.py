@@ -15,7 +15,7 @@ from nodekit.parameters.declaration import (
     read_once,
     rule,
 )
-from nodekit.parameters.declaration_checks import judge_rules
+from nodekit.parameters.declaration_checks import check_rules
 
 SHARED = IntParameter(1, help="")
 
@@ -148,7 +148,7 @@ def test_what_is_no_rule_of_the_node_s() -> None:
 
     for method, why in ((print, "must be marked by @rule"), (strange, "undeclared .*: other")):
         with pytest.raises(TypeError, match=f"Gauge: .*{why}"):
-            judge_rules("Gauge", [method], ["level"])
+            check_rules("Gauge", [method], ["level"])
 
 
 def test_what_belongs_in_a_class_is_no_mistake() -> None:

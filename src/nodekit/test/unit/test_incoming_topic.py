@@ -213,7 +213,7 @@ def test_a_subscription_that_comes_later_hears_what_was_latched_before(connected
     assert connected.words == ["old", "last"], "the first one has heard it from the connection"
 
 
-@pytest.mark.parametrize("told, expected", [([0.0], 1), ([], 0), ([incoming_topic.ANEW_S], 0)])
+@pytest.mark.parametrize("told, expected", [([0.0], 1), ([], 0), ([incoming_topic.SUCCESSOR_S], 0)])
 def test_publisher_that_was_told_of_before_its_connection_ended_is_looked_for(
     connected, monkeypatch, told, expected
 ):
@@ -587,8 +587,8 @@ def test_what_comes_while_a_topic_is_being_registered_is_heard_by_a_test_s_ear(m
 
     monkeypatch.setattr(manager, "_add", add_and_receive)
     heard, heard_too = [], []
-    first = latched.subscribe_heard(TOPIC, String, heard.append)
-    second = latched.subscribe_heard(TOPIC, String, heard_too.append)
+    first = latched.subscribe_without_loss(TOPIC, String, heard.append)
+    second = latched.subscribe_without_loss(TOPIC, String, heard_too.append)
     impl = first.impl
     impl.receive_callback([String("next")], None)
     first.unregister()

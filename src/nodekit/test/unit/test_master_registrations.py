@@ -45,10 +45,10 @@ class Rig:
         patch.setattr(rospy, "logwarn", log)
         patch.setattr(rospy, "loginfo", log)
         patch.setattr(registrar, "services", lambda: self.services)
-        patch.setattr(registrar, "register_again", self.register_again)
+        patch.setattr(registrar, "reregister_all", self.reregister_all)
         patch.setattr(registrar, "register_services", self.register_services)
 
-    def register_again(self, _request: Any) -> bool:
+    def reregister_all(self, _request: Any) -> bool:
         self.renewals += 1
         return self.accepts
 

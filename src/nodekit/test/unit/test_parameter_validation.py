@@ -16,10 +16,10 @@ from nodekit.parameters.declaration import (
 )
 from nodekit.parameters.parameter_types import MISSING
 from nodekit.parameters.validation import (
-    accept_each,
+    validate_each,
     corrections,
-    keep_rules,
-    last_good,
+    apply_rules,
+    last_valid,
     on_wire,
     unknown_names,
 )
@@ -72,8 +72,8 @@ def gauges(draw):
 
 def judge(in_force, raw):
     """Judge a namespace; return values, refusals and what has to be written."""
-    coerced, refused = accept_each(in_force, raw, missing=DEFAULTS.as_dict())
-    values, broken = keep_rules(in_force, coerced)
+    coerced, refused = validate_each(in_force, raw, missing=DEFAULTS.as_dict())
+    values, broken = apply_rules(in_force, coerced)
     return values, [*refused, *broken], corrections(values, raw)
 
 
@@ -89,7 +89,7 @@ def test_nothing_to_do_where_the_server_tells_the_truth():
 def test_what_is_unset_stands_as_missing_and_is_corrected():
     in_force = Gauge(low=0.5, high=1.5, marks=[4, 5])
     assert judge(in_force, {}) == (DEFAULTS, [], on_wire(DEFAULTS))
-    coerced, refused = accept_each(in_force, {"low": 0.75}, missing=in_force.as_dict())
+    coerced, refused = validate_each(in_force, {"low": 0.75}, missing=in_force.as_dict())
     assert (coerced, refused) == ({**in_force.as_dict(), "low": 0.75}, [])
 
 
@@ -188,9 +188,9 @@ class Reader(ParameterSet):
 
 def test_value_in_force_is_not_judged_again():
     in_force = Reader.from_coerced({"file": "stale"})
-    assert accept_each(in_force, {"file": "stale"}, {}) == ({"file": "stale"}, [])
-    assert last_good(in_force, ["file"], [("file", "new"), ("file", "stale")]) == {"file": "stale"}
-    assert len(accept_each(Reader(), {"file": "stale"}, {})[1]) == 1
+    assert validate_each(in_force, {"file": "stale"}, {}) == ({"file": "stale"}, [])
+    assert last_valid(in_force, ["file"], [("file", "new"), ("file", "stale")]) == {"file": "stale"}
+    assert len(validate_each(Reader(), {"file": "stale"}, {})[1]) == 1
 
 
 def test_values_that_nobody_declared_are_left_alone():
@@ -247,7 +247,7 @@ def test_combination_that_is_allowed_is_never_refused(in_force, wanted, unset):
     ],
 )
 def test_last_good_of_pushed_values_is_picked(pushed, expected):
-    assert last_good(DEFAULTS, ["count", "on", "title"], pushed) == expected
+    assert last_valid(DEFAULTS, ["count", "on", "title"], pushed) == expected
 
 
 @pytest.mark.parametrize(

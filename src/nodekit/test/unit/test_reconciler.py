@@ -339,9 +339,9 @@ def test_step_by_step(name: str) -> None:
     for number, row in enumerate(TABLE[name]):
         where = f"step {number + 1}: {row}"
         if isinstance(row, Update):
-            verdict = reconciler.judge(row.changes)
-            server = set_on(server, verdict.writes)
-            reconciler.adopt(verdict, now)
+            decision = reconciler.validate(row.changes)
+            server = set_on(server, decision.writes)
+            reconciler.adopt(decision, now)
             continue
         now += row.pause
         server = set_on(server, row.sets)
@@ -350,23 +350,23 @@ def test_step_by_step(name: str) -> None:
             assert reconciler.values == IN_FORCE.replace(**row.values), where
             continue
         read_at = LATE if row.early else now
-        verdict = reconciler.step(Observation(server, row.pushed, row.forgotten, read_at), now)
-        assert verdict.values == reconciler.values == IN_FORCE.replace(**row.values), where
-        assert verdict.writes == row.writes, where
-        assert [error.name for error in verdict.refusals] == list(row.refused), where
-        assert (verdict.unknown, verdict.again) == (row.unknown, row.again), where
+        decision = reconciler.step(Observation(server, row.pushed, row.forgotten, read_at), now)
+        assert decision.values == reconciler.values == IN_FORCE.replace(**row.values), where
+        assert decision.writes == row.writes, where
+        assert [error.name for error in decision.errors] == list(row.refused), where
+        assert (decision.unknown, decision.again) == (row.unknown, row.again), where
         if row.fails:
             reconciler.failed()
-        elif verdict.writes:
-            server = set_on(server, verdict.writes)
+        elif decision.writes:
+            server = set_on(server, decision.writes)
             reconciler.written(now)
 
 
 def test_start_writes_what_is_unset_all_at_once() -> None:
     reconciler = Reconciler(Gauge)
     assert reconciler.is_news(MISSING)
-    verdict = reconciler.start({"level": "5", "other": 1}, 0.0)
-    assert verdict == Decision(
+    decision = reconciler.start({"level": "5", "other": 1}, 0.0)
+    assert decision == Decision(
         Gauge(level=5.0),
         {"level": 5.0, "title": "gauge", "low": 0.0, "high": 9.0},
         [],
@@ -412,13 +412,13 @@ def test_a_rule_of_the_node_s_judges_each_change() -> None:
     assert reconciler.start({"level": 5.0}, 0.0).values.level == 5.0
     reconciler.written(0.0)
     with pytest.raises(RuleError, match="level: refused 0.5: must be above 1"):
-        reconciler.judge({"level": 0.5})
+        reconciler.validate({"level": 0.5})
     for raw in ({**on_wire(Gauge(level=0.5))}, {}):  # set, and deleted, which is the default
         seen = Observation(raw, [("", raw)])
         assert reconciler.step(seen, 1.0).again
         refused = reconciler.step(seen, 2.0)
         assert refused.values.level == refused.writes["level"] == 5.0
-        assert [error.names for error in refused.refusals] == [("level",)]
+        assert [error.names for error in refused.errors] == [("level",)]
         reconciler.written(2.0)
 
 
@@ -458,12 +458,12 @@ def test_what_is_refused_alone_is_refused_as_itself(raw: Any, text: str) -> None
 def test_a_judged_change_is_adopted_only_when_it_is_told_to_be() -> None:
     reconciler = Reconciler(Gauge)
     reconciler.start(HELD, 0.0)
-    verdict = reconciler.judge({"level": "5", "title": "old"})
+    decision = reconciler.validate({"level": "5", "title": "old"})
     # Also what is in force already: the server may hold another title, which nobody has read yet.
     writes = {"level": 5.0, "title": "old"}
-    assert verdict == Decision(IN_FORCE.replace(level=5.0), writes, [], {})
+    assert decision == Decision(IN_FORCE.replace(level=5.0), writes, [], {})
     assert reconciler.values == IN_FORCE
-    reconciler.adopt(verdict, 1.0)
+    reconciler.adopt(decision, 1.0)
     assert reconciler.values.level == 5.0
     assert not reconciler.is_news({**HELD, "level": 5.0})
 
@@ -486,7 +486,7 @@ def test_a_change_that_is_refused_changes_nothing(changes: Dict[str, Any], text:
     reconciler = Reconciler(Gauge)
     reconciler.start(HELD, 0.0)
     with pytest.raises(ParameterError) as caught:
-        reconciler.judge(changes)
+        reconciler.validate(changes)
     assert text in str(caught.value)
     assert reconciler.values == IN_FORCE
 
@@ -520,9 +520,9 @@ class World:
         self.pushed: List[Tuple[str, Any]] = []
         self.wanted = declaration().as_dict()
         self.reconciler = Reconciler(declaration)
-        verdict = self.reconciler.start(self.server, self.now)
-        self.wanted = verdict.values.as_dict()
-        self.server = set_on(self.server, verdict.writes)
+        decision = self.reconciler.start(self.server, self.now)
+        self.wanted = decision.values.as_dict()
+        self.server = set_on(self.server, decision.writes)
         self.reconciler.written(self.now)
 
     def use(self, name: str, value: Any) -> None:
@@ -549,24 +549,24 @@ class World:
         raw = self.server
         if not (self.pushed or self.reconciler.is_news(raw)):
             return
-        verdict = self.reconciler.step(
+        decision = self.reconciler.step(
             Observation(raw, list(self.pushed), read_at=self.now), self.now
         )
-        type(verdict.values)(**verdict.values.as_dict())
-        for name, value in verdict.writes.items():
-            in_force = on_wire(verdict.values)
+        type(decision.values)(**decision.values.as_dict())
+        for name, value in decision.writes.items():
+            in_force = on_wire(decision.values)
             part = value if name == "" else {name: value}
             assert {k: v for k, v in part.items() if k in in_force}.items() <= in_force.items()
-        if verdict.again:
-            assert not verdict.writes and not verdict.refusals
+        if decision.again:
+            assert not decision.writes and not decision.errors
             return
         meddle()
         if reaches:
-            self.server = set_on(self.server, verdict.writes)
-        if verdict.writes and not (reaches and works):
+            self.server = set_on(self.server, decision.writes)
+        if decision.writes and not (reaches and works):
             self.reconciler.failed()
             return
-        if verdict.writes:
+        if decision.writes:
             self.reconciler.written(self.now)
         self.pushed.clear()
 

@@ -205,6 +205,6 @@ def test_without_rospy_s_listener_its_own_server_is_told_of_publishers(ending, m
         monkeypatch.delattr(get_registration_listeners(), "listeners")
         monkeypatch.setattr(registrar, "all_entries", lambda: [(SUB, "/topic", "std_msgs/String")])
         serving = in_thread(server.handle_request)
-        assert registrar.register_again(lambda calls: [(1, "", ["http://there:1/"])])
+        assert registrar.reregister_all(lambda calls: [(1, "", ["http://there:1/"])])
         serving.join()
     assert told == [(rospy.get_name(), "/topic", ["http://there:1/"])]

@@ -109,7 +109,7 @@ def test_notification_concerns_the_key_and_what_is_below_it_but_no_sibling(
 ):
     every = [Told(name).watched for name in ("/a", "/a/b", "/a/bc")]
     watcher.watch(every)
-    monkeypatch.setattr(watcher, "ring", lambda: None)  # nothing is handed over meanwhile
+    monkeypatch.setattr(watcher, "wake", lambda: None)  # nothing is handed over meanwhile
     assert notify(key, 1) is bool(rings)
     assert [watched.key for watched in every if watched.is_due] == rings
 
@@ -117,7 +117,7 @@ def test_notification_concerns_the_key_and_what_is_below_it_but_no_sibling(
 def test_keys_that_are_many_take_turns(monkeypatch, client, watcher):
     monkeypatch.setattr(watching, "RECONCILE_S", 0.01)
     watcher.watch([Told(key).watched for key in MANY])
-    watcher.ring()  # or it waits for a second with the old period
+    watcher.wake()  # or it waits for a second with the old period
     client.reads.clear()
     wait_until(lambda: len([keys for keys in client.reads if keys]) > 6, lambda: "no reads")
     turns = [keys for keys in client.reads if keys][:6]
@@ -131,7 +131,7 @@ def test_change_of_any_key_is_noticed_without_a_notification(monkeypatch, client
     monkeypatch.setattr(watching, "RECONCILE_S", 0.01)
     told = [Told(key) for key in MANY]
     watcher.watch([one.watched for one in told])
-    watcher.ring()
+    watcher.wake()
     for one in (told[0], told[watching.RECONCILE_KEYS], told[-1]):
         client.values[one.watched.key] = 5
         wait_until(lambda: one.values == [5], lambda: f"{one.watched.key} is not noticed")
@@ -147,7 +147,7 @@ def test_reading_that_was_not_dealt_with_is_handed_over_again(monkeypatch, clien
     told = Busy("/n")
     client.values["/n"] = 5
     watcher.watch([told.watched])
-    watcher.ring()
+    watcher.wake()
     wait_until(lambda: told.values == [5, 5], lambda: f"told: {told.values}", 10.0)
 
 
@@ -161,7 +161,7 @@ def test_value_that_never_rests_is_handed_over_all_the_same(monkeypatch, client,
 
     watcher.watch([told.watched])
     monkeypatch.setattr(client, "read", read_another)
-    watcher.ring()
+    watcher.wake()
     wait_until(lambda: len(told.values) >= 2, lambda: f"told: {told.values}", 10.0)
 
 
@@ -170,12 +170,12 @@ def test_notifications_come_again_after_a_restart_of_the_master(
 ):
     """The read once a second would hide it for good that there are none."""
     again = []
-    monkeypatch.setattr(registrar, "register_again", again.append)
+    monkeypatch.setattr(registrar, "reregister_all", again.append)
     told = Told("/n")
     watcher.watch([told.watched])
     before = set(client.subscribed)
     client.restart()
-    watcher.ring()
+    watcher.wake()
     wait_until(lambda: client.subscribed == before, lambda: str(client.subscribed))
     assert again == [client.request]
     client.knows_node = True
@@ -186,7 +186,7 @@ def test_notifications_come_again_after_a_restart_of_the_master(
 
 def test_watcher_with_nothing_to_do_costs_nothing(client, watcher):
     watcher.watch([Told("/n").watched])
-    watcher.ring()
+    watcher.wake()
     wait_until(lambda: ["/n"] in client.reads or [] in client.reads, lambda: str(client.reads))
     before = len(client.reads)
     time.sleep(0.3)

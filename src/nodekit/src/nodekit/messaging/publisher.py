@@ -84,7 +84,7 @@ class Publisher:
             if not mismatch:
                 topic = outgoing_topic.send_at_once(name, data_class, self._latch, self._lifespan)
             publisher = rospy.Publisher(
-                registry.name_before(name),
+                registry.name_before_remapping(name),
                 data_class,
                 latch=self._latch,
                 queue_size=FALLBACK_QUEUE_SIZE,

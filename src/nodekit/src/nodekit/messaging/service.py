@@ -4,7 +4,7 @@ from typing import Any, Callable, Optional
 
 from nodekit.messaging.callback_errors import CallbackErrors
 from nodekit.rospy_internals.closable_service import ClosableService
-from nodekit.rospy_internals.registry import name_before
+from nodekit.rospy_internals.registry import name_before_remapping
 
 
 class _LoggedService(ClosableService):
@@ -39,7 +39,7 @@ class Service:
         """Offer it, unless it was closed."""
         if self._is_closed:
             return
-        name = name_before(self.resolved_name)
+        name = name_before_remapping(self.resolved_name)
         service = _LoggedService(name, self._service_class, self._handler)
         self._service = service
         self.resolved_name = service.resolved_name  # rospy makes a copy, which is enough of them

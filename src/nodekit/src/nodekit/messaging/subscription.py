@@ -40,7 +40,7 @@ class Subscription:
         if mismatch:
             rospy.logwarn_once("unsupported rospy version: receiving one by one: %s", mismatch)
         name, data_class = self.resolved_name, self._data_class
-        before = registry.name_before(name)
+        before = registry.name_before_remapping(name)
         with registry.topic_lock():
             self._is_late = latched.is_heard(name)
             if not mismatch and incoming_topic.receive_in_batches(name, data_class, self._receive):

@@ -31,7 +31,7 @@ from nodekit.parameter_server.live_parameters import LiveParameters
 from nodekit.parameter_server.parameter_services import change_handler, description_handler
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.declaration import OwnParameters, ParameterSet, Rule, Snapshot
-from nodekit.parameters.declaration_checks import judge_rules
+from nodekit.parameters.declaration_checks import check_rules
 from nodekit.parameters.schema import AT_START
 from nodekit.rospy_internals.shutdown import ShutdownPhase, at_end
 from nodekit.throttle import Throttle
@@ -271,7 +271,7 @@ class NodeScope(OldMethods, ResourceOwner):
         :raises ParameterError: if a value on the server is not allowed
         """
         self._check_declaration(declaration)
-        judge_rules(declaration.__name__, rules, declaration.declared)
+        check_rules(declaration.__name__, rules, declaration.declared)
         used = (*exempt, *OwnParameters.declared)
         live = LiveParameters(declaration, self.name, get_watcher(), used, self._rereads_at, rules)
         self._context.live = live

@@ -49,7 +49,7 @@ class FollowedParameter:
         For those who learn of the value in a second way, and cannot tell which news is older.
         """
         self._reported = _UNKNOWN
-        self._watcher.hand_over_soon([self._watched])
+        self._watcher.request_report([self._watched])
 
     def close(self) -> None:
         """Follow the key no longer."""

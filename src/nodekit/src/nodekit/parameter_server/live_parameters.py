@@ -17,7 +17,7 @@ from nodekit.parameters.schema import AT_START
 from nodekit.parameters.validation import on_wire
 from nodekit.validation import check_function
 
-Bell = Callable[[], None]
+Listener = Callable[[], None]
 #: Most namespaces that are opened at a time: what they hold takes memory until then.
 _OPENED_TOGETHER = 50
 #: From so many namespaces on, what they lack is written before they are subscribed. With each value
@@ -40,7 +40,7 @@ class LiveParameters(Generic[Snapshot]):
     :param namespace: where they stand, a global name
     :param watcher: reads the server
     :param exempt: names in the namespace that are used but not declared
-    :param anew: when changes of what is read once take effect
+    :param takes_effect: when changes of what is read once take effect
     :param rules: rules beside those of the class
     :raises ParameterError: if values on the server are not allowed; names all of them
     :raises MasterUnreachable: if the master does not answer
@@ -57,12 +57,12 @@ class LiveParameters(Generic[Snapshot]):
         namespace: str,
         watcher: Watcher,
         exempt: Collection[str] = (),
-        anew: str = AT_START,
+        takes_effect: str = AT_START,
         rules: Collection[Rule] = (),
     ) -> None:
         self.declaration = declaration
         self.namespace = namespace.rstrip("/")
-        self.anew = anew
+        self.takes_effect = takes_effect
         self._watcher = watcher
         self._reconciler = Reconciler(declaration, exempt, rules)
         self._watched = WatchedKey(self.namespace, self._is_news, self._on_reading)
@@ -71,16 +71,16 @@ class LiveParameters(Generic[Snapshot]):
         #: What :meth:`change` has to write when this is opened, by name.
         self._unwritten: Dict[str, Any] = {}
         #: Replaced and never changed, since several threads walk through it.
-        self._bells: Tuple[Bell, ...] = ()
+        self._listeners: Tuple[Listener, ...] = ()
         #: What has not been logged yet: values before, and what has come of a change.
         self._unreported: List[Tuple[Snapshot, Decision]] = []
         raw = watcher.first_reading(self.namespace)
         try:
-            verdict = self._reconciler.start(raw, time.monotonic())
+            decision = self._reconciler.start(raw, time.monotonic())
         except ParameterError as error:
             raise error.in_namespace(self.namespace) from None
         self.values = self._reconciler.values
-        self._adopt(verdict)
+        self._adopt(decision)
         self._report_changes()
 
     def update(self, **changes: Any) -> None:
@@ -99,31 +99,31 @@ class LiveParameters(Generic[Snapshot]):
         """
         with self._lock:
             try:
-                verdict = self._reconciler.judge(changes)
+                decision = self._reconciler.validate(changes)
             except ParameterError as error:
                 raise error.in_namespace(self.namespace) from None
             if self._is_open:
-                self._watcher.client.write(self._resolved(verdict.writes))
+                self._watcher.client.write(self._resolved(decision.writes))
             else:
-                self._unwritten.update(verdict.writes)
-            self._reconciler.adopt(verdict, time.monotonic())
-            self._adopt(verdict)
+                self._unwritten.update(decision.writes)
+            self._reconciler.adopt(decision, time.monotonic())
+            self._adopt(decision)
         self._report_changes()
 
-    def add_listener(self, bell: Bell) -> Callable[[], None]:
+    def add_listener(self, listener: Listener) -> Callable[[], None]:
         """Have a function called after each change, in whatever thread makes it.
 
-        :param bell: must not block: other changes wait for it
+        :param listener: must not block: other changes wait for it
         :returns: a function that ends this
         :raises TypeError: if it is no function, or async
         """
-        check_function(bell, f"{self.namespace}: add_listener")
+        check_function(listener, f"{self.namespace}: add_listener")
         with self._lock:
-            self._bells += (bell,)
+            self._listeners += (listener,)
 
         def remove() -> None:
             with self._lock:
-                self._bells = tuple(other for other in self._bells if other is not bell)
+                self._listeners = tuple(other for other in self._listeners if other is not listener)
 
         return remove
 
@@ -140,10 +140,10 @@ class LiveParameters(Generic[Snapshot]):
             with self._lock:
                 if not self._is_open:
                     return False  # it is just being opened
-                verdict = self._step(seen)
-                if not verdict.again:
-                    _write([self], self._resolved(verdict.writes))
-                return not verdict.again
+                decision = self._step(seen)
+                if not decision.again:
+                    _write([self], self._resolved(decision.writes))
+                return not decision.again
         finally:
             self._report_changes()
 
@@ -154,19 +154,19 @@ class LiveParameters(Generic[Snapshot]):
         """
         if self._unwritten and (raw is MISSING or isinstance(raw, dict)):
             raw = {**(raw if raw is not MISSING else {}), **self._unwritten}
-        verdict = self._step(Observation(raw, forgotten=True, read_at=read_at))
+        decision = self._step(Observation(raw, forgotten=True, read_at=read_at))
         unwritten, self._unwritten = self._unwritten, {}
         self._is_open = True
-        return self._resolved({**unwritten, **verdict.writes})
+        return self._resolved({**unwritten, **decision.writes})
 
     def _step(self, seen: Observation) -> Decision:
-        verdict = self._reconciler.step(seen, time.monotonic())
-        self._adopt(verdict)
-        return verdict
+        decision = self._reconciler.step(seen, time.monotonic())
+        self._adopt(decision)
+        return decision
 
-    def _adopt(self, verdict: Decision) -> None:
+    def _adopt(self, decision: Decision) -> None:
         """Have in force what the reconciler has decided, and keep it to report it."""
-        self._unreported.append((self.values, verdict))
+        self._unreported.append((self.values, decision))
         self.values = self._reconciler.values
 
     def _resolved(self, values: Mapping[str, Any]) -> Dict[str, Any]:
@@ -174,28 +174,28 @@ class LiveParameters(Generic[Snapshot]):
         return {f"{self.namespace}/{n}".rstrip("/"): value for n, value in values.items()}
 
     def _report_changes(self) -> None:
-        """Log what has happened, and ring the bells if values have changed: without the lock."""
+        """Log decisions, and call the listeners if values have changed. Not under the lock."""
         with self._lock:
             unreported, self._unreported = self._unreported, []
-        for old, verdict in unreported:
-            self._log(old, verdict)
-        if any(old != verdict.values for old, verdict in unreported):
-            for bell in self._bells:
-                call_listener(bell, self.namespace)
+        for old, decision in unreported:
+            self._log(old, decision)
+        if any(old != decision.values for old, decision in unreported):
+            for listener in self._listeners:
+                call_listener(listener, self.namespace)
 
-    def _log(self, old: Snapshot, verdict: Decision) -> None:
-        before, in_force = old.as_dict(), verdict.values.as_dict()
+    def _log(self, old: Snapshot, decision: Decision) -> None:
+        before, in_force = old.as_dict(), decision.values.as_dict()
         # First: of a good value that was set just before a bad one, the refusal says that it stays.
         for name, value in in_force.items():
             if value != before[name]:
                 texts = format_value(before[name]), format_value(value)
-                late = f", takes effect {self.anew}" if old.declared[name].read_once else ""
+                late = f", takes effect {self.takes_effect}" if old.declared[name].read_once else ""
                 rospy.loginfo("%s/%s: %s -> %s%s", self.namespace, name, *texts, late)
-        for error in verdict.refusals:
+        for error in decision.errors:
             kept = {name: in_force[name] for name in error.names if name in in_force}
             told = "in force is " + _settings(kept) if kept else "all values stay in force"
             rospy.logwarn("%s; %s", error.in_namespace(self.namespace), told)
-        for name, nearest in verdict.unknown.items():
+        for name, nearest in decision.unknown.items():
             hint = f"; did you mean {nearest}?" if nearest else ""
             rospy.logwarn("parameter %s/%s is not used by this node%s", self.namespace, name, hint)
 

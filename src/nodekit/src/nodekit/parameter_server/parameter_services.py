@@ -33,7 +33,7 @@ def description_handler(
 
 
 def _describe(live: LiveParameters[Any], _request: TriggerRequest) -> TriggerResponse:
-    return TriggerResponse(True, as_yaml(describe(live.values, live.anew)))
+    return TriggerResponse(True, as_yaml(describe(live.values, live.takes_effect)))
 
 
 def change_handler(

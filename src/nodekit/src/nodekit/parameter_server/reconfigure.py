@@ -73,7 +73,7 @@ class ReconfigureInterface:
         self._live = live
         name = live.namespace + "/%s"
         descriptions = publisher(name % "parameter_descriptions", ConfigDescription, latch=True)
-        description = _description(type(live.values), live.anew)  # type: ignore[arg-type]
+        description = _description(type(live.values), live.takes_effect)  # type: ignore[arg-type]
         descriptions.publish(description)
         self._updates = publisher(name % "parameter_updates", Config, latch=True)
         service(name % "set_parameters", Reconfigure, self._set)
@@ -120,10 +120,10 @@ def _offered(values: ParameterSet) -> Dict[str, Any]:
 
 
 @functools.lru_cache(maxsize=None)
-def _description(kind: Type[ParameterSet], anew: str) -> "ConfigDescription":
+def _description(kind: Type[ParameterSet], takes_effect: str) -> "ConfigDescription":
     declared = {k: p for k, p in kind.declared.items() if p.type_name in _TYPES}
     described = [
-        ParamDescription(name, _TYPES[item.type_name], 0, _help(item, anew), _edit_method(item))
+        ParamDescription(name, _TYPES[item.type_name], 0, _help(item, takes_effect), _edit_method(item))
         for name, item in declared.items()
     ]
     return ConfigDescription(
@@ -134,8 +134,8 @@ def _description(kind: Type[ParameterSet], anew: str) -> "ConfigDescription":
     )
 
 
-def _help(item: Parameter[Any], anew: str) -> str:
-    text = help_of(item, anew)
+def _help(item: Parameter[Any], takes_effect: str) -> str:
+    text = help_of(item, takes_effect)
     return f"{text} ({item.unit})" if item.unit else text
 
 

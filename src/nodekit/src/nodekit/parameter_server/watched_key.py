@@ -23,9 +23,9 @@ class WatchedKey:
         self.key = key
         self._is_news = is_news
         self._on_reading = on_reading
-        self.forget_all()
+        self.reset()
 
-    def forget_all(self) -> None:
+    def reset(self) -> None:
         """Begin anew, as the key is watched from now on."""
         #: Notifications that are not handed over yet, oldest first.
         self.pushed: List[Tuple[str, Any]] = []

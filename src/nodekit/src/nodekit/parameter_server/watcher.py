@@ -57,17 +57,17 @@ class Watcher:
         self._registrations = MasterRegistrations(client)
         self._ahead: Dict[str, Any] = {}
         self._turns = Turns(RECONCILE_KEYS)
-        self._bell = threading.Event()
+        self._wake = threading.Event()
         self._reachable = True
         self._ended = False
         self._throttle = Throttle(_LOG_PERIOD_S)
         if not parameter_cache.on_push(self._on_push):
             rospy.logwarn("unsupported rospy version: changes are noticed once a second only")
-        self._take_over_logging()
+        self._cache_logging_parameter()
         shutdown.at_end(shutdown.ShutdownPhase.TOOLKIT, self.shut_down)
         threading.Thread(target=self._run, name="parameter_watcher", daemon=True).start()
 
-    def _take_over_logging(self) -> None:
+    def _cache_logging_parameter(self) -> None:
         """Spare the master a question for each line of the log, and rospy a subscription.
 
         One left behind is no trifle: the master would shut down whoever has this port by then.
@@ -105,7 +105,7 @@ class Watcher:
         :raises MasterUnreachable: if the master does not answer; none of them is watched then
         """
         for one in watched:
-            one.forget_all()
+            one.reset()
         with self._changed:
             self._watched = {**self._watched, **dict.fromkeys(watched)}
         try:
@@ -121,13 +121,13 @@ class Watcher:
         :raises MasterUnreachable: if the master does not answer
         """
         self.watch([one for one in watched if one not in self._watched])
-        self.hand_over_soon(watched)
+        self.request_report(watched)
 
-    def hand_over_soon(self, watched: Sequence[WatchedKey]) -> None:
+    def request_report(self, watched: Sequence[WatchedKey]) -> None:
         """Hand over soon what there is, whether it is news or not."""
         for one in watched:
             one.due = True
-        self.ring()
+        self.wake()
 
     def close(self, *watched: WatchedKey) -> None:
         """Watch keys no longer; one that is being handed over is waited for, up to 1 s.
@@ -143,15 +143,15 @@ class Watcher:
             if self._thread is not threading.current_thread():  # or it would wait for itself
                 self._changed.wait_for(lambda: self._under_way not in gone, CLOSE_LIMIT_S)
 
-    def ring(self) -> None:
+    def wake(self) -> None:
         """Read soon, without waiting for a notification."""
-        self._bell.set()
+        self._wake.set()
 
     def shut_down(self) -> None:
         """End the thread and take the subscriptions back, which rospy itself does not."""
         keys, self._ended = self._keys(), True
         self._unsubscribe(keys)
-        self.ring()
+        self.wake()
 
     def _keys(self) -> Set[str]:
         """Return what the master is to notify of."""
@@ -188,14 +188,14 @@ class Watcher:
         for one in found:
             one.pushed.append((key[len(one.key) + 1 :], MISSING if value == {} else value))
         if found:
-            self.ring()
+            self.wake()
         return bool(found)
 
     def _run(self) -> None:
         next_turn = time.monotonic() + RECONCILE_S
         while not self._ended:
-            self._bell.wait(max(0.0, next_turn - time.monotonic()))
-            self._bell.clear()
+            self._wake.wait(max(0.0, next_turn - time.monotonic()))
+            self._wake.clear()
             is_due = time.monotonic() >= next_turn
             if is_due:
                 next_turn = time.monotonic() + RECONCILE_S
@@ -266,7 +266,7 @@ class Watcher:
                 self._under_way, self._thread = one, threading.current_thread()
             try:
                 if not one.hand_over(reading.values[one.key], read_at):
-                    self.ring()
+                    self.wake()
             except MasterUnreachable as error:
                 unreachable = error
             except BaseException:  # also what ends a thread: this one is everybody's

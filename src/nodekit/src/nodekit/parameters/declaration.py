@@ -27,7 +27,7 @@ from typing import (
     TypeVar,
 )
 
-from nodekit.parameters.declaration_checks import judge_default, judge_members, judge_rules
+from nodekit.parameters.declaration_checks import checked_default, check_members, check_rules
 from nodekit.parameters.errors import ParameterErrors, RuleError
 from nodekit.parameters.numeric_types import FloatParameter, IntParameter, RateParameter
 from nodekit.parameters.parameter_types import (
@@ -124,15 +124,15 @@ class ParameterSet:
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
-        judge_members(cls, dir(ParameterSet), _of_every_node)
+        check_members(cls, dir(ParameterSet), _of_every_node)
         members: Dict[str, Any] = {}
         for base in reversed(cls.__mro__):
             members.update(vars(base))
         cls.declared = {key: item for key, item in members.items() if isinstance(item, Parameter)}
         for parameter in cls.declared.values():
-            parameter.default = judge_default(cls.__name__, parameter)
+            parameter.default = checked_default(cls.__name__, parameter)
         cls.rules = [item for item in members.values() if hasattr(item, "parameters")]
-        judge_rules(cls.__name__, cls.rules, cls.declared)
+        check_rules(cls.__name__, cls.rules, cls.declared)
 
     def __init__(self, **values: Any) -> None:
         unknown = sorted(set(values) - set(self.declared))

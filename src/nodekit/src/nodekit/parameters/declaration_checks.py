@@ -10,7 +10,7 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _MUST_BE_NAME = "must be a letter (a-z, A-Z), then letters, digits and underscores"
 
 
-def judge_members(cls: type, taken: Collection[str], of_every_node: Collection[str]) -> None:
+def check_members(cls: type, taken: Collection[str], of_every_node: Collection[str]) -> None:
     """Judge what a class of parameters has in its own body.
 
     Names with an underscore before them are the class's own business, unless they are parameters.
@@ -22,7 +22,7 @@ def judge_members(cls: type, taken: Collection[str], of_every_node: Collection[s
     :raises TypeError: if something is no parameter but looks like one, or is hidden by another
     :raises ValueError: if a parameter has a name that ROS does not allow
     """
-    _judge_inherited(cls)
+    _check_inherited(cls)
     found: Dict[int, str] = {}
     for name, item in list(vars(cls).items()):
         where = f"{cls.__name__}.{name}"
@@ -49,7 +49,7 @@ def judge_members(cls: type, taken: Collection[str], of_every_node: Collection[s
             raise TypeError(f"{cls.__name__}.{name}: a type alone declares nothing: {advice}")
 
 
-def _judge_inherited(cls: type) -> None:
+def _check_inherited(cls: type) -> None:
     """Refuse what would take an inherited parameter away without a word.
 
     It may come from a base that declares no parameters, too.
@@ -69,7 +69,7 @@ def _judge_inherited(cls: type) -> None:
             raise TypeError(f"{cls.__name__}.{name} = {item!r:.40}: hides a parameter: {advice}")
 
 
-def judge_rules(owner: str, rules: Collection[Any], declared: Collection[str]) -> None:
+def check_rules(owner: str, rules: Collection[Any], declared: Collection[str]) -> None:
     """Judge whether rules are about what is declared.
 
     :param owner: name of the class of parameters
@@ -103,7 +103,7 @@ def _annotated(cls: type) -> Collection[str]:
         return ()
 
 
-def judge_default(owner: str, parameter: Parameter[Any]) -> Any:
+def checked_default(owner: str, parameter: Parameter[Any]) -> Any:
     """Return the default of a declared parameter; text is no number here, as it is in YAML.
 
     :param owner: name of the class

@@ -32,9 +32,9 @@ class RuleError(ParameterError):
 
 
 class ParameterErrors(ParameterError):
-    """Several refusals in one, so that all of them can be mended at once.
+    """Several errors in one, so that all of them can be mended at once.
 
-    :param errors: the refusals
+    :param errors: the errors
     """
 
     def __init__(self, errors: Sequence[ParameterError]) -> None:
@@ -58,7 +58,7 @@ def raise_all(errors: Sequence[ParameterError]) -> None:
     A rule that is broken while one of its values is refused for itself says
     nothing of its own, and is left out.
 
-    :param errors: the refusals
+    :param errors: the errors
     :raises ParameterError: if there are any
     """
     alone = {error.name for error in errors if not isinstance(error, RuleError)}

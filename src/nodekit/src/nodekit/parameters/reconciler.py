@@ -28,14 +28,14 @@ from nodekit.parameters.declaration import ParameterSet, Rule, Snapshot
 from nodekit.parameters.errors import RuleError, raise_all
 from nodekit.parameters.parameter_types import MISSING, UNREADABLE, NoValue, ParameterError, is_same
 from nodekit.parameters.validation import (
-    accept_each,
+    validate_each,
     corrections,
-    keep_rules,
-    last_good,
+    apply_rules,
+    last_valid,
     leaves,
     on_wire,
     unknown_names,
-    unknown_refused,
+    unknown_name_errors,
 )
 
 #: How long values that do not go together may stand before they are refused, s:
@@ -96,7 +96,7 @@ class Decision(NamedTuple):
     :param values: in force from now on
     :param writes: by name, what to write now; an empty name means to replace the
         whole namespace
-    :param refusals: what to warn of, without what was warned of before
+    :param errors: what to warn of, without what was warned of before
     :param unknown: undeclared names that nobody was told of, each with the nearest known or None
     :param again: nothing is decided yet: read again soon and hand over the same
         notifications once more
@@ -104,7 +104,7 @@ class Decision(NamedTuple):
 
     values: ParameterSet
     writes: Dict[str, Any]
-    refusals: List[ParameterError]
+    errors: List[ParameterError]
     unknown: Dict[str, Optional[str]]
     again: bool = False
 
@@ -112,7 +112,7 @@ class Decision(NamedTuple):
 class Reconciler(Generic[Snapshot]):
     """Keeps declared values and those on the server in step; pure.
 
-    Each verdict of :meth:`start` and :meth:`step` is written, and then
+    Each decision of :meth:`start` and :meth:`step` is written, and then
     :meth:`written` or :meth:`failed` is called, before the next step.
 
     :param declaration: the class that declares the parameters
@@ -143,8 +143,8 @@ class Reconciler(Generic[Snapshot]):
         #: Since when values on the server do not go together, s; None if they do.
         self._broken_since: Optional[float] = None
         #: What was warned of, () if nothing: refused values until they are put back, unknown names.
-        self._told_refused: Collection[str] = ()
-        self._told_unknown: Collection[str] = ()
+        self._reported_errors: Collection[str] = ()
+        self._reported_unknown: Collection[str] = ()
 
     def is_news(self, raw: Any) -> bool:
         """Tell whether the server holds something else than it is to hold.
@@ -163,8 +163,8 @@ class Reconciler(Generic[Snapshot]):
         seen = Observation(
             raw, forgotten=True
         )  # as after a restart: the server holds nothing of ours
-        values, refusals = self._judge(seen, now)
-        raise_all(refusals)
+        values, errors = self._validate(seen, now)
+        raise_all(errors)
         broken = values.broken_rule(values.declared, self._rules)  # the defaults may break one
         raise_all([broken] if broken is not None else [])
         return self._decide(seen, values, [], now)
@@ -176,36 +176,36 @@ class Reconciler(Generic[Snapshot]):
         :param now: the time, s on the monotonic clock
         """
         if seen.read_at >= self._last_write:
-            values, refusals = self._judge(seen, now)
-            if not self._may_be_half_done(refusals, now):
-                return self._decide(seen, values, refusals, now)
+            values, errors = self._validate(seen, now)
+            if not self._may_be_half_done(errors, now):
+                return self._decide(seen, values, errors, now)
         self.failed()  # to be asked again, whatever is read
         return Decision(self.values, {}, [], {}, again=True)
 
-    def judge(self, changes: Mapping[str, Any]) -> Decision:
+    def validate(self, changes: Mapping[str, Any]) -> Decision:
         """Judge a change from within the node; nothing is adopted yet.
 
         :param changes: new values by name
         :raises ParameterError: names all that is refused
         """
-        coerced, refused = accept_each(self.values, changes, missing=self.values.as_dict())
-        values, broken = keep_rules(self.values, coerced, self._rules)
-        raise_all([*unknown_refused(self.values.declared, changes), *refused, *broken])
+        coerced, refused = validate_each(self.values, changes, missing=self.values.as_dict())
+        values, broken = apply_rules(self.values, coerced, self._rules)
+        raise_all([*unknown_name_errors(self.values.declared, changes), *refused, *broken])
         wire = on_wire(values)
         # Also what is in force already: others may have set something else that is not read yet.
         return Decision(values, {name: wire[name] for name in changes}, [], {})
 
-    def adopt(self, verdict: Decision, now: float) -> None:
+    def adopt(self, decision: Decision, now: float) -> None:
         """Bring a judged change into force: it has been written.
 
         It is newer than what is on its way: no notification may take it back.
 
-        :param verdict: what :meth:`judge` returned
+        :param decision: what :meth:`validate` returned
         :param now: the time, s on the monotonic clock
         """
-        self.values = verdict.values  # type: ignore[assignment]
-        self._odd = {n: value for n, value in self._odd.items() if n not in verdict.writes}
-        self._own = [own for own in self._own if own[0] not in verdict.writes]
+        self.values = decision.values  # type: ignore[assignment]
+        self._odd = {n: value for n, value in self._odd.items() if n not in decision.writes}
+        self._own = [own for own in self._own if own[0] not in decision.writes]
         self._last_write = now
 
     def written(self, now: float) -> None:
@@ -216,7 +216,7 @@ class Reconciler(Generic[Snapshot]):
         self._last_write = now
         self._broken_since = None
         if all(value is not _UNKNOWN for value in self._odd.values()):  # all is put back
-            self._told_refused = ()
+            self._reported_errors = ()
 
     def failed(self) -> None:
         """Note that they may not have reached it: what it holds is not known."""
@@ -228,17 +228,17 @@ class Reconciler(Generic[Snapshot]):
             return raw if raw is not MISSING else {}
         return {**self._odd, **dict.fromkeys(self.values.declared, UNREADABLE)}
 
-    def _judge(self, seen: Observation, now: float) -> Tuple[Snapshot, List[ParameterError]]:
+    def _validate(self, seen: Observation, now: float) -> Tuple[Snapshot, List[ParameterError]]:
         """Return which values are to come into force, and what is refused."""
         tree = self._tree(seen.raw)
         defaults = {name: item.default for name, item in self.values.declared.items()}
         missing = self.values.as_dict() if seen.forgotten else defaults
-        coerced, refused = accept_each(self.values, tree, missing)
+        coerced, refused = validate_each(self.values, tree, missing)
         bad = {error.name for error in refused}
-        coerced.update(last_good(self.values, bad | self._still_own(tree, now), seen.pushed))
+        coerced.update(last_valid(self.values, bad | self._still_own(tree, now), seen.pushed))
         if not _is_namespace(seen.raw):
             refused = [ParameterError("", seen.raw, "a namespace with the node's parameters")]
-        values, broken = keep_rules(self.values, coerced, self._rules)
+        values, broken = apply_rules(self.values, coerced, self._rules)
         return values, [*refused, *broken]
 
     def _still_own(self, tree: Mapping[str, Any], now: float) -> Set[str]:
@@ -250,16 +250,16 @@ class Reconciler(Generic[Snapshot]):
         ]
         return {name for name, _, _ in self._own}
 
-    def _may_be_half_done(self, refusals: Sequence[ParameterError], now: float) -> bool:
+    def _may_be_half_done(self, errors: Sequence[ParameterError], now: float) -> bool:
         """Tell whether values that do not go together may yet be followed by others that do."""
-        if not any(isinstance(error, RuleError) for error in refusals):
+        if not any(isinstance(error, RuleError) for error in errors):
             self._broken_since = None
         elif self._broken_since is None:
             self._broken_since = now
         return self._broken_since is not None and now - self._broken_since < HALF_DONE_S
 
     def _decide(
-        self, seen: Observation, values: Snapshot, refusals: Sequence[ParameterError], now: float
+        self, seen: Observation, values: Snapshot, errors: Sequence[ParameterError], now: float
     ) -> Decision:
         """Adopt values; return what to write now, and what to tell of."""
         tree = self._tree(seen.raw)
@@ -275,11 +275,11 @@ class Reconciler(Generic[Snapshot]):
                 self._own += [(each, held[each], now) for each in names]
             else:
                 self._odd.update(dict.fromkeys(names, _UNKNOWN))
-        told, self._told_refused = self._told_refused, tuple(map(str, refusals))
-        names = [name for name in leaves(tree) if name not in self._told_unknown]
+        told, self._reported_errors = self._reported_errors, tuple(map(str, errors))
+        names = [name for name in leaves(tree) if name not in self._reported_unknown]
         unknown = unknown_names(values.declared, names, self._exempt)
-        self._told_unknown = {*self._told_unknown, *unknown} or ()
-        return Decision(values, writes, [e for e in refusals if str(e) not in told], unknown)
+        self._reported_unknown = {*self._reported_unknown, *unknown} or ()
+        return Decision(values, writes, [e for e in errors if str(e) not in told], unknown)
 
 
 def _is_namespace(raw: Any) -> bool:

@@ -52,11 +52,11 @@ class DescriptionError(ValueError):
     """A text that does not describe parameters."""
 
 
-def describe(values: ParameterSet, anew: str = AT_START) -> List[Dict[str, Any]]:
+def describe(values: ParameterSet, takes_effect: str = AT_START) -> List[Dict[str, Any]]:
     """Describe each parameter of a set with its value in force.
 
     :param values: the snapshot to describe
-    :param anew: when changes of what is read once take effect
+    :param takes_effect: when changes of what is read once take effect
     :returns: for each parameter its ``name``, ``value``, ``type``, ``unit``,
         ``range`` in words, ``default``, ``help``, and when a change
         ``takes_effect``; as far as declared its
@@ -73,21 +73,21 @@ def describe(values: ParameterSet, anew: str = AT_START) -> List[Dict[str, Any]]
             "unit": parameter.unit,
             "range": parameter.range,
             "default": to_wire(parameter.default),
-            "help": help_of(parameter, anew),
-            "takes_effect": anew if parameter.read_once else "at once",
+            "help": help_of(parameter, takes_effect),
+            "takes_effect": takes_effect if parameter.read_once else "at once",
             **_limits(parameter),
         }
         for name, parameter in values.declared.items()
     ]
 
 
-def help_of(parameter: Parameter[Any], anew: str) -> str:
+def help_of(parameter: Parameter[Any], takes_effect: str) -> str:
     """Return what a parameter is for, and when a change takes effect where that is not at once.
 
     :param parameter: the parameter
-    :param anew: when changes of what is read once take effect
+    :param takes_effect: when changes of what is read once take effect
     """
-    return f"{parameter.help}; takes effect {anew}" if parameter.read_once else parameter.help
+    return f"{parameter.help}; takes effect {takes_effect}" if parameter.read_once else parameter.help
 
 
 def _limits(parameter: Parameter[Any]) -> Dict[str, Any]:

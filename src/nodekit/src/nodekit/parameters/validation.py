@@ -8,7 +8,7 @@ from nodekit.parameters.errors import RuleError
 from nodekit.parameters.parameter_types import MISSING, Parameter, ParameterError, plain, to_wire
 
 
-def accept_each(
+def validate_each(
     in_force: ParameterSet, raw: Mapping[str, Any], missing: Mapping[str, Any]
 ) -> Tuple[Dict[str, Any], List[ParameterError]]:
     """Judge each raw value for itself; a refused one leaves the one in force.
@@ -16,21 +16,21 @@ def accept_each(
     :param in_force: the values in force so far
     :param raw: raw values by name; other names are left alone
     :param missing: coerced values by name that stand for those that ``raw`` lacks
-    :returns: a coerced value for each declared name, and the refusals
+    :returns: a coerced value for each declared name, and the errors
     """
     values = in_force.as_dict()
-    refusals: List[ParameterError] = []
+    errors: List[ParameterError] = []
     for name, parameter in in_force.declared.items():
         try:
             values[name] = (
                 _accept(parameter, raw[name], values[name]) if name in raw else missing[name]
             )
         except ParameterError as error:
-            refusals.append(error)
-    return values, refusals
+            errors.append(error)
+    return values, errors
 
 
-def keep_rules(
+def apply_rules(
     in_force: Snapshot, values: Mapping[str, Any], rules: Collection[Rule] = ()
 ) -> Tuple[Snapshot, List[RuleError]]:
     """Judge values together; a broken rule takes back only the changes that it is about.
@@ -38,17 +38,17 @@ def keep_rules(
     :param in_force: the values in force so far
     :param values: a coerced value for each declared name
     :param rules: rules beside those of the class
-    :returns: the values that are left, the same snapshot where none has changed; and the refusals
+    :returns: the values that are left, the same snapshot where none has changed; and the errors
     """
     current, values = in_force.as_dict(), dict(values)
     changed = {name for name in values if values[name] != current[name]}
-    refusals: List[RuleError] = []
+    errors: List[RuleError] = []
     while True:
         candidate = in_force.from_coerced(values)
         broken = candidate.broken_rule(changed, rules)
         if broken is None:
-            return candidate if changed else in_force, refusals
-        refusals.append(broken)
+            return candidate if changed else in_force, errors
+        errors.append(broken)
         values.update({name: current[name] for name in changed.intersection(broken.names)})
         changed.difference_update(broken.names)
 
@@ -84,7 +84,7 @@ def _denotes(raw: Any, value: Any) -> bool:
     return bool(raw == value) and isinstance(raw, bool) == isinstance(value, bool)
 
 
-def last_good(
+def last_valid(
     in_force: ParameterSet, names: Collection[str], pushed: Sequence[Tuple[str, Any]]
 ) -> Dict[str, Any]:
     """Pick, of the values that were notified for some parameters, the last allowed ones.
@@ -146,7 +146,7 @@ def unknown_names(
     return found
 
 
-def unknown_refused(declared: Collection[str], changes: Mapping[str, Any]) -> List[ParameterError]:
+def unknown_name_errors(declared: Collection[str], changes: Mapping[str, Any]) -> List[ParameterError]:
     """Refuse to change what nobody declared.
 
     :param declared: the declared names

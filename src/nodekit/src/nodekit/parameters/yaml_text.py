@@ -50,13 +50,13 @@ def load(text: str) -> Any:
     :raises ValueError: if it is not valid, refers to itself, or is too deep; one line that says why
     """
     try:
-        _judge_structure(text)
+        _check_structure(text)
         return yaml.load(text, _LOADER)
     except (yaml.YAMLError, RecursionError, LookupError) as error:  # the last of a value's tag
         raise ValueError(f"invalid YAML: {' '.join(str(error).split())}") from None
 
 
-def _judge_structure(text: str) -> None:
+def _check_structure(text: str) -> None:
     """Judge a text piece by piece; what comes after the first fault is not read."""
     depth = 0
     for event in yaml.parse(text, _LOADER):

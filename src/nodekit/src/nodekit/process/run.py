@@ -90,7 +90,7 @@ def init_node(name: str) -> Node:
     with startup.fast_init_poll():
         rospy.init_node(name, disable_signals=True)
     # The watcher also registers the node again after a restart of the master.
-    registrar.take_over(get_watcher().client.request)
+    registrar.install(get_watcher().client.request)
     return Node()
 
 

@@ -22,7 +22,7 @@ from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSSub
 
 from nodekit.rospy_internals import registrar
-from nodekit.rospy_internals.registry import refuse_another
+from nodekit.rospy_internals.registry import check_topic_type
 from nodekit.rospy_internals.tcpros_reader import Reader
 
 #: Called with the messages that have arrived together, oldest first, and whether the thread is that
@@ -30,7 +30,7 @@ from nodekit.rospy_internals.tcpros_reader import Reader
 BatchCallback = Callable[[List[Any], bool], None]
 
 #: How much earlier than the end of a connection news of its successor may come, s.
-ANEW_S = 10.0
+SUCCESSOR_S = 10.0
 _SUBSCRIBER_ATTRIBUTES = "callbacks add_connection queue_size statistics_logger closed c_lock"
 _TRANSPORT_ATTRIBUTES = "socket read_buff protocol done header stat_bytes stat_num_msg is_latched"
 
@@ -78,7 +78,7 @@ def receive_in_batches(name: str, data_class: type, callback: BatchCallback) -> 
     manager = get_topic_manager()
     with manager.lock:
         topic = manager.get_subscriber_impl(name)
-        refuse_another(topic, data_class)
+        check_topic_type(topic, data_class)
         if topic is None:
             topic = IncomingTopic(name, data_class)
             topic.add_batch_callback(callback)
@@ -101,7 +101,7 @@ def stop_receiving(name: str, callback: BatchCallback) -> None:
         topic.remove_batch_callback(callback)
 
 
-def ask_for_statistics_once() -> None:
+def cache_statistics_setting() -> None:
     """Have rospy ask the master once in a process, not with each topic, for /enable_statistics."""
     logger = getattr(rospy.topics, "SubscriberStatisticsLogger", None)
     if logger is not None:
@@ -123,9 +123,9 @@ class IncomingTopic(_Topic):
         super().__init__(name, data_class)
         self.resolved_name = name  # rospy has remapped it once more
         self._batch_callbacks: List[BatchCallback] = []
-        self._hears_any_type = issubclass(data_class, rospy.AnyMsg)
+        self._takes_any_type = issubclass(data_class, rospy.AnyMsg)
         #: When the master told of publishers that are connected, s: perhaps of a new one each.
-        self._told_of: Dict[str, float] = {}
+        self._notified_at: Dict[str, float] = {}
 
     def add_batch_callback(self, callback: BatchCallback) -> None:
         """Have one more function called.
@@ -159,7 +159,7 @@ class IncomingTopic(_Topic):
                 if not rospy.core.is_shutdown():
                     rospy.logerr("bad callback: %s\n%s", callback, traceback.format_exc())
 
-    def receive_here(self, bodies: List[bytes], header: Dict[str, str]) -> None:
+    def receive_directly(self, bodies: List[bytes], header: Dict[str, str]) -> None:
         """Hand messages over that are published in this process.
 
         :param bodies: messages as they go on the wire, without their lengths
@@ -183,13 +183,13 @@ class IncomingTopic(_Topic):
         return messages
 
     def hears(self, publisher: Any) -> bool:
-        """Tell whether a publisher's messages come through :meth:`receive_here`.
+        """Tell whether a publisher's messages come through :meth:`receive_directly`.
 
         :param publisher: implementation object of the topic's publishers in this process
         """
         return (
             hasattr(publisher, "publish_all")
-            and (publisher.data_class is self.data_class or self._hears_any_type)
+            and (publisher.data_class is self.data_class or self._takes_any_type)
             and not self.statistics_logger  # which rospy feeds with what it knows of a connection
         )
 
@@ -198,11 +198,11 @@ class IncomingTopic(_Topic):
 
         :param endpoint_id: URI of the publishing node
         """
-        if self._hears_here(endpoint_id):
+        if self._is_received_directly(endpoint_id):
             return True
         found = bool(super().has_connection(endpoint_id))
         if found:
-            self._told_of[endpoint_id] = time.monotonic()
+            self._notified_at[endpoint_id] = time.monotonic()
         return found
 
     def remove_connection(self, c: Any) -> None:
@@ -214,8 +214,8 @@ class IncomingTopic(_Topic):
         :param c: rospy's object for it
         """
         super().remove_connection(c)
-        told = self._told_of.pop(c.endpoint_id, -math.inf)
-        if time.monotonic() - told < ANEW_S and not self.closed:
+        told = self._notified_at.pop(c.endpoint_id, -math.inf)
+        if time.monotonic() - told < SUCCESSOR_S and not self.closed:
             registrar.connect(self.resolved_name, c.endpoint_id)
 
     def add_connection(self, c: Any) -> bool:
@@ -231,18 +231,18 @@ class IncomingTopic(_Topic):
             if self.has_connection(c.endpoint_id):
                 return False
             if type(c) is TCPROSTransport:
-                _leave_where_refused(self, c)
+                _remove_if_rejected(self, c)
                 # A limit of the queue, set by a plain rospy.Subscriber, is kept by rospy alone.
                 if self.queue_size is None:
                     c.receive_once = Reader(c).receive_once
             return bool(super().add_connection(c))
 
-    def _hears_here(self, uri: str) -> bool:
+    def _is_received_directly(self, uri: str) -> bool:
         publisher = get_topic_manager().get_publisher_impl(self.resolved_name)
         return uri == rospy.get_node_uri() and self.hears(publisher)
 
 
-def _leave_where_refused(topic: Any, connection: Any) -> None:
+def _remove_if_rejected(topic: Any, connection: Any) -> None:
     """Have a topic forget a connection at once that a publisher refuses.
 
     rospy gives it up after a second only, and takes it for a good one until then: of a publisher

@@ -38,12 +38,12 @@ def receive_latched(name: str, callback: BatchCallback, is_late: bool) -> None:
     if topic.hears(publisher) and publisher.latch is not None:
         buffer = io.BytesIO()
         publisher.latch.serialize(buffer)
-        messages += topic.copies([buffer.getvalue()], publisher.header_here)
+        messages += topic.copies([buffer.getvalue()], publisher.local_header)
     if messages:
         callback(messages, False)
 
 
-def subscribe_heard(name: str, data_class: type, callback: Callable[[Any], None]) -> Any:
+def subscribe_without_loss(name: str, data_class: type, callback: Callable[[Any], None]) -> Any:
     """Subscribe as with rospy alone, but miss nothing that comes at once.
 
     rospy registers a topic before the callback is in place, so that on a busy machine a latched

@@ -70,8 +70,8 @@ def patch_logs() -> None:
     RosStreamHandler.emit = emit_or_drop
     setattr(logging.Handler, "handleError", drop_with_notice)
     rosgraph.roslogging.configure_logging = configure_with_or_without_file
-    logging.getLogger("rospy.rosout").addFilter(_is_no_error_of_the_end)
-    atexit.register(_let_go_of_output)
+    logging.getLogger("rospy.rosout").addFilter(_is_wanted_at_shutdown)
+    atexit.register(_close_output)
     if to_rosout is not None:
         rospy.impl.rosout._rosout = escaped_to_rosout
     else:
@@ -85,7 +85,7 @@ def _flush_console(handler: RosStreamHandler) -> None:
         stream.flush()
 
 
-def _is_no_error_of_the_end(record: logging.LogRecord) -> bool:
+def _is_wanted_at_shutdown(record: logging.LogRecord) -> bool:
     """Tell whether to keep what rospy says of ``/rosout``: not that it is closed at the end."""
     return record.levelno < logging.ERROR or not rospy.core.is_shutdown_requested()
 
@@ -120,7 +120,7 @@ def _notice(error: OSError) -> None:
             pass  # which cannot be written either
 
 
-def _let_go_of_output() -> None:
+def _close_output() -> None:
     """Drop what cannot be written, or else Python makes it the node's exit status."""
     for stream in (sys.stdout, sys.stderr):
         try:

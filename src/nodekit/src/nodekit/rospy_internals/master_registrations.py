@@ -52,7 +52,7 @@ class MasterRegistrations:
 
         :raises MasterUnreachable: if the master does not answer
         """
-        self._is_refused = not registrar.register_again(self._client.request)
+        self._is_refused = not registrar.reregister_all(self._client.request)
 
     def log_reregistered(self) -> None:
         """Log that the master has been told all."""

@@ -24,7 +24,7 @@ from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSPub
 
 from nodekit.rospy_internals.incoming_topic import IncomingTopic, subscriber_mismatch
-from nodekit.rospy_internals.registry import refuse_another
+from nodekit.rospy_internals.registry import check_topic_type
 from nodekit.transport.delivery import deliver
 from nodekit.transport.subscriber_connection import SubscriberConnection
 
@@ -77,7 +77,7 @@ def send_at_once(
     manager = get_topic_manager()
     with manager.lock:
         topic = manager.get_publisher_impl(name)
-        refuse_another(topic, data_class)
+        check_topic_type(topic, data_class)
         if topic is None:
             topic = OutgoingTopic(name, data_class)
             manager._add(topic, manager.pubs, Registration.PUB)
@@ -89,7 +89,7 @@ def send_at_once(
     return topic
 
 
-class SubscriberLink(SubscriberConnection):
+class RosSubscriberConnection(SubscriberConnection):
     """A subscriber's connection, whose losses are logged.
 
     :param transport: rospy's object for it
@@ -106,7 +106,7 @@ class SubscriberLink(SubscriberConnection):
         with contextlib.suppress(OSError):
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
-    def tell_rospy(self) -> None:
+    def update_rospy_statistics(self) -> None:
         """Note in rospy's object what has been sent."""
         self._transport.stat_bytes = self._header_bytes + self.sent_bytes
         self._transport.stat_num_msg = self.sent
@@ -125,7 +125,7 @@ class SubscriberLink(SubscriberConnection):
 
 
 #: The links of all topics that nobody hears over a connection; never changed.
-_NO_LINKS: Dict[Any, SubscriberLink] = {}
+_NO_CONNECTIONS: Dict[Any, RosSubscriberConnection] = {}
 
 
 #: What rospy has for a published topic; where it is not known, nothing here is used.
@@ -145,7 +145,7 @@ class OutgoingTopic(_Topic):
         self._lock: ContextManager[Any] = self.publock  # rospy forgets it on closing
         self._subscriptions: Dict[str, Any] = get_topic_manager().subs
         self._known_connections: Optional[List[Any]] = None
-        self._links = _NO_LINKS
+        self._links = _NO_CONNECTIONS
         self.buff = None  # which rospy's own publish() needs alone
         #: for how long a later subscriber gets the last message, s
         self.lifespan = 0.0
@@ -154,7 +154,7 @@ class OutgoingTopic(_Topic):
         #: What a later subscriber gets in place of the last message, where it is latched.
         self._latched: Sequence[Any] = ()
         #: What a subscriber in this process is told of the publisher, as by a connection.
-        self.header_here = {
+        self.local_header = {
             "callerid": rospy.get_name(),
             "topic": name,
             "type": data_class._type,
@@ -237,7 +237,7 @@ class OutgoingTopic(_Topic):
                 deliver(data, self._links.values(), len(packets))
         if listener is not None:  # without the lock: it may publish on other topics
             bodies = [packet[_LENGTH.size :] for packet in packets]
-            listener.receive_here(bodies, self.header_here)
+            listener.receive_directly(bodies, self.local_header)
 
     def _is_heard_by(self, topic: Any) -> bool:
         """Tell whether the subscribers in this process are spared a connection."""
@@ -285,10 +285,10 @@ class OutgoingTopic(_Topic):
     def get_stats(self) -> Any:
         """Return the statistics of this topic, in the format of ``getBusStats``."""
         for link in self.links():
-            link.tell_rospy()
+            link.update_rospy_statistics()
         return super().get_stats()
 
-    def links(self) -> List[SubscriberLink]:
+    def links(self) -> List[RosSubscriberConnection]:
         """Tell who is subscribed now.
 
         :returns: a link for each subscriber
@@ -300,10 +300,10 @@ class OutgoingTopic(_Topic):
     def _update_links(self) -> None:
         # rospy replaces the list on every change: while it is the same, nothing has changed.
         self._known_connections = self.connections
-        links: Dict[Any, SubscriberLink] = {}
+        links: Dict[Any, RosSubscriberConnection] = {}
         for connection in self.connections:
             if connection in self._links:
                 links[connection] = self._links[connection]
             elif connection.socket is not None:
-                links[connection] = SubscriberLink(connection, self._lock, self.resolved_name)
-        self._links = links or _NO_LINKS
+                links[connection] = RosSubscriberConnection(connection, self._lock, self.resolved_name)
+        self._links = links or _NO_CONNECTIONS

@@ -126,7 +126,7 @@ class _Registrar(RegistrationListener):
                 self.remove(part)
         return taken
 
-    def put_right(self, batch: _Batch) -> None:
+    def apply_later_changes(self, batch: _Batch) -> None:
         """Tell the master what another thread has made or closed since the batch has noted it."""
         made = {entry[:2]: entry for entry in all_entries()}
         self.add([made[entry[:2]] for entry in batch.removed if entry[:2] in made])
@@ -197,7 +197,7 @@ def _listeners() -> List[Any]:
     return list(getattr(get_registration_listeners(), "listeners", ()))
 
 
-def take_over(request: Request) -> None:
+def install(request: Request) -> None:
     """Register through these requests from now on; the node must have been initialised.
 
     :param request: asks the master, with a time-out
@@ -239,10 +239,10 @@ def together() -> Iterator[None]:
         if batch.added:
             registrar.add(batch.added)
         if batch.removed or batch.added:
-            registrar.put_right(batch)
+            registrar.apply_later_changes(batch)
 
 
-def register_again(request: Request) -> bool:
+def reregister_all(request: Request) -> bool:
     """Tell the master once more of every topic and service of this node.
 
     rospy registers each of them once, so after a restart of the master no new

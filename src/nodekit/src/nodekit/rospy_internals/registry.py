@@ -26,7 +26,7 @@ def all_entries() -> List[Entry]:
     return entries
 
 
-def name_before(name: str) -> str:
+def name_before_remapping(name: str) -> str:
     """Return what to call a topic or a service, whose name rospy remaps once more.
 
     :param name: resolved, and remapped if it is to be
@@ -48,7 +48,7 @@ class NameTaken(rospy.ROSException):
     """A name that this process uses for something else already; the text says which."""
 
 
-def refuse_another(topic: Any, data_class: Any) -> None:
+def check_topic_type(topic: Any, data_class: Any) -> None:
     """Refuse to use a topic with a second type.
 
     :param topic: rospy's implementation object of the topic; None if there is none

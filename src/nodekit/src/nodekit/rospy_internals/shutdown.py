@@ -54,24 +54,24 @@ class ShutdownPhase(enum.IntEnum):
 #: What is to be called, each the latest first. Lists are changed and copied in one step, also amid
 #: a signal.
 _functions: Dict[ShutdownPhase, List[Callable[[], object]]] = {
-    ending: [] for ending in ShutdownPhase
+    phase: [] for phase in ShutdownPhase
 }
 
 
-def at_end(ending: ShutdownPhase, function: Callable[[], object]) -> Callable[[], None]:
+def at_end(phase: ShutdownPhase, function: Callable[[], object]) -> Callable[[], None]:
     """Have a function called when the process is told to end.
 
     Where that has begun, one of the toolkit is called at once, and maybe twice: rospy drops what it
     is given meanwhile.
 
-    :param ending: when
+    :param phase: when
     :param function: what to call, before those that were given earlier for the same
     :returns: a function that ends this
     """
-    _functions[ending].insert(0, function)
-    if ending is ShutdownPhase.TOOLKIT and rospy.core.is_shutdown_requested():
+    _functions[phase].insert(0, function)
+    if phase is ShutdownPhase.TOOLKIT and rospy.core.is_shutdown_requested():
         function()
-    return partial(_functions[ending].remove, function)
+    return partial(_functions[phase].remove, function)
 
 
 def _call_all() -> None:

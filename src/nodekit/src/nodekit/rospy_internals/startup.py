@@ -11,7 +11,7 @@ from typing import Any, Iterator, Optional
 import rospy.core
 import rospy.impl.init
 
-from nodekit.rospy_internals.incoming_topic import ask_for_statistics_once
+from nodekit.rospy_internals.incoming_topic import cache_statistics_setting
 from nodekit.rospy_internals.logs import patch_logs
 from nodekit.rospy_internals.serialization import patch_serialization
 from nodekit.rospy_internals.shutdown import patch_shutdown
@@ -24,7 +24,7 @@ _LOOK_EVERY_S = 0.001
 @functools.lru_cache(maxsize=None)
 def apply_patches() -> None:
     """Apply all patches, once in a process; before ``rospy.init_node``."""
-    ask_for_statistics_once()
+    cache_statistics_setting()
     patch_tcpros_server()
     patch_logs()
     patch_serialization()

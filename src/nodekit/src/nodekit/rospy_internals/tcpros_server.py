@@ -157,7 +157,7 @@ class _Acceptor:
                     self._read_from(pending)
             if listener in ready:
                 self._accept(listener)
-            self._send_away()
+            self._drop_expired()
 
     def _listen(self, listener: socket.socket, listens: bool) -> None:
         if listens and not self._listens:
@@ -197,7 +197,7 @@ class _Acceptor:
             self._forget(pending)
             self._hand_over(pending, header)
         except Exception as error:  # of any kind: handlers take for granted what a header says
-            self._hang_up(pending, error)
+            self._close(pending, error)
 
     def _hand_over(self, pending: _Pending, header: Dict[str, str]) -> None:
         """Leave a connection to rospy's handlers.
@@ -217,16 +217,16 @@ class _Acceptor:
                 write_ros_handshake_header(pending.socket, {"error": error})
             raise TransportInitError(f"{error} {header}")
 
-    def _send_away(self) -> None:
+    def _drop_expired(self) -> None:
         """Hang up on who has had time enough."""
         for pending in list(self._pending.values()):
             left = self._time_left()
             if left is None or left > 0.0:
                 break
             waited = time.monotonic() - pending.since
-            self._hang_up(pending, f"it sent no complete header within {waited:.1f} s")
+            self._close(pending, f"it sent no complete header within {waited:.1f} s")
 
-    def _hang_up(self, pending: _Pending, why: object) -> None:
+    def _close(self, pending: _Pending, why: object) -> None:
         self._forget(pending)
         pending.socket.close()
         if not rospy.core.is_shutdown_requested():

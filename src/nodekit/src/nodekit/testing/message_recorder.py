@@ -6,7 +6,7 @@ from typing import Any, Callable, List
 import rospy
 
 from nodekit.deprecated import OldMethod
-from nodekit.rospy_internals.latched import subscribe_heard
+from nodekit.rospy_internals.latched import subscribe_without_loss
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 
@@ -21,7 +21,7 @@ class MessageRecorder:
         self._topic = topic
         self._lock = threading.Lock()
         self._messages: List[Any] = []
-        self._subscriber = subscribe_heard(rospy.resolve_name(topic), message_type, self._record)
+        self._subscriber = subscribe_without_loss(rospy.resolve_name(topic), message_type, self._record)
 
     def messages(self) -> List[Any]:
         """Return the messages so far, oldest first."""

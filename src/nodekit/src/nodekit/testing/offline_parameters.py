@@ -43,7 +43,7 @@ class OfflineParameters(Generic[Snapshot]):
             again = judged.again
         self.server.update(judged.writes)
         self._reconciler.written(self._now)
-        return list(judged.refusals)
+        return list(judged.errors)
 
     def change(self, values: Mapping[str, Any]) -> None:
         """Change all of some values or none, as the service ``~change`` does.
@@ -51,5 +51,5 @@ class OfflineParameters(Generic[Snapshot]):
         :param values: new values by name
         :raises ParameterError: if one of them is rejected
         """
-        self._reconciler.adopt(self._reconciler.judge(values), self._now)
+        self._reconciler.adopt(self._reconciler.validate(values), self._now)
         self.server.update(on_wire(self.values))

@@ -43,7 +43,7 @@ def deliver(data: bytes, links: Iterable[SubscriberConnection], messages: int = 
         try:
             _wait(full)
         finally:  # also if a signal's handler raises: nobody else would send what is held back
-            _leave_behind([link for link in full if link.held])
+            _mark_stalled([link for link in full if link.held])
 
 
 def _wait(full: List[SubscriberConnection]) -> None:
@@ -64,7 +64,7 @@ def _wait(full: List[SubscriberConnection]) -> None:
         now = time.monotonic()
 
 
-def _leave_behind(links: List[SubscriberConnection]) -> None:
+def _mark_stalled(links: List[SubscriberConnection]) -> None:
     for link in links:
         link.stall()
     _drain.watch(links)
@@ -97,13 +97,13 @@ class _Drain:
 
     def _serve(self, links: List[SubscriberConnection]) -> None:
         for link in self._writable(links):
-            with _defects_logged(link), link.lock:
+            with _errors_logged(link), link.lock:
                 if link.stalled:
                     link.flush(time.monotonic())
         time.sleep(DRAIN_PAUSE_S)
         now = time.monotonic()
         for link in links:
-            with _defects_logged(link):
+            with _errors_logged(link):
                 if link.fileno() < 0:  # closed by whoever else has the socket
                     with link.lock:
                         link.drop()
@@ -125,7 +125,7 @@ class _Drain:
 
 
 @contextlib.contextmanager
-def _defects_logged(link: SubscriberConnection) -> Iterator[None]:
+def _errors_logged(link: SubscriberConnection) -> Iterator[None]:
     """Log what a link's own ``close`` or ``report`` raises, as the others need the thread."""
     try:
         yield

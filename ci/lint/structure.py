@@ -61,6 +61,7 @@ SUBJECTS: Dict[str, Dict[str, str]] = {
         "entry_point": "the first lines of a script, before rospy is imported, and the last ones",
         "validation": "checks arguments of nodekit's methods, at the line of the call",
         "throttle": "a rate limit of log lines, one per instance and key",
+        "round_robin": "takes a few of many items at a time",
         "message_definitions": "parses message definitions",
         "lifecycle_states": "the states of a managed node, and its transitions",
         "parameters": "declare, validate, reconcile, describe",

@@ -70,6 +70,7 @@ if TYPE_CHECKING:  # the same names for type checkers and editors
     from nodekit.process.run import abort as abort
     from nodekit.process.run import init_node as init_node
     from nodekit.process.run import run as run
+    from nodekit.round_robin import RoundRobin as RoundRobin
     from nodekit.throttle import Throttle as Throttle
 
     Latest = LatestMessage
@@ -133,6 +134,7 @@ _HOMES: Dict[str, str] = {
     "abort": "process.run",
     "init_node": "process.run",
     "run": "process.run",
+    "RoundRobin": "round_robin",
     "Throttle": "throttle",
 }
 

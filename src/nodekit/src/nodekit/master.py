@@ -7,7 +7,6 @@ http://wiki.ros.org/ROS/Master_API, http://wiki.ros.org/ROS/Parameter%20Server%2
 """
 
 import contextlib
-import difflib
 import functools
 import http.client
 import threading
@@ -21,9 +20,7 @@ from typing import (
     Mapping,
     NamedTuple,
     Optional,
-    Sequence,
     Tuple,
-    TypeVar,
 )
 
 import rosgraph
@@ -32,8 +29,6 @@ import rosgraph
 from nodekit.parameters.parameter_types import MISSING as MISSING
 from nodekit.parameters.parameter_types import UNREADABLE as UNREADABLE
 from nodekit.validation import check_timeout
-
-T = TypeVar("T")
 
 _SUCCESS = 1
 #: Most calls in one of several requests: the master's other clients are served between two.
@@ -286,37 +281,7 @@ class MasterClient:
         found = [name[: -len(suffix)] for name in names]
         return sorted(owner for owner in found if (owner + "/").startswith(prefix))
 
-    def who_offers(self, service: str, instead_of: str) -> str:
-        """Say which nodes offer a service, to whoever has named one that does not.
-
-        :param service: base name of the service
-        :param instead_of: the global name that was asked for
-        :returns: half a sentence: the nearest name if there is one, or else all of them
-        """
-        all_names = self.namespaces_offering(service)
-        near = difflib.get_close_matches(instead_of.rstrip("/"), all_names, n=1) or all_names
-        return f"there is {', '.join(near)}" if near else "no such node is running"
-
 
 def _value(answer: Tuple[int, str, Any]) -> Any:
     code, _, value = answer
     return value if code == _SUCCESS else MISSING
-
-
-class Turns:
-    """Has things take turns, so that many of them are looked after a few at a time.
-
-    :param most: how many have their turn at once
-    """
-
-    def __init__(self, most: int) -> None:
-        self._most = most
-        self._from = 0
-
-    def next(self, things: Sequence[T]) -> List[T]:
-        """Return whose turn it is, of all things there are now in a lasting order."""
-        turn = list(things[self._from :][: self._most])
-        self._from += self._most
-        if self._from >= len(things):
-            self._from = 0
-        return turn

@@ -14,12 +14,13 @@ from typing import Iterator
 
 from helpers.parameter_node import GaugeParameters
 from helpers.parameter_rig import HELPERS, ParameterCase, Spy
+from rosgraph.network import write_ros_handshake_header
+from rospy.core import parse_rosrpc_uri
+
 from nodekit.parameters.declaration import to_wire
 from nodekit.testing.processes import Process, Server, hanging
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
-from rosgraph.network import write_ros_handshake_header
-from rospy.core import parse_rosrpc_uri
 
 DEFAULTS = {name: to_wire(value) for name, value in GaugeParameters().as_dict().items()}
 TOO_LOW = "/level: refused -1: must be a number in [0, 1e+10] (V)"

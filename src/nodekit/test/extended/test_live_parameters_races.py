@@ -14,6 +14,7 @@ from xmlrpc.client import ServerProxy
 
 import rospy
 from helpers.parameter_node import GaugeParameters
+
 from nodekit.master import MasterClient, MasterUnreachable, Reading
 from nodekit.parameter_server import followed_parameter, reconfigure, watcher
 from nodekit.parameter_server.followed_parameter import FollowedParameter

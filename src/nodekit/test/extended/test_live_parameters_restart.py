@@ -10,6 +10,7 @@ from typing import Any, Iterator, Optional
 
 from helpers.parameter_node import GaugeParameters
 from helpers.parameter_rig import ParameterCase, ParameterNode
+
 from nodekit.parameters.declaration import to_wire
 from nodekit.testing.processes import Master, Server, hanging
 from nodekit.testing.running import rosrun

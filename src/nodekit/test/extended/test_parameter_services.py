@@ -8,6 +8,8 @@ import rospy
 import yaml
 from helpers.parameter_node import GaugeParameters
 from helpers.parameter_rig import ParameterCase, ParameterNode
+from std_srvs.srv import Trigger, TriggerResponse
+
 from nodekit.parameter_server.live_parameters import LiveParameters, open_all
 from nodekit.parameter_server.parameter_services import change_handler
 from nodekit.parameter_server.watcher import get_watcher
@@ -21,8 +23,6 @@ from nodekit.parameters.declaration import (
 from nodekit.testing.processes import Server, hanging
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
-from std_srvs.srv import Trigger, TriggerResponse
-
 from nodekit_msgs.srv import SetParameters, SetParametersRequest
 
 LAB = "/services/lab"

@@ -11,14 +11,14 @@ from typing import List
 
 import rospy
 from helpers import echo_node
-from nodekit.testing.message_recorder import MessageRecorder
-from nodekit.testing.processes import Process, Server
-from nodekit.testing.running import rosrun
-from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from nodekit import call_service
+from nodekit.testing.message_recorder import MessageRecorder
+from nodekit.testing.processes import Process, Server
+from nodekit.testing.running import rosrun
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 #: What is called otherwise in the made-up version: all that nodekit must not take for granted.
 RENAMED = {

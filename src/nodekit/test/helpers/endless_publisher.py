@@ -4,8 +4,9 @@
 import threading
 
 import rospy
-from nodekit.messaging.publisher import Publisher
 from std_msgs.msg import String
+
+from nodekit.messaging.publisher import Publisher
 
 
 def publish_on(publisher: Publisher, stop: threading.Event) -> None:

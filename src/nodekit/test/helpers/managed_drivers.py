@@ -10,10 +10,10 @@ import sys
 import time
 
 import rospy
-from nodekit.managed import lifecycle_services
 from roscpp.srv import GetLoggers, GetLoggersRequest
 
 from nodekit import ManagedNode, Node, NodeScope, abort, host
+from nodekit.managed import lifecycle_services
 
 
 class Driver(ManagedNode):

@@ -7,8 +7,6 @@ import threading
 from typing import Any, Dict
 
 import rospy
-from nodekit.parameters import reconciler
-from nodekit.parameters.parameter_types import to_wire
 
 from nodekit import (
     BoolParameter,
@@ -24,6 +22,8 @@ from nodekit import (
     rule,
     run,
 )
+from nodekit.parameters import reconciler
+from nodekit.parameters.parameter_types import to_wire
 
 
 class GaugeParameters(ParameterSet):

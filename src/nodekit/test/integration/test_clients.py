@@ -11,13 +11,6 @@ from unittest import mock
 
 import rosgraph
 import rospy
-from nodekit.node.clients import MOST_CALLS
-from nodekit.node.names import Names
-from nodekit.node.node import Node
-from nodekit.process.run import init_node
-from nodekit.testing.processes import Process, hanging
-from nodekit.testing.running import rosrun
-from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from roscpp.srv import GetLoggers, GetLoggersRequest
 from std_srvs.srv import SetBool, SetBoolRequest, Trigger, TriggerRequest, TriggerResponse
 
@@ -31,6 +24,13 @@ from nodekit import (
     NestedCall,
     SingleThreadedExecutor,
 )
+from nodekit.node.clients import MOST_CALLS
+from nodekit.node.names import Names
+from nodekit.node.node import Node
+from nodekit.process.run import init_node
+from nodekit.testing.processes import Process, hanging
+from nodekit.testing.running import rosrun
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 HELPERS = os.path.join(os.path.dirname(__file__), "..", "helpers")
 SERVER = os.path.join(HELPERS, "slow_server.py")

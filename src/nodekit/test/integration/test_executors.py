@@ -9,16 +9,16 @@ from typing import Any, Dict, List
 
 import rospy
 import yaml
+from std_msgs.msg import String
+from std_srvs.srv import Trigger, TriggerResponse
+
+from nodekit import FloatParameter, MultiThreadedExecutor, ParameterSet, SingleThreadedExecutor
 from nodekit.node.names import Names
 from nodekit.node.node import Node
 from nodekit.process.run import init_node
 from nodekit.testing.processes import Server
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
-from std_msgs.msg import String
-from std_srvs.srv import Trigger, TriggerResponse
-
-from nodekit import FloatParameter, MultiThreadedExecutor, ParameterSet, SingleThreadedExecutor
 
 
 class Settings(ParameterSet):

@@ -5,15 +5,15 @@ import unittest
 from typing import List
 
 import rospy
-from nodekit.node.node import Node
-from nodekit.process.run import init_node
-from nodekit.testing.running import rosrun
-from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from rosgraph_msgs.msg import Clock
 from std_msgs.msg import String
 from std_srvs.srv import Trigger, TriggerRequest
 
 from nodekit import CallError, SingleThreadedExecutor
+from nodekit.node.node import Node
+from nodekit.process.run import init_node
+from nodekit.testing.running import rosrun
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 
 class OnAClockThatStandsStill(unittest.TestCase):

@@ -19,18 +19,6 @@ from unittest import mock
 import rosgraph
 import rospy
 import yaml
-from nodekit.commands import lifecycle
-from nodekit.managed.activation_gate import ManagedPublisher, ManagedTimer
-from nodekit.node.clients import call_service
-from nodekit.node.names import Names
-from nodekit.node.timers import NodeTimer
-from nodekit.parameter_server import reconfigure
-from nodekit.process.run import init_node
-from nodekit.testing.graph import Graph
-from nodekit.testing.message_recorder import MessageRecorder
-from nodekit.testing.processes import Process, Server
-from nodekit.testing.running import rosrun
-from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from std_msgs.msg import Header, String
 from std_srvs.srv import Trigger
 
@@ -57,6 +45,18 @@ from nodekit import (
     host_all,
     read_once,
 )
+from nodekit.commands import lifecycle
+from nodekit.managed.activation_gate import ManagedPublisher, ManagedTimer
+from nodekit.node.clients import call_service
+from nodekit.node.names import Names
+from nodekit.node.timers import NodeTimer
+from nodekit.parameter_server import reconfigure
+from nodekit.process.run import init_node
+from nodekit.testing.graph import Graph
+from nodekit.testing.message_recorder import MessageRecorder
+from nodekit.testing.processes import Process, Server
+from nodekit.testing.running import rosrun
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 HERE = os.path.dirname(os.path.realpath(__file__))
 DRIVERS = os.path.join(HERE, "..", "helpers", "managed_drivers.py")

@@ -10,6 +10,7 @@ from typing import Any, List
 
 import rosparam
 from helpers.parameter_rig import ParameterCase, ParameterNode, Spy
+
 from nodekit.testing.processes import Server
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until

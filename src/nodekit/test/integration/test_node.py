@@ -18,6 +18,12 @@ from unittest import mock
 
 import rosgraph
 import rospy
+from rosgraph_msgs.msg import Log, TopicStatistics
+from std_msgs.msg import Float32, String
+from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
+
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
 from nodekit.executors import SingleThreadedExecutor
 from nodekit.managed.managed_node import ManagedNode
 from nodekit.messaging import service
@@ -43,12 +49,6 @@ from nodekit.testing.processes import Server
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from nodekit.timing.scheduler import get_scheduler
-from rosgraph_msgs.msg import Log, TopicStatistics
-from std_msgs.msg import Float32, String
-from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
-
-from lifecycle_msgs.msg import Transition
-from lifecycle_msgs.srv import ChangeState
 
 
 class Settings(ParameterSet):

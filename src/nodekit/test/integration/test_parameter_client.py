@@ -7,10 +7,6 @@ import time
 import rospy
 from helpers.parameter_node import GaugeParameters
 from helpers.parameter_rig import HELPERS, ParameterCase, ParameterNode
-from nodekit.testing.changing import change
-from nodekit.testing.processes import Process, Server, hanging
-from nodekit.testing.running import rosrun
-from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from std_srvs.srv import Trigger, TriggerResponse
 
 from nodekit import (
@@ -23,6 +19,10 @@ from nodekit import (
     parameter_of,
     to_wire,
 )
+from nodekit.testing.changing import change
+from nodekit.testing.processes import Process, Server, hanging
+from nodekit.testing.running import rosrun
+from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 GAUGE = "/client/gauge"
 DEFAULTS = {name: to_wire(value) for name, value in GaugeParameters().as_dict().items()}

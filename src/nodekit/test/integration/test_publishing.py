@@ -17,14 +17,15 @@ import rosgraph
 import rosnode
 import rospy
 from helpers.recording_subscriber import numbered
+from rosgraph.network import encode_ros_handshake_header
+from std_msgs.msg import String
+
 from nodekit.messaging.publisher import Publisher
 from nodekit.rospy_internals import outgoing_topic
 from nodekit.testing.processes import hanging
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 from nodekit.transport import delivery
-from rosgraph.network import encode_ros_handshake_header
-from std_msgs.msg import String
 
 HELPERS = os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, "helpers")
 

@@ -13,6 +13,8 @@ import weakref
 from typing import Any, Callable, List, Optional, Tuple, Type
 
 import rospy
+from rosgraph_msgs.msg import Clock
+
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 from nodekit.timing.clocks import MonotonicClock, SimulatedClock
@@ -24,7 +26,6 @@ from nodekit.timing.scheduler import (
     checked_rate,
     get_scheduler,
 )
-from rosgraph_msgs.msg import Clock
 
 QUARTER_OF_AN_HOUR = 0.001  # Hz
 EVERY_STEP = 100000.0  # Hz

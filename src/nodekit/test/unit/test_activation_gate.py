@@ -4,6 +4,8 @@ import threading
 from typing import Any, Callable, Iterator, List, Optional
 
 import pytest
+from std_msgs.msg import String
+
 from nodekit.groups.callback_groups import Group
 from nodekit.managed.activation_gate import ActivationGate, ManagedPublisher, ManagedTimer
 from nodekit.messaging.publisher import Publisher
@@ -11,7 +13,6 @@ from nodekit.node.timers import NodeTimer
 from nodekit.testing.waiting import in_thread
 from nodekit.timing.clocks import MonotonicClock
 from nodekit.timing.scheduler import Scheduler
-from std_msgs.msg import String
 
 TIMEOUT_S = 10.0
 

@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+
 from nodekit.node.name_rules import IllegalName
 from nodekit.process.arguments import ArgumentError, check
 

@@ -5,10 +5,12 @@ from typing import Any
 
 import pytest
 import yaml
+
+from nodekit.commands.parameter_table import as_table
 from nodekit.parameters.declaration import ParameterError, ParameterSet, StringParameter
 from nodekit.parameters.parameter_types import BytesParameter, format_value, to_wire
 from nodekit.parameters.reconciler import Observation, Reconciler
-from nodekit.parameters.schema import as_table, as_yaml, describe, parameter_of
+from nodekit.parameters.schema import as_yaml, describe, parameter_of
 
 
 class Lock(ParameterSet):

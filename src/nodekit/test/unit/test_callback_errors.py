@@ -5,11 +5,11 @@ from typing import Any, List
 import pytest
 import rospy
 import rospy.core
+
+from nodekit import throttle
 from nodekit.groups.callback_groups import Group
 from nodekit.messaging import callback_errors
 from nodekit.node.callbacks import Callback
-
-from nodekit import throttle
 
 
 @pytest.fixture()

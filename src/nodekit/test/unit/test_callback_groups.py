@@ -5,6 +5,7 @@ import time
 from typing import Any, Callable, List
 
 import pytest
+
 from nodekit.groups.callback_groups import CallbackGroup, Group, ReentrantCallbackGroup
 from nodekit.node.callbacks import Callback, CoalescingCallback, SubscriptionCallback
 from nodekit.testing.waiting import in_thread

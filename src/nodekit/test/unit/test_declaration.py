@@ -1,6 +1,7 @@
 """Sets of declared parameters: immutable snapshots, rules across parameters, inheritance."""
 
 import pytest
+
 from nodekit.parameters.declaration import (
     EnumParameter,
     FloatParameter,

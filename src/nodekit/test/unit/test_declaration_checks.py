@@ -3,6 +3,7 @@
 from typing import Any, Dict
 
 import pytest
+
 from nodekit.parameters.declaration import (
     BoolParameter,
     EnumParameter,

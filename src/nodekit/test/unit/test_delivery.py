@@ -11,6 +11,7 @@ import types
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from nodekit.testing.waiting import wait_until
 from nodekit.transport import delivery
 from nodekit.transport.subscriber_connection import (

@@ -6,8 +6,6 @@ import warnings
 from typing import Any, Dict, Iterator, List
 
 import pytest
-from nodekit.node.names import Names
-from nodekit.node.old_methods import OldMethods
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
@@ -20,6 +18,8 @@ from nodekit import (
     ReentrantCallbackGroup,
     deprecated,
 )
+from nodekit.node.names import Names
+from nodekit.node.old_methods import OldMethods
 
 
 class Settings(ParameterSet):

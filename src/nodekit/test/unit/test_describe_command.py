@@ -6,12 +6,12 @@ from concurrent.futures import Future
 from typing import Any, Callable
 
 import pytest
-from nodekit.commands import describe as command
-from nodekit.node.clients import CallError
-from nodekit.parameters.schema import as_yaml, describe
 from std_srvs.srv import TriggerResponse
 
 from nodekit import BoolParameter, ParameterSet
+from nodekit.commands import describe as command
+from nodekit.node.clients import CallError
+from nodekit.parameters.schema import as_yaml, describe
 
 
 class Switch(ParameterSet):

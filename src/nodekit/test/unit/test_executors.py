@@ -7,6 +7,8 @@ from typing import Any, Callable, Iterator, List, Optional, Type
 
 import pytest
 import rospy
+from std_msgs.msg import String
+
 from nodekit.executors import MultiThreadedExecutor, SingleThreadedExecutor, _Executor
 from nodekit.groups.callback_groups import CallbackGroup, Group, ReentrantCallbackGroup
 from nodekit.groups.ready_queue import ReadyQueue
@@ -23,7 +25,6 @@ from nodekit.node.timers import NodeTimer
 from nodekit.testing.waiting import TIMEOUT_S, in_thread, wait_until
 from nodekit.timing.clocks import MonotonicClock
 from nodekit.timing.scheduler import Scheduler
-from std_msgs.msg import String
 
 #: How long a callback is held where nothing else may begin, s.
 HELD_S = 0.03

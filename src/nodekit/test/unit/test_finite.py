@@ -8,7 +8,6 @@ import genpy
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from nodekit.messaging.finite import LARGEST_FLOAT32, is_finite, to_float32
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import (
     ByteMultiArray,
@@ -26,6 +25,8 @@ from std_msgs.msg import (
     Time,
     UInt8MultiArray,
 )
+
+from nodekit.messaging.finite import LARGEST_FLOAT32, is_finite, to_float32
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
 NOT_FINITE = st.sampled_from([math.nan, -math.nan, math.inf, -math.inf])

@@ -5,6 +5,7 @@ from typing import Any, List
 from unittest import mock
 
 import pytest
+
 from nodekit.master import MasterUnreachable
 from nodekit.parameter_server.followed_parameter import FollowedParameter
 from nodekit.parameter_server.watched_key import WatchedKey

@@ -4,6 +4,7 @@ import argparse
 from typing import Any, List
 
 import pytest
+
 from nodekit.commands import host
 from nodekit.timing.timetable import Timetable
 

@@ -13,16 +13,17 @@ import rospy.impl.tcpros_base
 import rospy.topics
 from hypothesis import given
 from hypothesis import strategies as st
-from nodekit.messaging.publisher import Publisher
-from nodekit.messaging.subscription import LatestMessage, Subscription
-from nodekit.rospy_internals import incoming_topic, latched, registrar
-from nodekit.testing.waiting import wait_until
 from rosgraph.network import write_ros_handshake_header
 from rospy.exceptions import TransportException, TransportInitError, TransportTerminated
 from rospy.impl.registration import get_topic_manager
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSSub
 from std_msgs.msg import Float32, String
+
+from nodekit.messaging.publisher import Publisher
+from nodekit.messaging.subscription import LatestMessage, Subscription
+from nodekit.rospy_internals import incoming_topic, latched, registrar
+from nodekit.testing.waiting import wait_until
 
 TOPIC = "/topic"
 TIME_OUT = 20.0  # s
@@ -105,7 +106,7 @@ def test_this_rospy_is_known():
 @pytest.mark.parametrize("part", ["_SUBSCRIBER_ATTRIBUTES", "_TRANSPORT_ATTRIBUTES"])
 def test_missing_attribute_is_recognised(monkeypatch, part):
     incoming_topic.subscriber_mismatch.cache_clear()
-    monkeypatch.setattr(subscribers, part, "close something_else")
+    monkeypatch.setattr(incoming_topic, part, "close something_else")
     assert "something_else" in incoming_topic.subscriber_mismatch()
     incoming_topic.subscriber_mismatch.cache_clear()
 

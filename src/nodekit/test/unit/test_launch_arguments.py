@@ -8,8 +8,9 @@ from typing import Any, List
 
 import pytest
 import rospkg
-from nodekit.process.launch_arguments import ignored
 from roslaunch.arg_dump import get_args
+
+from nodekit.process.launch_arguments import ignored
 
 SOURCES = pathlib.Path(__file__).resolve().parents[3]
 #: Those of the workspace that hand arguments on, and the course's.

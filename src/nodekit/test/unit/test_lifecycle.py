@@ -7,6 +7,9 @@ from typing import List, Optional, Tuple, Union
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
+from lifecycle_msgs.msg import State as StateMessage
+from lifecycle_msgs.msg import Transition as TransitionMessage
 from nodekit.lifecycle_states import (
     ACTIVE,
     CONFIGURING,
@@ -24,9 +27,6 @@ from nodekit.lifecycle_states import (
     requested,
 )
 from nodekit.managed.state_machine import StateMachine
-
-from lifecycle_msgs.msg import State as StateMessage
-from lifecycle_msgs.msg import Transition as TransitionMessage
 
 #: Goal of what is asked for, by state and label; what is not here is refused.
 ASKED = {

@@ -8,11 +8,11 @@ import subprocess
 import sys
 
 import pytest
-from nodekit.rospy_internals import logs, startup
-from nodekit.testing.waiting import TIMEOUT_S
 from rosgraph import roslogging
 
 from nodekit import Throttle
+from nodekit.rospy_internals import logs, startup
+from nodekit.testing.waiting import TIMEOUT_S
 
 startup.apply_patches()
 

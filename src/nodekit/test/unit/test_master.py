@@ -11,14 +11,14 @@ from xmlrpc.client import Fault
 from xmlrpc.server import SimpleXMLRPCServer
 
 import pytest
+
+from nodekit import master as client_of_master
 from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.parameter_server.live_parameters import write_missing
 from nodekit.parameters.declaration import FloatParameter, ParameterSet, StringParameter
 from nodekit.parameters.parameter_types import MISSING, UNREADABLE
 from nodekit.testing import processes
 from nodekit.testing.processes import free_port
-
-from nodekit import master as client_of_master
 
 PAGE = b"<!DOCTYPE html><html><body><p>Please log in<br></body></html>"
 

@@ -4,6 +4,7 @@ from typing import Any, Dict, List
 
 import pytest
 import rospy
+
 from nodekit.master import Reading
 from nodekit.rospy_internals import registrar
 from nodekit.rospy_internals.master_registrations import LOOKUPS, MasterRegistrations

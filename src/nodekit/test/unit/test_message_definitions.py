@@ -5,6 +5,9 @@ from typing import Optional
 
 import pytest
 from genpy.base import SIMPLE_TYPES_DICT
+from rosgraph_msgs.msg import Log
+from std_msgs.msg import Float64MultiArray, Header
+
 from nodekit.message_definitions import (
     SIZES,
     Constant,
@@ -16,8 +19,6 @@ from nodekit.message_definitions import (
     parse,
     parts_of,
 )
-from rosgraph_msgs.msg import Log
-from std_msgs.msg import Float64MultiArray, Header
 
 LINE = "=" * 80
 

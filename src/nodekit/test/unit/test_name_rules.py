@@ -2,6 +2,7 @@
 
 import pytest
 import rosgraph.names
+
 from nodekit.node.name_rules import (
     IllegalName,
     check_base_name,

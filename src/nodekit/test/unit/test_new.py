@@ -7,6 +7,7 @@ from typing import Any, List
 import pytest
 import rospkg
 from catkin_pkg.package import parse_package
+
 from nodekit.commands import new
 
 TEMPLATE = pathlib.Path(__file__).resolve().parents[2] / "template" / new.PLACEHOLDER

@@ -11,14 +11,15 @@ import warnings
 import pytest
 import rospy
 import rospy.topics
-from nodekit.messaging.publisher import FALLBACK_QUEUE_SIZE, Publisher
-from nodekit.rospy_internals import outgoing_topic
-from nodekit.testing.waiting import wait_until
 from rosgraph_msgs.msg import Log
 from rospy.impl.registration import get_topic_manager
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import QueuedConnection, TCPROSPub
 from std_msgs.msg import Float32, Header, String
+
+from nodekit.messaging.publisher import FALLBACK_QUEUE_SIZE, Publisher
+from nodekit.rospy_internals import outgoing_topic
+from nodekit.testing.waiting import wait_until
 
 TOPIC = "/topic"
 TIME_OUT = 20.0  # s
@@ -110,7 +111,7 @@ def test_this_rospy_is_known(mismatch):
 
 @pytest.mark.parametrize("part", ["_PUBLISHER_ATTRIBUTES", "_TRANSPORT_ATTRIBUTES"])
 def test_missing_attribute_is_recognised(mismatch, monkeypatch, part):
-    monkeypatch.setattr(publishers, part, "close something_else")
+    monkeypatch.setattr(outgoing_topic, part, "close something_else")
     assert "something_else" in mismatch()
 
 

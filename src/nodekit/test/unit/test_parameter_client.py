@@ -7,6 +7,7 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
+
 from nodekit.node.parameter_client import request_text
 
 NUMBERS = st.booleans() | st.integers(-(2**31), 2**31 - 1) | st.floats(allow_nan=False)

@@ -11,6 +11,7 @@ import numpy
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from nodekit.parameters.numeric_types import (
     INT32_MAX,
     INT32_MIN,

@@ -3,6 +3,7 @@
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
+
 from nodekit.parameters.declaration import (
     BoolParameter,
     EnumParameter,
@@ -16,12 +17,12 @@ from nodekit.parameters.declaration import (
 )
 from nodekit.parameters.parameter_types import MISSING
 from nodekit.parameters.validation import (
-    validate_each,
-    corrections,
     apply_rules,
+    corrections,
     last_valid,
     on_wire,
     unknown_names,
+    validate_each,
 )
 
 

@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 import pytest
+
 from nodekit.testing import processes
 from nodekit.testing.waiting import TIMEOUT_S
 

@@ -7,11 +7,11 @@ import subprocess
 import sys
 from typing import Any, Dict, List
 
-import nodekit.entry_point
 import pytest
-from nodekit.deprecated import OLD_NAMES
 
 import nodekit
+import nodekit.entry_point
+from nodekit.deprecated import OLD_NAMES
 
 #: Where the sources are; nodekit.__file__ is catkin's own where the workspace is not installed.
 PACKAGE = pathlib.Path(nodekit.entry_point.__file__).resolve().parent

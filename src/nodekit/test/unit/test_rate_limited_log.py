@@ -5,6 +5,7 @@ import threading
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from nodekit.messaging.rate_limited_log import LONGEST, RateLimitedLog, shortened
 
 

@@ -10,6 +10,7 @@ from typing import Any, Deque, Dict, List, Optional, Tuple, Type
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from nodekit.groups.callback_groups import CallbackGroup, Group, ReentrantCallbackGroup
 from nodekit.groups.ready_queue import CallQueue, ReadyCall, ReadyQueue
 

@@ -5,6 +5,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Tuple
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from nodekit.parameters.declaration import (
     FloatParameter,
     ListParameter,

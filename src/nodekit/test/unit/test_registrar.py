@@ -6,11 +6,12 @@ from xmlrpc.server import SimpleXMLRPCServer
 import pytest
 import rospy
 import rospy.core
+from rospy.impl.registration import Registration, RegManager, get_registration_listeners
+from std_msgs.msg import String
+
 from nodekit.messaging.publisher import Publisher
 from nodekit.rospy_internals import registrar
 from nodekit.testing.waiting import in_thread, wait_until
-from rospy.impl.registration import Registration, RegManager, get_registration_listeners
-from std_msgs.msg import String
 
 PUB, SUB, SRV = Registration.PUB, Registration.SUB, Registration.SRV
 URI = "http://here:1/"

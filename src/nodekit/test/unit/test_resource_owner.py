@@ -6,11 +6,11 @@ from typing import Any, Iterable, Iterator, List
 
 import pytest
 import rospy
+
+from nodekit import Node
 from nodekit.node.names import Names
 from nodekit.node.resource_owner import Closed, ResourceOwner
 from nodekit.node.start_queue import StartQueue
-
-from nodekit import Node
 
 
 class Thing:

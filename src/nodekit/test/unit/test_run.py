@@ -5,6 +5,7 @@ import sys
 from typing import Any
 
 import pytest
+
 from nodekit.parameters.parameter_types import MISSING, ParameterError
 from nodekit.process.run import selected_class
 

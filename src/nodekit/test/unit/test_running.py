@@ -6,6 +6,7 @@ from typing import Any, List, Type
 from xml.etree import ElementTree
 
 import pytest
+
 from nodekit.testing import running
 
 

@@ -10,6 +10,8 @@ import pytest
 import yaml
 from hypothesis import given
 from hypothesis import strategies as st
+
+from nodekit.commands.parameter_table import as_table
 from nodekit.parameters.declaration import (
     BoolParameter,
     EnumParameter,
@@ -25,7 +27,6 @@ from nodekit.parameters.declaration import (
 )
 from nodekit.parameters.schema import (
     DescriptionError,
-    as_table,
     as_yaml,
     describe,
     description_in,

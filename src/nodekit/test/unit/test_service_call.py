@@ -8,6 +8,7 @@ import time
 from typing import Iterator, List, Optional, Tuple
 
 import pytest
+
 from nodekit.testing.waiting import TIMEOUT_S
 from nodekit.transport.service_call import CallFailed, ServiceCall
 

@@ -3,10 +3,11 @@
 import time
 
 import rospy
+from rosgraph_msgs.msg import Clock
+
 from nodekit.testing.waiting import wait_until
 from nodekit.timing import clocks
 from nodekit.timing.scheduler import Scheduler, Timer
-from rosgraph_msgs.msg import Clock
 
 #: How long to look, s, and how much of it may be spent computing: a busy loop would take all of
 #: what the machine gives it, and turn thousands of times.

@@ -11,10 +11,11 @@ import time
 
 import pytest
 import rospy
-from nodekit.rospy_internals import tcpros_server
-from nodekit.testing.waiting import wait_until
 from rosgraph.network import encode_ros_handshake_header, read_ros_handshake_header
 from rospy.impl.tcpros_base import TCPROSServer, TCPServer
+
+from nodekit.rospy_internals import tcpros_server
+from nodekit.testing.waiting import wait_until
 
 TIME_OUT = 20.0  # s
 

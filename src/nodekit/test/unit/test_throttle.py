@@ -5,12 +5,12 @@ from typing import List
 
 import pytest
 import rospy
-from nodekit.groups.callback_groups import Group
-from nodekit.node import callbacks
-from nodekit.node.names import Names
 from std_msgs.msg import Float32
 
 from nodekit import Node, throttle
+from nodekit.groups.callback_groups import Group
+from nodekit.node import callbacks
+from nodekit.node.names import Names
 
 
 @pytest.fixture()

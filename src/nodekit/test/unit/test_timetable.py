@@ -5,6 +5,7 @@ import math
 import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
+
 from nodekit.timing.timetable import SLACK_S, Timetable
 
 #: Times of day, of a simulation and since 1970, s.

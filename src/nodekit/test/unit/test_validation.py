@@ -7,14 +7,6 @@ from typing import Any, Callable, Iterator, List, Tuple, Type
 
 import pytest
 import rospy
-from nodekit.groups.callback_groups import NoGroup
-from nodekit.managed.activation_gate import ActivationGate
-from nodekit.managed.lifecycle_scope import LifecycleScope
-from nodekit.master import MasterClient
-from nodekit.node.callbacks import Callback
-from nodekit.node.clients import CallFuture
-from nodekit.node.names import Names
-from nodekit.validation import check_function
 from std_msgs.msg import Float32, String
 from std_srvs.srv import Trigger, TriggerResponse
 
@@ -30,6 +22,14 @@ from nodekit import (
     probe_service,
     run,
 )
+from nodekit.groups.callback_groups import NoGroup
+from nodekit.managed.activation_gate import ActivationGate
+from nodekit.managed.lifecycle_scope import LifecycleScope
+from nodekit.master import MasterClient
+from nodekit.node.callbacks import Callback
+from nodekit.node.clients import CallFuture
+from nodekit.node.names import Names
+from nodekit.validation import check_function
 
 NO_WATCHER: Any = None
 

@@ -5,6 +5,7 @@ import threading
 import time
 
 import pytest
+
 from nodekit.master import Reading
 from nodekit.parameter_server import watcher as watching
 from nodekit.parameter_server.watched_key import WatchedKey

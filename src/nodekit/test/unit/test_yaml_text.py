@@ -6,6 +6,7 @@ import pytest
 import yaml
 from hypothesis import example, given
 from hypothesis import strategies as st
+
 from nodekit.parameters import yaml_text
 
 #: Far above what a text below takes on a busy machine, and far below what Python's own reader did.

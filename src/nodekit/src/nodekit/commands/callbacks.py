@@ -10,6 +10,7 @@ import yaml
 from std_srvs.srv import Trigger
 
 from nodekit.commands.request_errors import exit_on_error
+from nodekit.commands.service_hint import service_hint
 from nodekit.executors import SERVICE
 from nodekit.master import MasterClient
 from nodekit.node.clients import call_service
@@ -30,7 +31,7 @@ def main() -> None:
     with exit_on_error("callbacks", node):
         master = MasterClient("/callbacks")
         if master.lookup_service(f"{node}/{SERVICE}") is None:
-            sys.exit(f"callbacks: {node} has no executor; {master.who_offers(SERVICE, node)}")
+            sys.exit(f"callbacks: {node} has no executor; {service_hint(master, SERVICE, node)}")
         answer = call_service(f"{node}/{SERVICE}", Trigger).result()
         print(as_table(yaml.safe_load(answer.message)))
 

@@ -9,6 +9,7 @@ import rospy
 import yaml
 
 from nodekit.commands.request_errors import exit_on_error
+from nodekit.commands.service_hint import service_hint
 from nodekit.master import MasterClient
 from nodekit.node.parameter_client import ChangeRefused, ParameterClient
 from nodekit.parameter_server.parameter_services import CHANGE
@@ -45,7 +46,7 @@ def _settings(words: List[str]) -> Dict[str, Any]:
 def _change(namespace: str, settings: Dict[str, Any]) -> int:
     master, node = MasterClient("/change"), namespace.rstrip("/")
     if master.lookup_service(f"{node}/{CHANGE}") is None:
-        hint = master.who_offers(CHANGE, node)
+        hint = service_hint(master, CHANGE, node)
         print(f"change: no node at {namespace} accepts changes; {hint}", file=sys.stderr)
         return 1
     try:

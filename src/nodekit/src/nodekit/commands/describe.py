@@ -11,11 +11,13 @@ import rospy
 import yaml
 from std_srvs.srv import Trigger
 
+from nodekit.commands.parameter_table import as_table
 from nodekit.commands.request_errors import exit_on_error
+from nodekit.commands.service_hint import service_hint
 from nodekit.master import MasterClient
 from nodekit.node.clients import CallError, call_service
 from nodekit.parameter_server.parameter_services import DESCRIBE
-from nodekit.parameters.schema import DescriptionError, as_table, description_in
+from nodekit.parameters.schema import DescriptionError, description_in
 
 #: Longest wait for all responses before printing, so that names are in order [s].
 _ORDER_S = 0.5
@@ -43,7 +45,7 @@ def _describe(namespace: str, wants_yaml: bool) -> int:
     master = MasterClient("/describe")
     names = master.namespaces_offering(DESCRIBE, namespace)
     if not names:
-        hint = master.who_offers(DESCRIBE, namespace)
+        hint = service_hint(master, DESCRIBE, namespace)
         print(f"describe: no node at {namespace} describes its parameters; {hint}", file=sys.stderr)
     parts = [names[start : start + _TOGETHER] for start in range(0, len(names), _TOGETHER)]
     answered = [_describe_together(part, wants_yaml) for part in parts]

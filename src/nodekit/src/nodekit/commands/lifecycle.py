@@ -10,6 +10,7 @@ import rospy
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
 from nodekit.commands.request_errors import exit_on_error
+from nodekit.commands.service_hint import service_hint
 from nodekit.lifecycle_states import NotAllowed, State, requested
 from nodekit.master import MasterClient
 from nodekit.node.clients import CallError, call_service
@@ -29,7 +30,7 @@ def main() -> None:
         with exit_on_error("lifecycle", node or "a node"):
             master = MasterClient("/lifecycle")
             if node and master.lookup_service(f"{node}/{SERVICE}") is None:
-                hint = master.who_offers(SERVICE, node)
+                hint = service_hint(master, SERVICE, node)
                 sys.exit(f"lifecycle: {node} is not a managed node; {hint}")
             names = [node] if node else master.namespaces_offering(SERVICE)
             sys.exit(arguments.verb(names, arguments))

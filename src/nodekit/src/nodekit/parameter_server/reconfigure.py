@@ -123,7 +123,9 @@ def _offered(values: ParameterSet) -> Dict[str, Any]:
 def _description(kind: Type[ParameterSet], takes_effect: str) -> "ConfigDescription":
     declared = {k: p for k, p in kind.declared.items() if p.type_name in _TYPES}
     described = [
-        ParamDescription(name, _TYPES[item.type_name], 0, _help(item, takes_effect), _edit_method(item))
+        ParamDescription(
+            name, _TYPES[item.type_name], 0, _help(item, takes_effect), _edit_method(item)
+        )
         for name, item in declared.items()
     ]
     return ConfigDescription(

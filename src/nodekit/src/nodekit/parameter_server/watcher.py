@@ -14,11 +14,12 @@ from typing import Any, Collection, Dict, Iterator, List, Optional, Sequence, Se
 
 import rospy
 
-from nodekit.master import MasterClient, MasterUnreachable, Reading, Turns
+from nodekit.master import MasterClient, MasterUnreachable, Reading
 from nodekit.parameter_server.watched_key import WatchedKey
 from nodekit.parameters.parameter_types import MISSING, is_same
 from nodekit.rospy_internals import parameter_cache, shutdown
 from nodekit.rospy_internals.master_registrations import MasterRegistrations
+from nodekit.round_robin import RoundRobin
 from nodekit.throttle import Throttle
 
 #: Time between two reads where no notification arrives, s.
@@ -56,7 +57,7 @@ class Watcher:
         self._thread: Optional[threading.Thread] = None
         self._registrations = MasterRegistrations(client)
         self._ahead: Dict[str, Any] = {}
-        self._turns = Turns(RECONCILE_KEYS)
+        self._round_robin = RoundRobin(RECONCILE_KEYS)
         self._wake = threading.Event()
         self._reachable = True
         self._ended = False
@@ -199,7 +200,7 @@ class Watcher:
             is_due = time.monotonic() >= next_turn
             if is_due:
                 next_turn = time.monotonic() + RECONCILE_S
-            turn = self._turns.next(list(self._watched)) if is_due else []
+            turn = self._round_robin.next(list(self._watched)) if is_due else []
             try:
                 self._read_and_hand_over(turn)
                 if is_due and not self._ended:

@@ -27,7 +27,7 @@ from typing import (
     TypeVar,
 )
 
-from nodekit.parameters.declaration_checks import checked_default, check_members, check_rules
+from nodekit.parameters.declaration_checks import check_members, check_rules, checked_default
 from nodekit.parameters.errors import ParameterErrors, RuleError
 from nodekit.parameters.numeric_types import FloatParameter, IntParameter, RateParameter
 from nodekit.parameters.parameter_types import (

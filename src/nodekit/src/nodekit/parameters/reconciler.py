@@ -28,14 +28,14 @@ from nodekit.parameters.declaration import ParameterSet, Rule, Snapshot
 from nodekit.parameters.errors import RuleError, raise_all
 from nodekit.parameters.parameter_types import MISSING, UNREADABLE, NoValue, ParameterError, is_same
 from nodekit.parameters.validation import (
-    validate_each,
-    corrections,
     apply_rules,
+    corrections,
     last_valid,
     leaves,
     on_wire,
-    unknown_names,
     unknown_name_errors,
+    unknown_names,
+    validate_each,
 )
 
 #: How long values that do not go together may stand before they are refused, s:

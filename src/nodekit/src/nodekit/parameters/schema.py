@@ -4,12 +4,8 @@ A description says all that a kind of :mod:`nodekit.parameters.parameter_types` 
 so that a client in another process can build the same parameter of it.
 """
 
-import itertools
 import math
-import textwrap
 from typing import Any, Dict, List, Mapping, Type
-
-import yaml
 
 from nodekit.parameters import yaml_text
 from nodekit.parameters.declaration import ParameterSet
@@ -21,7 +17,6 @@ from nodekit.parameters.parameter_types import (
     ListParameter,
     Parameter,
     StringParameter,
-    format_value,
     to_wire,
 )
 
@@ -38,13 +33,6 @@ _KINDS: Dict[str, Type[Parameter[Any]]] = {
 AT_START = "at the next start"
 #: What an entry of a description always has.
 _NEEDED = {"name", "value", "type"}
-#: Most characters that a value, and a kind, set as the width of their column of a table.
-_WIDEST_VALUE = 24
-_WIDEST_KIND = 30
-#: The room that the help needs beside them, and a kind in any case; and what stands before help
-#: that is below them.
-_LEAST = 24
-_BELOW = " " * 6
 _NUMBERS = ("minimum", "maximum", "above", "below", "step", "min_length", "max_length")
 
 
@@ -87,7 +75,9 @@ def help_of(parameter: Parameter[Any], takes_effect: str) -> str:
     :param parameter: the parameter
     :param takes_effect: when changes of what is read once take effect
     """
-    return f"{parameter.help}; takes effect {takes_effect}" if parameter.read_once else parameter.help
+    return (
+        f"{parameter.help}; takes effect {takes_effect}" if parameter.read_once else parameter.help
+    )
 
 
 def _limits(parameter: Parameter[Any]) -> Dict[str, Any]:
@@ -165,59 +155,3 @@ def description_in(text: str) -> List[Dict[str, Any]]:
         if not isinstance(entry, dict) or not _NEEDED.issubset(entry):
             raise DescriptionError(f"the description of a parameter lacks something: {entry!r:.80}")
     return entries
-
-
-def as_table(description: List[Dict[str, Any]], width: int) -> str:
-    """Return a description as lines of text with aligned columns.
-
-    What is long goes on below in its column, so that a long list of choices takes no room from the
-    rest. Where the help would have too little room, it stands below. No word is broken: a long one
-    may take more.
-
-    :param description: what :func:`describe` returned
-    :param width: number of characters that a line may have
-    """
-    rows = [
-        (
-            entry["name"],
-            _on_one_line(entry["value"]),
-            " ".join(filter(None, (entry["type"], entry["range"], _step(entry), entry["unit"]))),
-            entry["help"],
-        )
-        for entry in description
-    ]
-    widest = [max((len(row[column]) for row in rows), default=0) for column in range(4)]
-    widths = [widest[0], min(widest[1], _WIDEST_VALUE), min(widest[2], _WIDEST_KIND)]
-    # Two before each column, and the sign of equality.
-    room = width - sum(widths) - 4 * 2 - 2
-    is_beside = room >= min(widest[3], _LEAST)
-    if not is_beside:
-        widths[2] = max(min(widest[2], _LEAST), widths[2] + room + 2)
-    lines: List[str] = []
-    for name, value, kind, text in rows:
-        cells = [[name], _wrapped(value, widths[1]), _wrapped(kind, widths[2])]
-        cells.append(_wrapped(text, room) if is_beside else [])
-        for number, parts in enumerate(itertools.zip_longest(*cells, fillvalue="")):
-            first, second, third = (part.ljust(size) for part, size in zip(parts, widths))
-            sign = " " if number else "="
-            lines.append(f"  {first}  {sign} {second}  {third}  {parts[3]}".rstrip())
-        if text and not is_beside:
-            lines += textwrap.wrap(text, width, initial_indent=_BELOW, subsequent_indent=_BELOW)
-    return "\n".join(lines)
-
-
-def _wrapped(cell: str, width: int) -> List[str]:
-    if len(cell) <= width:
-        return [cell]
-    return textwrap.wrap(cell, width, break_long_words=False, break_on_hyphens=False)
-
-
-def _on_one_line(value: Any) -> str:
-    """Return a value as YAML without a line break, which a text with one has as ``\\n``."""
-    style = '"' if isinstance(value, str) and "\n" in value else None
-    text = yaml.safe_dump(value, default_flow_style=True, default_style=style, width=math.inf)
-    return text.split("\n")[0]
-
-
-def _step(entry: Mapping[str, Any]) -> str:
-    return f"step {format_value(entry['step'])}" if "step" in entry else ""

@@ -146,7 +146,9 @@ def unknown_names(
     return found
 
 
-def unknown_name_errors(declared: Collection[str], changes: Mapping[str, Any]) -> List[ParameterError]:
+def unknown_name_errors(
+    declared: Collection[str], changes: Mapping[str, Any]
+) -> List[ParameterError]:
     """Refuse to change what nobody declared.
 
     :param declared: the declared names

@@ -9,9 +9,10 @@ from typing import List, Optional, Set
 
 import rospy
 
-from nodekit.master import MasterClient, Reading, Turns
+from nodekit.master import MasterClient, Reading
 from nodekit.rospy_internals import registrar
 from nodekit.rospy_internals.registrar import with_owners
+from nodekit.round_robin import RoundRobin
 
 #: Most services that are looked up at a time; where there are more, they take turns.
 LOOKUPS = 20
@@ -33,7 +34,7 @@ class MasterRegistrations:
         #: Whether the master took nothing at all: it will not know this node, restarted or not.
         self._is_refused = False
         self._taken: Set[str] = set()
-        self._turns = Turns(LOOKUPS)
+        self._round_robin = RoundRobin(LOOKUPS)
 
     def begin(self, reading: Reading) -> None:
         """Remember which master it is."""
@@ -67,7 +68,7 @@ class MasterRegistrations:
         :raises MasterUnreachable: if the master does not answer
         """
         services = registrar.services()
-        turn = self._turns.next(list(services))
+        turn = self._round_robin.next(list(services))
         if not turn:
             return
         free: List[str] = []

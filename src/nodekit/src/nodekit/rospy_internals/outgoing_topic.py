@@ -305,5 +305,7 @@ class OutgoingTopic(_Topic):
             if connection in self._links:
                 links[connection] = self._links[connection]
             elif connection.socket is not None:
-                links[connection] = RosSubscriberConnection(connection, self._lock, self.resolved_name)
+                links[connection] = RosSubscriberConnection(
+                    connection, self._lock, self.resolved_name
+                )
         self._links = links or _NO_CONNECTIONS

@@ -53,9 +53,7 @@ class ShutdownPhase(enum.IntEnum):
 
 #: What is to be called, each the latest first. Lists are changed and copied in one step, also amid
 #: a signal.
-_functions: Dict[ShutdownPhase, List[Callable[[], object]]] = {
-    phase: [] for phase in ShutdownPhase
-}
+_functions: Dict[ShutdownPhase, List[Callable[[], object]]] = {phase: [] for phase in ShutdownPhase}
 
 
 def at_end(phase: ShutdownPhase, function: Callable[[], object]) -> Callable[[], None]:

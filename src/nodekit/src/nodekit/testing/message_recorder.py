@@ -21,7 +21,9 @@ class MessageRecorder:
         self._topic = topic
         self._lock = threading.Lock()
         self._messages: List[Any] = []
-        self._subscriber = subscribe_without_loss(rospy.resolve_name(topic), message_type, self._record)
+        self._subscriber = subscribe_without_loss(
+            rospy.resolve_name(topic), message_type, self._record
+        )
 
     def messages(self) -> List[Any]:
         """Return the messages so far, oldest first."""

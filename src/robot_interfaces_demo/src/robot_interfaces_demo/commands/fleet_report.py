@@ -1,6 +1,7 @@
 """The command ``rosrun robot_interfaces_demo fleet_report``."""
 
 import argparse
+import difflib
 import sys
 from typing import NoReturn
 
@@ -24,7 +25,7 @@ def main() -> None:
     try:
         master = MasterClient("/fleet_report")
         if master.lookup_service(f"{node}/{SERVICE}") is None:
-            _give_up(f"there is no fleet_monitor {node}; {master.who_offers(SERVICE, node)}")
+            _give_up(f"there is no fleet_monitor {node}; {_hint(master, node)}")
         answer = call_service(f"{node}/{SERVICE}", Trigger, timeout=arguments.timeout).result()
     except MasterUnreachable as error:
         _give_up(f"no master at {error}")
@@ -34,6 +35,12 @@ def main() -> None:
         sys.exit(130)  # as a shell puts it
     print(answer.message)
     sys.exit(ALL_WELL if answer.success else SOMETHING_WRONG)
+
+
+def _hint(master: MasterClient, node: str) -> str:
+    names = master.namespaces_offering(SERVICE)
+    near = difflib.get_close_matches(node.rstrip("/"), names, n=1) or names
+    return f"there is {', '.join(near)}" if near else "no such node is running"
 
 
 def _give_up(why: str) -> NoReturn:

@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple
 
 from rclpy.qos import ReliabilityPolicy
 
-from nodekit.master import Turns
+from nodekit import RoundRobin
 from ros2_bridge.ros2.side import Ros2, keeps
 from ros2_bridge.rules.pairing import ROSOUT, is_never_bridged
 from ros2_bridge.rules.renaming import Renaming
@@ -52,7 +52,7 @@ class Ros2Graph:
         self._side, self._names = side, names
         self.nameless: Set[str] = set()
         self.shared_names: Set[str] = set()
-        self._turns = Turns(_TOGETHER)
+        self._turns = RoundRobin(_TOGETHER)
         #: Topics of ours that others use too, as far as was seen.
         self._shared: Set[str] = set()
 

@@ -4,8 +4,8 @@ import itertools
 import threading
 from typing import Dict, Optional, Sequence, Set
 
-from nodekit import CallError, MasterUnreachable, probe_service
-from nodekit.master import MasterClient, Turns
+from nodekit import CallError, MasterUnreachable, RoundRobin, probe_service
+from nodekit.master import MasterClient
 
 #: Longest wait for a server, s, and most servers that are asked at once.
 _TIMEOUT_S, _MOST = 2.0, 8
@@ -22,7 +22,7 @@ class ServiceTypes:
     """
 
     def __init__(self, client: MasterClient) -> None:
-        self._client, self._turns = client, Turns(_LOOKUPS)
+        self._client, self._turns = client, RoundRobin(_LOOKUPS)
         self._lock = threading.Lock()
         self._asked: Set[str] = set()
         self._found: Dict[str, str] = {}

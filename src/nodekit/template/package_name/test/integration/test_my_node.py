@@ -4,10 +4,11 @@
 import unittest
 
 import rospy
+from std_msgs.msg import String
+
 from nodekit.testing.launching import launched
 from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
-from std_msgs.msg import String
 
 
 class MyNodeTest(unittest.TestCase):

@@ -146,12 +146,8 @@ ROOMS: Dict[str, List[str]] = {
         "plan node_state commands system reports node_client other_managers nodes"
     ).split(),
     "diff_drive_sim": "simulation robot_parameters messages nodes".split(),
-    "executors_demo": (
-        "events call_log bars picture commands demo four_timers nodes"
-    ).split(),
-    "robot_interfaces_demo": (
-        "modes robot_model monitoring diagnostics commands nodes"
-    ).split(),
+    "executors_demo": ("events call_log bars picture commands demo four_timers nodes").split(),
+    "robot_interfaces_demo": ("modes robot_model monitoring diagnostics commands nodes").split(),
     "bot_controller_demo": "control teleop driving nodes".split(),
 }
 #: Rooms that must not import each other, whatever their order.

@@ -15,7 +15,7 @@ from ci.lint import public_api
         ("from nodekit import Node, managed as m", "managed"),
         ("from nodekit import (\n    Node,\n    managed,\n)", "managed"),
         ("def late():\n    from nodekit.parameters import kinds", "parameters"),
-        ("try:\n    import nodekit.transport.subscriber_connection\nexcept ImportError:\n    pass", "transport"),
+        ("try:\n    import nodekit.transport.delivery\nexcept ImportError:\n    pass", "transport"),
         ("importlib.import_module('nodekit.commands.describe')", "commands"),
         ("Process('-m', ['nodekit.commands.describe', '/'])", "commands"),
         ("$ python3 -m nodekit.commands.describe /", "commands"),

@@ -75,7 +75,8 @@ def test_samples_that_are_all_left_out_do_no_harm(clocks: Clocks) -> None:
     assert answers(node) == []
     node.receive([sample(0.2, 0.5), sample(0.3, math.nan)], True)
     assert answers(node) == [0.5]
-    assert clocks.warnings[-1].startswith("/signal: 3 samples dropped so far")
+    (warning,) = clocks.warnings  # the second one is within the throttle's period
+    assert warning.startswith("/signal: 2 samples dropped so far")
 
 
 def test_two_process_nodes_in_one_process_both_warn_of_dropped_samples(clocks: Clocks) -> None:

@@ -41,8 +41,8 @@ def test_only_some_packages() -> None:
 def test_paths_are_files_and_folders_each_module_once(monkeypatch: "pytest.MonkeyPatch") -> None:
     library = SOURCES / "nodekit" / "src" / "nodekit"
     monkeypatch.chdir(library)
-    found = mutants.modules_of(False, [], ["parameters/kinds.py", "parameters"])
-    assert found.count(library / "parameters" / "kinds.py") == 1
+    found = mutants.modules_of(False, [], ["parameters/parameter_types.py", "parameters"])
+    assert found.count(library / "parameters" / "parameter_types.py") == 1
     assert {path.parent.name for path in found} == {"parameters"}
     assert names(True, ["topic_scope"], [str(SOURCES / "topic_scope" / "www")]) == {
         path for path in names(True, [], []) if path.endswith(".js")

@@ -1,4 +1,4 @@
-"""Log what a user's function raises: not each time, and without ending what called it."""
+"""Log exceptions of user callbacks, rate-limited."""
 
 import traceback
 
@@ -7,14 +7,14 @@ import rospy.core
 
 from nodekit.throttle import Throttle
 
-#: A function's failures are logged at most this often, s.
+#: Shortest time between two log lines about exceptions of one function [s].
 LOG_PERIOD_S = 5.0
 
 
 class CallbackErrors(Throttle):
-    """The failures of one function.
+    """Exceptions of one function.
 
-    :ivar count: how many there were
+    :ivar count: number of exceptions
     """
 
     __slots__ = ("count",)
@@ -24,13 +24,13 @@ class CallbackErrors(Throttle):
         self.count = 0
 
     def record(self, what: str, is_ending: bool = False) -> None:
-        """Count the exception that is being handled, and log it with its traceback now and then.
+        """Count the current exception, and log it with its traceback, rate-limited.
 
-        :param what: names the function
-        :param is_ending: whether the function was closed while it was under way
+        :param what: name of the function
+        :param is_ending: whether the function was closed during its call
         """
         self.count += 1
-        # What fails when the end has begun fails because of it, as a call of a closed client.
+        # An exception during shutdown is a consequence of it, as of a call of a closed client.
         is_ending = is_ending or rospy.core.is_shutdown_requested()
         if not is_ending and self.is_due():
             text = "%s failed, %d times so far:\n%s"

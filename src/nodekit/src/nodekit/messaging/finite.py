@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Messages whose numbers are all finite."""
+"""Check of messages for NaN and infinity, and float32 rounding."""
 
 import math
 import struct
@@ -10,25 +10,25 @@ LARGEST_FLOAT32 = (2.0 - 2.0**-23) * 2.0**127
 
 
 def to_float32(value: float) -> float:
-    """Return the float32 next to a value, as a message would carry it.
+    """Return the nearest float32 of a value, as a message would carry it.
 
-    :param value: of a magnitude up to :data:`LARGEST_FLOAT32`
+    :param value: a number of magnitude up to :data:`LARGEST_FLOAT32`
     """
     nearest: float = struct.unpack("<f", struct.pack("<f", value))[0]
     return nearest
 
 
 def is_finite(message: Any) -> bool:
-    """Tell whether a message has neither NaN nor infinity in any of its fields.
+    """Return whether a message has neither NaN nor infinity in any field.
 
     :param message: a message, or the value of a field
     """
     if isinstance(message, float):
         return math.isfinite(message)
-    if isinstance(message, (int, str)):  # sooner than to find that they have no fields
+    if isinstance(message, (int, str)):  # faster than finding no fields
         return True
     if isinstance(message, (list, tuple)):
         return all(map(is_finite, message))
-    if hasattr(message, "tolist"):  # of numpy, or an array of Python's
+    if hasattr(message, "tolist"):  # numpy, or Python's array
         return is_finite(message.tolist())
     return all(is_finite(getattr(message, name)) for name in getattr(message, "__slots__", ()))

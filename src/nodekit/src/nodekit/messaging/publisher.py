@@ -1,4 +1,4 @@
-"""Publishers that send at once, and that a stalled subscriber cannot hold up."""
+"""Publisher that sends at once, and that a stalled subscriber cannot block."""
 
 import threading
 from typing import Any, List, NamedTuple, Optional, Sequence
@@ -8,41 +8,40 @@ import rospy
 from nodekit.rospy_internals import outgoing_topic, registry
 from nodekit.validation import check_message_class
 
-#: queue of the plain publisher that stands in where rospy's internals are not as expected
+#: Queue size of the plain publisher that is used with an unknown rospy.
 FALLBACK_QUEUE_SIZE = 100
 
 
 class SubscriberStatistics(NamedTuple):
-    """What became of the messages to one subscriber."""
+    """Counters of the messages to one subscriber."""
 
     #: name of the subscribing node
     node: str
     #: messages sent
     sent: int
-    #: messages dropped because it did not read
+    #: messages dropped because the subscriber did not read
     lost: int
-    #: whether it is being left behind now
+    #: whether the subscriber is stalled now
     stalled: bool
 
 
 class Publisher:
-    """A topic that a node publishes, without a queue.
+    """Publisher of a topic, without a queue.
 
-    :meth:`publish` returns when the message is with the operating system: the lowest latency, and
-    no loss to a subscriber that reads. One that does not holds up one call, by at most 50 ms; from
-    then on it gets the newest message only, in the background, until it reads again. What it loses
-    is counted and reported, and what it gets is whole. May be used from several threads.
+    :meth:`publish` returns when the operating system has the message: latency is lowest, and a
+    subscriber that reads loses nothing. A subscriber that does not read blocks one call, for at most
+    50 ms; then it gets only the newest message, in the background, until it reads again. Its lost
+    messages are counted and reported; messages are never split. Thread-safe.
 
-    Before it is open nobody can hear it: of what is published then the last message is kept, if it
-    is latched, and sent on opening.
+    Before the publisher is open, the last message of a latched topic is kept, and sent on opening.
 
     :param name: topic, resolved
     :param data_class: message class
     :param latch: whether later subscribers get the last message
-    :param lifespan: for how long they get it where it is not latched, s: a node that starts a
-        moment later does not have to wait for the next one. Not in the same process, where the
-        subscriptions are open before anything is published
-    :raises TypeError: if the class is not that of a message
+    :param lifespan: how long later subscribers get the last message of an unlatched topic [s]: a node
+        that starts a moment later does not have to wait for the next one. Not in the same process,
+        where subscriptions open before the first message is published
+    :raises TypeError: if the class is not a message class
     """
 
     __slots__ = (
@@ -55,7 +54,7 @@ class Publisher:
         "_topic",
         "_is_closed",
     )
-    #: Held for a moment, where what is published is kept, or from then on sent; one for all.
+    #: Held briefly while messages are kept or first sent; shared by all publishers.
     _lock = threading.Lock()
 
     def __init__(
@@ -72,7 +71,7 @@ class Publisher:
         self._is_closed = False
 
     def open(self) -> None:
-        """Advertise it, unless it was closed."""
+        """Advertise the topic, unless the publisher is closed."""
         if self._is_closed:
             return
         mismatch = outgoing_topic.publisher_mismatch()
@@ -89,8 +88,8 @@ class Publisher:
                 latch=self._latch,
                 queue_size=FALLBACK_QUEUE_SIZE,
             )
-        publisher.name = publisher.resolved_name = name  # rospy has made copies
-        while True:  # another thread may publish meanwhile, and what is latched is the newest
+        publisher.name = publisher.resolved_name = name  # rospy has made copies of the text
+        while True:  # another thread may publish meanwhile; the newest is latched
             with self._lock:
                 first, self._first = self._first, None
                 if first is None:
@@ -100,11 +99,11 @@ class Publisher:
                 topic.publish_all((first,))
             else:
                 publisher.publish(first)
-        if self._is_closed:  # by another thread, meanwhile
+        if self._is_closed:  # by another thread meanwhile
             self.close()
 
     def close(self) -> None:
-        """Publish no longer."""
+        """Stop publishing."""
         self._is_closed = True
         with self._lock:
             publisher, self._publisher, self._topic = self._publisher, None, None
@@ -112,9 +111,9 @@ class Publisher:
             publisher.unregister()
 
     def publish(self, *args: Any, **kwds: Any) -> None:
-        """Send a message, given itself or by its fields, as with ``rospy.Publisher``.
+        """Send a message, given as an object or by its fields, as with ``rospy.Publisher``.
 
-        :raises rospy.ROSSerializationException: if a field has a value that does not fit
+        :raises rospy.ROSSerializationException: if the value of a field does not fit its type
         :raises rospy.ROSException: if the publisher is closed or the node not initialised;
             never because the node is shutting down
         """
@@ -128,7 +127,7 @@ class Publisher:
                 if self._publisher is None:
                     self._first = message
                     return
-            args, kwds = (message,), {}  # it was opened just now
+            args, kwds = (message,), {}  # it has just been opened
         publisher = self._publisher
         if publisher is not None:
             publisher.publish(*args, **kwds)
@@ -136,10 +135,10 @@ class Publisher:
             raise rospy.ROSException(f"publish() to a closed publisher of {self.resolved_name}")
 
     def publish_all(self, messages: Sequence[Any]) -> None:
-        """Send several messages in one go, which takes hardly longer than one.
+        """Send several messages in one delivery, which takes hardly longer than one message.
 
-        :param messages: what to send, of the publisher's class, oldest first
-        :raises rospy.ROSSerializationException: as :meth:`publish`; none is sent then
+        :param messages: messages of the publisher's class, oldest first
+        :raises rospy.ROSSerializationException: as :meth:`publish`; no message is sent then
         :raises rospy.ROSException: as :meth:`publish`
         """
         topic = self._topic
@@ -150,27 +149,27 @@ class Publisher:
             topic.publish_all(messages)
 
     def latch_all(self, messages: Sequence[Any]) -> None:
-        """Let later subscribers of a latched topic get these, in place of the last that was sent.
+        """Set the messages for later subscribers of a latched topic, in place of the last one.
 
-        To be called before the newest of them is published, so that nobody misses it who comes
-        meanwhile. Where rospy's own queues are in use, it is the last message all the same; those
-        in the same process get nothing from before.
+        Call this before the newest of them is published, so that a subscriber that connects
+        meanwhile gets it. With rospy's own queues, later subscribers still get the last message;
+        those in the same process get no earlier messages.
 
-        :param messages: of the publisher's class; none for the last that is sent from now on
+        :param messages: messages of the publisher's class; empty for the last that is sent from now on
         """
         topic = self._topic
         if topic is not None:
             topic.latch_all(messages)
 
     def get_num_connections(self) -> int:
-        """Tell how many subscribers are connected; those in the same process need no connection."""
+        """Return the number of connected subscribers; those in the same process have no connection."""
         publisher = self._publisher
         return int(publisher.get_num_connections()) if publisher is not None else 0
 
     def statistics(self) -> List[SubscriberStatistics]:
-        """Tell how the present subscribers fare.
+        """Return the counters of the connected subscribers.
 
-        :returns: one entry per subscriber; none where rospy's own queues are in use
+        :returns: one entry per subscriber; empty with rospy's own queues
         """
         links = self._topic.links() if self._topic is not None else []
         return [

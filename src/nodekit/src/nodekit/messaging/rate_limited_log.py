@@ -1,18 +1,18 @@
-"""Log a stream of messages without drowning in it."""
+"""Log of a stream of lines, with a limit of lines per second."""
 
 import threading
 from typing import Callable
 
 import rospy
 
-#: Longest line that is logged in full, characters.
+#: Longest line that is logged in full [characters].
 LONGEST = 1000
-#: Of a longer one, what is logged of its end, characters.
+#: Logged end of a longer line [characters].
 _END = 100
 
 
 def shortened(text: str) -> str:
-    """Leave out the middle of a very long text.
+    """Remove the middle of a very long text.
 
     :param text: the text
     :returns: a text not much longer than :data:`LONGEST`
@@ -25,13 +25,13 @@ def shortened(text: str) -> str:
 
 
 class RateLimitedLog:
-    """Logs each line of a slow stream, and of a quick one how much was left out.
+    """Log of a stream of lines; counts the lines above the limit.
 
-    :param per_second: how many lines a second are logged, 1/s
+    :param per_second: logged lines per second
     :param log: writes one line; ``rospy.loginfo`` by default
     """
 
-    #: A stream at just the limit may, by jitter, put more into one second.
+    #: Allowance for the jitter of a stream at the limit [lines].
     JITTER = 2
 
     def __init__(self, per_second: int = 10, log: Callable[[str], None] = rospy.loginfo) -> None:
@@ -41,9 +41,9 @@ class RateLimitedLog:
         self._count = 0
 
     def line(self, text: str) -> None:
-        """Log a line, or count it where there were too many this second.
+        """Log a line, or count it if the limit of this second is reached.
 
-        :param text: the line; its middle is left out where it is very long
+        :param text: the line; the middle of a very long one is removed
         """
         with self._lock:
             self._count += 1
@@ -52,7 +52,7 @@ class RateLimitedLog:
         self._log(shortened(text))
 
     def end_second(self, _elapsed: float = 0.0) -> None:
-        """Tell what was left out in the second that ends now; to be called each second."""
+        """Log the number of skipped lines of the last second; call this each second."""
         with self._lock:
             left_out, self._count = self._count - self._limit, 0
         if left_out > 0:

@@ -1,4 +1,4 @@
-"""Services that end when they are closed, their clients' connections with them."""
+"""Service of a node, whose persistent connections end when it is closed."""
 
 from typing import Any, Callable, Optional
 
@@ -8,22 +8,22 @@ from nodekit.rospy_internals.registry import name_before_remapping
 
 
 class _LoggedService(ClosableService):
-    """Logs what goes wrong; mostly an answer that its type cannot hold."""
+    """Service that logs errors, most often of a response that cannot be serialized."""
 
-    _failures: Optional[CallbackErrors] = None  # made for the first one: hardly any service has one
+    _failures: Optional[CallbackErrors] = None  # created for the first error, which is rare
 
     def error_handler(self, *_: Any) -> None:
-        """Log the exception that is being handled; rospy calls this."""
+        """Log the current exception; rospy calls this."""
         self._failures = self._failures or CallbackErrors()
         self._failures.record(f"service {self.resolved_name}")
 
 
 class Service:
-    """A service of a node.
+    """Service of a node.
 
     :param name: name, resolved
-    :param service_class: its type
-    :param handler: returns the answer to a request, or raises what the client is told; called from
+    :param service_class: service type
+    :param handler: returns the response to a request, or raises an error for the client; called from
         a thread for each call
     """
 
@@ -36,18 +36,18 @@ class Service:
         self._is_closed = False
 
     def open(self) -> None:
-        """Offer it, unless it was closed."""
+        """Offer the service, unless it is closed."""
         if self._is_closed:
             return
         name = name_before_remapping(self.resolved_name)
         service = _LoggedService(name, self._service_class, self._handler)
         self._service = service
-        self.resolved_name = service.resolved_name  # rospy makes a copy, which is enough of them
-        if self._is_closed:  # by another thread, meanwhile
+        self.resolved_name = service.resolved_name  # share rospy's copy of the text
+        if self._is_closed:  # by another thread meanwhile
             self.close()
 
     def close(self) -> None:
-        """Offer it no longer."""
+        """Stop offering the service."""
         self._is_closed = True
         service, self._service = self._service, None
         if service is not None:

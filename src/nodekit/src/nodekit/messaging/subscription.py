@@ -1,4 +1,4 @@
-"""Subscriptions that hand over at once whatever has arrived."""
+"""Subscription that passes on all messages that have arrived together."""
 
 import time
 from typing import Any, Callable, List, Optional
@@ -10,17 +10,16 @@ from nodekit.validation import check_message_class
 
 
 class Subscription:
-    """A topic that a node hears.
+    """Subscription to a topic.
 
-    Mostly one message has arrived. After a busy moment it is many, which are handed over together.
-    None is left out.
+    The callback mostly gets one message; after a busy moment it gets several at once. No message is
+    dropped.
 
     :param name: topic, resolved
     :param data_class: message class
     :param receive: called with a list of messages, oldest first, and whether the calling thread may
-        be kept waiting; from a thread for each publisher, or from that of a publisher in this
-        process
-    :raises TypeError: if the class is not that of a message
+        be blocked; from a thread for each publisher, or the publishing thread of this process
+    :raises TypeError: if the class is not a message class
     """
 
     def __init__(
@@ -33,7 +32,7 @@ class Subscription:
         self._is_closed = self._is_late = False
 
     def open(self) -> None:
-        """Subscribe, unless it was closed."""
+        """Subscribe, unless the subscription is closed."""
         if self._is_closed:
             return
         mismatch = incoming_topic.subscriber_mismatch()
@@ -42,7 +41,7 @@ class Subscription:
         name, data_class = self.resolved_name, self._data_class
         before = registry.name_before_remapping(name)
         with registry.topic_lock():
-            self._is_late = latched.is_heard(name)
+            self._is_late = latched.is_subscribed(name)
             if not mismatch and incoming_topic.receive_in_batches(name, data_class, self._receive):
                 self._subscriber = rospy.Subscriber(before, data_class, tcp_nodelay=True)
             else:
@@ -52,15 +51,15 @@ class Subscription:
                     lambda message: self._receive([message], True),
                     tcp_nodelay=True,
                 )
-        if self._is_closed:  # by another thread, meanwhile
+        if self._is_closed:  # by another thread meanwhile
             self.close()
 
     def receive_latched(self) -> None:
-        """Hand over what was latched on the topic before; once, after :meth:`open`."""
+        """Pass on the topic's latched messages; call this once, after :meth:`open`."""
         latched.receive_latched(self.resolved_name, self._receive, self._is_late)
 
     def get_num_connections(self) -> int:
-        """Tell how many publishers are connected; those in the same process need no connection."""
+        """Return the number of connected publishers; those in the same process have no connection."""
         subscriber = self._subscriber
         return int(subscriber.get_num_connections()) if subscriber is not None else 0
 
@@ -74,12 +73,12 @@ class Subscription:
 
 
 class LatestMessage:
-    """The latest message of a topic; no callback, so nobody waits for anybody.
+    """Latest message of a topic, without a callback.
 
     :param name: topic, resolved
     :param data_class: message class
 
-    :ivar message: the message, None before the first
+    :ivar message: the message; None before the first
     """
 
     def __init__(self, name: str, data_class: type) -> None:
@@ -89,7 +88,7 @@ class LatestMessage:
 
     @property
     def age(self) -> float:
-        """Time since the message has arrived, s, by the machine's clock; infinite before it."""
+        """Time since the arrival of the message by the monotonic clock [s]; infinite before it."""
         return time.monotonic() - self._arrived_at
 
     def _receive(self, messages: List[Any], _may_wait: bool) -> None:

@@ -1,4 +1,4 @@
-"""How rospy serves: a thread for each connection, which a closed service leaves running."""
+"""Service whose persistent connections end with it; rospy's threads would keep running."""
 
 import contextlib
 import socket
@@ -11,13 +11,13 @@ from nodekit.rospy_internals.registry import NameTaken
 
 
 class ClosableService(rospy.Service):
-    """A ``rospy.Service`` that ends lasting connections of its clients when it is shut down.
+    """``rospy.Service`` that closes persistent connections when it is shut down.
 
-    :raises NameTaken: if this process offers one of that name already
+    :raises NameTaken: if this process offers a service of that name already
     """
 
-    #: All services with such connections, and those: in most processes there are none.
-    _lasting: List[Tuple["ClosableService", Any]] = []
+    #: Services and their persistent connections, of all services: few processes have any.
+    _persistent: List[Tuple["ClosableService", Any]] = []
 
     def __init__(self, name: str, *args: Any, **kwds: Any) -> None:
         try:
@@ -26,29 +26,29 @@ class ClosableService(rospy.Service):
             raise NameTaken(f"service {name}: refused: this process offers it already") from None
 
     def handle(self, transport: Any, header: Dict[str, str]) -> None:
-        """Serve a client until it or the service has ended.
+        """Serve a client until its connection or the service ends.
 
         :param transport: rospy's object for the connection
-        :param header: what the client said of itself
+        :param header: the client's connection header
         """
         if header.get("persistent", "").lower() not in ("1", "true"):
-            super().handle(transport, header)  # which ends by itself after one call
+            super().handle(transport, header)  # ends after one call
             return
-        self._lasting.append((self, transport))
+        self._persistent.append((self, transport))
         try:
             super().handle(transport, header)
         finally:
-            self._lasting.remove((self, transport))
+            self._persistent.remove((self, transport))
 
     def shutdown(self, reason: str = "") -> None:
-        """End the service; the client of a call that is under way still gets its answer.
+        """End the service; a running call still gets its response.
 
-        :param reason: as rospy has it; without effect
+        :param reason: ignored; rospy's parameter
         """
         self.done = True
-        with contextlib.suppress(KeyError):  # rospy's own end empties the table without its lock
+        with contextlib.suppress(KeyError):  # rospy's shutdown empties the table without its lock
             get_service_manager().unregister(self.resolved_name, self)
-        for service, transport in list(self._lasting):
+        for service, transport in list(self._persistent):
             if service is self:
-                with contextlib.suppress(OSError, AttributeError):  # it has just ended
+                with contextlib.suppress(OSError, AttributeError):  # it has just been closed
                     transport.socket.shutdown(socket.SHUT_RD)

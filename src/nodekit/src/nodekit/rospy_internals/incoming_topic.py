@@ -1,9 +1,8 @@
-"""How rospy receives.
+"""Subscribed topic that receives in batches, in place of rospy's implementation object.
 
-One implementation object serves all subscribers of a topic in a process, and each publisher's
-connection has a thread that reads from it, through a chain of buffers made for every case. Here a
-short way stands in: what one read brings is unpacked at once and handed over together. What is
-published in the same process comes without a connection, in the thread that publishes.
+One object serves all subscribers of a topic in a process, and each publisher's connection has a
+reading thread. The messages of one read are unpacked at once and passed on together, without
+rospy's chain of buffers. Publishers in the same process call the subscriber in their own thread.
 """
 
 import functools
@@ -25,11 +24,11 @@ from nodekit.rospy_internals import registrar
 from nodekit.rospy_internals.registry import check_topic_type
 from nodekit.rospy_internals.tcpros_reader import Reader
 
-#: Called with the messages that have arrived together, oldest first, and whether the thread is that
-#: of a connection, which may be kept waiting.
+#: Called with the messages that have arrived together, oldest first, and whether the calling thread
+#: may be blocked, as the thread of a connection may.
 BatchCallback = Callable[[List[Any], bool], None]
 
-#: How much earlier than the end of a connection news of its successor may come, s.
+#: A publisher's new connection may be announced this long before its old one ends [s].
 SUCCESSOR_S = 10.0
 _SUBSCRIBER_ATTRIBUTES = "callbacks add_connection queue_size statistics_logger closed c_lock"
 _TRANSPORT_ATTRIBUTES = "socket read_buff protocol done header stat_bytes stat_num_msg is_latched"
@@ -37,9 +36,9 @@ _TRANSPORT_ATTRIBUTES = "socket read_buff protocol done header stat_bytes stat_n
 
 @functools.lru_cache(maxsize=None)
 def subscriber_mismatch() -> str:
-    """Compare rospy's subscribers with what this module takes for granted.
+    """Compare rospy's subscribers with the expectations of this module.
 
-    :returns: what is different; empty if nothing is
+    :returns: the first difference; empty without one
     """
     try:
         topic = rospy.topics._SubscriberImpl("/mismatch", rospy.AnyMsg)
@@ -61,18 +60,18 @@ def subscriber_mismatch() -> str:
         add = inspect.signature(get_topic_manager()._add)
         if list(add.parameters) != ["ps", "rmap", "reg_type"]:
             return "topics are added in another way"
-    except Exception as error:  # whatever an unknown rospy may raise
+    except Exception as error:  # an unknown rospy may raise anything
         return repr(error)
     return ""
 
 
 def receive_in_batches(name: str, data_class: type, callback: BatchCallback) -> bool:
-    """Have the messages of a topic handed over as they arrive, to be called before subscribing.
+    """Pass the messages of a topic on in batches; call this before subscribing.
 
     :param name: topic, resolved
     :param data_class: message class
-    :param callback: what to call, from the thread of the connection or of the publisher
-    :returns: whether that is possible; not where there is a plain ``rospy.Subscriber`` already
+    :param callback: called from the thread of the connection or of the publisher
+    :returns: whether that is possible; not if there is a plain ``rospy.Subscriber`` already
     :raises rospy.ROSException: if this process subscribes to it with another type
     """
     manager = get_topic_manager()
@@ -91,10 +90,10 @@ def receive_in_batches(name: str, data_class: type, callback: BatchCallback) -> 
 
 
 def stop_receiving(name: str, callback: BatchCallback) -> None:
-    """Hand over nothing more; to be called before unsubscribing.
+    """Remove a batch callback; call this before unsubscribing.
 
     :param name: topic, resolved
-    :param callback: what was called
+    :param callback: the callback
     """
     topic = get_topic_manager().get_subscriber_impl(name)
     if isinstance(topic, IncomingTopic):
@@ -102,18 +101,18 @@ def stop_receiving(name: str, callback: BatchCallback) -> None:
 
 
 def cache_statistics_setting() -> None:
-    """Have rospy ask the master once in a process, not with each topic, for /enable_statistics."""
+    """Read /enable_statistics once in a process; rospy reads it for each topic."""
     logger = getattr(rospy.topics, "SubscriberStatisticsLogger", None)
     if logger is not None:
         logger.is_enabled = functools.lru_cache(maxsize=None)(logger.is_enabled)
 
 
-#: What rospy has for a subscribed topic; where it is not known, nothing here is used.
+#: rospy's class of a subscribed topic; in an unknown rospy this module is not used.
 _Topic: Any = getattr(rospy.topics, "_SubscriberImpl", object)
 
 
 class IncomingTopic(_Topic):
-    """A subscribed topic that is read by the short way; one of rospy's implementation objects.
+    """Subscribed topic that receives in batches; one of rospy's implementation objects.
 
     :param name: topic, resolved
     :param data_class: message class
@@ -121,23 +120,23 @@ class IncomingTopic(_Topic):
 
     def __init__(self, name: str, data_class: Any) -> None:
         super().__init__(name, data_class)
-        self.resolved_name = name  # rospy has remapped it once more
+        self.resolved_name = name  # rospy has remapped it a second time
         self._batch_callbacks: List[BatchCallback] = []
         self._takes_any_type = issubclass(data_class, rospy.AnyMsg)
-        #: When the master told of publishers that are connected, s: perhaps of a new one each.
+        #: Time of the latest announcement of each connected publisher, which may be a new one [s].
         self._notified_at: Dict[str, float] = {}
 
     def add_batch_callback(self, callback: BatchCallback) -> None:
-        """Have one more function called.
+        """Add a batch callback.
 
         :param callback: as in :func:`receive_in_batches`
         """
         self._batch_callbacks = self._batch_callbacks + [callback]
 
     def remove_batch_callback(self, callback: BatchCallback) -> None:
-        """Have a function called no longer.
+        """Remove a batch callback.
 
-        :param callback: the function
+        :param callback: the callback
         """
         callbacks = list(self._batch_callbacks)
         if callback in callbacks:
@@ -145,34 +144,36 @@ class IncomingTopic(_Topic):
         self._batch_callbacks = callbacks
 
     def receive_callback(self, msgs: List[Any], connection: Any) -> None:
-        """Hand messages over.
+        """Pass messages to the callbacks.
 
-        :param msgs: what has arrived
-        :param connection: where from; None for this process
+        :param msgs: the messages
+        :param connection: the connection they came from; None for this process
         """
         if self.callbacks or self.statistics_logger:
             super().receive_callback(msgs, connection)
         for callback in self._batch_callbacks:
             try:
                 callback(msgs, connection is not None)
-            except Exception:  # as rospy does it: one callback's defect ends nothing else
+            except Exception:  # as in rospy: the other callbacks still run
                 if not rospy.core.is_shutdown():
                     rospy.logerr("bad callback: %s\n%s", callback, traceback.format_exc())
 
     def receive_directly(self, bodies: List[bytes], header: Dict[str, str]) -> None:
-        """Hand messages over that are published in this process.
+        """Pass on messages that are published in this process.
 
-        :param bodies: messages as they go on the wire, without their lengths
-        :param header: what a connection would tell of the publisher
+        :param bodies: serialized messages, without their lengths
+        :param header: the connection header of the publisher
         """
         self.receive_callback(self.copies(bodies, header), None)
 
     def copies(self, bodies: List[bytes], header: Dict[str, str]) -> List[Any]:
-        """Return messages of this process as a subscriber gets them.
+        """Return deserialized copies of messages that are published in this process.
 
-        :param bodies: messages as they go on the wire, without their lengths; so each side has a
-            copy of its own, and numbers are rounded as for any other subscriber
-        :param header: what a connection would tell of the publisher
+        Publisher and subscriber then share no object, and numbers are rounded as on any
+        connection.
+
+        :param bodies: serialized messages, without their lengths
+        :param header: the connection header of the publisher
         """
         messages = []
         for body in bodies:
@@ -183,18 +184,18 @@ class IncomingTopic(_Topic):
         return messages
 
     def hears(self, publisher: Any) -> bool:
-        """Tell whether a publisher's messages come through :meth:`receive_directly`.
+        """Return whether a publisher's messages come through :meth:`receive_directly`.
 
-        :param publisher: implementation object of the topic's publishers in this process
+        :param publisher: rospy's object for the topic's publishers in this process
         """
         return (
             hasattr(publisher, "publish_all")
             and (publisher.data_class is self.data_class or self._takes_any_type)
-            and not self.statistics_logger  # which rospy feeds with what it knows of a connection
+            and not self.statistics_logger  # rospy's statistics need a connection
         )
 
     def has_connection(self, endpoint_id: str) -> bool:
-        """Tell whether there is no need to connect to a publisher.
+        """Return whether a publisher is connected, or needs no connection.
 
         :param endpoint_id: URI of the publishing node
         """
@@ -206,10 +207,10 @@ class IncomingTopic(_Topic):
         return found
 
     def remove_connection(self, c: Any) -> None:
-        """Forget a publisher's connection that has ended.
+        """Remove a publisher's connection that has ended.
 
-        A publisher that is closed and made anew may be told of before its old connection is seen to
-        end, and nobody would tell of it again.
+        A publisher that is closed and created again may be announced before its old connection
+        ends, and would not be announced a second time.
 
         :param c: rospy's object for it
         """
@@ -222,17 +223,16 @@ class IncomingTopic(_Topic):
         """Add a publisher's connection.
 
         :param c: rospy's object for it
-        :returns: whether it is wanted: the topic is open, and hears nothing twice
+        :returns: whether it is added: not if the topic is closed, or connected already
         """
-        # The node may have closed its publisher when this was begun, and made another since. Or the
-        # master told twice of one: rospy would drop the first connection for the second, and with
-        # it what had been sent there, or leave the publisher waiting for a header half-way.
+        # A publisher may be announced twice, or be created again meanwhile. rospy would replace the
+        # first connection by the second, and lose the messages sent on the first.
         with self.c_lock:
             if self.has_connection(c.endpoint_id):
                 return False
             if type(c) is TCPROSTransport:
                 _remove_if_rejected(self, c)
-                # A limit of the queue, set by a plain rospy.Subscriber, is kept by rospy alone.
+                # Only rospy's own reader keeps the queue size of a plain rospy.Subscriber.
                 if self.queue_size is None:
                     c.receive_once = Reader(c).receive_once
             return bool(super().add_connection(c))
@@ -243,13 +243,13 @@ class IncomingTopic(_Topic):
 
 
 def _remove_if_rejected(topic: Any, connection: Any) -> None:
-    """Have a topic forget a connection at once that a publisher refuses.
+    """Remove a connection at once if the publisher rejects it.
 
-    rospy gives it up after a second only, and takes it for a good one until then: of a publisher
-    that was just made anew, nothing would be heard for ever.
+    rospy removes it after a second, and considers it valid until then: a publisher that was just
+    created again would never be connected.
 
-    :param topic: rospy's implementation object of the subscribed topic
-    :param connection: rospy's object for the connection, not connected yet
+    :param topic: rospy's object for the subscribed topic
+    :param connection: rospy's object for the connection, not yet connected
     """
     connect = connection.connect
 

@@ -1,4 +1,4 @@
-"""What was latched on a topic before somebody subscribes to it."""
+"""Latched messages of topics that are subscribed to late."""
 
 import io
 from typing import Any, Callable
@@ -14,8 +14,8 @@ from nodekit.rospy_internals.incoming_topic import (
 )
 
 
-def is_heard(name: str) -> bool:
-    """Tell whether a topic is heard already, by another subscription of this process.
+def is_subscribed(name: str) -> bool:
+    """Return whether this process subscribes to a topic already.
 
     :param name: topic, resolved
     """
@@ -23,12 +23,12 @@ def is_heard(name: str) -> bool:
 
 
 def receive_latched(name: str, callback: BatchCallback, is_late: bool) -> None:
-    """Hand over what is latched on a topic.
+    """Pass on the latched messages of a topic.
 
     :param name: topic, resolved
-    :param callback: what to call
-    :param is_late: whether the topic was heard already: what its connections have brought counts
-        too then
+    :param callback: called with the messages
+    :param is_late: whether the process subscribed to the topic before, so that the latched messages
+        of its connections have arrived already
     """
     manager = get_topic_manager()
     topic, publisher = manager.get_subscriber_impl(name), manager.get_publisher_impl(name)
@@ -44,10 +44,10 @@ def receive_latched(name: str, callback: BatchCallback, is_late: bool) -> None:
 
 
 def subscribe_without_loss(name: str, data_class: type, callback: Callable[[Any], None]) -> Any:
-    """Subscribe as with rospy alone, but miss nothing that comes at once.
+    """Subscribe as with rospy alone, without losing a message that arrives at once.
 
-    rospy registers a topic before the callback is in place, so that on a busy machine a latched
-    message may come in between, and is lost for good.
+    rospy registers a topic before it adds the callback, so that on a busy machine a latched message
+    may arrive in between, and is lost.
 
     :param name: topic, resolved
     :param data_class: message class
@@ -62,5 +62,5 @@ def subscribe_without_loss(name: str, data_class: type, callback: Callable[[Any]
         topic.add_callback(callback, None)
         manager._add(topic, manager.subs, Registration.SUB)
         subscriber = rospy.Subscriber(name, data_class)
-        subscriber.callback, subscriber.callback_args = callback, None  # what its end takes back
+        subscriber.callback, subscriber.callback_args = callback, None  # removed by unregister()
         return subscriber

@@ -1,4 +1,4 @@
-"""How rospy writes its log to the console, to a file and to ``/rosout``."""
+"""rospy's log handlers: console, file and ``/rosout``."""
 
 import atexit
 import logging
@@ -21,15 +21,16 @@ _notices = Throttle(_NOTICE_PERIOD_S)
 
 
 def patch_logs() -> None:
-    """Let a log that cannot be written cost its lines and nothing else.
+    """Make a failing log lose its lines only.
 
-    rospy raises the error of a full disk, a closed pipe or a character that the console lacks in
-    whoever logs, so that a talker falls silent. Python's handler of the file prints a traceback
-    for each line instead. And a node whose log file cannot be opened does not start. A line with a
-    byte that is no text, as a name of a file may have, goes nowhere: ``/rosout`` keeps it for those
-    who come later, and turns each of them away. And where a line comes when the node's end has
-    closed ``/rosout``, a traceback goes to the file, although the line itself stands there. And
-    where the console is a pipe or a file, its lines would stay in a buffer of 8 kB.
+    Without this patch:
+
+    - A full disk, a closed pipe or an unencodable character raises in the caller that logs, so that
+      a talker stops publishing; for a log file, each line prints a traceback.
+    - A node whose log file cannot be opened does not start.
+    - A line with an invalid byte, as in a file name, blocks ``/rosout`` for later subscribers.
+    - A line after ``/rosout`` is closed at shutdown adds a traceback to the file.
+    - On a pipe or in a file, console output stays in a buffer of 8 kB.
     """
     emit, handle_error = RosStreamHandler.emit, logging.Handler.handleError
     configure = rosgraph.roslogging.configure_logging
@@ -57,7 +58,7 @@ def patch_logs() -> None:
                 return name
         except OSError as error:
             sys.stderr.write(f"WARNING: cannot write a log file: {error}\n")
-        # Without any file rospy would leave the console out as well.
+        # Without a file, rospy would not configure the console either.
         kwds.update(filename="null", env={**os.environ, "ROS_LOG_DIR": os.path.dirname(os.devnull)})
         configure(*args, **kwds)
         return None
@@ -79,28 +80,28 @@ def patch_logs() -> None:
 
 
 def _flush_console(handler: RosStreamHandler) -> None:
-    """Write what a handler has put into the buffer of the standard output."""
+    """Flush the standard output of a handler."""
     stream: Any = getattr(handler, "_stdout", None) or sys.stdout
     if stream is not None:
         stream.flush()
 
 
 def _is_wanted_at_shutdown(record: logging.LogRecord) -> bool:
-    """Tell whether to keep what rospy says of ``/rosout``: not that it is closed at the end."""
+    """Return whether to keep a line of rospy about ``/rosout``: no errors at shutdown."""
     return record.levelno < logging.ERROR or not rospy.core.is_shutdown_requested()
 
 
 def _as_text(field: Any) -> Any:
-    """Return a field of a line with escapes for what is no character, as on the console."""
+    """Return a field of a line with invalid characters escaped, as on the console."""
     if not isinstance(field, str):
         return field
     return field.encode("utf-8", "backslashreplace").decode("utf-8")
 
 
 def _escape_from_now_on(handler: logging.Handler) -> bool:
-    """Have characters that a handler's stream lacks written as escapes.
+    """Escape characters that a handler's streams cannot encode.
 
-    :returns: whether there was anything to change
+    :returns: whether a stream was changed
     """
     changed = False
     for name in ("stream", "_stdout", "_stderr"):
@@ -112,16 +113,16 @@ def _escape_from_now_on(handler: logging.Handler) -> bool:
 
 
 def _notice(error: OSError) -> None:
-    """Say on stderr, now and then, that log lines are lost."""
+    """Print on stderr, rate-limited, that log lines are lost."""
     if _notices.is_due():
         try:
             sys.stderr.write(f"WARNING: log lines are lost: {error}\n")
         except OSError:
-            pass  # which cannot be written either
+            pass  # stderr cannot be written either
 
 
 def _close_output() -> None:
-    """Drop what cannot be written, or else Python makes it the node's exit status."""
+    """Drop unwritable output; otherwise Python turns it into the node's exit status."""
     for stream in (sys.stdout, sys.stderr):
         try:
             stream.flush()

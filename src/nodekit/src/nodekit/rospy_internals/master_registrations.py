@@ -1,8 +1,8 @@
-"""What the master knows of this process, and what it is told once more.
+"""Registrations of this process with the master, restored when the master loses them.
 
-It has to be told all where it was restarted, or has forgotten this node as ``rosnode cleanup``
-makes it. And a service belongs to whoever registered it last: when that node ends, the master
-knows nobody who offers it, and the other one has to register it again.
+The master loses all of them in a restart, or by ``rosnode cleanup``. And a service belongs to the
+node that registered it last: when that node ends, the master lists no node for the service, and
+this process has to register it again.
 """
 
 from typing import List, Optional, Set
@@ -14,16 +14,16 @@ from nodekit.rospy_internals import registrar
 from nodekit.rospy_internals.registrar import with_owners
 from nodekit.round_robin import RoundRobin
 
-#: Most services that are looked up at a time; where there are more, they take turns.
+#: Most services that are looked up at a time; more are looked up by round robin.
 LOOKUPS = 20
 
 
 class MasterRegistrations:
-    """Keeps what this process has registered.
+    """Registrations of this process with the master.
 
-    :param client: asks the master
+    :param client: client of the master
 
-    :ivar are_lost: whether the master has to be told all again
+    :ivar are_lost: whether everything has to be registered again
     """
 
     def __init__(self, client: MasterClient) -> None:
@@ -31,17 +31,17 @@ class MasterRegistrations:
         self._client = client
         self._master_pid: Optional[int] = None
         self._is_another = False
-        #: Whether the master took nothing at all: it will not know this node, restarted or not.
+        #: Whether the master rejected everything, so that it does not know this node.
         self._is_refused = False
         self._taken: Set[str] = set()
         self._round_robin = RoundRobin(LOOKUPS)
 
     def begin(self, reading: Reading) -> None:
-        """Remember which master it is."""
+        """Store the process id of the master."""
         self._master_pid = reading.master_pid
 
     def detect_loss(self, reading: Reading) -> None:
-        """Compare what was read with what the master was, and find out what it has lost."""
+        """Detect a restarted master, or one that no longer knows this node."""
         if self._master_pid not in (None, reading.master_pid):
             self.are_lost = self._is_another = True
         elif not reading.knows_node and not self._is_refused:
@@ -56,14 +56,14 @@ class MasterRegistrations:
         self._is_refused = not registrar.reregister_all(self._client.request)
 
     def log_reregistered(self) -> None:
-        """Log that the master has been told all."""
+        """Log that everything is registered again."""
         why = "was restarted" if self._is_another else "had forgotten this node"
         self.are_lost = self._is_another = False
         if not self._is_refused:
             rospy.logwarn("the master %s: registered again, settings in force are kept", why)
 
     def reclaim_services(self) -> None:
-        """Register those again that another node had taken over, and has left.
+        """Register services again that another node took over and no longer offers.
 
         :raises MasterUnreachable: if the master does not answer
         """

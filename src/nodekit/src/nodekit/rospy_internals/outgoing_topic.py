@@ -1,8 +1,7 @@
-"""How rospy publishes.
+"""Published topic without a queue, in place of rospy's implementation object.
 
-One implementation object serves all publishers of a topic in a process; rospy itself sends through
-it the last message to a late joiner of a latched topic. The one here sends without a queue, and
-hands messages to subscribers of the same process without a connection.
+One object serves all publishers of a topic in a process; rospy uses it to send the last message of
+a latched topic to a new subscriber. Subscribers in the same process get messages directly.
 """
 
 import contextlib
@@ -39,9 +38,9 @@ _LENGTH = struct.Struct("<I")
 
 @functools.lru_cache(maxsize=None)
 def publisher_mismatch() -> str:
-    """Compare rospy's publishers with what this module takes for granted.
+    """Compare rospy's publishers with the expectations of this module.
 
-    :returns: what is different; empty if nothing is
+    :returns: the first difference; empty without one
     """
     try:
         topic = rospy.topics._PublisherImpl("/mismatch", rospy.AnyMsg)
@@ -56,22 +55,22 @@ def publisher_mismatch() -> str:
         if not isinstance(get_topic_manager().subs, dict):
             return "subscriptions are kept in another way"
         return subscriber_mismatch()
-    except Exception as error:  # whatever an unknown rospy may raise
+    except Exception as error:  # an unknown rospy may raise anything
         return repr(error)
 
 
 def send_at_once(
     name: str, data_class: type, latch: bool, lifespan: float
 ) -> Optional["OutgoingTopic"]:
-    """Have a topic's messages sent through :mod:`nodekit.transport.delivery`.
+    """Send a topic's messages through :mod:`nodekit.transport.delivery`.
 
-    To be called before the topic is advertised.
+    Call this before the topic is advertised.
 
     :param name: topic, resolved
     :param data_class: message class
     :param latch: whether later subscribers get the last message
-    :param lifespan: for how long they get it where it is not latched, s
-    :returns: what sends them; None where there is a plain ``rospy.Publisher`` already
+    :param lifespan: how long later subscribers get the last message of an unlatched topic [s]
+    :returns: the topic; None if this process has a plain ``rospy.Publisher`` of it
     :raises rospy.ROSException: if this process publishes it with another type
     """
     manager = get_topic_manager()
@@ -90,7 +89,7 @@ def send_at_once(
 
 
 class RosSubscriberConnection(SubscriberConnection):
-    """A subscriber's connection, whose losses are logged.
+    """Connection to a subscriber, whose losses are logged.
 
     :param transport: rospy's object for it
     :param lock: the topic's lock
@@ -102,12 +101,12 @@ class RosSubscriberConnection(SubscriberConnection):
         self._transport = transport
         self._header_bytes = transport.stat_bytes
         self._topic = topic
-        # Or else TCP holds small messages back, by up to 40 ms, where the subscriber did not ask.
+        # TCP would delay small messages by up to 40 ms if the subscriber did not set tcp_nodelay.
         with contextlib.suppress(OSError):
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
 
     def update_rospy_statistics(self) -> None:
-        """Note in rospy's object what has been sent."""
+        """Copy the counters to rospy's object."""
         self._transport.stat_bytes = self._header_bytes + self.sent_bytes
         self._transport.stat_num_msg = self.sent
 
@@ -124,16 +123,16 @@ class RosSubscriberConnection(SubscriberConnection):
             rospy.loginfo("%s: subscriber %s keeps up again: %d more lost, %d in all", *what)
 
 
-#: The links of all topics that nobody hears over a connection; never changed.
+#: Shared by all topics without a connection; never changed.
 _NO_CONNECTIONS: Dict[Any, RosSubscriberConnection] = {}
 
 
-#: What rospy has for a published topic; where it is not known, nothing here is used.
+#: rospy's class of a published topic; in an unknown rospy this module is not used.
 _Topic: Any = getattr(rospy.topics, "_PublisherImpl", object)
 
 
 class OutgoingTopic(_Topic):
-    """A published topic without a queue; one of rospy's implementation objects.
+    """Published topic without a queue; one of rospy's implementation objects.
 
     :param name: topic, resolved
     :param data_class: message class
@@ -141,19 +140,19 @@ class OutgoingTopic(_Topic):
 
     def __init__(self, name: str, data_class: Any) -> None:
         super().__init__(name, data_class)
-        self.resolved_name = name  # rospy has made a copy, remapped once more
-        self._lock: ContextManager[Any] = self.publock  # rospy forgets it on closing
+        self.resolved_name = name  # rospy has remapped it a second time
+        self._lock: ContextManager[Any] = self.publock  # rospy drops its reference on closing
         self._subscriptions: Dict[str, Any] = get_topic_manager().subs
         self._known_connections: Optional[List[Any]] = None
         self._links = _NO_CONNECTIONS
-        self.buff = None  # which rospy's own publish() needs alone
-        #: for how long a later subscriber gets the last message, s
+        self.buff = None  # only rospy's own publish() needs it
+        #: How long a later subscriber gets the last message [s].
         self.lifespan = 0.0
         self._last: Any = None
         self._last_expires = 0.0
-        #: What a later subscriber gets in place of the last message, where it is latched.
+        #: Messages for a later subscriber of a latched topic, in place of the last one.
         self._latched: Sequence[Any] = ()
-        #: What a subscriber in this process is told of the publisher, as by a connection.
+        #: Connection header for subscribers in this process.
         self.local_header = {
             "callerid": rospy.get_name(),
             "topic": name,
@@ -163,9 +162,9 @@ class OutgoingTopic(_Topic):
         }
 
     def add_connection(self, c: Any) -> bool:
-        """Take a subscriber in, and send it the last message if that is latched or still alive."""
+        """Add a subscriber, and send it the last message if that is latched or within its lifespan."""
         added = bool(super().add_connection(c))
-        with self._lock:  # it may have been sent a message already by now, which is as good
+        with self._lock:  # it may have received a newer message by now
             if c not in self._links and time.monotonic() < self._last_expires:
                 self.publish(self._last, c)
             for message in self._latched:
@@ -173,21 +172,21 @@ class OutgoingTopic(_Topic):
         return added
 
     def latch_all(self, messages: Sequence[Any]) -> None:
-        """Let later subscribers get these, in place of the last message.
+        """Set the messages for later subscribers, in place of the last message.
 
-        :param messages: oldest first; none for the last that is published from now on
+        :param messages: oldest first; empty for the last that is published from now on
         """
         with self._lock:
             self._latched, self.latch = tuple(messages), None
 
     def set_queue_size(self, queue_size: Optional[int]) -> None:
-        """Do without a queue, whatever another publisher of the topic asks for."""
+        """Ignore the queue size that another publisher of the topic sets."""
 
     def publish(self, message: Any, connection_override: Any = None) -> None:
         """Send a message.
 
-        :param message: what to send
-        :param connection_override: the one connection to send it to, if not all
+        :param message: the message
+        :param connection_override: the only connection to send it to; None for all
         :raises rospy.ROSException: if the topic is closed (but not while the node shuts down) or
             the node is not initialised
         """
@@ -201,9 +200,9 @@ class OutgoingTopic(_Topic):
                 deliver(self._serialize(message), [link])
 
     def publish_all(self, messages: Sequence[Any]) -> None:
-        """Send messages, all at once.
+        """Send messages in one delivery.
 
-        :param messages: what to send, at least one
+        :param messages: the messages, at least one
         :raises rospy.ROSSerializationException: if a field has a value that does not fit
         :raises rospy.ROSException: as in :meth:`publish`
         """
@@ -226,7 +225,7 @@ class OutgoingTopic(_Topic):
                 packets = list(map(self._serialize, messages))
             except genpy.SerializationError as error:
                 raise rospy.ROSSerializationException(str(error)) from error
-            if self.is_latch:  # only now: what does not fit would keep later subscribers out
+            if self.is_latch:  # an unserializable message would block later subscribers
                 self.latch = None if self._latched else messages[-1]
             elif self.lifespan:
                 self._last = messages[-1]
@@ -235,16 +234,16 @@ class OutgoingTopic(_Topic):
                 data = b"".join(packets)
                 self.message_data_sent += len(data)
                 deliver(data, self._links.values(), len(packets))
-        if listener is not None:  # without the lock: it may publish on other topics
+        if listener is not None:  # without the lock: callbacks may publish on other topics
             bodies = [packet[_LENGTH.size :] for packet in packets]
             listener.receive_directly(bodies, self.local_header)
 
     def _is_heard_by(self, topic: Any) -> bool:
-        """Tell whether the subscribers in this process are spared a connection."""
+        """Return whether subscribers in this process get messages directly."""
         return isinstance(topic, IncomingTopic) and topic.hears(self)
 
     def _serialize(self, message: Any) -> bytes:
-        """Return a message as it goes on the wire, its length before it."""
+        """Return a serialized message with its length prefix."""
         self.seq += 1
         buffer = io.BytesIO()
         if message._has_header:
@@ -268,9 +267,9 @@ class OutgoingTopic(_Topic):
     def _remove_connection(self, connections: List[Any], c: Any) -> None:
         """Remove a connection from a list, and close it.
 
-        rospy also removes one that has the same descriptor: where this one is closed already, that
-        is a new subscriber to whom the system has given it, and who would hear nothing for ever.
-        Closed, it needs not be taken out of epoll.
+        rospy also removes another connection with the same descriptor: if this one is closed
+        already, a new subscriber may have that descriptor, and would never get a message.
+        A closed descriptor is not in epoll any longer.
         """
         if c in connections:
             connections.remove(c)
@@ -278,7 +277,7 @@ class OutgoingTopic(_Topic):
             c.close()
 
     def check(self) -> None:
-        """Remove connections that have ended; nobody may come meanwhile and take a descriptor."""
+        """Remove closed connections, under the lock: a new one could reuse a descriptor."""
         with self.c_lock:
             super().check()
 
@@ -289,16 +288,16 @@ class OutgoingTopic(_Topic):
         return super().get_stats()
 
     def links(self) -> List[RosSubscriberConnection]:
-        """Tell who is subscribed now.
+        """Return the connections to subscribers.
 
-        :returns: a link for each subscriber
+        :returns: one for each subscriber
         """
         with self._lock:
             self._update_links()
             return list(self._links.values())
 
     def _update_links(self) -> None:
-        # rospy replaces the list on every change: while it is the same, nothing has changed.
+        # rospy replaces the list on every change.
         self._known_connections = self.connections
         links: Dict[Any, RosSubscriberConnection] = {}
         for connection in self.connections:

@@ -1,4 +1,4 @@
-"""How rospy takes in parameters that the master sends."""
+"""rospy's cache of parameters, and the updates that the master sends."""
 
 from typing import Any, Callable
 
@@ -6,16 +6,14 @@ import rospy.impl.paramserver
 
 
 def on_push(handle: Callable[[str, Any], bool]) -> bool:
-    """Have a function called with each parameter that the master sends.
+    """Call a function with each parameter update that the master sends.
 
-    ``rospy`` drops what it has not cached before, and what it has cached it
-    serves from then on in place of the server's value. So updates are taken
-    before they reach the cache, and the cache stays empty.
+    rospy drops updates of keys that it has not cached, and serves cached values in place of the
+    server's. Updates are taken before they reach the cache, and the cache stays empty.
 
-    :param handle: called with key and raw value, from a thread of rospy's
-        XML-RPC server; tells whether the key is one that it follows
-    :returns: False where this rospy has no such place; changes are then
-        noticed by reading only
+    :param handle: called with key and raw value, from a thread of rospy's XML-RPC server;
+        returns whether it follows the key
+    :returns: False if this rospy has no such cache; changes are then found by polling only
     """
     cache = rospy.impl.paramserver.get_param_server_cache()
     if not callable(getattr(cache, "update", None)):
@@ -34,16 +32,16 @@ def on_push(handle: Callable[[str, Any], bool]) -> bool:
     return True
 
 
-#: What rospy asks the master for with each line of the log that goes to /rosout,
-#: until it has an answer that is set, and stays subscribed to after its end.
+#: Parameter that rospy reads with each log line for /rosout, until it has a value that is set, and
+#: to which it stays subscribed after its end.
 ROSOUT_PARAMETER = "/rosout_disable_topics_generation"
 
 
 def cache(key: str, value: Any) -> None:
-    """Answer a parameter's cached reads from now on, until the master sends another value.
+    """Set the cached value of a parameter, until the master sends another value.
 
-    :param key: global name of the parameter, which somebody has to subscribe
-    :param value: its value, or the default where it is not set
+    :param key: global name of the parameter; the caller must subscribe to it
+    :param value: its value, or the default if it is not set
     """
     reads = rospy.impl.paramserver.get_param_server_cache()
     if callable(getattr(reads, "set", None)):

@@ -1,7 +1,7 @@
-"""How rospy tells the master of topics and services: one by one and without a time-out.
+"""Registration of topics and services with the master.
 
-Its listener for them is replaced by one of ours, which does as much with requests that have a
-time-out, several registrations at once where it is told to.
+rospy registers one by one and without a time-out. The listener here replaces rospy's; its requests
+have a time-out, and may hold several registrations.
 """
 
 import contextlib
@@ -22,21 +22,20 @@ from rospy.impl.registration import (
 from nodekit.master import MasterClient
 from nodekit.rospy_internals.registry import Entry, all_entries
 
-#: Sends calls (method, argument, ...) to the master and returns its answers (code, message,
-#: value); raises ConnectionError where it does not answer in time.
+#: Sends calls (method, argument, ...) to the master and returns its replies (code, message,
+#: value); raises ConnectionError if the master does not reply in time.
 Request = Callable[[List[Tuple[Any, ...]]], List[Any]]
-#: Most registrations in one request; the master's other clients are served between two.
+#: Most registrations in one request; the master serves other clients between two requests.
 _TOGETHER = 500
-#: Pause before a master that does not answer is asked again, s.
+#: Pause before another request to a master that does not reply [s].
 _PAUSE_S = 0.2
-#: Longest wait for this process's own server, s.
+#: Timeout of a request to this process's own server [s].
 _OWN_SERVER_S = 5.0
-#: Most services that a line of the log names.
+#: Most services named in one log line.
 _NAMED = 5
 
-#: Methods of the master's interface that add and remove each kind. In this order: where what is
-#: published is known first, those who listen learn of it from the answer to their own
-#: registration, and the master need not call each of them.
+#: Methods of the master's interface that add and remove each kind. Publishers come first, so that
+#: subscribers learn of them from the reply to their own registration, without a call by the master.
 _ADD = {
     Registration.PUB: "registerPublisher",
     Registration.SUB: "registerSubscriber",
@@ -51,7 +50,7 @@ _KINDS = list(_ADD)
 
 
 class _Batch:
-    """What is to be added and removed together."""
+    """Registrations to add and to remove together."""
 
     def __init__(self) -> None:
         self.added: List[Entry] = []
@@ -59,13 +58,13 @@ class _Batch:
 
 
 class _Registrar(RegistrationListener):
-    """Stands in for rospy's listener.
+    """Replacement of rospy's registration listener.
 
-    :param listener: rospy's own, which connects subscribers to publishers
-    :param request: asks the master
+    :param listener: rospy's listener, which connects subscribers to publishers
+    :param request: sends calls to the master
 
-    :ivar services: those that the master has taken, each with its URI; without the node's private
-        ones, as no other node has its name
+    :ivar services: URIs of registered services, by name; without the node's private services,
+        whose names no other node can take
     """
 
     def __init__(self, listener: Any, request: Request) -> None:
@@ -76,7 +75,7 @@ class _Registrar(RegistrationListener):
         self._listener = listener
 
     def reg_added(self, resolved_name: str, data_type_or_uri: str, reg_type: str) -> None:
-        """Note, or register at once, what rospy has made."""
+        """Register a new topic or service, or add it to the batch of this thread."""
         entry = (reg_type, resolved_name, data_type_or_uri)
         batch: Optional[_Batch] = getattr(self.local, "batch", None)
         if batch is not None:
@@ -85,7 +84,7 @@ class _Registrar(RegistrationListener):
             self.add([entry])
 
     def reg_removed(self, resolved_name: str, data_type_or_uri: str, reg_type: str) -> None:
-        """Note, or take back at once, what rospy has closed."""
+        """Unregister a closed topic or service, or add it to the batch of this thread."""
         entry = (reg_type, resolved_name, data_type_or_uri)
         batch: Optional[_Batch] = getattr(self.local, "batch", None)
         if batch is None:
@@ -96,12 +95,12 @@ class _Registrar(RegistrationListener):
             batch.removed.append(entry)
 
     def add(self, entries: List[Entry], request: Optional[Request] = None) -> bool:
-        """Register, connect to the publishers that there are, and tell whose services there were.
+        """Register entries, connect to their publishers, and warn about services of other nodes.
 
-        :param entries: what is new
-        :param request: asks the master; by default, as often as it takes to have an answer
-        :returns: whether the master has taken any of it
-        :raises ConnectionError: if the request does
+        :param entries: new topics and services
+        :param request: sends calls to the master; by default, retries until it replies
+        :returns: whether the master has accepted any entry
+        :raises ConnectionError: if the request fails
         """
         taken = False
         request = request or self._ask_until_answered
@@ -122,18 +121,18 @@ class _Registrar(RegistrationListener):
                     self.connect(name, answer[2])
                 elif kind == Registration.SRV and not name.startswith(self._private):
                     self.services[name] = type_or_uri
-            if rospy.core.is_shutdown_requested():  # rospy's own farewell may have come before
+            if rospy.core.is_shutdown_requested():  # rospy may have unregistered everything already
                 self.remove(part)
         return taken
 
     def apply_later_changes(self, batch: _Batch) -> None:
-        """Tell the master what another thread has made or closed since the batch has noted it."""
+        """Register what other threads have opened or closed since it was added to the batch."""
         made = {entry[:2]: entry for entry in all_entries()}
         self.add([made[entry[:2]] for entry in batch.removed if entry[:2] in made])
         self.remove([entry for entry in batch.added if entry[:2] not in made])
 
     def _ask_until_answered(self, calls: List[Tuple[Any, ...]]) -> List[Any]:
-        # When the node ends, rospy takes back what there was, and nothing must follow.
+        # rospy unregisters everything at shutdown; nothing must be registered after that.
         told = False
         while not rospy.core.is_shutdown_requested():
             try:
@@ -146,9 +145,9 @@ class _Registrar(RegistrationListener):
         return []
 
     def remove(self, entries: List[Entry]) -> None:
-        """Take registrations back; a master that does not answer is left as it is.
+        """Unregister entries; a master that does not reply is not asked again.
 
-        :param entries: what is no more
+        :param entries: closed topics and services
         """
         for kind, name, _ in entries:
             if kind == Registration.SRV:
@@ -165,13 +164,13 @@ class _Registrar(RegistrationListener):
             rospy.logwarn("cannot unregister yet what was closed: %s", error)
 
     def connect(self, name: str, publishers: List[str]) -> None:
-        """Connect to publishers of a topic, given by URI, but to those that need no connection."""
+        """Connect to publishers of a topic, given by URI, unless they need no connection."""
         topic = get_topic_manager().get_subscriber_impl(name)
         missing = [uri for uri in publishers if topic is None or not topic.has_connection(uri)]
         connect_one = getattr(self._listener, "_connect_topic_thread", None)
         if connect_one is not None:
-            # As rospy's own thread does it, which takes the latest list of a topic for all there
-            # are, and would forget others that the master has just told it of.
+            # As rospy's own thread does; publisher_update() would take this list for all publishers
+            # of the topic, and drop others that the master has just announced.
             for uri in missing:
                 threading.Thread(target=connect_one, args=(name, uri), daemon=True).start()
         elif missing:
@@ -179,7 +178,7 @@ class _Registrar(RegistrationListener):
 
 
 class _OwnServer:
-    """Connects subscribers to publishers as the master does, where rospy's listener is unknown."""
+    """Listener that connects subscribers as the master does, for an unknown rospy."""
 
     @staticmethod
     def publisher_update(name: str, publishers: List[str]) -> None:
@@ -193,14 +192,14 @@ _registrar: Optional[_Registrar] = None
 
 
 def _listeners() -> List[Any]:
-    """Return rospy's listeners for what is made and closed: its own alone, if it is known here."""
+    """Return rospy's registration listeners; exactly one in a known rospy."""
     return list(getattr(get_registration_listeners(), "listeners", ()))
 
 
 def install(request: Request) -> None:
-    """Register through these requests from now on; the node must have been initialised.
+    """Register through these requests from now on; requires an initialised node.
 
-    :param request: asks the master, with a time-out
+    :param request: sends calls to the master, with a time-out
     """
     global _registrar
     listeners = get_registration_listeners()
@@ -214,16 +213,16 @@ def install(request: Request) -> None:
 
 
 def connect(name: str, publisher: str) -> None:
-    """Connect a subscribed topic soon to a publisher, given by its URI, unless it is connected."""
+    """Connect a subscribed topic to a publisher, given by its URI, unless it is connected."""
     if _registrar is not None:
         _registrar.connect(name, [publisher])
 
 
 @contextlib.contextmanager
 def together() -> Iterator[None]:
-    """Put off what this thread registers and takes back; tell the master of all of it at the end.
+    """Collect the registrations of this thread, and send them together at the end.
 
-    For a node that has thousands of topics and services: the requests would take most of its start.
+    Single requests would take most of the start of a node with thousands of topics and services.
     """
     registrar = _registrar
     if registrar is None or getattr(registrar.local, "batch", None) is not None:
@@ -243,23 +242,23 @@ def together() -> Iterator[None]:
 
 
 def reregister_all(request: Request) -> bool:
-    """Tell the master once more of every topic and service of this node.
+    """Register every topic and service of this node again.
 
-    rospy registers each of them once, so after a restart of the master no new
-    subscriber or client would find it. Connections that exist are not touched.
+    rospy registers each of them once, so that after a restart of the master no new
+    subscriber or client would find it. Existing connections are not touched.
 
-    :param request: asks the master
-    :returns: whether the master has taken any of it
-    :raises ConnectionError: if that does
+    :param request: sends calls to the master
+    :returns: whether the master has accepted any of them
+    :raises ConnectionError: if the request fails
     """
     registrar = _registrar or _Registrar((_listeners() or [_OwnServer])[0], request)
     return registrar.add(all_entries(), request)
 
 
 def services() -> Dict[str, str]:
-    """Return the services that the master has taken from this process, each with its URI.
+    """Return the URIs of the registered services of this process, by name.
 
-    In the order in which they were registered, without the node's private ones.
+    In the order of registration, without the node's private services.
     """
     return dict(_registrar.services) if _registrar is not None else {}
 
@@ -267,9 +266,9 @@ def services() -> Dict[str, str]:
 def register_services(names: List[str], request: Request) -> None:
     """Register services of this process again, unless they have just been closed.
 
-    :param names: of those that the master had taken
-    :param request: asks the master
-    :raises ConnectionError: if that does
+    :param names: names of services that were registered before
+    :param request: sends calls to the master
+    :raises ConnectionError: if the request fails
     """
     registered = services()
     entries = [(Registration.SRV, name, registered[name]) for name in names if name in registered]
@@ -279,15 +278,15 @@ def register_services(names: List[str], request: Request) -> None:
         _registrar.remove([entry for entry in entries if manager.get_service(entry[1]) is None])
 
 
-# Whose a service is: the master knows one node for each name, the latest that registered it.
+# The master knows one node for each service: the latest that registered it.
 
 
 def with_owners(names: Sequence[str], request: Request) -> str:
     """Return services with the nodes that offer them, as text.
 
-    :param names: of the services
-    :param request: asks the master
-    :raises ConnectionError: if that does
+    :param names: names of the services
+    :param request: sends calls to the master
+    :raises ConnectionError: if the request fails
     """
     state = request([("getSystemState",)])
     nodes = {name: ", ".join(found) for name, found in state[0][2][2]} if state else {}
@@ -297,11 +296,11 @@ def with_owners(names: Sequence[str], request: Request) -> str:
 
 
 def _warn_of_others(services: Mapping[str, str], request: Request) -> None:
-    """Warn of services that are just being registered and are another node's until then.
+    """Warn about services that another node offers under the same name.
 
-    :param services: names, each with this process's URI
-    :param request: asks the master
-    :raises ConnectionError: if that does
+    :param services: URIs of this process, by name of the service to register
+    :param request: sends calls to the master
+    :raises ConnectionError: if the request fails
     """
     answers = request([("lookupService", name) for name in services]) if services else []
     owners: Dict[str, str] = {n: uri for n, (code, _, uri) in zip(services, answers) if code == 1}

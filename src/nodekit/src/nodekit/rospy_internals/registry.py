@@ -1,6 +1,6 @@
-"""What this process publishes, subscribes to and serves at the moment, as rospy keeps it.
+"""Registry of the topics and services of this process, as rospy keeps it.
 
-A topic has one type: rospy takes a second one in a process for the first, without a word.
+A topic has one type: rospy would silently use the first type for a second one in the process.
 """
 
 from typing import Any, ContextManager, List, Tuple
@@ -9,7 +9,7 @@ import rospy
 import rospy.names
 from rospy.impl.registration import Registration, get_service_manager, get_topic_manager
 
-#: What is registered: kind, name, and its type or, of a service, its URI.
+#: Kind, name, and the type of a topic or the URI of a service.
 Entry = Tuple[str, str, str]
 
 
@@ -27,10 +27,10 @@ def all_entries() -> List[Entry]:
 
 
 def name_before_remapping(name: str) -> str:
-    """Return what to call a topic or a service, whose name rospy remaps once more.
+    """Return the name to pass to rospy, which remaps a resolved name a second time.
 
-    :param name: resolved, and remapped if it is to be
-    :returns: the name itself unless that is remapped in turn, as where two are swapped
+    :param name: resolved and remapped name
+    :returns: the name, unless it is remapped in turn, as if two names are swapped
     """
     remapped = rospy.names.get_resolved_mappings()
     if name not in remapped:
@@ -39,21 +39,21 @@ def name_before_remapping(name: str) -> str:
 
 
 def topic_lock() -> ContextManager[Any]:
-    """Keep rospy from closing a topic, whose last user goes, while another one is made."""
+    """Return the lock that keeps rospy from closing a topic while it gets a new user."""
     lock: ContextManager[Any] = get_topic_manager().lock
     return lock
 
 
 class NameTaken(rospy.ROSException):
-    """A name that this process uses for something else already; the text says which."""
+    """Name that this process uses for something else already; the text names it."""
 
 
 def check_topic_type(topic: Any, data_class: Any) -> None:
-    """Refuse to use a topic with a second type.
+    """Check that a topic is used with one type only.
 
-    :param topic: rospy's implementation object of the topic; None if there is none
+    :param topic: rospy's object for the topic; None if the topic is not in use
     :param data_class: message class
-    :raises NameTaken: if that is of another type
+    :raises NameTaken: if the topic has another type
     """
     if topic is not None:
         used, name = topic.data_class, topic.resolved_name

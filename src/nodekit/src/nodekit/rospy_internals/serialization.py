@@ -1,4 +1,4 @@
-"""How rospy writes a message into the buffer that it sends."""
+"""Serialization of a message into rospy's send buffer."""
 
 from typing import Any
 
@@ -10,10 +10,10 @@ _USERS = (rospy.msg, rospy.topics, rospy.impl.tcpros_base)
 
 
 def patch_serialization() -> None:
-    """Leave nothing half-written of a message with a field that does not fit.
+    """Clear the buffer if a message cannot be serialized.
 
-    rospy leaves in the buffer what came before that field. The next messages then follow it and
-    reach nobody, and the client of a service gets it for an answer.
+    rospy leaves the fields before the invalid one in the buffer. They corrupt all later messages,
+    and the client of a service gets them as a response.
     """
     serialise = rospy.msg.serialize_message
 

@@ -1,4 +1,4 @@
-"""How rospy ends, and who is called then, in which order: nobody else asks rospy for it."""
+"""Shutdown of rospy, and the phases in which functions are called then."""
 
 import enum
 import traceback
@@ -10,16 +10,15 @@ import rospy.core
 from rospy.impl import tcpros_service
 from rospy.impl.tcpros_base import TCPServer
 
-#: How rospy begins to tell that a client has hung up before its request was read.
+#: Start of rospy's message about a client that disconnects before its request is read.
 _HUNG_UP = "incoming connection failed"
 
 
 def patch_shutdown() -> None:
-    """Let nodes end without a traceback.
+    """Prevent tracebacks and errors at shutdown.
 
-    A server whose first client comes while the node ends listens on a socket that is closed
-    already. And that a client hangs up, as one of the node itself whose call is cancelled, is no
-    error then.
+    A server whose first client connects during shutdown listens on a closed socket. And a client
+    that disconnects then, such as one of this node whose call is cancelled, is expected.
     """
     serve, log_error = TCPServer.run, getattr(tcpros_service, "logerr", rospy.logerr)
 
@@ -41,30 +40,29 @@ def patch_shutdown() -> None:
 
 
 class ShutdownPhase(enum.IntEnum):
-    """The order in which all ends: what is given for the first is called before all the rest."""
+    """Phases of the shutdown, in this order."""
 
-    #: What nodes' classes have asked for; publishers and clients still work.
+    #: Shutdown hooks of nodes' classes; publishers and clients still work.
     NODES = 0
     #: Managed nodes go through shutdown; publishers and clients still work.
     TRANSITIONS = 1
-    #: Calls of services are cancelled, executors and timers stop, parameters are left.
+    #: Service calls are cancelled, executors and timers stop, parameters are released.
     TOOLKIT = 2
 
 
-#: What is to be called, each the latest first. Lists are changed and copied in one step, also amid
-#: a signal.
+#: Functions by phase, the latest first. Lists are changed and copied atomically, because a signal
+#: handler may interrupt.
 _functions: Dict[ShutdownPhase, List[Callable[[], object]]] = {phase: [] for phase in ShutdownPhase}
 
 
 def at_end(phase: ShutdownPhase, function: Callable[[], object]) -> Callable[[], None]:
-    """Have a function called when the process is told to end.
+    """Call a function at shutdown.
 
-    Where that has begun, one of the toolkit is called at once, and maybe twice: rospy drops what it
-    is given meanwhile.
+    During a shutdown, a function of the toolkit is called at once, and maybe a second time.
 
-    :param phase: when
-    :param function: what to call, before those that were given earlier for the same
-    :returns: a function that ends this
+    :param phase: the phase of the shutdown
+    :param function: the function, called before those added earlier for the phase
+    :returns: a function that removes it
     """
     _functions[phase].insert(0, function)
     if phase is ShutdownPhase.TOOLKIT and rospy.core.is_shutdown_requested():
@@ -77,11 +75,11 @@ def _call_all() -> None:
         for function in list(functions):
             try:
                 function()
-            except Exception:  # as rospy does it: the others are called all the same
+            except Exception:  # as in rospy: the others are still called
                 traceback.print_exc()
 
 
-# Before all that rospy.on_shutdown is given, also before this is imported.
+# First of all, also before functions that rospy.on_shutdown() got before this import.
 _hooks: Optional[List[Any]] = getattr(rospy.core, "_client_shutdown_hooks", None)
 if _hooks is not None:
     _hooks.insert(0, _call_all)

@@ -1,4 +1,4 @@
-"""What is changed in rospy before a node starts: patches, signals, and how long it waits."""
+"""Patches, signal handlers and the start of rospy, before a node starts."""
 
 import contextlib
 import functools
@@ -17,13 +17,13 @@ from nodekit.rospy_internals.serialization import patch_serialization
 from nodekit.rospy_internals.shutdown import patch_shutdown
 from nodekit.rospy_internals.tcpros_server import patch_tcpros_server
 
-#: How often to look whether the node is registered, s.
-_LOOK_EVERY_S = 0.001
+#: Period of the check whether the node is registered [s].
+_POLL_S = 0.001
 
 
 @functools.lru_cache(maxsize=None)
 def apply_patches() -> None:
-    """Apply all patches, once in a process; before ``rospy.init_node``."""
+    """Apply all patches, once in a process, before ``rospy.init_node``."""
     cache_statistics_setting()
     patch_tcpros_server()
     patch_logs()
@@ -32,40 +32,39 @@ def apply_patches() -> None:
 
 
 def register_signals() -> None:
-    """Have rospy shut the node down on SIGINT and SIGTERM, and when its terminal is closed.
+    """Shut the node down on SIGINT and SIGTERM, and when its terminal is closed.
 
-    ``rospy.init_node`` does the same for the first two where it is called by the main thread. But
-    rospy's answer to a second signal interrupts its answer to the first, and does what must not
-    be done twice at a time, such as writing to the log file: the node hung, or ended with a
-    traceback. Here only the first is answered.
+    ``rospy.init_node`` handles the first two if the main thread calls it. But rospy's handler of a
+    second signal interrupts that of the first, and is not reentrant (it writes to the log file):
+    the node hung, or ended with a traceback. Here only the first signal is handled.
     """
     rospy.core.register_signals()
     shut_down: Any = signal.getsignal(signal.SIGTERM)
     numbers = [signal.SIGINT, signal.SIGTERM]
-    if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # which is nohup's doing
+    if signal.getsignal(signal.SIGHUP) != signal.SIG_IGN:  # ignored under nohup
         numbers.append(signal.SIGHUP)
 
-    def answer_first(number: int, frame: Optional[FrameType]) -> None:
+    def handle_first(number: int, frame: Optional[FrameType]) -> None:
         for each in numbers:
-            signal.signal(each, _leave)
+            signal.signal(each, _ignore)
         shut_down(number, frame)
 
     for number in numbers:
-        signal.signal(number, answer_first)
+        signal.signal(number, handle_first)
 
 
-def _leave(_number: int, _frame: Optional[FrameType]) -> None:
-    """Do nothing. SIG_IGN in its place makes Python complain of a signal that is on its way."""
+def _ignore(_number: int, _frame: Optional[FrameType]) -> None:
+    """Ignore a signal. With SIG_IGN, Python would print an error for a pending signal."""
 
 
 @contextlib.contextmanager
 def fast_init_poll() -> Iterator[None]:
-    """Start a node as soon as it is registered; ``rospy.init_node`` looks every 0.1 s only."""
+    """Poll fast within ``rospy.init_node``, which checks every 0.1 s whether it is registered."""
     module = rospy.impl.init
-    if getattr(module, "time", None) is not time:  # it waits in another way
+    if getattr(module, "time", None) is not time:  # an unknown rospy
         yield
         return
-    module.time = types.SimpleNamespace(sleep=lambda s: time.sleep(min(s, _LOOK_EVERY_S)))
+    module.time = types.SimpleNamespace(sleep=lambda s: time.sleep(min(s, _POLL_S)))
     try:
         yield
     finally:

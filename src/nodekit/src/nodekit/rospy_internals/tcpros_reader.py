@@ -1,4 +1,4 @@
-"""How rospy reads from a publisher's connection: what one read brings is unpacked at once."""
+"""Reader of a publisher's connection; unpacks all messages of one read at once."""
 
 import mmap
 import struct
@@ -14,30 +14,29 @@ _PREFIX = _LENGTH.size
 
 
 class Reader:
-    """Reads whole messages from one connection.
+    """Reader of complete messages from one connection.
 
-    :param transport: rospy's object for it
+    :param transport: rospy's object for the connection
     """
 
     def __init__(self, transport: TCPROSTransport) -> None:
         self._transport = transport
         self._data_class = transport.protocol.recv_data_class
-        # Read into, again and again, and copied out of: what recv() makes for each read, it gives
-        # back in pieces, between which the memory of threads tears and grows. Of the pages of this,
-        # only those that are read into are taken.
+        # One buffer for all reads: a new one for each recv() would fragment the heap. Pages of an
+        # anonymous mapping that are never written take no memory.
         size = transport.protocol.buff_size
         self._buffer = memoryview(mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE))
         self._socket: Any = None
-        # The beginning of a message that has not arrived as a whole, and its whole length.
+        # Beginning of an incomplete message, and its total length.
         self._parts: List[bytes] = []
         self._have = self._need = 0
 
     def receive_once(self) -> List[Any]:
-        """Wait for messages. Stands in for rospy's method of this name.
+        """Wait for messages. Replaces rospy's method of this name.
 
-        :returns: all that have arrived, oldest first; none if the connection is to end
-        :raises TransportTerminated: if the publisher is gone
-        :raises TransportException: if there is no connection, or it brings nonsense
+        :returns: all that have arrived, oldest first; empty if the connection is to end
+        :raises TransportTerminated: if the publisher has closed the connection
+        :raises TransportException: if there is no connection, or a message is malformed
         """
         transport = self._transport
         data = self._begin() if transport.socket is not self._socket else b""
@@ -50,7 +49,7 @@ class Reader:
         return messages
 
     def _begin(self) -> bytes:
-        """Begin with a new connection; return what came together with its header."""
+        """Start with a new connection; return the data that came with its header."""
         sock = self._transport.socket
         if sock is None:
             raise TransportInitError("connection not initialized")
@@ -101,7 +100,7 @@ class Reader:
         return messages
 
     def _keep(self, data: bytes) -> None:
-        """Keep the beginning of a message until the rest is there."""
+        """Keep the beginning of a message until the rest arrives."""
         self._parts = [data] if data else []
         self._have = len(data)
         self._need = _PREFIX

@@ -1,9 +1,8 @@
-"""How rospy accepts the connections of subscribers and of clients of services.
+"""TCPROS server that no silent connection can block.
 
-One thread accepts, and before it accepts the next connection it reads the header in which one says
-what it wants: who says nothing keeps all others waiting. Here that thread waits for nobody. It
-takes what has arrived of each header, leaves a whole one to rospy's own handlers, and hangs up on
-who takes too long.
+rospy reads the header of each connection before it accepts the next one, so that a silent client
+blocks all others. The server here reads the available part of each header without waiting, passes
+a complete header to rospy's handlers, and closes connections that take too long.
 """
 
 import contextlib
@@ -20,29 +19,29 @@ from rosgraph.network import decode_ros_handshake_header, write_ros_handshake_he
 from rospy.exceptions import TransportInitError
 from rospy.impl.tcpros_base import TCPROSServer, TCPServer
 
-#: Longest time from a connection to the end of its header, s.
+#: Timeout from a connection to the end of its header [s].
 HEADER_TIMEOUT_S = 10.0
-#: Most connections whose headers are waited for. Where there are as many, the oldest goes, and
-#: nobody else is accepted until then.
+#: Most connections with incomplete headers. At this limit, no connection is accepted until the
+#: oldest is closed.
 MOST_WAITING = 100
-#: Time that one has even then, s: a process that connects to hundreds of topics at once says what
-#: it wants a little later than it connects.
+#: Timeout of a header at that limit [s]: a process that connects to hundreds of topics at once sends
+#: its headers a little later.
 GRACE_S = 1.0
-#: Longest header, bytes. The definition of a message, its longest part, has a few thousand.
+#: Longest header [bytes]. The message definition, its longest part, has a few thousand.
 LONGEST_HEADER = 1_000_000
 
-#: Longest wait for somebody who does not read why he is refused, s.
+#: Timeout for sending a rejection [s].
 _ANSWER_S = 0.1
-#: Pause where a connection cannot be accepted, as where the system has no room for one more, s.
+#: Pause after a connection could not be accepted, as without a free descriptor [s].
 _PAUSE_S = 0.5
-#: Most characters of a reason that are logged: rospy's own tell all topics, and the whole header.
+#: Longest logged reason [characters]: rospy's reasons hold all topics, and the whole header.
 _LONGEST_REASON = 500
-#: What accepting raises on a socket that is closed. All else is about one connection, or passes:
-#: Linux hands over what went wrong in the network by then, see accept(2).
+#: Errors that accept() raises on a closed socket. Others concern one connection, or are temporary;
+#: see accept(2).
 _CLOSED = (errno.EBADF, errno.EINVAL, errno.ENOTSOCK)
 
 _LENGTH = struct.Struct("<I")
-#: rospy's own methods, and what they must use to be understood here.
+#: rospy's own methods, and the names that a known rospy uses in them.
 _RUN, _START = TCPServer.run, TCPROSServer.start_server
 _HANDLE = getattr(TCPROSServer, "_tcp_server_callback", None)
 _RUN_USES = {"is_shutdown", "server_sock", "accept", "inbound_handler"}
@@ -56,9 +55,9 @@ _START_USES = {"TCPServer", "_tcp_server_callback"}
 
 
 def tcpros_server_mismatch() -> str:
-    """Compare how rospy accepts with what this module takes for granted.
+    """Compare rospy's server with the expectations of this module.
 
-    :returns: what is different; empty if nothing is
+    :returns: the first difference; empty without one
     """
     for method, names in ((_RUN, _RUN_USES), (_START, _START_USES), (_HANDLE, _HANDLE_USES)):
         code = getattr(method, "__code__", None)
@@ -70,7 +69,7 @@ def tcpros_server_mismatch() -> str:
 
 
 def patch_tcpros_server() -> None:
-    """Let no connection keep another one waiting; for servers that are started from now on."""
+    """Replace the accept loop of servers that are started from now on."""
     mismatch = tcpros_server_mismatch()
     if mismatch:
         rospy.logwarn("unsupported rospy version: a silent connection delays others: %s", mismatch)
@@ -79,10 +78,10 @@ def patch_tcpros_server() -> None:
 
 
 class _Pending:
-    """A connection that has not said yet, or not as a whole, what it wants.
+    """Connection whose header is incomplete.
 
     :param sock: its socket
-    :param address: where it comes from
+    :param address: address of the client
     """
 
     def __init__(self, sock: socket.socket, address: Tuple[Any, ...]) -> None:
@@ -93,10 +92,10 @@ class _Pending:
         sock.setblocking(False)
 
     def read_header(self) -> Optional[Dict[str, str]]:
-        """Read what has arrived of the header, and nothing of what comes behind it.
+        """Read the available part of the header, and nothing that follows it.
 
-        :returns: the header; None where a part is missing
-        :raises Exception: if there will be none
+        :returns: the header; None while it is incomplete
+        :raises Exception: if the header is invalid, or the connection is closed
         """
         need = _LENGTH.size
         while True:
@@ -120,7 +119,7 @@ class _Pending:
 
 
 class _Acceptor:
-    """Accepts connections, in place of a server's own loop.
+    """Accept loop of a server.
 
     :param server: rospy's object, which listens
     """
@@ -129,7 +128,7 @@ class _Acceptor:
         self._server = server
         self._selector = selectors.DefaultSelector()
         self._listens = False
-        #: Who is waited for, the oldest first.
+        #: Connections with incomplete headers, the oldest first.
         self._pending: Dict[Any, _Pending] = {}
 
     def run(self) -> None:
@@ -146,12 +145,12 @@ class _Acceptor:
 
     def _run(self, listener: socket.socket) -> None:
         listener.setblocking(False)
-        # rospy's own queue is of 5: where more come at once, they try again after 1 s.
+        # rospy's backlog is 5; clients beyond that would retry after 1 s.
         listener.listen(MOST_WAITING)
         while not self._server.is_shutdown:
             self._listen(listener, len(self._pending) < MOST_WAITING)
             ready = {key.fileobj for key, _ in self._selector.select(self._time_left())}
-            # In the order of arrival: of two that call themselves alike, rospy keeps the later.
+            # In the order of arrival: of two connections of one node, rospy keeps the later.
             for pending in list(self._pending.values()):
                 if pending.socket in ready:
                     self._read_from(pending)
@@ -167,7 +166,7 @@ class _Acceptor:
         self._listens = listens
 
     def _time_left(self) -> Optional[float]:
-        """Return how long the oldest may still be waited for, s; None where there is none."""
+        """Return the time left for the oldest connection [s]; None without connections."""
         patience = GRACE_S if len(self._pending) >= MOST_WAITING else HEADER_TIMEOUT_S
         for pending in self._pending.values():
             return pending.since + patience - time.monotonic()
@@ -189,20 +188,20 @@ class _Acceptor:
         self._read_from(pending)
 
     def _read_from(self, pending: _Pending) -> None:
-        """Take what a connection says; once that is whole, do as it wants."""
+        """Read from a connection; pass it on when its header is complete."""
         try:
             header = pending.read_header()
             if header is None:
                 return
             self._forget(pending)
             self._hand_over(pending, header)
-        except Exception as error:  # of any kind: handlers take for granted what a header says
+        except Exception as error:  # of any kind: the handlers do not check the header
             self._close(pending, error)
 
     def _hand_over(self, pending: _Pending, header: Dict[str, str]) -> None:
-        """Leave a connection to rospy's handlers.
+        """Pass a connection to rospy's handlers.
 
-        :raises TransportInitError: if they refuse it
+        :raises TransportInitError: if they reject it
         """
         handlers = self._server.inbound_handler.__self__
         error = "no topic or service name detected"
@@ -218,7 +217,7 @@ class _Acceptor:
             raise TransportInitError(f"{error} {header}")
 
     def _drop_expired(self) -> None:
-        """Hang up on who has had time enough."""
+        """Close connections whose time is over."""
         for pending in list(self._pending.values()):
             left = self._time_left()
             if left is None or left > 0.0:

@@ -1,7 +1,7 @@
-"""Time that a thread can wait on: the machine's, or the one of /clock.
+"""Clocks that a thread can wait on: the machine's, or /clock.
 
-Waiting ends early when somebody calls ``wake``. rospy's own sleep cannot be
-ended, which is why a node at 0.1 Hz would notice a change ten seconds late.
+``wake`` ends a wait early. rospy's sleep cannot be interrupted, so that a node at 0.1 Hz would
+notice a change ten seconds late.
 """
 
 import threading
@@ -11,28 +11,28 @@ from typing import Optional
 import rospy
 from rosgraph_msgs.msg import Clock
 
-#: Longest single wait, s. Python before 3.11 times its locks by the wall clock,
+#: Longest single wait [s]. Python before 3.11 times its locks by the wall clock,
 #: so a wall clock that is set back must not make a wait endless.
 _LONGEST_WAIT_S = 1.0
-#: How long nobody is told that there is no simulated time yet, s.
+#: Time without simulated time until a warning [s].
 _PATIENCE_S = 2.0
 
 
 class MonotonicClock:
-    """The monotonic clock of the machine; setting the wall clock does not move it."""
+    """Monotonic clock of the machine, independent of the wall clock."""
 
     def __init__(self) -> None:
         self._wake = threading.Lock()
         self._wake.acquire()
 
     def now(self) -> Optional[float]:
-        """Return the time since some fixed moment, s."""
+        """Return the time since a fixed moment [s]."""
         return time.monotonic()
 
     def wait_until(self, moment: Optional[float]) -> None:
         """Wait for a moment or a :meth:`wake`; may return early.
 
-        :param moment: on the scale of :meth:`now`, s; None to wait for a wake alone
+        :param moment: on the scale of :meth:`now` [s]; None to wait for a wake only
         """
         timeout = _LONGEST_WAIT_S if moment is None else moment - time.monotonic()
         if timeout > _LONGEST_WAIT_S:
@@ -41,7 +41,7 @@ class MonotonicClock:
             self._wake.acquire(timeout=timeout)
 
     def wake(self) -> None:
-        """End the wait under way, or else the next one at once."""
+        """End the current wait, or else the next one at once."""
         try:
             self._wake.release()
         except RuntimeError:
@@ -49,14 +49,14 @@ class MonotonicClock:
 
 
 class SimulatedClock:
-    """The clock of the topic /clock; it may stand still, jump or be set back.
+    """Clock of the topic /clock; it may stand still, jump or be set back.
 
-    Where nothing comes at first, it says once what it waits for.
+    It warns once if no message arrives at first.
     """
 
     def __init__(self) -> None:
         self._now: Optional[float] = None
-        self._told = False
+        self._has_warned = False
         self._moved = threading.Event()
         self._subscriber = rospy.Subscriber("/clock", Clock, self._on_clock, queue_size=1)
 
@@ -65,22 +65,21 @@ class SimulatedClock:
         self._moved.set()
 
     def now(self) -> Optional[float]:
-        """Return the simulated time, s; None before the first message."""
+        """Return the simulated time [s]; None before the first message."""
         return self._now
 
     def wait_until(self, moment: Optional[float]) -> None:
         """Wait for the next step of the clock or a :meth:`wake`.
 
-        :param moment: not used: the caller looks at every step, because the
-            clock may be set back as well
+        :param moment: ignored: the caller checks every step, because the clock may be set back
         """
-        is_told = self._told or self._now is not None
-        if not self._moved.wait(None if is_told else _PATIENCE_S):
-            self._told = True
+        is_quiet = self._has_warned or self._now is not None
+        if not self._moved.wait(None if is_quiet else _PATIENCE_S):
+            self._has_warned = True
             rospy.logwarn("waiting for /clock, as /use_sim_time is set")
             self._moved.wait()
         self._moved.clear()
 
     def wake(self) -> None:
-        """End the wait under way, or else the next one at once."""
+        """End the current wait, or else the next one at once."""
         self._moved.set()

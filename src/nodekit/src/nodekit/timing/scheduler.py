@@ -1,8 +1,8 @@
-"""Periodic work without drift that can be retimed or stopped at once.
+"""Timers without drift, whose rate can change at once.
 
-One thread serves all timers of a clock. It waits on absolute deadlines, so lateness of one call
-never delays the next, and it is woken when a rate changes. It follows /clock where /use_sim_time
-is set: at most one call for each step of the clock, none while it stands still.
+One thread serves all timers of a clock. It waits on absolute deadlines, so that a late call never
+delays the next, and is woken when a rate changes. With /use_sim_time it follows /clock: at most one
+call for each step of the clock, and no call while the clock stands still.
 """
 
 import heapq
@@ -25,7 +25,7 @@ Callback = Callable[[float], None]
 Work = Callable[[], None]
 Dispatch = Callable[[Work], None]
 
-#: Highest rate of a timer, Hz: deadlines must be further apart than they are blurred.
+#: Highest rate of a timer [Hz]: deadlines must be further apart than SLACK_S.
 HIGHEST_HZ = 0.1 / SLACK_S
 #: Shortest time between two log lines about exceptions of one timer [s].
 _LOG_PERIOD_S = 5.0
@@ -34,8 +34,8 @@ _LOG_PERIOD_S = 5.0
 def checked_rate(rate: float) -> float:
     """Return a rate that a timer can keep.
 
-    :param rate: calls a second, Hz; 0 pauses
-    :raises ValueError: if it is no number, below 0, or above :data:`HIGHEST_HZ`
+    :param rate: rate of the calls [Hz]; 0 pauses
+    :raises ValueError: if the rate is not a number, below 0, or above :data:`HIGHEST_HZ`
     """
     if isinstance(rate, numbers.Real) and 0.0 <= rate <= HIGHEST_HZ:
         return float(rate)
@@ -47,15 +47,15 @@ def _at_once(work: Work) -> None:
 
 
 class Timer:
-    """A function that is called at a rate.
+    """Timer that calls a function at a rate.
 
-    :param scheduler: who says when, from when it is given to :meth:`Scheduler.start`
-    :param callback: called with the time since the first call, s; short, since all other timers
-        wait for it
-    :param rate: calls a second, Hz; 0 pauses
-    :param catch_up: lateness up to which calls are made up for, s; never where time is simulated
-    :param dispatch: calls the function that it is given, now or later; now by default
-    :raises ValueError: if the rate is not one to keep
+    :param scheduler: the scheduler; :meth:`Scheduler.start` starts the timer
+    :param callback: called with the time since the first call [s]; must be short, since all other
+        timers wait for it
+    :param rate: rate of the calls [Hz]; 0 pauses
+    :param catch_up: lateness up to which missed calls are made [s]; ignored in simulated time
+    :param dispatch: calls a function now or later; now by default
+    :raises ValueError: if the rate is invalid
     """
 
     def __init__(
@@ -70,75 +70,75 @@ class Timer:
         self._callback = callback
         catch_up = scheduler.allowed_catch_up(catch_up)
         self._catches_up = catch_up > 0.0
-        #: Calls the function that it is given, now or later.
+        #: Calls a function, now or later.
         self.dispatch: Dispatch = dispatch or _at_once
         self.timetable = Timetable(checked_rate(rate), catch_up)
-        #: Calls that are due and not made yet, by the time since the first one, s.
+        #: Pending calls, by the time since the first call [s].
         self._due: List[float] = []
-        self._left_out = 0
+        self._skipped = 0
         self._throttle = Throttle(_LOG_PERIOD_S)
 
     @property
     def skipped(self) -> int:
-        """Calls that were left out so far, because they would have come too late."""
-        return self._left_out + self.timetable.skipped
+        """Number of skipped calls, which would have been too late."""
+        return self._skipped + self.timetable.skipped
 
     def set_rate(self, rate: float) -> None:
         """Change the rate with immediate effect.
 
-        :param rate: calls a second, Hz; 0 pauses
-        :raises ValueError: if it is not one to keep; the old one stays
+        :param rate: rate of the calls [Hz]; 0 pauses
+        :raises ValueError: if the rate is invalid; the old one stays
         """
         self._scheduler.set_rate(self, checked_rate(rate))
         if rate == 0.0:
             self._due.clear()
 
     def close(self) -> None:
-        """Make no call any more."""
+        """Stop the calls."""
         self._scheduler.remove(self)
         self._due.clear()
 
     def add_call(self, elapsed: float) -> bool:
-        """Add a call that is due; one that finds another one still waiting is left out.
+        """Add a call that is due, or skip it while another one is pending.
 
-        :param elapsed: time since the first call, s
-        :returns: whether it is to be dispatched
+        :param elapsed: time since the first call [s]
+        :returns: whether to dispatch the call
         """
         is_call = self._catches_up or not self._due
         if is_call:
             self._due.append(elapsed)
         else:
-            self._left_out += 1
+            self._skipped += 1
         return is_call
 
     def forget_one(self) -> None:
-        """Forget a call that was dispatched and will not be made."""
+        """Remove a dispatched call that will not be made."""
         del self._due[:1]
 
     def tick(self) -> None:
-        """Make one call that is due; each of them was dispatched, and has a turn of its own."""
+        """Make one pending call; each is dispatched by itself."""
         try:
             elapsed = self._due.pop(0)
         except IndexError:
-            return  # it was closed or paused just now
+            return  # the timer was just closed or paused
         try:
             self._callback(elapsed)
-        except BaseException:  # one timer's defect must not end the others
+        except BaseException:  # must not end the other timers
             if self._throttle.is_due():
                 rospy.logerr("a timer failed:\n%s", traceback.format_exc())
 
 
 class Scheduler:
-    """Has the calls of timers made when they are due, from one thread of its own.
+    """Scheduler of timers, with one thread.
 
-    :param clock: the time to go by
+    :param clock: the clock of all its timers
     """
 
     def __init__(self, clock: AnyClock) -> None:
         self._clock = clock
         self._lock = threading.Lock()
         self._timers: Set[Timer] = set()
-        #: (deadline, tie-break, timer) of each that is not paused, a heap.
+        #: Heap of (deadline, tie-break, timer) of timers that are not paused.
         self._queue: List[Tuple[float, int, Timer]] = []
         self._order = itertools.count()
         self._latest = -math.inf
@@ -147,17 +147,17 @@ class Scheduler:
         threading.Thread(target=self._run, name="scheduler", daemon=True).start()
 
     def allowed_catch_up(self, catch_up: float) -> float:
-        """Return how far a timer may catch up on this clock: simulated time jumps.
+        """Return the catch-up time on this clock: 0 in simulated time, which may jump.
 
-        :param catch_up: how far it would, s
+        :param catch_up: requested lateness up to which missed calls are made [s]
         """
         return catch_up if isinstance(self._clock, MonotonicClock) else 0.0
 
     def start(self, timers: Iterable[Timer]) -> None:
-        """Begin to call timers, the first time at once.
+        """Start timers; the first call is due at once.
 
-        Those of one rate are then due at the same moments for good. Called one after the other,
-        they need about half the processor time, as each finds the caches warm.
+        Timers of one rate stay due at the same moments. Called one after the other, they need about
+        half the processor time, because of warm caches.
 
         :param timers: new ones
         """
@@ -177,18 +177,18 @@ class Scheduler:
         self._clock.wake()
 
     def remove(self, timer: Timer) -> None:
-        """Forget a timer; see :meth:`Timer.close`."""
+        """Remove a timer; see :meth:`Timer.close`."""
         with self._lock:
             self._timers.discard(timer)
             self._unqueue(timer)
 
     def close(self) -> None:
-        """Call nothing any more."""
+        """Stop all timers."""
         self._closed = True
         self._clock.wake()
 
     def _plan(self, timer: Timer) -> None:
-        """Queue a timer for its next deadline; a new one is due at once."""
+        """Queue a timer for its next deadline; a new timer is due at once."""
         deadline = timer.timetable.deadline
         if deadline is not None:
             heapq.heappush(self._queue, (deadline, next(self._order), timer))
@@ -208,13 +208,13 @@ class Scheduler:
                     if self._closed:
                         return
                     timer.dispatch(timer.tick)
-            # What has put a deadline before this moment since has also waked the clock.
+            # Setting an earlier deadline also wakes the clock.
             self._clock.wait_until(moment)
 
     def _take_due(self, now: float) -> Tuple[List[Timer], Optional[float]]:
-        """Return the timers to be dispatched now, and when the next ones are due.
+        """Return the timers to dispatch now, and the next deadline.
 
-        Each is queued again for its next time.
+        Each timer is queued again for its next deadline.
         """
         found: List[Timer] = []
         with self._lock:
@@ -242,11 +242,10 @@ _schedulers_lock = threading.Lock()
 
 
 def get_scheduler(steady: bool = False) -> Scheduler:
-    """Return one of this process's schedulers, made at the first call.
+    """Return one of this process's schedulers, created at the first call.
 
-    :param steady: whether to go by the machine's monotonic clock in any case, as time-outs do, and
-        not by rospy's, which follows /clock where /use_sim_time is set
-    :returns: the scheduler; the node must have been initialised
+    :param steady: whether to use the monotonic clock also in simulated time, as for time-outs
+    :returns: the scheduler; requires an initialised node
     """
     with _schedulers_lock:
         is_simulated = not (steady or rospy.rostime.is_wallclock())

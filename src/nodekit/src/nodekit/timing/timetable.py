@@ -4,21 +4,21 @@
 import math
 from typing import Optional
 
-#: A deadline less than this ahead counts as passed, s: stamps of /clock are
+#: A deadline less than this ahead counts as passed [s]: stamps of /clock are
 #: rounded, since 1970 to 2.4e-7 s, and must not miss the deadlines they meet.
 SLACK_S = 1e-6
 
 
 class Timetable:
-    """When a periodic task is due, and what time has passed for it.
+    """Deadlines of a periodic task, and the time that has passed for it.
 
     Deadlines are ``anchor + n / rate``. The anchor moves only when the rate
     changes or the clock is set back, so that rounding and lateness never add
-    up. Elapsed time counts on over both.
+    up. The elapsed time continues in both cases.
 
-    :param rate: how often the task is due, Hz; 0 or above, and below 1 / SLACK_S; 0 pauses
+    :param rate: rate of the task [Hz]; 0 or above, and below 1 / SLACK_S; 0 pauses
     :param catch_up: lateness up to which every deadline is taken, one after the
-        other, s; of those that are later only the latest is
+        other [s]; of later ones only the latest is taken
     """
 
     __slots__ = (
@@ -35,7 +35,7 @@ class Timetable:
     )
 
     def __init__(self, rate: float, catch_up: float = 0.0) -> None:
-        #: Deadlines that were left out because they were too late.
+        #: Skipped deadlines, which were too late.
         self.skipped = 0
         self._rate = rate
         self._is_paused = rate == 0.0
@@ -45,19 +45,19 @@ class Timetable:
         #: Minus infinity before it began.
         self._anchor = -math.inf
         self._elapsed_at_anchor = 0.0
-        #: Number of the next deadline, counted from 0 at the anchor, and that deadline, s.
+        #: Number of the next deadline, counted from 0 at the anchor, and that deadline [s].
         self._next = 0
         self.next_deadline = self._taken_at = -math.inf
 
     @property
     def deadline(self) -> Optional[float]:
-        """When the task is due next, s; minus infinity before it began, None while it is paused."""
+        """Next deadline [s]; minus infinity before the first, None during a pause."""
         return None if self._is_paused else self.next_deadline
 
     def begin(self, now: float) -> None:
-        """Put the first deadline; without effect where there is one.
+        """Set the first deadline, unless it is set already.
 
-        :param now: that deadline, s
+        :param now: that deadline [s]
         """
         if self._anchor == -math.inf:
             self._anchor = self.next_deadline = now
@@ -65,13 +65,13 @@ class Timetable:
     def take_deadline(self, now: float) -> float:
         """Take a deadline that has passed: the next, or the latest if that is too late.
 
-        :param now: the time, at or after the deadline, s
-        :returns: time from the first deadline to this one, s
+        :param now: the time, at or after the deadline [s]
+        :returns: time from the first deadline to this one [s]
         """
         if self._anchor == -math.inf:
             self.begin(now)
         following = self._next + 1
-        # By a new rate, deadlines lie in the past that were none by the one before.
+        # With a new rate, deadlines may lie in the past that the old rate did not have.
         catch_up = 0.0 if self._is_retimed else self._catch_up
         if now - self.next_deadline > catch_up:
             latest = max(following, self._first_after(now, self._anchor))
@@ -87,7 +87,7 @@ class Timetable:
     def set_rate(self, rate: float) -> None:
         """Change the rate; the next deadline counts from the last one taken.
 
-        :param rate: how often the task is due from now on, Hz; 0 pauses
+        :param rate: new rate [Hz]; 0 pauses
         """
         if rate == (0.0 if self._is_paused else self._rate):
             return
@@ -105,9 +105,9 @@ class Timetable:
         self._rate = rate
 
     def restart(self, now: float) -> None:
-        """Go on from a clock that was set back: due at once, one period on.
+        """Continue after the clock was set back: due at once, one period later.
 
-        :param now: the time that the clock was set to, s
+        :param now: the new time of the clock [s]
         """
         if self._next:
             self._elapsed_at_anchor += self._next / self._rate

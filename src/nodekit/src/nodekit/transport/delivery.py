@@ -1,12 +1,12 @@
-"""Deliver messages over stream sockets so that no receiver can hold up the others.
+"""Delivery of messages over stream sockets, in which no receiver can block the others.
 
-A message goes out from the caller's own thread, without a queue: the shortest way there is. That
-leaves the receiver that does not read. It is waited for once, for :data:`PATIENCE_S`; from then on
-it counts as stalled, and a thread that exists only while there is such a receiver serves it in the
-background, see :mod:`nodekit.transport.subscriber_connection`.
+Messages are sent from the caller's own thread, without a queue. A receiver that does not read
+blocks once, for up to :data:`PATIENCE_S`; then it is stalled, and a background thread serves it,
+see :mod:`nodekit.transport.subscriber_connection`. The thread exists only while a receiver is
+stalled.
 
-A delivery is a message or several that are ready at once: they share a call of the kernel, which
-takes longer than all else that is done for a small message.
+A delivery holds one or more messages: they share a system call, which takes longer than all other
+work for a small message.
 """
 
 import contextlib
@@ -18,20 +18,20 @@ from typing import Dict, Iterable, Iterator, List, Optional, Set
 
 from nodekit.transport.subscriber_connection import SubscriberConnection
 
-#: longest time one delivery waits for all its receivers together, s
+#: Longest wait of one delivery for all its receivers together [s].
 PATIENCE_S = 0.05
-#: longest time until the background thread takes notice of a newly stalled receiver, s
+#: Longest time until the background thread serves a newly stalled receiver [s].
 DRAIN_PERIOD_S = 0.1
-#: pause of the background thread, as a socket short of memory is "writable" but takes nothing, s
+#: Pause of the background thread [s]: a socket short of memory is "writable" but accepts nothing.
 DRAIN_PAUSE_S = 0.001
 
 
 def deliver(data: bytes, links: Iterable[SubscriberConnection], messages: int = 1) -> None:
-    """Send messages to every receiver; wait at most :data:`PATIENCE_S` for those that are full.
+    """Send messages to every receiver; wait at most :data:`PATIENCE_S` for full sockets.
 
-    :param data: the messages, one after the other, as they go on the wire
-    :param links: where to; the caller holds their lock
-    :param messages: how many there are
+    :param data: serialized messages, concatenated
+    :param links: connections to the receivers; the caller holds their lock
+    :param messages: number of messages
     """
     full = []
     for link in links:
@@ -42,7 +42,7 @@ def deliver(data: bytes, links: Iterable[SubscriberConnection], messages: int = 
     if full:
         try:
             _wait(full)
-        finally:  # also if a signal's handler raises: nobody else would send what is held back
+        finally:  # also if a signal handler raises: otherwise held data would never be sent
             _mark_stalled([link for link in full if link.held])
 
 
@@ -71,7 +71,7 @@ def _mark_stalled(links: List[SubscriberConnection]) -> None:
 
 
 class _Drain:
-    """Serves all stalled receivers of the process, in a thread that ends with the last of them."""
+    """Background service of all stalled receivers, in a thread that ends with the last one."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -83,7 +83,7 @@ class _Drain:
             self._links.update(links)
             if self._links and self._thread is None:
                 thread = threading.Thread(target=self._run, name="drain", daemon=True)
-                thread.start()  # may fail: then the next stall tries again
+                thread.start()  # may fail; the next stall retries
                 self._thread = thread
 
     def _run(self) -> None:
@@ -104,16 +104,16 @@ class _Drain:
         now = time.monotonic()
         for link in links:
             with _errors_logged(link):
-                if link.fileno() < 0:  # closed by whoever else has the socket
+                if link.fileno() < 0:  # closed by another owner of the socket
                     with link.lock:
                         link.drop()
                 link.report_if_due(now)
-            with self._lock:  # or else a link that stalls again just now would be forgotten
+            with self._lock:  # otherwise a link that stalls again now would be lost
                 if not link.needs_attention():
                     self._links.discard(link)
 
     def _writable(self, links: List[SubscriberConnection]) -> List[SubscriberConnection]:
-        """Wait for the stalled ones of some links; return those that may take something."""
+        """Wait for the stalled links; return those that may be writable."""
         poller = select.poll()
         polled: Dict[int, SubscriberConnection] = {}
         for link in links:
@@ -126,7 +126,7 @@ class _Drain:
 
 @contextlib.contextmanager
 def _errors_logged(link: SubscriberConnection) -> Iterator[None]:
-    """Log what a link's own ``close`` or ``report`` raises, as the others need the thread."""
+    """Log exceptions of a link's ``close`` or ``report``; they must not end the thread."""
     try:
         yield
     except Exception:

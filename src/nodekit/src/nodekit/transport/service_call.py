@@ -1,9 +1,9 @@
-"""One call of a ROS service over TCP, by a deadline.
+"""Call of a ROS service over TCP, with a deadline.
 
 The protocol is TCPROS as http://wiki.ros.org/ROS/TCPROS and
 http://wiki.ros.org/ROS/Connection%20Header describe it: each side sends a header, a list of
-``name=value``; then the client sends a request, and the server a byte that is 1 where it could
-answer, and its answer or an error in words. Every length is 4 bytes, the lowest first.
+``name=value``; then the client sends a request, and the server a byte that is 1 on success, and its
+response or an error text. Every length has 4 bytes, little-endian.
 """
 
 import contextlib
@@ -14,21 +14,21 @@ import time
 from typing import Dict, Optional, Tuple
 
 _LENGTH = struct.Struct("<I")
-#: Longest header that is read, bytes.
+#: Longest accepted header [bytes].
 _LONGEST_HEADER = 64 * 1024
 
 
 class CallFailed(Exception):
-    """The server did not answer the request; the text says why."""
+    """Error response of the server; the text gives the reason."""
 
 
 class ServiceCall:
-    """A call that can be cancelled at any moment, from any thread.
+    """Call that can be cancelled at any moment, from any thread.
 
-    :param timeout: longest time from now to the answer, s
+    :param timeout: longest time from now to the response [s]
 
-    :ivar deadline: the end of that time, s on the monotonic clock
-    :ivar said: the server's header, once it has come: its ``type`` and more
+    :ivar deadline: end of that time on the monotonic clock [s]
+    :ivar said: the server's header, once received: its ``type`` and more
     """
 
     def __init__(self, timeout: float) -> None:
@@ -45,11 +45,11 @@ class ServiceCall:
         """Call the service.
 
         :param address: host and port
-        :param header: what the client says of itself and the service
-        :param request: serialised; None to shake hands only
-        :returns: the answer, serialised
-        :raises CallFailed: if the server refuses the header, or replied with an error
-        :raises socket.timeout: if the deadline is over
+        :param header: connection header of the client
+        :param request: serialized request; None for the handshake only
+        :returns: the serialized response
+        :raises CallFailed: if the server rejects the header, or replies with an error
+        :raises socket.timeout: if the deadline has passed
         :raises OSError: if the connection fails, or the call is cancelled
         """
         with contextlib.closing(socket.create_connection(address, self.left())) as connection:
@@ -72,21 +72,21 @@ class ServiceCall:
                     raise CallFailed(body.decode(errors="replace"))
                 return body
             finally:
-                with self._lock:  # cancel() must not meet a socket number that is another's by then
+                with self._lock:  # cancel() must not use a descriptor that has been reused
                     self._socket = None
 
     def cancel(self) -> None:
-        """End the call; what it waits for fails."""
+        """Cancel the call; its pending operation fails."""
         with self._lock:
             self._is_cancelled = True
             if self._socket is not None:
-                with contextlib.suppress(OSError):  # the server has hung up just now
+                with contextlib.suppress(OSError):  # the server has just disconnected
                     self._socket.shutdown(socket.SHUT_RDWR)
 
     def left(self) -> float:
-        """Return how long the call may take yet, s.
+        """Return the time left for the call [s].
 
-        :raises socket.timeout: if that time is over
+        :raises socket.timeout: if the deadline has passed
         """
         left = self.deadline - time.monotonic()
         if left <= 0.0:

@@ -1,53 +1,53 @@
-"""The way to one receiver over a stream socket: what it takes, what is held back, how it fares.
+"""Connection to one subscriber: sent, held and lost messages.
 
-Memory for a receiver that does not read is two deliveries at most: one that is partly on the wire,
-the rest of which goes out before anything else (a message is never torn), and the newest one, so
-that the last value of a slow stream arrives. Those in between are lost, counted and reported.
+A receiver that does not read takes memory for two deliveries at most: the partly sent one, the rest
+of which is sent first (a message is never split), and the newest one, so that the last value of a
+slow stream arrives. Deliveries in between are lost, counted and reported.
 """
 
 import enum
 import socket
 from typing import Any, ContextManager, List, Optional
 
-#: a receiver that has stalled is not waited for again until so long after its return, s
+#: After a stall, a receiver is not waited for again for this long [s].
 PROBATION_S = 10.0
-#: shortest time between two reports of the same kind about the same receiver, s
+#: Shortest time between two reports of the same kind about the same receiver [s].
 REPORT_PERIOD_S = 10.0
 
 
 class Phase(enum.Enum):
-    """How a receiver fares. From each phase it may be gone, which is the last.
+    """Phase of a receiver. GONE may follow each phase, and is the last.
 
     ============  ==============================================  ============
     phase         event                                           next phase
     ============  ==============================================  ============
     KEEPING_UP    its socket is full                              WAITED_FOR
-    WAITED_FOR    it takes all that is held back                  KEEPING_UP
+    WAITED_FOR    all held data is sent                           KEEPING_UP
     WAITED_FOR    the wait is over                                STALLED
-    STALLED       it takes all that is held back                  ON_PROBATION
+    STALLED       all held data is sent                           ON_PROBATION
     ON_PROBATION  its socket is full within PROBATION_S           STALLED
     ON_PROBATION  its socket is full later                        WAITED_FOR
     ============  ==============================================  ============
     """
 
-    #: takes each delivery at once
+    #: accepts each delivery at once
     KEEPING_UP = enum.auto()
-    #: is given time to read; its delivery may be partly on the wire
+    #: has time to read; its delivery may be partly sent
     WAITED_FOR = enum.auto()
     #: gets the newest delivery only, in the background
     STALLED = enum.auto()
-    #: takes each delivery at once again, but has stalled before
+    #: accepts each delivery at once again, but has stalled before
     ON_PROBATION = enum.auto()
     #: the other end is closed
     GONE = enum.auto()
 
 
 class Delivery:
-    """Messages that go out together, and what of them is not yet on the wire.
+    """Messages that are sent together, and their unsent data.
 
-    :param data: the messages, one after the other
-    :param messages: how many there are
-    :param sent: how much of the data is on the wire, bytes
+    :param data: the messages, concatenated
+    :param messages: number of messages
+    :param sent: amount of sent data [bytes]
     """
 
     __slots__ = ("messages", "size", "unsent")
@@ -59,63 +59,62 @@ class Delivery:
 
     @property
     def has_begun(self) -> bool:
-        """Whether some of it is on the wire, so that the rest has to follow."""
+        """Whether a part is sent, so that the rest has to follow."""
         return len(self.unsent) < self.size
 
 
 class LossReports:
-    """Decides when to tell of a receiver's losses: each kind of report once in REPORT_PERIOD_S.
+    """Rate limit of reports about a receiver's losses: one of each kind in REPORT_PERIOD_S.
 
-    One kind tells of losses while the receiver is stalled, the other that it keeps up again. No
-    loss is told of twice, and none is left out.
+    One kind reports losses while the receiver is stalled, the other that it keeps up again. Each
+    loss is reported exactly once.
     """
 
     def __init__(self) -> None:
-        self._told = 0  # messages
-        self._awaits_return = False  # a stall was told of, its end not yet
+        self._reported = 0  # messages
+        self._awaits_return = False  # a stall was reported, its end not yet
         self._quiet_until = {True: 0.0, False: 0.0}  # by kind
 
     def is_pending(self, stalled: bool, lost: int) -> bool:
-        """Tell whether there is something to report, be it now or later.
+        """Return whether there is something to report, now or later.
 
         :param stalled: whether the receiver is stalled
-        :param lost: how many messages it has lost in all
-        :returns: whether there is
+        :param lost: total number of lost messages
         """
-        return lost > self._told or (self._awaits_return and not stalled)
+        return lost > self._reported or (self._awaits_return and not stalled)
 
     def take_due(self, stalled: bool, lost: int, now: float) -> Optional[int]:
-        """Take the report that is due, if one is.
+        """Return the report that is due, and count it as made.
 
         :param stalled: whether the receiver is stalled
-        :param lost: how many messages it has lost in all
-        :param now: monotonic time, s
-        :returns: messages lost since the last report; None if none is due
+        :param lost: total number of lost messages
+        :param now: monotonic time [s]
+        :returns: messages lost since the last report; None if no report is due
         """
         if not self.is_pending(stalled, lost) or now < self._quiet_until[stalled]:
             return None
-        news = lost - self._told
-        self._told = lost
+        unreported = lost - self._reported
+        self._reported = lost
         self._awaits_return = stalled
         self._quiet_until[stalled] = now + REPORT_PERIOD_S
-        return news
+        return unreported
 
 
 class SubscriberConnection:
-    """The way to one receiver. Whoever calls a method that sends or stalls holds ``lock``.
+    """Connection to one subscriber. Callers of methods that send or stall hold ``lock``.
 
-    :param name: the receiver's name, for reports
+    :param name: name of the receiver, for reports
     :param sock: connected stream socket
-    :param lock: lock of everything that delivers to this link
+    :param lock: lock of all deliveries to this connection
     """
 
     def __init__(self, name: str, sock: Any, lock: ContextManager[Any]) -> None:
         self.name = name
         self.lock = lock
         self.phase = Phase.KEEPING_UP
-        #: messages, and their bytes, that have gone out as a whole; messages that were lost
+        #: completely sent messages, and their bytes; lost messages
         self.sent = self.sent_bytes = self.lost = 0
-        #: what is held back, two at most, only the first of them begun; a new delivery goes behind
+        #: held deliveries, two at most; only the first may be partly sent
         self.held: List[Delivery] = []
         self._socket = sock
         self._probation_ends = 0.0
@@ -126,30 +125,28 @@ class SubscriberConnection:
         self._socket.close()
 
     def report(self, stalled: bool, lost: int) -> None:
-        """Tell of a stalled receiver that loses messages, or of one that keeps up again.
+        """Report a stalled receiver that loses messages, or one that keeps up again.
 
-        :param stalled: which of the two
+        :param stalled: whether the receiver is stalled
         :param lost: messages lost since the last report
         """
 
     @property
     def stalled(self) -> bool:
-        """Whether the receiver is being left behind now."""
+        """Whether the receiver is stalled now."""
         return self.phase is Phase.STALLED
 
     def fileno(self) -> int:
-        """Tell the socket's descriptor.
-
-        :returns: the descriptor, or -1 once the socket is closed
+        """Return the socket's descriptor, -1 for a closed socket.
         """
         return int(self._socket.fileno())
 
     def send(self, data: bytes, messages: int) -> bool:
-        """Send a delivery, as far as the socket takes it at once, when nothing is held back.
+        """Send a delivery without waiting; hold the unsent rest. Nothing may be held before.
 
         :param data: the delivery
-        :param messages: how many messages it holds
-        :returns: whether nothing of it is held back now, also because the receiver has gone
+        :param messages: number of its messages
+        :returns: whether nothing is held now, also because the receiver has gone
         """
         try:
             size = self._socket.send(data, socket.MSG_DONTWAIT)
@@ -166,20 +163,20 @@ class SubscriberConnection:
         return True
 
     def hold(self, data: bytes, messages: int) -> None:
-        """Hold a delivery back behind one that has begun, in place of one that has not.
+        """Hold a delivery, behind a partly sent one and in place of an unsent one.
 
         :param data: the delivery
-        :param messages: how many messages it holds
+        :param messages: number of its messages
         """
         if self.held and not self.held[-1].has_begun:
             self.lost += self.held.pop().messages
         self.held.append(Delivery(data, messages))
 
     def flush(self, now: float) -> bool:
-        """Send what is held back, as far as the socket takes it at once.
+        """Send held data without waiting.
 
-        :param now: monotonic time, s
-        :returns: whether nothing is held back any more; a stalled receiver is back then
+        :param now: monotonic time [s]
+        :returns: whether all of it is sent; a stalled receiver then keeps up again
         """
         while self.held:
             first = self.held[0]
@@ -204,10 +201,10 @@ class SubscriberConnection:
         return True
 
     def begin_wait(self, now: float) -> bool:
-        """Give the receiver time to read, unless it has stalled lately.
+        """Start a wait for the receiver, unless it has stalled recently.
 
-        :param now: monotonic time, s
-        :returns: whether to wait for it
+        :param now: monotonic time [s]
+        :returns: whether to wait
         """
         if self.phase is Phase.ON_PROBATION and now < self._probation_ends:
             return False
@@ -215,11 +212,11 @@ class SubscriberConnection:
         return True
 
     def stall(self) -> None:
-        """Leave the receiver behind until it has taken all that is held back."""
+        """Mark the receiver as stalled until all held data is sent."""
         self.phase = Phase.STALLED
 
     def drop(self) -> None:
-        """Give the receiver up, as the other end is gone or the socket is closed."""
+        """Close the connection: the receiver has gone, or the socket is closed."""
         self.phase = Phase.GONE
         self.held.clear()
         self.close()
@@ -227,7 +224,7 @@ class SubscriberConnection:
     def report_if_due(self, now: float) -> None:
         """Report a stall, losses or the return. Without ``lock``: a report may take other locks.
 
-        :param now: monotonic time, s
+        :param now: monotonic time [s]
         """
         if self.phase is not Phase.GONE:
             stalled = self.stalled
@@ -236,7 +233,7 @@ class SubscriberConnection:
                 self.report(stalled, lost)
 
     def needs_attention(self) -> bool:
-        """Tell whether the receiver is stalled, or a report about it pending."""
+        """Return whether the receiver is stalled, or a report about it is pending."""
         if self.phase is Phase.GONE:
             return False
         return self.stalled or self._reports.is_pending(self.stalled, self.lost)

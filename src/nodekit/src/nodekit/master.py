@@ -1,8 +1,8 @@
-"""A client of the ROS master, and of its parameter server, with time-outs and batches.
+"""Client of the ROS master and its parameter server, with time-outs and batches.
 
-rospy's own client waits for ever on a hung master, caches what it should not
-after a cached read, and takes one round trip a key. This one puts any number of
-questions into one request. It uses the Master and Parameter Server APIs only:
+rospy's own client waits forever on a hung master, keeps stale values
+after a cached read, and takes one round trip for each key. This one batches any number of
+calls. It uses the Master and Parameter Server APIs only:
 http://wiki.ros.org/ROS/Master_API, http://wiki.ros.org/ROS/Parameter%20Server%20API.
 """
 
@@ -25,17 +25,17 @@ from typing import (
 
 import rosgraph
 
-# What a reading holds is public as this module is.
+# Public here: values of a Reading.
 from nodekit.parameters.parameter_types import MISSING as MISSING
 from nodekit.parameters.parameter_types import UNREADABLE as UNREADABLE
 from nodekit.validation import check_timeout
 
 _SUCCESS = 1
-#: Most calls in one of several requests: the master's other clients are served between two.
+#: Most calls in one request; the master serves other clients between two requests.
 _TOGETHER = 500
-#: How many answers are remembered: each second there is one of values and one of services.
-_REMEMBERED = 2
-#: What a request may raise; UnicodeError where the URI is no name of a host.
+#: Number of cached replies: each second there is one of values and one of services.
+_CACHED_REPLIES = 2
+#: Errors of a request; UnicodeError for an invalid host name.
 _FAILURES = (OSError, http.client.HTTPException, xmlrpc.client.Error, UnicodeError)
 
 #: One call: the name of a method of the master, and its arguments without the caller's name.
@@ -45,20 +45,19 @@ Registrations = List[Tuple[str, List[str]]]
 
 
 class MasterUnreachable(ConnectionError):
-    """The master does not answer, or what answers is none; the text says where and why."""
+    """Error of a master that does not reply, or of a server that is not a master."""
 
 
 class _Fault(MasterUnreachable):
-    """The master answers that it failed, as where it has to send what XML-RPC cannot carry."""
+    """Error reply of the master, as for a value that XML-RPC cannot carry."""
 
 
 class Reading(NamedTuple):
-    """What the parameter server held at one moment.
+    """Values of the parameter server at one moment.
 
-    :param values: raw value by key, MISSING where nothing is set
-    :param knows_node: whether the master knows the node; it has forgotten it
-        when it was restarted
-    :param master_pid: process id of the master, another sign of a restart
+    :param values: raw value by key, MISSING if the key is not set
+    :param knows_node: whether the master knows the node; not after a restart
+    :param master_pid: process id of the master, which also changes in a restart
     """
 
     values: Dict[str, Any]
@@ -67,7 +66,7 @@ class Reading(NamedTuple):
 
 
 class SystemState(NamedTuple):
-    """Who publishes, subscribes and serves what."""
+    """Publishers, subscribers and service providers on the graph."""
 
     publishers: Registrations
     subscribers: Registrations
@@ -75,16 +74,16 @@ class SystemState(NamedTuple):
 
 
 class _Transport(xmlrpc.client.Transport):
-    """HTTP that gives up after a time, and does without compression."""
+    """HTTP transport with a time-out, without compression."""
 
-    # Which takes the master several times as long as the rest of its answer.
+    # Compression takes the master several times as long as the rest of its reply.
     accept_gzip_encoding = False
 
     def __init__(self, timeout: float) -> None:
         super().__init__()
         self._timeout = timeout
-        # The usual answer is that nothing has changed: the same text need not be parsed again.
-        self._parse = functools.lru_cache(_REMEMBERED)(_parse)
+        # Most replies are equal to the previous one, and need not be parsed again.
+        self._parse = functools.lru_cache(_CACHED_REPLIES)(_parse)
 
     def make_connection(self, host: Any) -> http.client.HTTPConnection:
         connection = super().make_connection(host)
@@ -92,7 +91,7 @@ class _Transport(xmlrpc.client.Transport):
         return connection
 
     def parse_response(self, response: Any) -> Any:
-        """Return what an answer says."""
+        """Return the parsed reply."""
         return self._parse(response.read())
 
 
@@ -104,21 +103,21 @@ def _parse(text: bytes) -> Any:
         return unmarshaller.close()
     except xmlrpc.client.Fault:
         raise
-    except Exception as error:  # of any kind: the parser takes for granted what it reads
+    except Exception as error:  # of any kind: the parser does not check its input
         raise xmlrpc.client.ResponseError(f"not XML-RPC ({error})") from None
 
 
 class MasterClient:
-    """The master as one node sees it; methods may be called from any thread.
+    """Client of the master for one node; thread-safe.
 
-    All of them raise :class:`MasterUnreachable` if the master does not answer.
+    All methods raise :class:`MasterUnreachable` if the master does not reply.
 
     :param node_name: name of the node, global
     :param node_uri: XML-RPC URI of the node, where the master sends updates
-    :param timeout: longest wait for an answer, s
-    :param master_uri: URI of the master; by default, of the one of this process
-    :raises MasterUnreachable: if the URI is none of HTTP
-    :raises ValueError: if the time-out is none
+    :param timeout: longest wait for a reply [s]
+    :param master_uri: URI of the master; by default, that of this process
+    :raises MasterUnreachable: if the URI is not an HTTP URI
+    :raises ValueError: if the time-out is invalid
     """
 
     def __init__(
@@ -141,14 +140,14 @@ class MasterClient:
         self.close()
 
     def close(self) -> None:
-        """Close the connection; another request would open it again."""
+        """Close the connection; another request opens it again."""
         self._proxy("close")()
 
     def request(self, calls: List[Call]) -> List[Any]:
-        """Have the master answer calls, up to 500 in one request.
+        """Send calls to the master, up to 500 in one request.
 
-        :param calls: any number of them
-        :returns: the answers, each a status, a text and a value
+        :param calls: any number of calls
+        :returns: the replies, each a status, a text and a value
         """
         answers: List[Any] = []
         for start in range(0, len(calls), _TOGETHER):
@@ -167,21 +166,21 @@ class MasterClient:
             raise _Fault(str(self._unreachable(error))) from None
         except _FAILURES as error:
             raise self._unreachable(error) from None
-        with self._valid_reply(results):
+        with self._checked_format(results):
             if len(results) != len(calls):
                 raise ValueError
             return [self._checked(result) for result in results]
 
     def _checked(self, result: Any) -> Any:
-        """Return the answer to one call: alone in a list, or a dict where the call failed."""
+        """Return the reply to one call: the only item of a list, or a dict if the call failed."""
         if isinstance(result, dict):
             raise _Fault(str(self._unreachable(result.get("faultString", result))))
         ((code, text, value),) = result
         return code, text, value
 
     @contextlib.contextmanager
-    def _valid_reply(self, answer: Any) -> Iterator[None]:
-        """Take an answer without sense as that of something else than a master."""
+    def _checked_format(self, answer: Any) -> Iterator[None]:
+        """Raise MasterUnreachable for a reply that a master would not send."""
         try:
             yield
         except (TypeError, ValueError):
@@ -191,16 +190,16 @@ class MasterClient:
         return MasterUnreachable(f"{self._uri}: {why}")
 
     def read(self, keys: Collection[str]) -> Reading:
-        """Read keys of the parameter server, past every cache.
+        """Read keys of the parameter server, without a cache.
 
         :param keys: global names of parameters or namespaces
-        :returns: the values, and whether the master knows this node; below a
-            namespace, UNREADABLE stands for what the master cannot send
+        :returns: the values, and whether the master knows this node; in a namespace, UNREADABLE
+            replaces values that the master cannot send
         """
         calls: List[Call] = [("lookupNode", self._node_name), ("getPid",)]
         try:
             node, pid, *answers = self.request(calls + [("getParam", key) for key in keys])
-        except _Fault:  # one value that cannot be sent hides all others
+        except _Fault:  # one unsendable value hides all others
             node, pid = self.request(calls)
             values = {key: self._read_alone(key) for key in keys}
         else:
@@ -208,7 +207,7 @@ class MasterClient:
         return Reading(values, node[0] == _SUCCESS, pid[2])
 
     def _read_alone(self, key: str) -> Any:
-        """Read one key; where that fails, all that is below it one by one."""
+        """Read one key; if that fails, read the keys below it one by one."""
         try:
             return _value(self.request([("getParam", key)])[0])
         except _Fault:
@@ -230,47 +229,47 @@ class MasterClient:
         self.request([("setParam", key, value) for key, value in values.items()])
 
     def subscribe(self, keys: Collection[str]) -> None:
-        """Have the master send changes of these keys, and below them, to the node.
+        """Subscribe the node to changes of keys, and of keys below them.
 
         :param keys: global names of parameters or namespaces
         """
         self.request([("subscribeParam", self._node_uri, key) for key in keys])
 
     def unsubscribe(self, keys: Collection[str], timeout: float = 0.5) -> None:
-        """Take subscriptions back, over a connection of its own.
+        """Unsubscribe, over a separate connection.
 
-        Meant for shut-down, when the shared one may be waiting for an answer.
+        Meant for shutdown, when the shared connection may be waiting for a reply.
 
         :param keys: global names, as they were subscribed
-        :param timeout: longest wait for an answer, s
+        :param timeout: longest wait for a reply [s]
         """
         with MasterClient(self._node_name, self._node_uri, timeout, self._uri) as client:
             client.request([("unsubscribeParam", self._node_uri, key) for key in keys])
 
     def system_state(self) -> SystemState:
-        """Ask who publishes, subscribes and serves what."""
+        """Return the publishers, subscribers and service providers on the graph."""
         state = self.request([("getSystemState",)])[0][2]
-        with self._valid_reply(state):
+        with self._checked_format(state):
             return SystemState(*([(name, nodes) for name, nodes in part] for part in state))
 
     def topic_types(self) -> Dict[str, str]:
-        """Ask for the type of each topic."""
+        """Return the type of each topic."""
         types = self.request([("getTopicTypes",)])[0][2]
-        with self._valid_reply(types):
+        with self._checked_format(types):
             return {topic: kind for topic, kind in types}
 
     def lookup_node(self, name: str) -> Optional[str]:
-        """Ask for the URI of a node, None where there is none."""
+        """Return the URI of a node, None for an unknown node."""
         code, _, uri = self.request([("lookupNode", name)])[0]
         return str(uri) if code == _SUCCESS else None
 
     def lookup_service(self, name: str) -> Optional[str]:
-        """Ask for the URI of a service, None where there is none."""
+        """Return the URI of a service, None for an unknown service."""
         code, _, uri = self.request([("lookupService", name)])[0]
         return str(uri) if code == _SUCCESS else None
 
     def namespaces_offering(self, service: str, below: str = "/") -> List[str]:
-        """List the namespaces where a service is offered.
+        """Return the namespaces in which a service is offered.
 
         :param service: base name of the service
         :param below: global name; only namespaces at or below it are listed

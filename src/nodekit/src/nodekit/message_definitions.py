@@ -1,20 +1,20 @@
 # Pure: knows no ROS.
-"""What the definition of a message says, line by line; its notation: http://wiki.ros.org/msg.
+"""Parser of message definitions, in the notation of http://wiki.ros.org/msg.
 
-It is read, and no code is made of it: it may come from somebody else. Pure: it knows no ROS.
+It generates no code, because a definition may come from an untrusted node. Pure: it knows no ROS.
 """
 
 import re
 from typing import Dict, List, NamedTuple, Optional, Tuple
 
-#: Bytes of each number, by its name in definitions.
+#: Size of each numeric type [bytes].
 SIZES: Dict[str, int] = {
     **dict.fromkeys(("bool", "int8", "uint8", "byte", "char"), 1),
     **dict.fromkeys(("int16", "uint16"), 2),
     **dict.fromkeys(("int32", "uint32", "float32"), 4),
     **dict.fromkeys(("int64", "uint64", "float64"), 8),
 }
-#: Two numbers of 4 bytes each: seconds and nanoseconds.
+#: Types of two numbers of 4 bytes each: seconds and nanoseconds.
 TIMES = ("time", "duration")
 
 _SEPARATOR = re.compile(r"^={80}\s*$", re.MULTILINE)
@@ -23,15 +23,15 @@ _CONSTANT = re.compile(r"([a-z]\w*)\s+([A-Za-z]\w*)\s*=(.*)", re.ASCII)
 
 
 class DefinitionError(ValueError):
-    """A malformed definition."""
+    """Error of a malformed definition."""
 
 
 class Field(NamedTuple):
-    """A field of a message.
+    """Field of a message.
 
-    :param base: its type, of an array that of an element; messages with their package
-    :param is_array: whether it is one
-    :param length: of an array of fixed length, otherwise None
+    :param base: type, or element type of an array; message types include their package
+    :param is_array: whether the field is an array
+    :param length: length of an array of fixed length, otherwise None
     """
 
     base: str
@@ -41,7 +41,7 @@ class Field(NamedTuple):
 
 
 class Constant(NamedTuple):
-    """A constant, with its value as it is written."""
+    """Constant, with its value as written in the definition."""
 
     base: str
     name: str
@@ -49,21 +49,21 @@ class Constant(NamedTuple):
 
 
 def constant_in(line: str) -> Optional[Constant]:
-    """Return the constant that a line declares, None where it declares none."""
+    """Return the constant that a line declares, None for any other line."""
     match = _CONSTANT.match(line.strip())
     if match is None:
         return None
     base, name, value = match.groups()
-    # The text of a constant is all that follows, a "#" too.
+    # A string constant takes the rest of the line, including a "#".
     return Constant(base, name, (value if base == "string" else value.partition("#")[0]).strip())
 
 
 def field_in(line: str, package: str) -> Optional[Field]:
-    """Return the field that a line declares, None where it declares none.
+    """Return the field that a line declares, None for any other line.
 
-    :param line: of a definition
-    :param package: whose definition it is
-    :raises DefinitionError: if it is malformed
+    :param line: line of a definition
+    :param package: package of the definition
+    :raises DefinitionError: if the line is malformed
     """
     code = line.partition("#")[0].strip()
     if not code or constant_in(line):
@@ -84,11 +84,11 @@ Fields = Dict[str, Tuple[Field, ...]]
 
 
 def parse(datatype: str, text: str) -> Fields:
-    """Read a definition together with those of the types that it uses.
+    """Parse a definition together with those of the types that it uses.
 
-    :param datatype: its type, such as ``std_msgs/Header``
-    :param text: as ``rosmsg show --raw`` has it, or a connection's header
-    :raises DefinitionError: if it is malformed
+    :param datatype: type, such as ``std_msgs/Header``
+    :param text: definition as in ``rosmsg show --raw``, or in a connection header
+    :raises DefinitionError: if the definition is malformed
     """
     found = {name: fields_of(name, body) for name, body in parts_of(datatype, text).items()}
     _check_defined(datatype, found, [])
@@ -96,7 +96,7 @@ def parse(datatype: str, text: str) -> Fields:
 
 
 def parts_of(datatype: str, text: str) -> Dict[str, str]:
-    """Take a definition apart, which those of the types that it uses follow.
+    """Split a definition that is followed by those of the types that it uses.
 
     :returns: the text of each type, by its name
     :raises DefinitionError: if a part has no name
@@ -114,9 +114,9 @@ def parts_of(datatype: str, text: str) -> Dict[str, str]:
 def fields_of(datatype: str, text: str) -> Tuple[Field, ...]:
     """Return the fields that one definition declares.
 
-    :param datatype: its type
-    :param text: its own text only
-    :raises DefinitionError: if it is malformed
+    :param datatype: type
+    :param text: text of this type only
+    :raises DefinitionError: if the definition is malformed
     """
     package = datatype.partition("/")[0]
     lines: List[Optional[Field]] = [field_in(line, package) for line in text.splitlines()]

@@ -530,7 +530,7 @@ class Races(unittest.TestCase):
         live.add_listener(lambda: live.update(count=int(live.values.level)))
         live.add_listener(lambda: told.append(live.values))
         self.user.set(self.level, "5")
-        wait_until(lambda: told, lambda: "nobody is told")
+        wait_until(lambda: told, lambda: "no callback is called")
         wait_until(lambda: self.told()["count"] == 5, lambda: str(self.told()))
         self.assertEqual({(values.level, values.count) for values in told}, {(5.0, 5)})
 
@@ -677,7 +677,7 @@ class Races(unittest.TestCase):
         self.user.set(broken[0].key, 1)
         self.user.set(self.level, 5.0)
         wait_until(lambda: live.values.level == 5.0, lambda: str(live.values))
-        # What nobody is notified of is read once a second, and all in one go.
+        # Keys without notifications are read once a second, in one request.
         self.user.master.setParam(rospy.get_name(), self.level, 6.0)
         wait_until(lambda: live.values.level == 6.0, lambda: str(live.values))
         for name in ("ZeroDivisionError", "SystemExit"):

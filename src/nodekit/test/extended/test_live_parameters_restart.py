@@ -94,7 +94,7 @@ class RestartedMaster(ParameterCase):
         self.server.set("/gauge/level", 5)
         node.wait_for(level=5.0)
         with contextlib.ExitStack() as page:
-            with hanging(node.popen.pid):  # or it finds nobody first, and tells that alone
+            with hanging(node.popen.pid):  # otherwise it first finds no master, and logs only that
                 self.master.kill()
                 page.enter_context(login_page(urllib.parse.urlsplit(self.master.uri).port))
             node.wait_for_log("WARN", "the master does not answer", "not XML-RPC")

@@ -1,1 +1,1 @@
-"""What integration tests share; a .test file puts the folder above on PYTHONPATH."""
+"""Helpers of the integration tests; a .test file puts the folder above on PYTHONPATH."""

@@ -11,7 +11,7 @@ from nodekit import FloatParameter, Node, ParameterSet, run
 
 
 class Settings(ParameterSet):
-    """What can be changed."""
+    """Parameters of the node."""
 
     gain = FloatParameter(1.0, minimum=0.0, help="what is appended")
 

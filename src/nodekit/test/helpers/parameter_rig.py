@@ -1,4 +1,4 @@
-"""What tests of live parameters are made of: a node to try, and a spy on the master."""
+"""Rig for tests of live parameters: a node to test, and a spy on the master."""
 
 import json
 import os
@@ -29,7 +29,7 @@ class ParameterNode(Process):
 
     @property
     def reports(self) -> List[Dict[str, Any]]:
-        """What it printed of its values, oldest first."""
+        """Values that the node has printed, oldest first."""
         return [json.loads(line) for line in self.lines if line.startswith("{")]
 
     @property
@@ -39,7 +39,7 @@ class ParameterNode(Process):
 
     @property
     def changes(self) -> int:
-        """How often its callback was called."""
+        """Number of calls of the node's callback."""
         return int(self.reports[-1]["changes"])
 
     def wait_for(self, **values: Any) -> None:

@@ -22,7 +22,7 @@ def numbered(source: str, number: int, size: int) -> str:
 
 
 class Recorder:
-    """What arrived."""
+    """Received messages."""
 
     def __init__(self) -> None:
         self.numbers = {}

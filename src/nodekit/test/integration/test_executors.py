@@ -112,10 +112,10 @@ class Executors(unittest.TestCase):
         told = subprocess.run(command, check=True, stdout=subprocess.PIPE).stdout.decode()
         (words,) = [line.split() for line in told.splitlines() if "subscription" in line]
         self.assertEqual(words[:6], [self.space + "/topic", "subscription", "3", "1", "1", "2"])
-        command[-1] = self.space + "/nobody"
+        command[-1] = self.space + "/missing"
         refused = subprocess.run(command, stderr=subprocess.PIPE)
         self.assertEqual(refused.returncode, 1)
-        self.assertIn(f"/nobody has no executor; there is {node.name}", refused.stderr.decode())
+        self.assertIn(f"/missing has no executor; there is {node.name}", refused.stderr.decode())
         entry = self.report(node)["subscription"]
         self.assertEqual(
             {key: entry[key] for key in ("name", "running", "waiting", "dropped", "made")},

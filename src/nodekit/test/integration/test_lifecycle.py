@@ -193,7 +193,7 @@ def _constant(state: State) -> str:
 
 
 class Table(Managed):
-    """What is asked for over the services, and what becomes of it."""
+    """Requests over the services, and their effects."""
 
     def test_every_cell(self) -> None:
         for (label, number, start, through, goal, otherwise), by_id in itertools.product(
@@ -358,7 +358,7 @@ class Table(Managed):
         self.assertEqual(self.state(), "inactive")
 
     def claims(self) -> bool:
-        """Return whether a request is rejected by the table, not by a running transition."""
+        """Return whether the table rejects a request, not a running transition."""
         with self.assertLogs("rosout", "WARNING") as logged:
             self.assertFalse(self.change("cleanup"))
         return "is not allowed in the state" in logged.output[0]
@@ -404,7 +404,7 @@ class Table(Managed):
 
 
 class Made(Managed):
-    """What the callbacks make lives as long as their state, and speaks only while active."""
+    """Resources of callbacks live as long as their state, and publish only while active."""
 
     def test_lives_as_long_as_its_state(self) -> None:
         driver = self.driver()
@@ -821,7 +821,7 @@ class Wanted(Managed):
 
 
 class Heartbeat(Managed):
-    """What a manager hears."""
+    """Heartbeats as a manager receives them."""
 
     def test_beats_in_any_state_and_beside_whatever_takes_long(self) -> None:
         driver = self.driver()
@@ -855,7 +855,7 @@ class Heartbeat(Managed):
 
 
 class Command(Managed):
-    """What ``rosrun nodekit lifecycle`` prints, as ``ros2 lifecycle`` does, and its exit status."""
+    """Output and exit status of ``rosrun nodekit lifecycle``, as of ``ros2 lifecycle``."""
 
     def typed(self, verb: str, *words: str) -> Tuple[int, str, str]:
         """Return exit status, output and errors, without the namespace of this test.

@@ -166,7 +166,7 @@ class LiveParameters(ParameterCase):
         self.assert_truth(self.node, self.server)
         self.assertEqual(self.node.values, {**DEFAULTS, "count": 5})
 
-    def test_file_is_loaded_and_judged_as_a_whole(self) -> None:
+    def test_loaded_file_is_validated_as_a_whole(self) -> None:
         with tempfile.NamedTemporaryFile("w", suffix=".yaml") as file:
             file.write("{low: 20, high: 30, level: 1e1, marks: [7], title: loaded}")
             file.flush()

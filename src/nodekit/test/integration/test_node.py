@@ -93,7 +93,7 @@ class OnMaster(unittest.TestCase):
 
 
 class Start(OnMaster):
-    """What is made is noted until the start."""
+    """Resources are queued until the start."""
 
     def test_no_callback_begins_before_the_constructor_has_returned(self) -> None:
         calls, wait_for_ticks = [], self.wait_for_ticks  # type: Any
@@ -259,7 +259,7 @@ class Start(OnMaster):
         node.start()
         self.assertEqual(self.server.get(self.space + "/one/gain"), 1.0)
 
-    def test_a_rule_of_the_node_s_judges_at_the_start_and_each_change(self) -> None:
+    def test_rule_of_node_is_checked_at_start_and_each_change(self) -> None:
         class Picky:
             def __init__(self, node: Node) -> None:
                 self.node = node
@@ -575,7 +575,7 @@ def end(child: int) -> None:
 
 
 class Texts(OnMaster):
-    """A text that is none, as ``os.fsdecode`` makes of a name in Latin-1, harms nothing else."""
+    """Invalid text, as from ``os.fsdecode`` for a name in Latin-1, breaks no other line."""
 
     NO_TEXT = os.fsdecode(b"caf\xe9")
 
@@ -621,7 +621,7 @@ class Texts(OnMaster):
 
 
 class Closing(OnMaster):
-    """What a node makes it closes, and nothing is left."""
+    """A node closes the resources that it creates, and leaves none behind."""
 
     def fill(self, node: Node, maker: Any, calls: Callable[..., Any]) -> None:
         """Make one of everything."""

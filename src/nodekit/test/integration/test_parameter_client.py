@@ -96,9 +96,9 @@ class Silence(ParameterCase):
     """Nodes that do not answer, or with something else; each in a namespace of its own."""
 
     def test_unknown_node(self) -> None:
-        client = ParameterClient("/client/nobody")
+        client = ParameterClient("/client/missing")
         for ask in (client.describe, client.get, lambda: client.change({"a": 1})):
-            with self.assertRaisesRegex(CallError, "/client/nobody/.*: no node offers it"):
+            with self.assertRaisesRegex(CallError, "/client/missing/.*: no node offers it"):
                 ask()
 
     def test_node_without_parameters_of_nodekit(self) -> None:

@@ -72,7 +72,7 @@ class OnClock(unittest.TestCase):
 
 
 class OnSimulatedClock(OnClock):
-    """Where /use_sim_time is set."""
+    """Scheduling with /use_sim_time."""
 
     @classmethod
     def setUpClass(cls) -> None:

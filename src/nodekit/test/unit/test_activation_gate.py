@@ -1,4 +1,4 @@
-"""What speaks only while its node is active, told of that in the middle of something else."""
+"""Activation changes while a publisher or a timer of a managed node is in use."""
 
 import threading
 from typing import Any, Callable, Iterator, List, Optional
@@ -47,7 +47,7 @@ def scheduler() -> Iterator[Scheduler]:
 def wait_for(function: Callable[..., Any], *arguments: Any) -> None:
     thread = in_thread(function, *arguments)
     thread.join(TIMEOUT_S)
-    assert not thread.is_alive(), "nobody waits for the sending thread"
+    assert not thread.is_alive(), "the gate blocks the sending thread"
 
 
 @pytest.mark.parametrize("thread", [True, False])

@@ -1,4 +1,4 @@
-"""What a node is given by the command line and the environment is judged before it starts."""
+"""Validation of command line and environment before a node starts."""
 
 import os
 import re
@@ -58,7 +58,7 @@ def test_address_that_is_none_is_named_with_its_source(uri):
         check("node", {"ROS_MASTER_URI": URI}, ["__master:=" + uri])
 
 
-def test_names_are_judged():
+def test_invalid_names_are_rejected():
     for name, environ, argv in (
         ("a b", {}, []),
         ("node", {"ROS_NAMESPACE": "/a b"}, []),

@@ -1,4 +1,4 @@
-"""Bytes as a parameter: how they come, how they are shown, and what is none."""
+"""Parameters of bytes: accepted forms, output, and rejected values."""
 
 import xmlrpc.client
 from typing import Any

@@ -45,7 +45,7 @@ def test_failures_are_counted_and_logged_at_times(
 def test_what_fails_when_the_end_has_begun_is_counted_only(
     logged: List[str], monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
-    # rospy calls whoever wants to know before it says that it is shut down.
+    # rospy calls shutdown hooks before is_shutdown() is true.
     monkeypatch.setattr(rospy.core, "_in_shutdown", True)
     assert not rospy.is_shutdown()
     what: Any = callback_errors.CallbackErrors()

@@ -173,7 +173,7 @@ def test_a_rule_about_nothing_is_refused_at_once():
             """Lacks its names."""
 
 
-def test_rules_are_judged_only_about_the_names_asked_for():
+def test_broken_rule_checks_only_rules_of_given_names():
     broken = Limits.from_coerced({"low": 2.0, "high": 1.0, "count": 3})
     assert broken.broken_rule(["count"]) is None
     assert broken.broken_rule([]) is None
@@ -212,7 +212,7 @@ def test_subclass_adds_rules_and_replaces_those_it_overrides():
 
         @rule("low", "high")
         def ordered(self) -> None:
-            """Replaces the rule of the base."""
+            """Replace the rule of the base."""
             if self.low + 1.0 > self.high:
                 raise ValueError("low + 1 must be at most high")
 

@@ -26,7 +26,7 @@ def read(**members: Any) -> type:
     return type("Mine", (ParameterSet,), members)
 
 
-async def judge(_self: object) -> None:
+async def check(_self: object) -> None:
     """Never run."""
 
 
@@ -41,7 +41,7 @@ async def judge(_self: object) -> None:
         ({"_a": IntParameter(1, help="")}, ValueError, r"Mine\._a: must be a letter"),
         ({"managed": BoolParameter(True, help="")}, TypeError, "every node has a parameter"),
         ({"a": SHARED, "b": SHARED}, TypeError, r"Mine\.b: is the same object as a"),
-        ({"a": SHARED, "judge": rule("a")(judge)}, TypeError, r"Mine\.judge: .* async def"),
+        ({"a": SHARED, "check": rule("a")(check)}, TypeError, r"Mine\.check: .* async def"),
         ({"a": IntParameter("5", help="")}, ParameterError, r"Mine/a: refused '5': .*\(text\)"),
         ({"a": FloatParameter("1e3", help="")}, ParameterError, "Mine/a: refused '1e3'"),
         ({"a": FloatParameter(-1.0, minimum=0.0, help="")}, ParameterError, "a: refused -1"),
@@ -126,7 +126,7 @@ def test_a_property_takes_an_inherited_parameter_away() -> None:
         is_on = property(lambda self: True)
 
     class Still(Without):
-        """What its base has taken away stays so."""
+        """A parameter that a base class has removed stays removed."""
 
     for cls in (Without, Still):
         assert list(cls.declared) == ["level"]
@@ -145,7 +145,7 @@ def test_a_property_takes_an_inherited_parameter_away() -> None:
 def test_what_is_no_rule_of_the_node_s() -> None:
     @rule("other")
     def strange(values: ParameterSet) -> None:
-        """A rule about something else."""
+        """Define a rule about something else."""
 
     for method, why in ((print, "must be marked by @rule"), (strange, "undeclared .*: other")):
         with pytest.raises(TypeError, match=f"Gauge: .*{why}"):

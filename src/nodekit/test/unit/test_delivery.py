@@ -337,7 +337,7 @@ def test_kinds_of_report_are_throttled_apart():
     reports = LossReports()
     steps = [  # s, stalled, lost in all, what is told
         (0.0, True, 0, None),  # a stall without loss
-        (0.0, False, 0, None),  # ... and its end are nobody's business
+        (0.0, False, 0, None),  # ... and its end are not reported
         (1.0, True, 3, 3),
         (2.0, False, 3, 0),  # the end of a stall that was told of
         (3.0, False, 3, None),

@@ -22,7 +22,7 @@ class Switch(ParameterSet):
 
 @pytest.fixture
 def lines(monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]") -> Any:
-    """The lines that describe a node, without a graph."""
+    """Return the lines that describe a node, without a graph."""
 
     class Master:
         def __init__(self, _name: str) -> None:

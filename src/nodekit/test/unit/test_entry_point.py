@@ -1,4 +1,4 @@
-"""What a node's process settles before anything heavy is imported."""
+"""Settings of a node's process before heavy imports."""
 
 import subprocess
 import sys

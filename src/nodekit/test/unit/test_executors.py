@@ -348,7 +348,7 @@ def test_close_waits_for_what_is_under_way_but_not_for_what_only_waits() -> None
 
 
 @pytest.mark.parametrize("threads", [0, -1])
-def test_number_of_threads_is_judged(threads: int) -> None:
+def test_invalid_number_of_threads_is_rejected(threads: int) -> None:
     with pytest.raises(ValueError, match=f"refused {threads}: must be"):
         MultiThreadedExecutor(threads)
 
@@ -372,7 +372,7 @@ def test_as_many_messages_wait_as_is_said(queue_size: Optional[int], kept: int) 
 
 
 @pytest.mark.parametrize("queue_size", [0, -2, 1.5, "10"])
-def test_queue_size_is_judged(queue_size: Any) -> None:
+def test_invalid_queue_size_is_rejected(queue_size: Any) -> None:
     with pytest.raises(ValueError, match=f"queue_size: refused {queue_size!r}: must be"):
         Node(Names("/one", True)).create_subscription("topic", String, print, queue_size)
 

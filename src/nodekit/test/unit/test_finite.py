@@ -112,7 +112,7 @@ def test_one_number_deep_in_a_message_is_enough(colors, other, channel, place):
 
 
 @given(st.lists(st.floats(width=32), max_size=10))
-def test_what_has_arrived_is_judged_like_what_was_sent(numbers):
+def test_received_message_is_checked_like_sent_one(numbers):
     finite = all(math.isfinite(number) for number in numbers)
     for data_class, letter in ((Float32MultiArray, "f"), (Float64MultiArray, "d")):
         body = struct.pack(f"<3I{len(numbers)}{letter}", 0, 0, len(numbers), *numbers)
@@ -121,7 +121,7 @@ def test_what_has_arrived_is_judged_like_what_was_sent(numbers):
 
 
 @pytest.mark.parametrize("dtype", ["f4", "f8"])
-def test_arrays_of_numpy_are_judged_as_well(dtype):
+def test_numpy_arrays_are_checked(dtype):
     numpy = pytest.importorskip("numpy")
     numbers = numpy.array([1.0, 2.0], dtype)
     assert is_finite(Float64MultiArray(data=numbers))

@@ -1,4 +1,4 @@
-"""Who follows a key may do with its value what they like."""
+"""Values of a followed parameter are copies that the callback may change."""
 
 import contextlib
 from typing import Any, List

@@ -332,7 +332,7 @@ def stack():
 
 @pytest.fixture
 def together(stack):
-    """A publisher and a subscription of the same topic in the same process."""
+    """Return a publisher and a subscription of the same topic in the same process."""
     ear = Ear(stack)
     return opened(stack, String, latch=True), ear
 

@@ -25,7 +25,7 @@ def notices_are_due(monkeypatch):
 
 @pytest.fixture
 def full():
-    """A text stream on a full disk."""
+    """Return a text stream on a full disk."""
     with open("/dev/full", "wb", buffering=0) as raw:
         yield io.TextIOWrapper(raw, write_through=True)
 
@@ -128,7 +128,8 @@ def test_output_that_cannot_be_written_is_no_exit_status():
             [
                 sys.executable,
                 "-c",
-                "from nodekit.rospy_internals import startup; startup.apply_patches(); print('a line')",
+                "from nodekit.rospy_internals import startup;"
+                "startup.apply_patches(); print('a line')",
             ],
             env={name: value for name, value in os.environ.items() if name != "PYTHONUNBUFFERED"},
             stdout=full,

@@ -1,4 +1,4 @@
-"""What is told to a master that has lost what it knew, and to whom a service belongs."""
+"""Registrations that a master has lost, and services that other nodes take over."""
 
 from typing import Any, Dict, List
 

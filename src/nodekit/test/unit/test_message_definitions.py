@@ -1,4 +1,4 @@
-"""What the definition of a message says."""
+"""Parser of message definitions."""
 
 import struct
 from typing import Optional

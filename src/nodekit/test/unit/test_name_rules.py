@@ -1,4 +1,4 @@
-"""What a name may be in ROS."""
+"""Rules for names in ROS."""
 
 import pytest
 import rosgraph.names
@@ -53,7 +53,7 @@ def test_namespaces():
             check_namespace({"ROS_NAMESPACE": namespace}, [])
 
 
-def test_names_of_a_node_are_judged():
+def test_invalid_node_names_are_rejected():
     node = Names.hosted("/lab", "motor")
     assert node.resolve("speed") == "/lab/speed"
     assert node.resolve("~gain") == "/lab/motor/gain"

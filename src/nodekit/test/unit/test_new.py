@@ -33,7 +33,7 @@ def test_what_is_made_is_a_package_of_that_name(tmp_path: pathlib.Path) -> None:
     for path in files:
         text = path.read_text("utf-8")
         assert new.PLACEHOLDER not in f"{path}{text}"
-        # For all who may read it to run, and for nobody else to change.
+        # Executable for all who may read it, and writable for its owner only.
         assert path.stat().st_mode == written | (0o111 if text.startswith("#!") else 0)
         if path.suffix == ".py" or path.parent.name == "scripts":
             compile(text, str(path), "exec")

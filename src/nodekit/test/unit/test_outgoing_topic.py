@@ -286,7 +286,7 @@ def test_subscriber_that_goes_while_the_topic_closes_raises_nothing(opened, conn
     monkeypatch.setattr(topic, "_remove_connection", closing)
     topic.remove_connection(lists[0][0])
     topic.closed = False
-    with pytest.raises(TypeError):  # a defect is none of the end's
+    with pytest.raises(TypeError):  # an error that the shutdown does not cause
         monkeypatch.setattr(topic, "_remove_connection", lambda *_: None)
         topic.remove_connection(lists[0][0])
     topic.connections, topic.subscriber_listeners = lists

@@ -1,4 +1,4 @@
-"""What a client of another node's parameters sends, and what it makes of an answer."""
+"""Requests and responses of a client of another node's parameters."""
 
 from typing import Any
 

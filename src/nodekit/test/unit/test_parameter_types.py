@@ -1,4 +1,4 @@
-"""What each kind of parameter takes, what it refuses, and what it says then."""
+"""Accepted and rejected values of each parameter type, and the messages."""
 
 import copy
 import datetime

@@ -1,4 +1,4 @@
-"""What of raw values is accepted, is refused, or has to be corrected on the server."""
+"""Raw values that are accepted, rejected, or corrected on the server."""
 
 import pytest
 from hypothesis import assume, given
@@ -65,31 +65,31 @@ RAW = st.fixed_dictionaries({}, optional={**BY_NAME, "unheard_of": NONSENSE})
 
 @st.composite
 def gauges(draw):
-    """A snapshot that keeps the rules."""
+    """Return a snapshot that keeps the rules."""
     low, high, top = sorted(draw(st.tuples(*[st.floats(-2.0, 5.0)] * 3)))
     marks = draw(st.lists(st.floats(-9.0, 9.0), max_size=3))
     return Gauge(low=low, high=high, top=top, count=draw(st.integers(0, 9)), marks=marks)
 
 
-def judge(in_force, raw):
-    """Judge a namespace; return values, refusals and what has to be written."""
+def validate(in_force, raw):
+    """Validate a namespace; return values, errors and the values to write."""
     coerced, refused = validate_each(in_force, raw, missing=DEFAULTS.as_dict())
     values, broken = apply_rules(in_force, coerced)
     return values, [*refused, *broken], corrections(values, raw)
 
 
-def judge_changes(in_force, **raw):
-    """Judge with the values in force on the server, apart from some."""
-    return judge(in_force, {**on_wire(in_force), **raw})
+def validate_changes(in_force, **raw):
+    """Validate the current values with some changes."""
+    return validate(in_force, {**on_wire(in_force), **raw})
 
 
 def test_nothing_to_do_where_the_server_tells_the_truth():
-    assert judge(DEFAULTS, on_wire(DEFAULTS)) == (DEFAULTS, [], {})
+    assert validate(DEFAULTS, on_wire(DEFAULTS)) == (DEFAULTS, [], {})
 
 
 def test_what_is_unset_stands_as_missing_and_is_corrected():
     in_force = Gauge(low=0.5, high=1.5, marks=[4, 5])
-    assert judge(in_force, {}) == (DEFAULTS, [], on_wire(DEFAULTS))
+    assert validate(in_force, {}) == (DEFAULTS, [], on_wire(DEFAULTS))
     coerced, refused = validate_each(in_force, {"low": 0.75}, missing=in_force.as_dict())
     assert (coerced, refused) == ({**in_force.as_dict(), "low": 0.75}, [])
 
@@ -105,43 +105,43 @@ def test_what_is_unset_stands_as_missing_and_is_corrected():
     ],
 )
 def test_the_server_is_corrected_only_where_it_holds_something_else(raw, value, written):
-    values, _, writes = judge_changes(Gauge(top=50.0), top=raw, high=-1.0, low=-1.0)
+    values, _, writes = validate_changes(Gauge(top=50.0), top=raw, high=-1.0, low=-1.0)
     assert values.top == value
     assert writes == ({"top": value} if written else {})
 
 
 def test_lists_are_corrected_where_text_stands_for_a_number():
-    assert judge_changes(DEFAULTS, marks=[1, 2.5])[2] == {}
-    assert judge_changes(DEFAULTS, marks=[1, "1e3"])[2] == {"marks": [1.0, 1000.0]}
+    assert validate_changes(DEFAULTS, marks=[1, 2.5])[2] == {}
+    assert validate_changes(DEFAULTS, marks=[1, "1e3"])[2] == {"marks": [1.0, 1000.0]}
 
 
 def test_truth_value_in_place_of_an_equal_number_is_refused_and_corrected():
-    values, refusals, writes = judge_changes(Gauge(high=1.0, count=1), high=True, count=True)
+    values, errors, writes = validate_changes(Gauge(high=1.0, count=1), high=True, count=True)
     assert values == Gauge(count=1)
     assert writes == {"high": 1.0, "count": 1}
-    assert [error.value for error in refusals] == [True, True]
+    assert [error.value for error in errors] == [True, True]
     assert [type(value) for value in writes.values()] == [float, int]
-    assert judge_changes(Gauge(on=True), on=1)[2] == {"on": True}
+    assert validate_changes(Gauge(on=True), on=1)[2] == {"on": True}
 
 
 @pytest.mark.parametrize("raw", ["x", "", True, float("nan"), {"a": 1}, [1.0], 101.0])
 def test_refused_value_leaves_the_one_in_force_and_says_why(raw):
     in_force = Gauge(top=7.0)
-    values, (error,), writes = judge_changes(in_force, top=raw, count=5)
+    values, (error,), writes = validate_changes(in_force, top=raw, count=5)
     assert values == in_force.replace(count=5)
     assert writes == {"top": 7.0}
     assert error.name == "top"
     assert "(-inf, 100]" in error.allowed
 
 
-def test_rule_is_judged_when_all_values_are_known():
-    values, refusals, writes = judge_changes(DEFAULTS, low=50.0, high=60.0, top=70.0)
+def test_rule_is_checked_when_all_values_are_known():
+    values, errors, writes = validate_changes(DEFAULTS, low=50.0, high=60.0, top=70.0)
     assert values == Gauge(low=50.0, high=60.0, top=70.0)
-    assert (refusals, writes) == ([], {})
+    assert (errors, writes) == ([], {})
 
 
 def test_broken_rule_takes_back_only_the_changes_that_it_is_about():
-    values, (error,), writes = judge_changes(DEFAULTS, low=5.0, count=7, title="new")
+    values, (error,), writes = validate_changes(DEFAULTS, low=5.0, count=7, title="new")
     assert values == Gauge(count=7, title="new")
     assert writes == {"low": 0.0}
     assert isinstance(error, RuleError)
@@ -151,21 +151,23 @@ def test_broken_rule_takes_back_only_the_changes_that_it_is_about():
 
 def test_taking_back_goes_on_to_a_rule_that_is_broken_by_it():
     # high=0.5 goes with top=0.7 but not with low=0.8; the old high=1 not with top=0.7.
-    values, refusals, writes = judge_changes(Gauge(low=0.2), low=0.8, high=0.5, top=0.7)
+    values, errors, writes = validate_changes(Gauge(low=0.2), low=0.8, high=0.5, top=0.7)
     assert values == Gauge(low=0.2)
-    assert [error.names for error in refusals] == [("low", "high"), ("high", "top")]
+    assert [error.names for error in errors] == [("low", "high"), ("high", "top")]
     assert writes == {"low": 0.2, "high": 1.0, "top": 2.0}
 
 
-def test_rule_is_judged_with_the_value_in_force_where_one_was_refused():
-    values, refusals, _ = judge_changes(Gauge(low=0.2), low=5.0, high="x")
+def test_rule_is_checked_with_current_value_of_rejected_one():
+    values, errors, _ = validate_changes(Gauge(low=0.2), low=5.0, high="x")
     assert values == Gauge(low=0.2)
-    assert [error.name for error in refusals] == ["high", "low, high"]
+    assert [error.name for error in errors] == ["high", "low, high"]
 
 
 def test_default_of_a_deleted_value_is_taken_back_where_it_breaks_a_rule():
     in_force = Gauge(low=1.5, high=1.8)
-    values, _, writes = judge(in_force, {k: v for k, v in on_wire(in_force).items() if k != "high"})
+    values, _, writes = validate(
+        in_force, {k: v for k, v in on_wire(in_force).items() if k != "high"}
+    )
     assert values == in_force
     assert writes == {"high": 1.8}
 
@@ -187,7 +189,7 @@ class Reader(ParameterSet):
     file = Fresh("", help="file")
 
 
-def test_value_in_force_is_not_judged_again():
+def test_current_value_is_not_validated_again():
     in_force = Reader.from_coerced({"file": "stale"})
     assert validate_each(in_force, {"file": "stale"}, {}) == ({"file": "stale"}, [])
     assert last_valid(in_force, ["file"], [("file", "new"), ("file", "stale")]) == {"file": "stale"}
@@ -196,22 +198,22 @@ def test_value_in_force_is_not_judged_again():
 
 def test_values_that_nobody_declared_are_left_alone():
     raw = {"unheard_of": float("nan"), "sub": {"a": 1}}
-    assert judge_changes(DEFAULTS, **raw) == (DEFAULTS, [], {})
+    assert validate_changes(DEFAULTS, **raw) == (DEFAULTS, [], {})
 
 
 @given(gauges(), RAW)
 def test_what_is_written_settles_everything(in_force, raw):
-    values, _, writes = judge(in_force, raw)
+    values, _, writes = validate(in_force, raw)
     Gauge(**values.as_dict())
-    assert judge(values, {**raw, **writes}) == (values, [], {})
+    assert validate(values, {**raw, **writes}) == (values, [], {})
     for name, value in writes.items():
         assert name not in raw or repr(raw[name]) != repr(value), "written though it was there"
 
 
 @given(gauges(), RAW)
 def test_value_in_force_is_the_servers_or_the_default_or_stays(in_force, raw):
-    values, refusals, _ = judge(in_force, raw)
-    refused = {name for error in refusals for name in error.names}
+    values, errors, _ = validate(in_force, raw)
+    refused = {name for error in errors for name in error.names}
     for name, parameter in Gauge.declared.items():
         value, old = getattr(values, name), getattr(in_force, name)
         if name in refused:
@@ -229,7 +231,7 @@ def test_combination_that_is_allowed_is_never_refused(in_force, wanted, unset):
         expected = Gauge(**raw)
     except RuleError:
         assume(False)
-    assert judge(in_force, raw)[:2] == (expected, [])
+    assert validate(in_force, raw)[:2] == (expected, [])
 
 
 @pytest.mark.parametrize(

@@ -131,6 +131,6 @@ def test_all_names_come_with_a_star() -> None:
         "import nodekit.entry_point",
     ],
 )
-def test_who_only_judges_parameters_does_without_ros(statement: str) -> None:
+def test_validating_parameters_does_not_import_ros(statement: str) -> None:
     ros = ("rospy", "rosgraph", "roslib", "genpy", "std_msgs", "nodekit_msgs")
     run(f"import sys; {statement}; assert not set({ros!r}) & set(sys.modules), sorted(sys.modules)")

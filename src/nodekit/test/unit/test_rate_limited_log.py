@@ -1,4 +1,4 @@
-"""What is logged of a stream that is too quick, and of lines that are too long to read."""
+"""Log of a stream above the limit, and of very long lines."""
 
 import threading
 

@@ -1,4 +1,4 @@
-"""Whose turn it is with an executor: the ready queue against a model, and its rules one by one."""
+"""Ready queue of an executor: against a model, and each rule individually."""
 
 import itertools
 import random

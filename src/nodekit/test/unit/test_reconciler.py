@@ -1,4 +1,4 @@
-"""What becomes of a namespace that everybody writes to, step by step."""
+"""Reconciliation of a namespace that several programs write to, step by step."""
 
 from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Tuple
 
@@ -51,7 +51,7 @@ LATE = -1.0
 
 
 class Seeing(NamedTuple):
-    """What users have done since the last step, and what is to become of it.
+    """Changes since the last step, and the expected result.
 
     :param sets: set on the server by name; MISSING deletes, an empty name replaces all
     :param pushed: what was notified
@@ -189,7 +189,7 @@ TABLE: Dict[str, List[Any]] = {
     "own write that was replaced has hit nothing": [
         bad(-1),
         Seeing({"level": 7.0}, [("level", 5.0), ("level", 7.0)], values={"level": 7.0}),
-        # Somebody sets the very value that was written before.
+        # A user sets the same value that was written before.
         Seeing({"level": 2.0}, [("level", 2.0)]),
         pushed_late(5.0),
     ],
@@ -202,7 +202,7 @@ TABLE: Dict[str, List[Any]] = {
         bad(-1),
         pushed_late(5.0, pause=OVERLAP_S - 0.1, **FIVE),
     ],
-    "each parameter is judged by itself": [
+    "each parameter is validated individually": [
         Seeing({"title": 7}, [("title", 7)], writes={"title": "old"}, refused=["title"]),
         Seeing(
             {"level": 3.0},
@@ -257,7 +257,7 @@ TABLE: Dict[str, List[Any]] = {
         # And the next ones are given time again.
         Seeing(BROKEN, again=True, values={"level": 5.0}),
     ],
-    "time is given anew where values have gone together meanwhile": [
+    "time starts again after values were consistent": [
         Seeing(BROKEN, again=True),
         Seeing({"low": 0.0}, pause=HALF_DONE_S),
         Seeing(BROKEN, again=True),
@@ -396,7 +396,7 @@ def test_nodes_with_the_same_values_share_what_is_kept_of_them() -> None:
 
 @rule("level")
 def above_one(values: Gauge) -> None:
-    """A rule beside those of the class, which its defaults break."""
+    """Define a further rule, which the defaults break."""
     if values.level <= 1.0:
         raise ValueError("must be above 1")
 
@@ -408,7 +408,7 @@ def test_start_refuses_what_breaks_a_rule_of_the_node_s(raw: Any) -> None:
     assert str(caught.value) == "parameter level: refused 1: must be above 1"
 
 
-def test_a_rule_of_the_node_s_judges_each_change() -> None:
+def test_rule_of_node_is_checked_at_each_change() -> None:
     reconciler = Reconciler(Gauge, rules=[above_one])
     assert reconciler.start({"level": 5.0}, 0.0).values.level == 5.0
     reconciler.written(0.0)
@@ -456,11 +456,11 @@ def test_what_is_refused_alone_is_refused_as_itself(raw: Any, text: str) -> None
     assert str(caught.value.in_namespace("/n")) == text
 
 
-def test_a_judged_change_is_adopted_only_when_it_is_told_to_be() -> None:
+def test_validated_change_is_adopted_only_on_request() -> None:
     reconciler = Reconciler(Gauge)
     reconciler.start(HELD, 0.0)
     decision = reconciler.validate({"level": "5", "title": "old"})
-    # Also what is in force already: the server may hold another title, which nobody has read yet.
+    # Unchanged values too: the server may have another title, which is not read yet.
     writes = {"level": 5.0, "title": "old"}
     assert decision == Decision(IN_FORCE.replace(level=5.0), writes, [], {})
     assert reconciler.values == IN_FORCE
@@ -546,7 +546,7 @@ class World:
         del self.underway[:count]
 
     def reconcile(self, meddle: Callable[[], None], reaches: bool, works: bool) -> None:
-        """Read and step; somebody may meddle just before what comes of it is written."""
+        """Read and step; another program may write just before the result is written."""
         raw = self.server
         if not (self.pushed or self.reconciler.is_news(raw)):
             return

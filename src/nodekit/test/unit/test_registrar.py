@@ -16,7 +16,7 @@ from nodekit.testing.waiting import in_thread, wait_until
 PUB, SUB, SRV = Registration.PUB, Registration.SUB, Registration.SRV
 URI = "http://here:1/"
 OK = (1, "", [])
-NOBODY = (-1, "no provider", "")
+NO_PROVIDER = (-1, "no provider", "")
 
 
 class Asked:
@@ -29,7 +29,7 @@ class Asked:
     def __call__(self, calls):
         self.requests.append(calls)
         self.meanwhile(calls)
-        return [NOBODY if call[0] == "lookupService" else OK for call in calls]
+        return [NO_PROVIDER if call[0] == "lookupService" else OK for call in calls]
 
     @property
     def calls(self):

@@ -1,4 +1,4 @@
-"""What is made is closed with its owner, whoever else makes or closes something just then."""
+"""Resources are closed with their owner, also if other threads add or close some meanwhile."""
 
 import contextlib
 import threading
@@ -24,7 +24,7 @@ class Thing:
 
 
 class Interrupted(List[Any]):
-    """A list after whose last element somebody else does something, if he is not kept from it."""
+    """List after whose last element another thread acts, unless a lock prevents it."""
 
     def __init__(self, things: Iterable[Any], other: threading.Thread) -> None:
         super().__init__(things)

@@ -1,4 +1,4 @@
-"""What fails under rostest is told, wherever it fails."""
+"""Failures under rostest are reported, wherever they occur."""
 
 import io
 import unittest

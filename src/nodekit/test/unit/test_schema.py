@@ -1,4 +1,4 @@
-"""Descriptions of parameters: for people, and exact enough to judge by."""
+"""Descriptions of parameters: readable, and exact enough to validate values."""
 
 import copy
 import functools
@@ -35,7 +35,7 @@ from nodekit.parameters.schema import (
 
 
 class FileParameter(StringParameter):
-    """Judges by more than its schema can say."""
+    """Parameter with a check that its schema cannot express."""
 
     def coerce(self, raw: Any) -> str:
         if raw == "missing":
@@ -167,7 +167,7 @@ def test_an_element_is_described_as_its_list_is() -> None:
     assert entry("words")["element"]["choices"] == ["x, y", "z"]
 
 
-def test_what_judges_by_more_than_its_schema_says_so() -> None:
+def test_parameter_with_further_checks_is_not_exact() -> None:
     inexact = [one["name"] for one in describe(Gauge()) if not one["exact"]]
     assert inexact == ["file", "files"]
 
@@ -184,7 +184,7 @@ RAW = (
 RAW |= st.lists(RAW | st.sampled_from(["x, y", "z", 0.1]), max_size=4)
 
 
-def judged(parameter: Parameter[Any], raw: Any) -> Any:
+def outcome(parameter: Parameter[Any], raw: Any) -> Any:
     try:
         value = parameter.coerce(raw)
     except ParameterError as error:
@@ -193,8 +193,8 @@ def judged(parameter: Parameter[Any], raw: Any) -> Any:
 
 
 @given(st.sampled_from([one["name"] for one in describe(Gauge()) if one["exact"]]), RAW)
-def test_a_client_judges_as_the_node_does(name: str, raw: Any) -> None:
-    assert judged(parameter_of(entry(name)), raw) == judged(Gauge.declared[name], raw)
+def test_client_validates_like_the_node(name: str, raw: Any) -> None:
+    assert outcome(parameter_of(entry(name)), raw) == outcome(Gauge.declared[name], raw)
 
 
 @given(*[st.floats(allow_nan=False, allow_infinity=False)] * 2)
@@ -212,7 +212,7 @@ def test_numbers_come_back_as_they_were(one: float, other: float) -> None:
         assert vars(parameter_of(restored[0])) == vars(Bounded.gauge)
 
 
-def test_what_a_client_does_not_know_in_full_it_judges_by_less() -> None:
+def test_client_validates_inexact_parameter_less_strictly() -> None:
     assert parameter_of(entry("file")).coerce("missing") == "missing"
     assert parameter_of(entry("files")).coerce(["missing"]) == ("missing",)
 

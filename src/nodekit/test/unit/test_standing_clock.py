@@ -1,4 +1,4 @@
-"""What timers cost while /clock stands still: next to nothing, whatever their rate."""
+"""Timers cost next to nothing while /clock stands still, at any rate."""
 
 import time
 

@@ -273,7 +273,7 @@ def test_nonsense_and_defects_end_one_connection_only(served, warnings, said):
 
 @pytest.mark.parametrize("number", [errno.EMFILE, errno.EPROTO, errno.EPERM])
 def test_accepting_goes_on_when_one_could_not_be_accepted(monkeypatch, served, warnings, number):
-    """Rospy's own thread ends with this error, and nobody can connect any more."""
+    """Rospy's own thread ends with this error, and no client can connect after that."""
     monkeypatch.setattr(tcpros_server, "_PAUSE_S", 0.01)
     accept = socket.socket.accept
     errors = [OSError(number, "no room"), ConnectionAbortedError(), BlockingIOError()]

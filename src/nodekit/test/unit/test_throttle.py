@@ -1,4 +1,4 @@
-"""What is logged again and again is logged now and then, each thing for itself."""
+"""Throttle: one limit for each instance and key."""
 
 import math
 from typing import List
@@ -20,7 +20,7 @@ def logged(monkeypatch: "pytest.MonkeyPatch") -> List[str]:
     return lines
 
 
-def test_due_once_in_a_period(monkeypatch: "pytest.MonkeyPatch") -> None:
+def test_throttle_is_due_once_in_a_period(monkeypatch: "pytest.MonkeyPatch") -> None:
     now = [100.0]
     monkeypatch.setattr(throttle.time, "monotonic", lambda: now[0])
     what = throttle.Throttle(10.0)
@@ -57,7 +57,7 @@ def test_expired_keys_are_removed(monkeypatch: "pytest.MonkeyPatch") -> None:
     assert not limit.is_due(995)
 
 
-def test_numbers_that_are_not_finite_are_told_of_once_for_each_topic(logged: List[str]) -> None:
+def test_finite_subscription_warns_once_for_each_topic(logged: List[str]) -> None:
     node = Node(Names("/space/node", True))
     heard: List[float] = []
     ears = [
@@ -76,7 +76,7 @@ def test_numbers_that_are_not_finite_are_told_of_once_for_each_topic(logged: Lis
     ]
 
 
-def test_of_what_does_not_keep_up_the_newest_is_kept(
+def test_slow_callback_keeps_newest_messages(
     logged: List[str], monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     monkeypatch.setattr(callbacks, "MOST_KEPT", 3)
@@ -90,7 +90,7 @@ def test_of_what_does_not_keep_up_the_newest_is_kept(
     assert heard[1:] == [[6]]
 
 
-def test_what_does_not_keep_up_is_told_of_once_for_each_topic(
+def test_slow_callback_warns_once_for_each_topic(
     logged: List[str], monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     monkeypatch.setattr(callbacks, "MOST_KEPT", 0)

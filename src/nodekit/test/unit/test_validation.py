@@ -1,4 +1,4 @@
-"""What is not of the kind that is asked for is refused where it is given, in words that help."""
+"""Arguments of a wrong type are rejected at the call, with a helpful message."""
 
 import asyncio
 import functools
@@ -35,7 +35,7 @@ NO_WATCHER: Any = None
 
 
 async def awaited(*_: Any) -> None:
-    """Nobody awaits it."""
+    """Coroutine that is never awaited."""
 
 
 async def awaited_often(*_: Any) -> Any:

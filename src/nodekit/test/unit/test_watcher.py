@@ -124,7 +124,7 @@ def test_keys_that_are_many_take_turns(monkeypatch, client, watcher):
     turns = [keys for keys in client.reads if keys][:6]
     sizes = [len(keys) for keys in turns]
     assert max(sizes) == watching.RECONCILE_KEYS
-    start = sizes.index(min(sizes)) + 1  # the turn after the shortest begins anew
+    start = sizes.index(min(sizes)) + 1  # the turn after the shortest starts again
     assert sum(turns[start : start + 3], []) == MANY
 
 
@@ -169,7 +169,7 @@ def test_value_that_never_rests_is_handed_over_all_the_same(monkeypatch, client,
 def test_notifications_come_again_after_a_restart_of_the_master(
     monkeypatch, client, watcher, notify
 ):
-    """The read once a second would hide it for good that there are none."""
+    """The read once a second would hide missing notifications."""
     again = []
     monkeypatch.setattr(registrar, "reregister_all", again.append)
     told = Told("/n")

@@ -63,7 +63,7 @@ def _wrapped(cell: str, width: int) -> List[str]:
 
 
 def _on_one_line(value: Any) -> str:
-    """Return a value as YAML on one line; line breaks in text become ``\\n``."""
+    """Return a value as YAML on one line, with line breaks in text escaped."""
     style = '"' if isinstance(value, str) and "\n" in value else None
     text = yaml.safe_dump(value, default_flow_style=True, default_style=style, width=math.inf)
     return text.split("\n")[0]

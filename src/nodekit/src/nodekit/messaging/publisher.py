@@ -29,7 +29,7 @@ class Publisher:
     """Publisher of a topic, without a queue.
 
     :meth:`publish` returns when the operating system has the message: latency is lowest, and a
-    subscriber that reads loses nothing. A subscriber that does not read blocks one call, for at most
+    subscriber that reads loses nothing. A subscriber that does not read blocks one call, for up to
     50 ms; then it gets only the newest message, in the background, until it reads again. Its lost
     messages are counted and reported; messages are never split. Thread-safe.
 
@@ -38,9 +38,9 @@ class Publisher:
     :param name: topic, resolved
     :param data_class: message class
     :param latch: whether later subscribers get the last message
-    :param lifespan: how long later subscribers get the last message of an unlatched topic [s]: a node
-        that starts a moment later does not have to wait for the next one. Not in the same process,
-        where subscriptions open before the first message is published
+    :param lifespan: how long later subscribers get the last message of an unlatched topic [s]: a
+        node that starts a moment later does not have to wait for the next one. Not in the same
+        process, where subscriptions open before the first message is published
     :raises TypeError: if the class is not a message class
     """
 
@@ -155,14 +155,14 @@ class Publisher:
         meanwhile gets it. With rospy's own queues, later subscribers still get the last message;
         those in the same process get no earlier messages.
 
-        :param messages: messages of the publisher's class; empty for the last that is sent from now on
+        :param messages: messages of the publisher's class; empty for the last one sent from now on
         """
         topic = self._topic
         if topic is not None:
             topic.latch_all(messages)
 
     def get_num_connections(self) -> int:
-        """Return the number of connected subscribers; those in the same process have no connection."""
+        """Return the number of connected subscribers, without those in the same process."""
         publisher = self._publisher
         return int(publisher.get_num_connections()) if publisher is not None else 0
 

@@ -23,8 +23,8 @@ class Service:
 
     :param name: name, resolved
     :param service_class: service type
-    :param handler: returns the response to a request, or raises an error for the client; called from
-        a thread for each call
+    :param handler: returns the response to a request, or raises an error for the client; called
+        from a thread for each call
     """
 
     __slots__ = ("resolved_name", "_service_class", "_handler", "_service", "_is_closed")

@@ -1,4 +1,4 @@
-"""Follow a parameter that nobody has declared, and that is never written."""
+"""Followed parameter, which is not declared and never written."""
 
 import copy
 from typing import Any, Callable, Optional, Sequence
@@ -13,15 +13,15 @@ _UNKNOWN = NoValue("UNKNOWN")
 
 
 class FollowedParameter:
-    """A parameter that is followed from :func:`open_all` on.
+    """Parameter that is followed from :func:`open_all` on.
 
-    A value is kept when the master is restarted and has none.
+    The value is kept when the master is restarted and has no value.
 
     :param key: global name of a parameter or a namespace
-    :param watcher: reads the server
-    :param callback: called with each new raw value, None where there is none; must not
+    :param watcher: the process's watcher
+    :param callback: called with each new raw value, None if unset; must not
         block: other changes wait for it
-    :raises TypeError: if it is no function, or async
+    :raises TypeError: if the callback is not a function, or async
     """
 
     def __init__(self, key: str, watcher: Watcher, callback: Callable[[Optional[Any]], object]):
@@ -30,12 +30,12 @@ class FollowedParameter:
         self._watcher = watcher
         self._callback = callback
         self._watched = WatchedKey(self.key, self._is_news, self._on_reading)
-        #: What the server held at last, and what of it the callback knows.
+        #: The server's last value, and the last value that the callback got.
         self._held: Any = _UNKNOWN
         self._reported: Any = _UNKNOWN
 
     def first(self) -> Optional[Any]:
-        """Return the raw value now, None where there is none; the callback is told of others.
+        """Return the raw value now, None if unset; the callback gets later values.
 
         :raises MasterUnreachable: if the master does not answer
         """
@@ -44,15 +44,15 @@ class FollowedParameter:
         return copy.deepcopy(self._reported)
 
     def report_again(self) -> None:
-        """Have the callback told soon what there is, also where that is what it was told last.
+        """Call the callback soon with the current value, also if it is unchanged.
 
-        For those who learn of the value in a second way, and cannot tell which news is older.
+        For users that get the value in a second way too, and cannot tell which one is older.
         """
         self._reported = _UNKNOWN
         self._watcher.request_report([self._watched])
 
     def close(self) -> None:
-        """Follow the key no longer."""
+        """Stop following the key."""
         self._watcher.close(self._watched)
 
     def _is_news(self, raw: Any) -> bool:
@@ -68,9 +68,9 @@ class FollowedParameter:
 
 
 def open_all(followed: Sequence[FollowedParameter]) -> None:
-    """Follow keys from now on, in a few requests; no change since the first read is missed.
+    """Follow keys from now on, in few requests; no change since the first read is missed.
 
-    :param followed: all with the same watcher
+    :param followed: followed parameters with the same watcher
     :raises MasterUnreachable: if the master does not answer; nothing is followed then
     """
     if followed:
@@ -78,12 +78,12 @@ def open_all(followed: Sequence[FollowedParameter]) -> None:
 
 
 def follow_parameter(key: str, callback: Callable[[Optional[Any]], object]) -> FollowedParameter:
-    """Follow a key from now on without a node's class, in a process that is a node.
+    """Follow a key from now on without a node's class, in an initialised node.
 
     :param key: global name of a parameter or a namespace
-    :param callback: called with each raw value, the present one first, None where there is none;
+    :param callback: called with each raw value, the current one first, None if unset;
         must not block: other changes wait for it
-    :returns: to be closed at the end
+    :returns: the followed parameter, which the caller closes at the end
     :raises MasterUnreachable: if the master does not answer
     """
     followed = FollowedParameter(key, get_watcher(), callback)

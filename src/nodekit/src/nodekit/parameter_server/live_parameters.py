@@ -1,4 +1,4 @@
-"""Keep a declared set of parameters in step with the parameter server."""
+"""Live parameters: a declared set that stays consistent with the parameter server."""
 
 import contextlib
 import threading
@@ -18,35 +18,34 @@ from nodekit.parameters.validation import on_wire
 from nodekit.validation import check_function
 
 Listener = Callable[[], None]
-#: Most namespaces that are opened at a time: what they hold takes memory until then.
+#: Most namespaces that are opened at a time, to bound the memory of their values.
 _OPENED_TOGETHER = 50
-#: From so many namespaces on, what they lack is written before they are subscribed. With each value
-#: that it is given, the master looks through all subscriptions of parameters: it took 11 s for the
-#: 17 000 values of 500 groups, and 1.6 s where nothing was subscribed yet. Of fewer no value is
-#: lost that somebody sets just then.
+#: From this number of namespaces on, missing values are written before the subscription. For each
+#: value written, the master searches all parameter subscriptions: 17 000 values of 500 groups took
+#: 11 s, and 1.6 s before the subscription. With fewer, no value is lost that is set meanwhile.
 WRITTEN_FIRST = 100
-#: Most namespaces that are read at a time for that, so that they are written to soon after it.
+#: Most namespaces that are read at a time for that, so that the write follows soon.
 _WRITTEN_TOGETHER = 20
 
 
 class LiveParameters(Generic[Snapshot]):
-    """The parameters of one node, or of one part of it, validated and live.
+    """Validated, live parameters of a node.
 
-    The namespace is read and judged now. From :func:`open_all` on changes are
-    followed: a good one comes into force at once, a bad one is refused with one
-    warning and put back.
+    The constructor reads and validates the namespace. From :func:`open_all` on changes are
+    followed: a valid one takes effect at once, an invalid one is rejected with one
+    warning and reset.
 
     :param declaration: the class that declares the parameters
-    :param namespace: where they stand, a global name
-    :param watcher: reads the server
+    :param namespace: global name of the parameters' namespace
+    :param watcher: the process's watcher
     :param exempt: names in the namespace that are used but not declared
-    :param takes_effect: when changes of what is read once take effect
-    :param rules: rules beside those of the class
+    :param takes_effect: when changes of parameters that are read once take effect
+    :param rules: rules in addition to those of the class
     :raises ParameterError: if values on the server are not allowed; names all of them
     :raises MasterUnreachable: if the master does not answer
 
-    :ivar values: the snapshot in force; never changes itself, is replaced
-    :ivar is_closed: whether it follows the server no longer, and never will
+    :ivar values: the current snapshot; immutable, replaced by each change
+    :ivar is_closed: whether it has stopped following the server
     """
 
     values: Snapshot
@@ -68,11 +67,11 @@ class LiveParameters(Generic[Snapshot]):
         self._watched = WatchedKey(self.namespace, self._is_news, self._on_reading)
         self._lock = threading.Lock()
         self._is_open = self.is_closed = False
-        #: What :meth:`change` has to write when this is opened, by name.
+        #: Values that :meth:`change` has to write on opening, by name.
         self._unwritten: Dict[str, Any] = {}
-        #: Replaced and never changed, since several threads walk through it.
+        #: Replaced and never changed, since several threads iterate over it.
         self._listeners: Tuple[Listener, ...] = ()
-        #: What has not been logged yet: values before, and what has come of a change.
+        #: Decisions that are not logged yet, each with the values before it.
         self._unreported: List[Tuple[Snapshot, Decision]] = []
         raw = watcher.first_reading(self.namespace)
         try:
@@ -84,7 +83,7 @@ class LiveParameters(Generic[Snapshot]):
         self._report_changes()
 
     def update(self, **changes: Any) -> None:
-        """Change values from within the node, on the server too: all or, if one is refused, none.
+        """Change values from within the node, on the server too: all or, if one is rejected, none.
 
         :param changes: new values by name
         :raises ParameterError: if values are not allowed; names all of them
@@ -93,7 +92,7 @@ class LiveParameters(Generic[Snapshot]):
         self.change(changes)
 
     def change(self, changes: Mapping[str, Any]) -> None:
-        """Change values as :meth:`update` does, given in one mapping.
+        """Change values like :meth:`update`, given as a mapping.
 
         :param changes: new values by name
         """
@@ -111,11 +110,11 @@ class LiveParameters(Generic[Snapshot]):
         self._report_changes()
 
     def add_listener(self, listener: Listener) -> Callable[[], None]:
-        """Have a function called after each change, in whatever thread makes it.
+        """Call a function after each change, in the thread that makes the change.
 
-        :param listener: must not block: other changes wait for it
-        :returns: a function that ends this
-        :raises TypeError: if it is no function, or async
+        :param listener: the function; must not block: other changes wait for it
+        :returns: a function that removes the listener
+        :raises TypeError: if the listener is not a function, or async
         """
         check_function(listener, f"{self.namespace}: add_listener")
         with self._lock:
@@ -128,7 +127,7 @@ class LiveParameters(Generic[Snapshot]):
         return remove
 
     def close(self) -> None:
-        """Follow the server no longer; changes from within the node stay in here."""
+        """Stop following the server; later changes stay within the node."""
         close_all([self])
 
     def _is_news(self, raw: Any) -> bool:
@@ -139,7 +138,7 @@ class LiveParameters(Generic[Snapshot]):
         try:
             with self._lock:
                 if not self._is_open:
-                    return False  # it is just being opened
+                    return False  # not yet open
                 decision = self._step(seen)
                 if not decision.again:
                     _write([self], self._resolved(decision.writes))
@@ -148,9 +147,9 @@ class LiveParameters(Generic[Snapshot]):
             self._report_changes()
 
     def _begin(self, raw: Any, read_at: float) -> Dict[str, Any]:
-        """Follow the server from now on; return what to write there now, by global name.
+        """Follow the server from now on; return the values to write, by global name.
 
-        :param raw: the namespace as it is now; what it lacks is in force already
+        :param raw: the namespace on the server; missing values keep their current value
         """
         if self._unwritten and (raw is MISSING or isinstance(raw, dict)):
             raw = {**(raw if raw is not MISSING else {}), **self._unwritten}
@@ -165,12 +164,12 @@ class LiveParameters(Generic[Snapshot]):
         return decision
 
     def _adopt(self, decision: Decision) -> None:
-        """Have in force what the reconciler has decided, and keep it to report it."""
+        """Adopt a decision of the reconciler, and store it for the log."""
         self._unreported.append((self.values, decision))
         self.values = self._reconciler.values
 
     def _resolved(self, values: Mapping[str, Any]) -> Dict[str, Any]:
-        """Return values by global name; an empty name is that of the namespace."""
+        """Return values by global name; an empty name stands for the namespace."""
         return {f"{self.namespace}/{n}".rstrip("/"): value for n, value in values.items()}
 
     def _report_changes(self) -> None:
@@ -185,7 +184,7 @@ class LiveParameters(Generic[Snapshot]):
 
     def _log(self, old: Snapshot, decision: Decision) -> None:
         before, in_force = old.as_dict(), decision.values.as_dict()
-        # First: of a good value that was set just before a bad one, the refusal says that it stays.
+        # Changes first: an error after them names the values that stay.
         for name, value in in_force.items():
             if value != before[name]:
                 texts = format_value(before[name]), format_value(value)
@@ -201,11 +200,11 @@ class LiveParameters(Generic[Snapshot]):
 
 
 def open_all(parameters: Sequence[LiveParameters[Any]]) -> None:
-    """Follow changes from now on, and write what the server lacks: all in a few requests.
+    """Follow changes from now on, and write missing values, in few requests.
 
-    A change since the parameters were made is not missed.
+    No change since the creation of the parameters is missed.
 
-    :param parameters: all with the same watcher
+    :param parameters: live parameters with the same watcher
     :raises MasterUnreachable: if the master does not answer; nothing is followed then
     """
     if len(parameters) >= WRITTEN_FIRST:
@@ -223,9 +222,9 @@ def open_all(parameters: Sequence[LiveParameters[Any]]) -> None:
 
 
 def write_missing(client: MasterClient, in_force: Mapping[str, ParameterSet]) -> None:
-    """Write the values that the server lacks, and none that it holds.
+    """Write the values that are missing on the server, and no others.
 
-    :param client: asks the master
+    :param client: client of the master
     :param in_force: values by namespace
     :raises MasterUnreachable: if the master does not answer
     """
@@ -255,9 +254,9 @@ def _open(parameters: Sequence[LiveParameters[Any]]) -> None:
 
 
 def close_all(parameters: Sequence[LiveParameters[Any]]) -> None:
-    """Follow the server no longer; changes from within the node do not reach it any more.
+    """Stop following the server; later changes stay within the nodes.
 
-    :param parameters: all with the same watcher, one at least
+    :param parameters: live parameters with the same watcher, at least one
     """
     for one in parameters:
         with one._lock:
@@ -266,7 +265,7 @@ def close_all(parameters: Sequence[LiveParameters[Any]]) -> None:
 
 
 def _write(parameters: Sequence[LiveParameters[Any]], writes: Mapping[str, Any]) -> None:
-    """Write what a step of each has come to; their locks are held."""
+    """Write the values of the latest steps; the caller holds their locks."""
     try:
         parameters[0]._watcher.client.write(writes)
     except BaseException:

@@ -1,4 +1,4 @@
-"""The services with which others ask for a node's parameters, and change them in one step."""
+"""Services that describe a node's parameters, and change them in one step."""
 
 from types import MethodType
 from typing import Any, Callable, Dict, Tuple
@@ -16,20 +16,20 @@ from nodekit_msgs.srv import SetParametersRequest, SetParametersResponse
 #: Base names of the services, in the namespace of the parameters: std_srvs/Trigger, and
 #: nodekit_msgs/SetParameters.
 DESCRIBE, CHANGE = "describe", "change"
-#: Most characters of a request for changes: as many as a list of some ten thousand numbers has.
+#: Longest request for changes [characters]: enough for a list of about ten thousand numbers.
 LONGEST = 100_000
 
 
 def description_handler(
     live: LiveParameters[Any],
 ) -> Callable[[TriggerRequest], TriggerResponse]:
-    """Return what answers the service.
+    """Return the handler of the service ``~describe``.
 
     :param live: the parameters
-    :returns: a function; its answer's ``message`` is a YAML list with one entry for each
+    :returns: a function; its response's ``message`` is a YAML list with one entry for each
         parameter, in the order of declaration
     """
-    return MethodType(_describe, live)  # a closure takes four times the memory of that
+    return MethodType(_describe, live)  # a closure takes four times the memory
 
 
 def _describe(live: LiveParameters[Any], _request: TriggerRequest) -> TriggerResponse:
@@ -39,12 +39,12 @@ def _describe(live: LiveParameters[Any], _request: TriggerRequest) -> TriggerRes
 def change_handler(
     live: LiveParameters[Any],
 ) -> Callable[[SetParametersRequest], SetParametersResponse]:
-    """Return what answers the service.
+    """Return the handler of the service ``~change``.
 
     :param live: the parameters
-    :returns: a function that changes all that is asked for or, where one value is refused, nothing
+    :returns: a function that makes all requested changes or, if a value is rejected, none
     """
-    return MethodType(_answer, live)  # a closure takes four times the memory of that
+    return MethodType(_answer, live)  # a closure takes four times the memory
 
 
 def _answer(live: LiveParameters[Any], request: SetParametersRequest) -> SetParametersResponse:
@@ -53,7 +53,7 @@ def _answer(live: LiveParameters[Any], request: SetParametersRequest) -> SetPara
 
 
 def _change(live: LiveParameters[Any], text: str) -> Tuple[bool, str]:
-    """Return whether all is in force, and why not."""
+    """Return whether the changes are made, and the reason if not."""
     try:
         live.change(_settings(text))
     except ParameterError as error:
@@ -66,9 +66,9 @@ def _change(live: LiveParameters[Any], text: str) -> Tuple[bool, str]:
 
 
 def _settings(text: str) -> Dict[str, Any]:
-    """Return new values by name.
+    """Return the new values by name.
 
-    :raises ValueError: if the text is something else
+    :raises ValueError: if the text is not a mapping of names to values
     """
     if len(text) > LONGEST:
         raise ValueError(f"{len(text)} characters: must be at most {LONGEST}")

@@ -1,9 +1,9 @@
-"""The dynamic_reconfigure interface over live parameters.
+"""Interface of dynamic_reconfigure to live parameters.
 
 With it ``dynamic_reconfigure.client.Client`` and rqt_reconfigure work on the
 same values as ``rosparam``. Only the messages of the package are used: its own
-server does not follow ``rosparam set``, clamps silently and lets NaN through.
-Lists and bytes are left out, because the interface has none.
+server does not follow ``rosparam set``, clamps silently and accepts NaN.
+Lists and bytes are omitted, because the interface has no such types.
 """
 
 import functools
@@ -49,7 +49,7 @@ _TYPES = {"bool": "bool", "int": "int", "float": "double", "str": "str", "enum":
 
 
 class ReconfigureInterface:
-    """Serves one set of live parameters to the dynamic_reconfigure tools.
+    """Server of live parameters for the dynamic_reconfigure tools.
 
     :ROS Publishers:
         - ``parameter_descriptions`` (dynamic_reconfigure/ConfigDescription), latched
@@ -57,11 +57,11 @@ class ReconfigureInterface:
 
     :ROS Services:
         - ``set_parameters`` (dynamic_reconfigure/Reconfigure): all changes or,
-          where one is refused, none; the answer holds the values in force
+          if one is rejected, none; the response holds the current values
 
-    :param live: the parameters, whose namespace the names above are in
-    :param publisher: makes a publisher, given a name, a type and ``latch``
-    :param service: makes a service, given a name, a type and a handler
+    :param live: the parameters; the names above are in their namespace
+    :param publisher: creates a publisher from a name, a type and ``latch``
+    :param service: creates a service from a name, a type and a handler
     """
 
     def __init__(
@@ -77,12 +77,12 @@ class ReconfigureInterface:
         descriptions.publish(description)
         self._updates = publisher(name % "parameter_updates", Config, latch=True)
         service(name % "set_parameters", Reconfigure, self._set)
-        #: Publishes no more changes.
+        #: Stops publishing changes.
         self.close = live.add_listener(self._publish)
         self._publish()
 
     def _publish(self) -> None:
-        # Two threads may come here at once: the values published last are those in force.
+        # Two threads may publish at once: the values published last must be the current ones.
         published = None
         while published is not self._live.values:
             published = self._live.values
@@ -93,7 +93,7 @@ class ReconfigureInterface:
         changes = {item.name: item.value for part in parts for item in part}
         changes.update((item.name, item.value) for item in request.config.strs)
         held = on_wire(self._live.values)
-        # Some clients send all there is: what they leave as it is, others may have set just now.
+        # Some clients send all values, also those that another client has just set.
         news = {n: v for n, v in changes.items() if n in held and not is_same(v, held[n])}
         try:
             self._live.change(news)
@@ -105,7 +105,7 @@ class ReconfigureInterface:
 
 
 def _state(values: ParameterSet) -> "Config":
-    """Return the message of values; nodes that have the defaults in force share one."""
+    """Return the message of values; nodes with default values share one."""
     kind: Any = type(values)
     return _defaults(kind) if values is kind.as_declared() else _config(_offered(values))
 
@@ -142,7 +142,7 @@ def _help(item: Parameter[Any], takes_effect: str) -> str:
 
 
 def _edit_method(item: Parameter[Any]) -> str:
-    """Return the words of an enum in the notation that the clients evaluate."""
+    """Return the words of an enum in the notation that clients evaluate."""
     if not isinstance(item, EnumParameter):
         return ""
     words = [
@@ -152,7 +152,7 @@ def _edit_method(item: Parameter[Any]) -> str:
 
 
 def _bounds(item: Parameter[Any]) -> Any:
-    """Return the least and the greatest value as the tools show them (open ends closed)."""
+    """Return the limits as the tools show them, with open ends closed."""
     if item.type_name == "bool":
         return False, True
     if item.type_name not in ("int", "float"):
@@ -175,9 +175,9 @@ def _config(values: Dict[str, Any]) -> "Config":
 
 
 def config_of(values: Mapping[str, Any]) -> "Config":
-    """Return the message that has some values, in no group.
+    """Return the message of some values, without a group.
 
-    :param values: truth values, numbers and texts, by name
+    :param values: booleans, numbers and text by name
     """
     config = Config()
     for name, value in values.items():

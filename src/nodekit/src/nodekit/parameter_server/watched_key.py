@@ -1,4 +1,4 @@
-"""A key of the parameter server that somebody watches, and what they have not been told of yet."""
+"""Watched key of the parameter server, and its pending notifications."""
 
 from typing import Any, Callable, List, Tuple
 
@@ -8,12 +8,12 @@ from nodekit.parameters.reconciler import Observation
 
 
 class WatchedKey:
-    """A key, and who is told when something else stands there than expected.
+    """Key of the parameter server with a callback for unexpected values.
 
     :param key: global name of a parameter or a namespace
-    :param is_news: tells whether a raw value is another one than expected
-    :param on_reading: called with what was seen, in the thread of the watcher; returns False
-        to be called again after the next read, as if this call had not been; raises
+    :param is_news: returns whether a raw value differs from the expected one
+    :param on_reading: called with the observation, in the watcher's thread; returns False
+        to be called again after the next read, as if this call had not been made; raises
         MasterUnreachable to be called again later
     """
 
@@ -26,12 +26,12 @@ class WatchedKey:
         self.reset()
 
     def reset(self) -> None:
-        """Begin anew, as the key is watched from now on."""
-        #: Notifications that are not handed over yet, oldest first.
+        """Discard pending notifications and requests."""
+        #: Pending notifications, oldest first.
         self.pushed: List[Tuple[str, Any]] = []
-        #: Whether it is still to be handed over that the master was restarted.
+        #: Whether the callback has yet to learn that the master was restarted.
         self.forgotten = False
-        #: Whether to hand over whatever is read.
+        #: Whether to pass the next value on, changed or not.
         self.due = False
 
     @property
@@ -40,21 +40,21 @@ class WatchedKey:
         return self.due or self.forgotten or bool(self.pushed)
 
     def is_news(self, raw: Any) -> bool:
-        """Tell whether a raw value that was read is to be handed over."""
+        """Return whether to pass a raw value on."""
         return self.is_due or self._is_news(raw)
 
     def hand_over(self, raw: Any, read_at: float) -> bool:
-        """Hand over what was read; return whether that is done.
+        """Pass a value on; return whether the callback has accepted it.
 
-        :param raw: value of the key, MISSING where nothing is set
-        :param read_at: start of the read, s on the monotonic clock
+        :param raw: value of the key, MISSING if it is not set
+        :param read_at: start of the read on the monotonic clock [s]
         """
         pushed, is_done = self.pushed, False
         count = len(pushed)
-        self.due = False  # before: what is asked for meanwhile is handed over once more
+        self.due = False  # before the call: a request during the call is kept
         try:
             is_done = self._on_reading(Observation(raw, pushed[:count], self.forgotten, read_at))
-        finally:  # also where this raises
+        finally:  # also after an exception
             self.due = self.due or not is_done
         if is_done:
             self.forgotten = False
@@ -63,10 +63,10 @@ class WatchedKey:
 
 
 def call_listener(listener: Callable[[], object], key: str) -> None:
-    """Call a function of somebody else's, whose defects must keep nobody else from being told.
+    """Call a listener; its exception must not stop the others.
 
     :param listener: the function
-    :param key: what it listens to
+    :param key: its key, for the log
     """
     try:
         listener()

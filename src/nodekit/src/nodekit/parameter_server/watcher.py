@@ -1,9 +1,9 @@
-"""Notice every change on the parameter server within a second, most within 0.1 s.
+"""Watcher of the parameter server: detects each change within a second, most within 0.1 s.
 
-The master notifies subscribers of most changes, but not of all: not of a
-namespace replaced by a scalar, not after its own restart, and of nothing at all
-while three of its subscribers hang. So a notification only rings a bell. One
-thread for each process then reads the truth, and reads it once a second anyway.
+The master notifies subscribers of most changes, but not of all: not of a namespace replaced by a
+scalar, not after its own restart, and of no change while three of its subscribers hang. So a
+notification only wakes the watcher's thread, one for each process. The thread then reads the
+server, and also reads it once a second.
 """
 
 import contextlib
@@ -22,38 +22,37 @@ from nodekit.rospy_internals.master_registrations import MasterRegistrations
 from nodekit.round_robin import RoundRobin
 from nodekit.throttle import Throttle
 
-#: Time between two reads where no notification arrives, s.
+#: Time between two reads without a notification [s].
 RECONCILE_S = 1.0
-#: Most keys that are read each second without a notification. Where there are
-#: more, as in a process that hosts hundreds of nodes, they take turns: reading
-#: them all would cost more than all else that the process does.
+#: Most keys that are read each second without a notification. More keys, as in a process with
+#: hundreds of nodes, are read by round robin: reading all would take most of the processor time.
 RECONCILE_KEYS = 200
-#: A change counts as complete once two reads this far apart agree, s: "rosparam
-#: load" writes leaf by leaf, in far less than that from one leaf to the next.
+#: A change is complete once two reads this far apart agree [s]: "rosparam
+#: load" writes leaf by leaf, much faster than that.
 SETTLE_S = 0.02
-#: Longest wait for changes to come to rest, s.
+#: Longest wait until changes settle [s].
 SETTLE_LIMIT_S = 0.15
-#: Longest wait of :meth:`Watcher.close` for what is under way, s.
+#: Longest wait of :meth:`Watcher.close` for a running callback [s].
 CLOSE_LIMIT_S = 1.0
-#: A defect of who watches a key is logged at most this often, s.
+#: Shortest time between two log lines about errors of one key's callback [s].
 _LOG_PERIOD_S = 10.0
 
 
 class Watcher:
-    """Watches keys of the parameter server for everybody in this process.
+    """Watcher of keys of the parameter server, one for the process.
 
-    :param client: asks the master
+    :param client: client of the master
     :raises MasterUnreachable: if the master does not answer
     """
 
     def __init__(self, client: MasterClient) -> None:
         self.client = client
         #: All keys, in the order of their opening; replaced and never changed, since several
-        #: threads walk through it.
+        #: threads iterate over it.
         self._watched: Dict[WatchedKey, None] = {}
         self._changed = threading.Condition()
-        #: What is being handed over, and by which thread.
-        self._under_way: Optional[WatchedKey] = None
+        #: Key whose callback is running, and the thread that runs it.
+        self._running: Optional[WatchedKey] = None
         self._thread: Optional[threading.Thread] = None
         self._registrations = MasterRegistrations(client)
         self._ahead: Dict[str, Any] = {}
@@ -69,9 +68,10 @@ class Watcher:
         threading.Thread(target=self._run, name="parameter_watcher", daemon=True).start()
 
     def _cache_logging_parameter(self) -> None:
-        """Spare the master a question for each line of the log, and rospy a subscription.
+        """Cache the parameter that rospy otherwise reads with each log line.
 
-        One left behind is no trifle: the master would shut down whoever has this port by then.
+        rospy would also subscribe to it and never unsubscribe: the master would later send
+        updates to another node that has this port by then.
         """
         key = parameter_cache.ROSOUT_PARAMETER
         self._subscribe([key])
@@ -82,7 +82,7 @@ class Watcher:
 
     @contextlib.contextmanager
     def reading_ahead(self, keys: Sequence[str]) -> Iterator[Dict[str, Any]]:
-        """Read many keys together, for one call of :meth:`first_reading` each, within this.
+        """Read many keys at once, each for one call of :meth:`first_reading` in this context.
 
         :returns: the raw values by key
         :raises MasterUnreachable: if the master does not answer
@@ -90,18 +90,18 @@ class Watcher:
         self._ahead = dict(self.client.read(keys).values)
         try:
             yield dict(self._ahead)
-        finally:  # what is read later is to be as it is then
+        finally:  # later readings must be current
             self._ahead = {}
 
     def first_reading(self, key: str) -> Any:
-        """Return the raw value of a key: as read ahead, or else as it is now.
+        """Return the raw value of a key, read ahead or now.
 
         :raises MasterUnreachable: if the master does not answer
         """
         return self._ahead.pop(key) if key in self._ahead else self.client.read([key]).values[key]
 
     def watch(self, watched: Sequence[WatchedKey]) -> None:
-        """Watch keys from now on; what is news is handed over.
+        """Watch keys from now on, and pass changes on.
 
         :raises MasterUnreachable: if the master does not answer; none of them is watched then
         """
@@ -116,24 +116,24 @@ class Watcher:
             raise
 
     def open(self, watched: Sequence[WatchedKey]) -> None:
-        """Watch keys from now on, and hand over soon what there is.
+        """Watch keys from now on, and pass their values on soon.
 
-        :param watched: watched already or not
+        :param watched: keys, watched already or not
         :raises MasterUnreachable: if the master does not answer
         """
         self.watch([one for one in watched if one not in self._watched])
         self.request_report(watched)
 
     def request_report(self, watched: Sequence[WatchedKey]) -> None:
-        """Hand over soon what there is, whether it is news or not."""
+        """Pass the values of keys on soon, changed or not."""
         for one in watched:
             one.due = True
         self.wake()
 
     def close(self, *watched: WatchedKey) -> None:
-        """Watch keys no longer; one that is being handed over is waited for, up to 1 s.
+        """Stop watching keys; wait for a running callback, up to 1 s.
 
-        Afterwards nothing is handed over any more.
+        No callback is called after that.
         """
         gone = set(watched)
         with self._changed:
@@ -141,30 +141,30 @@ class Watcher:
         if not self._ended:
             self._unsubscribe({one.key for one in gone} - self._keys())
         with self._changed:
-            if self._thread is not threading.current_thread():  # or it would wait for itself
-                self._changed.wait_for(lambda: self._under_way not in gone, CLOSE_LIMIT_S)
+            if self._thread is not threading.current_thread():  # it would wait for itself
+                self._changed.wait_for(lambda: self._running not in gone, CLOSE_LIMIT_S)
 
     def wake(self) -> None:
         """Read soon, without waiting for a notification."""
         self._wake.set()
 
     def shut_down(self) -> None:
-        """End the thread and take the subscriptions back, which rospy itself does not."""
+        """Stop the thread, and unsubscribe, which rospy itself does not."""
         keys, self._ended = self._keys(), True
         self._unsubscribe(keys)
         self.wake()
 
     def _keys(self) -> Set[str]:
-        """Return what the master is to notify of."""
+        """Return the keys to subscribe to."""
         if self._ended:
             return set()
         return {parameter_cache.ROSOUT_PARAMETER, *(one.key for one in self._watched)}
 
-    # Without a lock, which a hung master would keep for long: what has changed meanwhile, in
-    # another thread, is put right afterwards.
+    # Without a lock, which a hung master would hold for long; changes by other threads are
+    # corrected afterwards.
 
     def _subscribe(self, keys: Collection[str]) -> None:
-        """Have the master notify of keys.
+        """Subscribe to keys.
 
         :raises MasterUnreachable: if the master does not answer
         """
@@ -174,15 +174,15 @@ class Watcher:
             self._unsubscribe(stale)
 
     def _unsubscribe(self, keys: Collection[str]) -> None:
-        with contextlib.suppress(MasterUnreachable):  # one that is gone has no subscriptions
+        with contextlib.suppress(MasterUnreachable):  # a master that has gone has no subscriptions
             self.client.unsubscribe(keys)
             self.client.subscribe(self._keys().intersection(keys))
 
     def _on_push(self, key: str, value: Any) -> bool:
-        """Keep a notification; tell whether anybody watches the key.
+        """Store a notification; return whether the key is watched.
 
-        :param key: global name, with or without a slash at its end
-        :param value: its raw value, an empty dict where it was deleted
+        :param key: global name, with or without a trailing slash
+        :param value: raw value, an empty dict for a deleted key
         """
         key = key.rstrip("/")
         found = [one for one in self._watched if (key + "/").startswith(one.key + "/")]
@@ -193,13 +193,13 @@ class Watcher:
         return bool(found)
 
     def _run(self) -> None:
-        next_turn = time.monotonic() + RECONCILE_S
+        next_read = time.monotonic() + RECONCILE_S
         while not self._ended:
-            self._wake.wait(max(0.0, next_turn - time.monotonic()))
+            self._wake.wait(max(0.0, next_read - time.monotonic()))
             self._wake.clear()
-            is_due = time.monotonic() >= next_turn
+            is_due = time.monotonic() >= next_read
             if is_due:
-                next_turn = time.monotonic() + RECONCILE_S
+                next_read = time.monotonic() + RECONCILE_S
             turn = self._round_robin.next(list(self._watched)) if is_due else []
             try:
                 self._read_and_hand_over(turn)
@@ -207,7 +207,7 @@ class Watcher:
                     self._registrations.reclaim_services()
             except MasterUnreachable as error:
                 self._log_reachable(False, error)
-            except BaseException:  # no defect may end this thread
+            except BaseException:  # no error may end this thread
                 self._log_defect("the parameters are not followed")
             else:
                 self._log_reachable(True)
@@ -221,9 +221,9 @@ class Watcher:
                 rospy.logwarn("the master does not answer (%s): settings stay as they are", error)
 
     def _read_and_hand_over(self, turn: List[WatchedKey]) -> None:
-        """Read what may have changed; where something has, wait until it rests.
+        """Read keys that may have changed; wait until changes settle.
 
-        :param turn: what is read in any case
+        :param turn: keys to read in any case
         """
         due = [one for one in self._watched if one.is_due]
         watched = list(dict.fromkeys(turn + due))
@@ -250,7 +250,7 @@ class Watcher:
         return read_at, reading
 
     def _register_again(self) -> None:
-        """Tell a master all that it has to know and does not any more."""
+        """Restore all registrations and subscriptions on the master."""
         self._registrations.reregister()
         self._subscribe(self._keys())
         for one in self._watched:
@@ -258,29 +258,29 @@ class Watcher:
         self._registrations.log_reregistered()
 
     def _hand_over(self, watched: List[WatchedKey], reading: Reading, read_at: float) -> None:
-        """Hand over what was read; who fails keeps nobody else from being told."""
+        """Pass values on; an error of one callback does not stop the others."""
         unreachable: Optional[MasterUnreachable] = None
         for one in watched:
             with self._changed:
                 if one not in self._watched:
                     continue
-                self._under_way, self._thread = one, threading.current_thread()
+                self._running, self._thread = one, threading.current_thread()
             try:
                 if not one.hand_over(reading.values[one.key], read_at):
                     self.wake()
             except MasterUnreachable as error:
                 unreachable = error
-            except BaseException:  # also what ends a thread: this one is everybody's
+            except BaseException:  # also SystemExit: the thread serves all keys
                 self._log_defect(f"{one.key} is not followed")
             finally:
                 with self._changed:
-                    self._under_way = self._thread = None
+                    self._running = self._thread = None
                     self._changed.notify_all()
         if unreachable is not None:
             raise unreachable
 
     def _news(self, watched: List[WatchedKey], reading: Reading) -> List[WatchedKey]:
-        """Return what is to be handed over of what was read."""
+        """Return the keys whose values have to be passed on."""
         found: List[WatchedKey] = []
         for one in watched:
             try:
@@ -300,9 +300,9 @@ _watcher_lock = threading.Lock()
 
 
 def get_watcher() -> Watcher:
-    """Return this process's watcher, made at the first call.
+    """Return this process's watcher, created at the first call.
 
-    :returns: the watcher; the node must have been initialised
+    :returns: the watcher; requires an initialised node
     :raises MasterUnreachable: if the master does not answer
     """
     global _watcher

@@ -1,4 +1,4 @@
-"""Declare a node's parameters once: kind, default, unit, range and help.
+"""Declaration of a node's parameters: type, default, unit, range and help.
 
 A node lists its parameters as class attributes of a :class:`ParameterSet`::
 
@@ -7,8 +7,8 @@ A node lists its parameters as class attributes of a :class:`ParameterSet`::
         colour = EnumParameter("red", choices=("red", "green"), help="colour of the lamp")
 
 An instance is an immutable snapshot of values that passed validation, so a
-callback that holds one never sees half of a change. This module knows nothing
-of ROS; :mod:`nodekit.parameter_server.live_parameters` keeps a set in step with the
+callback that holds one never sees half of a change. This module does not depend
+on ROS; :mod:`nodekit.parameter_server.live_parameters` keeps a set in step with the
 parameter server.
 """
 
@@ -65,19 +65,19 @@ Rule = Callable[[Any], None]
 Method = TypeVar("Method", bound=Callable[..., None])
 Kind = TypeVar("Kind", bound=Parameter[Any])
 
-#: Names that no class may declare once more; see :class:`OwnParameters`.
+#: Names that no class may declare; see :class:`OwnParameters`.
 _of_every_node: Collection[str] = ()
 
 
 def read_once(parameter: Kind) -> Kind:
-    """Mark a parameter that a node reads as it is made, and not again.
+    """Mark a parameter that a node reads only when it is created.
 
-    A change is judged as any other, and takes effect at the next start or, of what a managed node
-    makes, at the next configure or activate. Descriptions say so.
+    A change is validated like any other, and takes effect at the next start or, for objects that a
+    managed node creates, at the next configure or activate. Descriptions say so.
 
     :param parameter: the parameter
-    :returns: the same
-    :raises TypeError: if it is something else
+    :returns: the same parameter
+    :raises TypeError: if the argument is not a parameter
     """
     if not isinstance(parameter, Parameter):
         raise TypeError(f"read_once: refused {parameter!r:.80}: must be a parameter")
@@ -88,15 +88,15 @@ def read_once(parameter: Kind) -> Kind:
 def rule(*names: str) -> Callable[[Method], Method]:
     """Mark a method of a :class:`ParameterSet` as a rule across parameters.
 
-    Or one of the node's class, which :meth:`.NodeScope.parameters` is given: it is called with the
-    snapshot, for rules that need the node, such as those about names. It must be quick, ask
-    nobody and take no lock: it is called under the lock of the parameters, and changes wait for it.
+    A method of the node's class, passed to :meth:`.NodeScope.declare_parameters`, may be a rule
+    too: it is called with the snapshot, for rules that need the node, such as those about names.
+    It must be quick, make no request and take no lock: the lock of the parameters is held.
 
-    Where the values do not go together, the method raises :class:`ValueError`
-    with a clause that says what must hold, such as "low must be at most high":
-    it follows the names and the values that were refused.
+    If the values are inconsistent, the method raises :class:`ValueError`
+    with a clause that states the condition, such as "low must be at most high":
+    it follows the names and the rejected values in the message.
 
-    :param names: the parameters that the rule is about
+    :param names: the parameters of the rule
     :returns: the decorator
     :raises TypeError: if no names are given
     """
@@ -111,9 +111,9 @@ def rule(*names: str) -> Callable[[Method], Method]:
 
 
 class ParameterSet:
-    """A snapshot of validated values; subclasses declare the parameters.
+    """Snapshot of validated values; subclasses declare the parameters.
 
-    :param values: values by name; the default stands where one is left out
+    :param values: values by name; defaults for missing names
     :raises ParameterError: if a value or a combination is not allowed
     :raises TypeError: if a name is not declared
     """
@@ -148,7 +148,7 @@ class ParameterSet:
 
     @classmethod
     def from_coerced(cls: Type[Snapshot], values: Mapping[str, Any]) -> Snapshot:
-        """Return a snapshot of coerced values that no rule has judged yet.
+        """Return a snapshot of coerced values that no rule has validated yet.
 
         :param values: one coerced value for each declared name
         """
@@ -158,11 +158,11 @@ class ParameterSet:
 
     @classmethod
     def as_declared(cls: Type[Snapshot]) -> Snapshot:
-        """Return the snapshot of all defaults, one for all nodes that have them in force.
+        """Return the snapshot of all defaults, shared by all nodes that use it.
 
-        No rule has judged it yet: where one refuses the defaults, a value must be set.
+        No rule has validated it yet: if one rejects the defaults, a value must be set.
         """
-        if type(cls._as_declared) is not cls:  # it may be that of the class this one is made from
+        if type(cls._as_declared) is not cls:  # it may be that of the base class
             defaults = {name: item.default for name, item in cls.declared.items()}
             cls._as_declared = cls.from_coerced(defaults)
         snapshot: Snapshot = cls._as_declared
@@ -176,20 +176,20 @@ class ParameterSet:
         :raises ParameterError: if a default is not allowed
         :raises TypeError: if a name is not declared
         """
-        judged = cls(**defaults)
+        validated = cls(**defaults)
         members = {}
         for name in defaults:
             members[name] = copy.copy(cls.declared[name])
-            members[name].default = judged.__dict__[name]
+            members[name].default = validated.__dict__[name]
         return type(cls.__name__, (cls,), members)
 
     def broken_rule(
         self, names: Collection[str], more: Collection[Rule] = ()
     ) -> Optional[RuleError]:
-        """Return the error of the first broken rule, None if all are kept.
+        """Return the error of the first broken rule, None if all rules hold.
 
-        :param names: judge by the rules that are about one of these parameters
-        :param more: rules beside those of the class
+        :param names: parameters whose rules are checked
+        :param more: rules in addition to those of the class
         """
         for method in (*self.rules, *more):
             about: Tuple[str, ...] = getattr(method, "parameters")
@@ -230,7 +230,7 @@ class ParameterSet:
 
 
 class OwnParameters(ParameterSet):
-    """Private parameters of every node; read once, before its class is made."""
+    """Private parameters of every node; read once, before its class is instantiated."""
 
     managed = BoolParameter(False, help="wait until others configure and activate the node")
 

@@ -1,4 +1,4 @@
-"""Refuse a class of parameters that does not mean what it seems to, as it is read."""
+"""Checks of a class of parameters at its definition, for mistakes that would go unnoticed."""
 
 import inspect
 import re
@@ -11,15 +11,15 @@ _MUST_BE_NAME = "must be a letter (a-z, A-Z), then letters, digits and underscor
 
 
 def check_members(cls: type, taken: Collection[str], of_every_node: Collection[str]) -> None:
-    """Judge what a class of parameters has in its own body.
+    """Check the body of a class of parameters.
 
-    Names with an underscore before them are the class's own business, unless they are parameters.
-    A property in place of a parameter that is inherited takes that away; nothing else does.
+    Names with a leading underscore are private to the class, unless they are parameters. Only a
+    property may replace an inherited parameter, and removes it.
 
     :param cls: the class
-    :param taken: what the base of all these classes has
-    :param of_every_node: parameters that every node has beside those of its class
-    :raises TypeError: if something is no parameter but looks like one, or is hidden by another
+    :param taken: attribute names of the base class
+    :param of_every_node: parameters that every node has in addition
+    :raises TypeError: if an attribute only looks like a parameter, or hides one
     :raises ValueError: if a parameter has a name that ROS does not allow
     """
     _check_inherited(cls)
@@ -39,7 +39,7 @@ def check_members(cls: type, taken: Collection[str], of_every_node: Collection[s
         elif isinstance(item, type) and issubclass(item, Parameter):
             raise TypeError(f"{where}: the kind alone: write {item.__name__}(…), with its default")
         elif inspect.iscoroutinefunction(item) and hasattr(item, "parameters"):
-            raise TypeError(f"{where}: a rule is judged at once: write def instead of async def")
+            raise TypeError(f"{where}: a rule is checked at once: write def instead of async def")
         elif not (name.startswith("_") or _is_ordinary(item) or _is_inherited(cls, name)):
             advice = "write FloatParameter(1.0, help=…) or another kind; a constant begins with _"
             raise TypeError(f"{where} = {item!r:.40}: is no parameter: {advice}")
@@ -50,9 +50,9 @@ def check_members(cls: type, taken: Collection[str], of_every_node: Collection[s
 
 
 def _check_inherited(cls: type) -> None:
-    """Refuse what would take an inherited parameter away without a word.
+    """Reject attributes that would silently hide an inherited parameter.
 
-    It may come from a base that declares no parameters, too.
+    They may also come from a base class without parameters.
     """
     inherited = {
         name: item
@@ -62,7 +62,9 @@ def _check_inherited(cls: type) -> None:
     }
     for name, parameter in inherited.items():
         item = inspect.getattr_static(cls, name)
-        is_kind = isinstance(item, type) and issubclass(item, Parameter)  # refused below, in words
+        is_kind = isinstance(item, type) and issubclass(
+            item, Parameter
+        )  # rejected below, with advice
         if not (isinstance(item, (Parameter, property)) or is_kind):
             kind = f"{type(parameter).__name__}(…)"
             advice = f"write {kind} for another default, or property(lambda self: …) to do without"
@@ -70,12 +72,12 @@ def _check_inherited(cls: type) -> None:
 
 
 def check_rules(owner: str, rules: Collection[Any], declared: Collection[str]) -> None:
-    """Judge whether rules are about what is declared.
+    """Check that rules refer to declared parameters.
 
     :param owner: name of the class of parameters
     :param rules: functions that are marked as rules
     :param declared: names of its parameters
-    :raises TypeError: if one is not marked, or about something else
+    :raises TypeError: if a function is not marked, or refers to an undeclared parameter
     """
     for method in rules:
         if not hasattr(method, "parameters"):
@@ -87,24 +89,26 @@ def check_rules(owner: str, rules: Collection[Any], declared: Collection[str]) -
 
 
 def _is_ordinary(item: object) -> bool:
-    """Tell whether a class has this for its own use: a method, a property or a class."""
+    """Return whether an attribute is a method, a property or a class."""
     return isinstance(item, type) or hasattr(item, "__get__")
 
 
 def _is_inherited(cls: type, name: str) -> bool:
-    """Tell whether a class takes something of another's away, or has its own in its place."""
+    """Return whether a base class has an attribute of this name."""
     return any(name in vars(base) for base in cls.__mro__[1:])
 
 
 def _annotated(cls: type) -> Collection[str]:
     try:
         return list(getattr(cls, "__annotations__", ()))
-    except NameError:  # since Python 3.14 they are read only now, and may name what is not there
+    except (
+        NameError
+    ):  # since Python 3.14 they are evaluated only now, and may use an undefined name
         return ()
 
 
 def checked_default(owner: str, parameter: Parameter[Any]) -> Any:
-    """Return the default of a declared parameter; text is no number here, as it is in YAML.
+    """Return the coerced default of a parameter; numeric text is rejected here.
 
     :param owner: name of the class
     :param parameter: the parameter
@@ -119,7 +123,7 @@ def checked_default(owner: str, parameter: Parameter[Any]) -> Any:
 
 
 def _texts(value: Any) -> Any:
-    """Return what of a value is text."""
+    """Return which parts of a value are text."""
     if isinstance(value, (list, tuple)):
         return [_texts(item) for item in value]
     return isinstance(value, str)

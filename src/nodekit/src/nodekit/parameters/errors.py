@@ -1,4 +1,4 @@
-"""Errors about several parameters: values that do not go together, and all that is refused."""
+"""Errors about several parameters: inconsistent values, and lists of errors."""
 
 from typing import Any, List, Sequence, Tuple
 
@@ -6,11 +6,11 @@ from nodekit.parameters.parameter_types import ParameterError, format_value
 
 
 class RuleError(ParameterError):
-    """Values that are each allowed but do not go together.
+    """Error of values that are allowed individually but inconsistent.
 
     :param names: names of the parameters
     :param values: their values, in the same order
-    :param allowed: what must hold, a clause of its own
+    :param allowed: condition that must hold, as a clause
     """
 
     def __init__(self, names: Sequence[str], values: Sequence[Any], allowed: str) -> None:
@@ -32,7 +32,7 @@ class RuleError(ParameterError):
 
 
 class ParameterErrors(ParameterError):
-    """Several errors in one, so that all of them can be mended at once.
+    """Several errors in one, so that a user can correct all of them at once.
 
     :param errors: the errors
     """
@@ -53,13 +53,12 @@ class ParameterErrors(ParameterError):
 
 
 def raise_all(errors: Sequence[ParameterError]) -> None:
-    """Raise what is refused, if anything is: one error as itself, several as one.
+    """Raise errors, if there are any: one error unchanged, several as one.
 
-    A rule that is broken while one of its values is refused for itself says
-    nothing of its own, and is left out.
+    A broken rule is omitted if one of its values is rejected individually.
 
     :param errors: the errors
-    :raises ParameterError: if there are any
+    :raises ParameterError: if the list is not empty
     """
     alone = {error.name for error in errors if not isinstance(error, RuleError)}
     errors = [e for e in errors if not isinstance(e, RuleError) or alone.isdisjoint(e.names)]

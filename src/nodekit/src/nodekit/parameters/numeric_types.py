@@ -1,8 +1,8 @@
-"""The kinds of parameter that hold a number: in a range, in steps, a rate.
+"""Numeric types of parameters: in a range, in steps, a rate.
 
-Coercion follows what users of ``rosparam`` expect: an integer serves as a
-float, and so does text such as ``1e3``, which YAML does not read as a number;
-a truth value is never a number, and nothing that is not finite gets through.
+Coercion follows the expectations of ``rosparam`` users: a float parameter accepts integers and
+text such as ``1e3``, which YAML does not read as a number. Booleans and numbers that are not
+finite are rejected.
 """
 
 import math
@@ -13,19 +13,19 @@ from nodekit.parameters.parameter_types import Parameter, Value, format_value
 
 #: XML-RPC, and so the parameter server, carries integers of 32 bits.
 INT32_MIN, INT32_MAX = -(2**31), 2**31 - 1
-#: Lowest rate other than 0 (once in eleven days) and highest one to offer, Hz.
+#: Lowest rate other than 0 (once in eleven days), and highest default limit [Hz].
 SLOWEST_HZ, FASTEST_HZ = 1e-6, 10000.0
 
 
 class _NumberParameter(Parameter[Value]):
-    """A finite number in a range whose ends are closed or open.
+    """Finite number in a range whose ends are closed or open.
 
     :param minimum: smallest allowed value (closed end)
     :param maximum: largest allowed value (closed end)
     :param above: bound below the allowed values (open end)
     :param below: bound above the allowed values (open end)
-    :param step: distance of the allowed values from each other, counted from
-        the lower bound, or from 0 where there is none
+    :param step: distance between allowed values, counted from the lower bound, or from 0 without a
+        lower bound
     """
 
     noun: ClassVar[str] = ""
@@ -84,12 +84,12 @@ class _NumberParameter(Parameter[Value]):
     def _on_step(self, number: float, step: float) -> bool:
         start = self.minimum if self.minimum is not None else self.above or 0.0
         steps = (number - start) / step
-        # As much as rounding explains, also where the step is small against the number.
+        # Tolerance for rounding, also if the step is much smaller than the number.
         return math.isclose(steps, round(steps), rel_tol=1e-13, abs_tol=1e-9)
 
 
 class FloatParameter(_NumberParameter[float]):
-    """A finite number; integers and numeric text such as ``1e3`` are taken too."""
+    """Finite number; integers and numeric text such as ``1e3`` are accepted too."""
 
     type_name = "float"
     noun = "a number"
@@ -102,11 +102,11 @@ class FloatParameter(_NumberParameter[float]):
 
 
 class RateParameter(FloatParameter):
-    """How often something is done, in Hz.
+    """Rate in Hz.
 
-    :param default: rate in force where none is set, Hz
-    :param pausable: whether 0, for never, is a rate too
-    :param maximum: highest allowed rate, Hz
+    :param default: default rate [Hz]
+    :param pausable: whether 0, for never, is allowed
+    :param maximum: highest allowed rate [Hz]
     """
 
     def __init__(
@@ -117,7 +117,7 @@ class RateParameter(FloatParameter):
 
 
 class IntParameter(_NumberParameter[int]):
-    """A whole number of 32 bits; ``5.0`` and numeric text are taken too."""
+    """Integer of 32 bits; ``5.0`` and numeric text are accepted too."""
 
     type_name = "int"
     noun = "a whole number"
@@ -141,7 +141,7 @@ def _is_number(bound: object) -> bool:
 
 
 def _finite_number(raw: Any) -> Optional[float]:
-    """Return the number that a raw value stands for, None if it is none."""
+    """Return a raw value as a number, None for any other value."""
     if isinstance(raw, bool) or not isinstance(raw, (numbers.Real, str)):
         return None
     try:

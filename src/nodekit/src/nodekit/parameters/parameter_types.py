@@ -1,7 +1,7 @@
-"""What all kinds of parameter have in common, and those that hold no number.
+"""Base class of parameter types, and the types that are not numeric.
 
-No text stands for a truth value and no number for text; what is refused is
-refused in words that name the parameter, the value and what is allowed.
+Text is not converted to a boolean, nor a number to text. Errors name the parameter, the value and
+the allowed values.
 """
 
 import re
@@ -9,18 +9,18 @@ from typing import Any, ClassVar, Generic, Optional, Sequence, Tuple, TypeVar, U
 
 Value = TypeVar("Value")
 
-#: What XML, and so the parameter server, has no way to carry, or carries as something else: a
-#: carriage return arrives as a line feed.
+#: Characters that XML, and so the parameter server, cannot carry, or changes: a carriage return
+#: arrives as a line feed.
 _NOT_IN_XML = re.compile("[\x00-\x08\x0b-\x1f\ud800-\udfff\ufffe\uffff]")
 
 
 class ParameterError(ValueError):
-    """A value that a parameter does not allow.
+    """Error of a value that a parameter does not allow.
 
-    :param name: name of the parameter, empty for the namespace of all
-    :param value: the value that was refused, as it came
-    :param allowed: what is allowed, worded to follow "must be"
-    :param reason: more about this value, where what is allowed does not say it
+    :param name: name of the parameter, empty for the whole namespace
+    :param value: the rejected raw value
+    :param allowed: the allowed values, worded to follow "must be"
+    :param reason: further reason, if ``allowed`` is not sufficient
     """
 
     def __init__(self, name: str, value: Any, allowed: str, reason: str = "") -> None:
@@ -32,7 +32,7 @@ class ParameterError(ValueError):
 
     @property
     def names(self) -> Tuple[str, ...]:
-        """The names of all parameters that it is about."""
+        """Names of all parameters concerned."""
         return (self.name,)
 
     def in_namespace(self, namespace: str) -> "ParameterError":
@@ -49,16 +49,16 @@ class ParameterError(ValueError):
 
 
 class Parameter(Generic[Value]):
-    """One declared parameter; the base of all kinds.
+    """Declared parameter; base class of all parameter types.
 
-    :param default: value in force where none is set, in ``unit``
-    :param unit: unit of the value, empty where it has none
+    :param default: default value, in ``unit``
+    :param unit: unit of the value, empty without one
     :param help: one sentence for docs and descriptions
     """
 
-    #: Name of the kind as shown to users.
+    #: Name of the type as shown to users.
     type_name: ClassVar[str] = ""
-    #: Whether a change takes effect only when the node is made anew.
+    #: Whether a change takes effect only when the node is created again.
     read_once = False
 
     def __init__(self, default: Value, *, unit: str = "", help: str) -> None:
@@ -77,46 +77,46 @@ class Parameter(Generic[Value]):
     def __get__(self, instance: object, owner: type) -> Value: ...
 
     def __get__(self, instance: Optional[object], owner: type) -> Union["Parameter[Value]", Value]:
-        # Only reached on the class: an instance's own __dict__ comes first, as for any attribute.
+        # Reached on the class only: an instance's __dict__ comes first.
         return self
 
     @property
     def allowed(self) -> str:
-        """What is allowed, worded to follow "must be"."""
+        """Allowed values, worded to follow "must be"."""
         raise NotImplementedError
 
     @property
     def range(self) -> str:
-        """The allowed values in interval or set notation, empty where all are."""
+        """Allowed values in interval or set notation, empty if all are allowed."""
         return ""
 
     def coerce(self, raw: Any) -> Value:
-        """Turn a value of the parameter server into one of this kind.
+        """Convert a value of the parameter server to this type.
 
-        :param raw: the value as YAML or XML-RPC delivered it
-        :returns: the value in the declared kind and ``unit``
+        :param raw: value from YAML or XML-RPC
+        :returns: the value in the declared type and ``unit``
         :raises ParameterError: if the value is not allowed
         """
         raise NotImplementedError
 
     def accept(self, raw: Any) -> Value:
-        """Turn a value from anywhere into one of this kind, see :func:`plain` and :meth:`coerce`.
+        """Convert a value from any source to this type, see :func:`plain` and :meth:`coerce`.
 
-        :param raw: the value, also as numpy has it
+        :param raw: the value, which may be a numpy value
         :raises ParameterError: if the value is not allowed
         """
         return self.coerce(plain(raw))
 
     def refuse(self, raw: Any) -> ParameterError:
-        """Return the error, to be raised, that says why a value is refused.
+        """Return the error of a rejected value, for the caller to raise.
 
-        :param raw: the refused value
+        :param raw: the rejected value
         """
         return ParameterError(self.name, raw, self.allowed)
 
 
 class BoolParameter(Parameter[bool]):
-    """True or false; no number or text stands for either."""
+    """Boolean; numbers and text are rejected."""
 
     type_name = "bool"
 
@@ -131,7 +131,7 @@ class BoolParameter(Parameter[bool]):
 
 
 class StringParameter(Parameter[str]):
-    """Text. A number is refused: YAML would have needed quotes around it."""
+    """Text. Numbers are rejected: they need quotes in YAML."""
 
     type_name = "str"
 
@@ -148,8 +148,8 @@ class StringParameter(Parameter[str]):
 class BytesParameter(Parameter[bytes]):
     """Bytes, on the server as a list of numbers from 0 to 255.
 
-    ``!!binary`` in YAML and ``binfile=`` in a launch file are taken, too, and such a list is
-    written back: ``rosparam get`` and ``dump`` fail where there is anything binary.
+    ``!!binary`` in YAML and ``binfile=`` in a launch file are accepted too, and replaced by such a
+    list: ``rosparam get`` and ``dump`` fail on binary values.
 
     :param max_length: largest allowed number of bytes
     """
@@ -171,20 +171,20 @@ class BytesParameter(Parameter[bytes]):
         return f"at most {self.max_length} bytes"
 
     def coerce(self, raw: Any) -> bytes:
-        wrapped = getattr(raw, "data", None)  # XML-RPC delivers what is binary wrapped
+        wrapped = getattr(raw, "data", None)  # XML-RPC wraps binary values
         value = wrapped if isinstance(wrapped, bytes) else plain(raw)
         if isinstance(value, (list, tuple)) and all(type(number) is int for number in value):
             try:
                 value = bytes(value)
             except ValueError:
-                pass  # a number that is no byte
+                pass  # a number out of range
         if not isinstance(value, bytes) or len(value) > self.max_length:
             raise self.refuse(raw)
         return value
 
 
 class EnumParameter(Parameter[str]):
-    """One of a few words.
+    """One of several words.
 
     :param choices: the allowed words
     """
@@ -213,7 +213,7 @@ class EnumParameter(Parameter[str]):
 
 
 class ListParameter(Parameter[Tuple[Any, ...]]):
-    """A list whose elements are all of one kind.
+    """List of elements of one type.
 
     :param default: elements, in the unit of ``element``
     :param element: declaration of each element (its default, unit and help are not used)
@@ -259,23 +259,23 @@ class ListParameter(Parameter[Tuple[Any, ...]]):
 
 
 def plain(raw: Any) -> Any:
-    """Return a raw value as Python has it.
+    """Return a raw value as a built-in type.
 
     :param raw: any value
-    :returns: Python's number or text for a scalar of numpy and for what is derived from text, a
-        list for an array; anything else as it is
+    :returns: a number or text for a numpy scalar or a subclass of str, a list for an array;
+        any other value unchanged
     """
     if isinstance(raw, str):
         return str.__str__(raw)
-    # numpy is not imported: most nodes do without.
+    # numpy is not imported, because most nodes do not need it.
     return raw.tolist() if hasattr(raw, "tolist") and hasattr(raw, "dtype") else raw
 
 
 def to_wire(value: Any) -> Any:
-    """Return a value as the parameter server takes it.
+    """Return a value in the form of the parameter server.
 
-    :param value: a coerced value, or one that is to become a parameter's
-    :returns: lists for tuples and bytes, and what :func:`plain` returns
+    :param value: a coerced value, or a new value of a parameter
+    :returns: lists for tuples and bytes, and the result of :func:`plain` for other values
     """
     value = plain(value)
     if isinstance(value, (tuple, list, bytes)):
@@ -287,7 +287,7 @@ def format_value(value: Any, limit: int = 80) -> str:
     """Return a value for a message: short, and numbers without needless digits.
 
     :param value: any raw or coerced value
-    :param limit: longest result, characters
+    :param limit: longest result [characters]
     """
     wrapped, value = getattr(value, "data", None), plain(value)
     if isinstance(value, float):
@@ -301,9 +301,9 @@ def format_value(value: Any, limit: int = 80) -> str:
 
 
 class NoValue:
-    """Stands in for a raw value; its own kind, so that no parameter takes it.
+    """Placeholder of a raw value; a type of its own, which no parameter accepts.
 
-    :param text: how it is shown
+    :param text: text of the placeholder
     """
 
     def __init__(self, text: str) -> None:
@@ -313,17 +313,17 @@ class NoValue:
         return self._text
 
 
-#: The value of a key that the server does not hold.
+#: Value of a key that is not set on the server.
 MISSING = NoValue("MISSING")
-#: A value that the master cannot send, such as an integer of 64 bits.
+#: Value that the master cannot send, such as an integer of 64 bits.
 UNREADABLE = NoValue("a value that the master cannot send")
 
 
 def is_same(one: Any, other: Any) -> bool:
-    """Tell whether two raw values are alike, also in kind: 1, 1.0 and True differ.
+    """Return whether two raw values and their types are equal: 1, 1.0 and True differ.
 
-    :param one: a value as the parameter server holds it
-    :param other: another
+    :param one: a raw value of the parameter server
+    :param other: another raw value
     """
     if isinstance(one, dict) and isinstance(other, dict):
         return one.keys() == other.keys() and all(is_same(one[key], other[key]) for key in one)

@@ -1,11 +1,10 @@
-"""Decide what becomes of values on a parameter server that everybody writes to.
+"""Reconciliation of a node's values with a parameter server that other programs write to.
 
-Users write good values, bad ones and half of what belongs together; the server
-has no compare-and-set, so that a write that puts a bad value back may hit a
-newer, good one, of which only the notifications tell. :class:`Reconciler` is
-told what was read and what was notified, and answers with what is in force,
-what has to be written and what has to be warned of. It knows neither the server
-nor a clock: whoever owns it reads, writes and locks.
+Users write valid values, invalid ones, and parts of a consistent set; the server has no
+compare-and-set, so that a write that resets an invalid value may overwrite a newer, valid one, of
+which only a notification tells. :class:`Reconciler` gets the read and the notified values, and
+returns the current values, the values to write and the errors to report. It knows neither the
+server nor a clock: its owner reads, writes and locks.
 """
 
 import math
@@ -31,41 +30,40 @@ from nodekit.parameters.validation import (
     apply_rules,
     corrections,
     last_valid,
-    leaves,
+    leaf_names,
     on_wire,
     unknown_name_errors,
     unknown_names,
     validate_each,
 )
 
-#: How long values that do not go together may stand before they are refused, s:
-#: on a busy machine "rosparam load" may pause between one leaf and the next.
+#: Time until inconsistent values are rejected [s]: on a busy machine "rosparam load" may pause
+#: between two leaves.
 HALF_DONE_S = 0.2
-#: How long after a write a notification may still tell of a value that the
-#: write has replaced, s.
+#: Time after a write in which a notification of an overwritten value may arrive [s].
 OVERLAP_S = 5.0
-#: Writes of one parameter that may follow each other at once.
+#: Most writes of one parameter in a burst.
 BURST = 20
-#: Time after which one more of them may follow, s.
+#: Time until another write is allowed [s].
 REFILL_S = 1.0
 _UNKNOWN = NoValue("UNKNOWN")
 
 
 class TokenBucket:
-    """A token bucket for each name.
+    """Token bucket for each name.
 
-    Two programs that correct each other must not do so in an endless quick loop.
+    It slows down two programs that correct each other in an endless loop.
     """
 
     def __init__(self) -> None:
-        #: What was left for a name, and when, s.
+        #: Remaining tokens by name, and their time [s].
         self._left: Dict[str, Tuple[float, float]] = {}
 
     def allow(self, name: str, now: float) -> bool:
-        """Tell whether it may be done now, which is counted then, or only later.
+        """Return whether a write is allowed now, and count it.
 
-        :param name: what it is done to
-        :param now: the time, s
+        :param name: name of the parameter
+        :param now: the time [s]
         """
         left, since = self._left.get(name, (float(BURST), now))
         left = min(float(BURST), left + (now - since) / REFILL_S)
@@ -75,13 +73,13 @@ class TokenBucket:
 
 
 class Observation(NamedTuple):
-    """What was seen of a namespace on the server.
+    """Observed state of a namespace on the server.
 
-    :param raw: the namespace as the server holds it, MISSING where nothing is set
-    :param pushed: notified since the last step that was done, oldest first: name
+    :param raw: the namespace on the server, MISSING if it is not set
+    :param pushed: notifications since the last completed step, oldest first: name
         below the namespace, empty for the namespace itself, and raw value or MISSING
-    :param forgotten: the master was restarted and lost what it held
-    :param read_at: start of the read, s on the monotonic clock
+    :param forgotten: whether the master was restarted and has lost its values
+    :param read_at: start of the read on the monotonic clock [s]
     """
 
     raw: Any
@@ -91,15 +89,13 @@ class Observation(NamedTuple):
 
 
 class Decision(NamedTuple):
-    """What a step has come to.
+    """Result of a step.
 
-    :param values: in force from now on
-    :param writes: by name, what to write now; an empty name means to replace the
-        whole namespace
-    :param errors: what to warn of, without what was warned of before
-    :param unknown: undeclared names that nobody was told of, each with the nearest known or None
-    :param again: nothing is decided yet: read again soon and hand over the same
-        notifications once more
+    :param values: new current values
+    :param writes: values to write now by name; an empty name replaces the whole namespace
+    :param errors: errors to report, without those reported before
+    :param unknown: unreported undeclared names, each with the nearest known name or None
+    :param again: whether the step is undecided: read again soon, and pass the same notifications
     """
 
     values: ParameterSet
@@ -110,16 +106,16 @@ class Decision(NamedTuple):
 
 
 class Reconciler(Generic[Snapshot]):
-    """Keeps declared values and those on the server in step; pure.
+    """State machine that keeps declared values and the server consistent; pure.
 
     Each decision of :meth:`start` and :meth:`step` is written, and then
     :meth:`written` or :meth:`failed` is called, before the next step.
 
     :param declaration: the class that declares the parameters
     :param exempt: names in the namespace that are used but not declared
-    :param rules: rules beside those of the class
+    :param rules: rules in addition to those of the class
 
-    :ivar values: the snapshot in force
+    :ivar values: the current snapshot
     """
 
     values: Snapshot
@@ -133,36 +129,35 @@ class Reconciler(Generic[Snapshot]):
         self.values = declaration.as_declared()
         self._exempt, self._rules = exempt, rules
         self._budget = TokenBucket()
-        #: What the server is to hold beside what is in force, or in its place; all else is news.
+        #: Expected values on the server that differ from the current ones.
         self._odd: Dict[str, Any] = dict.fromkeys(declaration.declared, _UNKNOWN)
-        #: When the server was last written to, s: what was read before says nothing of now.
+        #: Time of the last write [s]: older reads are outdated.
         self._last_write = -math.inf
-        #: What steps have written and may still stand, each with its name and time, s: it
-        #: may have replaced a newer value, of which a notification is on its way.
+        #: Recent writes with name and time [s]; each may have overwritten a newer value, whose
+        #: notification is still to come.
         self._own: List[Tuple[str, Any, float]] = []
-        #: Since when values on the server do not go together, s; None if they do.
+        #: Time since which values on the server are inconsistent [s]; None if they are consistent.
         self._broken_since: Optional[float] = None
-        #: What was warned of, () if nothing: refused values until they are put back, unknown names.
+        #: Reported errors, until the values are reset, and reported unknown names; () for none.
         self._reported_errors: Collection[str] = ()
         self._reported_unknown: Collection[str] = ()
 
     def is_news(self, raw: Any) -> bool:
-        """Tell whether the server holds something else than it is to hold.
+        """Return whether the server differs from the expected values.
 
-        :param raw: the namespace as the server holds it, MISSING where nothing is set
+        :param raw: the namespace on the server, MISSING if it is not set
         """
         return not is_same({} if raw is MISSING else raw, {**on_wire(self.values), **self._odd})
 
     def start(self, raw: Any, now: float) -> Decision:
-        """Bring the values at the start into force, or refuse them all.
+        """Adopt the values at the start, or reject all of them.
 
-        :param raw: the namespace as the server holds it, MISSING where nothing is set
-        :param now: the time, s on the monotonic clock
-        :raises ParameterError: names all that is refused; nothing is in force then
+        :param raw: the namespace on the server, MISSING if it is not set
+        :param now: the time on the monotonic clock [s]
+        :raises ParameterError: if values are invalid; names all of them
         """
-        seen = Observation(
-            raw, forgotten=True
-        )  # as after a restart: the server holds nothing of ours
+        # As after a restart: the server has no values of this node.
+        seen = Observation(raw, forgotten=True)
         values, errors = self._validate(seen, now)
         raise_all(errors)
         broken = values.broken_rule(values.declared, self._rules)  # the defaults may break one
@@ -170,38 +165,38 @@ class Reconciler(Generic[Snapshot]):
         return self._decide(seen, values, [], now)
 
     def step(self, seen: Observation, now: float) -> Decision:
-        """Judge what the server holds now, and adopt what is good.
+        """Validate the values on the server, and adopt the valid ones.
 
-        :param seen: what was seen of the namespace
-        :param now: the time, s on the monotonic clock
+        :param seen: observed state of the namespace
+        :param now: the time on the monotonic clock [s]
         """
         if seen.read_at >= self._last_write:
             values, errors = self._validate(seen, now)
             if not self._may_be_half_done(errors, now):
                 return self._decide(seen, values, errors, now)
-        self.failed()  # to be asked again, whatever is read
+        self.failed()  # the next read counts as a change
         return Decision(self.values, {}, [], {}, again=True)
 
     def validate(self, changes: Mapping[str, Any]) -> Decision:
-        """Judge a change from within the node; nothing is adopted yet.
+        """Validate a change from within the node, without adopting it.
 
         :param changes: new values by name
-        :raises ParameterError: names all that is refused
+        :raises ParameterError: if values are invalid; names all of them
         """
         coerced, refused = validate_each(self.values, changes, missing=self.values.as_dict())
         values, broken = apply_rules(self.values, coerced, self._rules)
         raise_all([*unknown_name_errors(self.values.declared, changes), *refused, *broken])
         wire = on_wire(values)
-        # Also what is in force already: others may have set something else that is not read yet.
+        # Unchanged values too: other programs may have set values that are not read yet.
         return Decision(values, {name: wire[name] for name in changes}, [], {})
 
     def adopt(self, decision: Decision, now: float) -> None:
-        """Bring a judged change into force: it has been written.
+        """Adopt a validated change that has been written.
 
-        It is newer than what is on its way: no notification may take it back.
+        It is newer than pending notifications, which must not revert it.
 
-        :param decision: what :meth:`validate` returned
-        :param now: the time, s on the monotonic clock
+        :param decision: result of :meth:`validate`
+        :param now: the time on the monotonic clock [s]
         """
         self.values = decision.values  # type: ignore[assignment]
         self._odd = {n: value for n, value in self._odd.items() if n not in decision.writes}
@@ -209,27 +204,27 @@ class Reconciler(Generic[Snapshot]):
         self._last_write = now
 
     def written(self, now: float) -> None:
-        """Note that the writes of the latest start or step have reached the server.
+        """Confirm the writes of the latest start or step.
 
-        :param now: the time, s on the monotonic clock
+        :param now: the time on the monotonic clock [s]
         """
         self._last_write = now
         self._broken_since = None
-        if all(value is not _UNKNOWN for value in self._odd.values()):  # all is put back
+        if all(value is not _UNKNOWN for value in self._odd.values()):  # all values are reset
             self._reported_errors = ()
 
     def failed(self) -> None:
-        """Note that they may not have reached it: what it holds is not known."""
+        """Mark the values on the server as unknown, after failed writes."""
         self._odd.update(dict.fromkeys(self.values.declared, _UNKNOWN))
 
     def _tree(self, raw: Any) -> Dict[str, Any]:
-        """Return the namespace by name; what stands in its place is a bad value for each."""
+        """Return the namespace by name; any other value is an invalid value of each parameter."""
         if _is_namespace(raw):
             return raw if raw is not MISSING else {}
         return {**self._odd, **dict.fromkeys(self.values.declared, UNREADABLE)}
 
     def _validate(self, seen: Observation, now: float) -> Tuple[Snapshot, List[ParameterError]]:
-        """Return which values are to come into force, and what is refused."""
+        """Return the values to adopt, and the errors."""
         tree = self._tree(seen.raw)
         defaults = {name: item.default for name, item in self.values.declared.items()}
         missing = self.values.as_dict() if seen.forgotten else defaults
@@ -242,7 +237,7 @@ class Reconciler(Generic[Snapshot]):
         return values, [*refused, *broken]
 
     def _still_own(self, tree: Mapping[str, Any], now: float) -> Set[str]:
-        """Return the parameters whose value is one that a step has written lately."""
+        """Return the parameters whose value was written recently by a step."""
         self._own = [
             (name, value, at)
             for name, value, at in self._own
@@ -251,7 +246,7 @@ class Reconciler(Generic[Snapshot]):
         return {name for name, _, _ in self._own}
 
     def _may_be_half_done(self, errors: Sequence[ParameterError], now: float) -> bool:
-        """Tell whether values that do not go together may yet be followed by others that do."""
+        """Return whether inconsistent values may be part of an incomplete change."""
         if not any(isinstance(error, RuleError) for error in errors):
             self._broken_since = None
         elif self._broken_since is None:
@@ -261,7 +256,7 @@ class Reconciler(Generic[Snapshot]):
     def _decide(
         self, seen: Observation, values: Snapshot, errors: Sequence[ParameterError], now: float
     ) -> Decision:
-        """Adopt values; return what to write now, and what to tell of."""
+        """Adopt values; return the values to write, and the errors to report."""
         tree = self._tree(seen.raw)
         wire, wanted = on_wire(values), corrections(values, tree)
         self.values, held = values, {**tree, **wanted}
@@ -276,7 +271,7 @@ class Reconciler(Generic[Snapshot]):
             else:
                 self._odd.update(dict.fromkeys(names, _UNKNOWN))
         told, self._reported_errors = self._reported_errors, tuple(map(str, errors))
-        names = [name for name in leaves(tree) if name not in self._reported_unknown]
+        names = [name for name in leaf_names(tree) if name not in self._reported_unknown]
         unknown = unknown_names(values.declared, names, self._exempt)
         self._reported_unknown = {*self._reported_unknown, *unknown} or ()
         return Decision(values, writes, [e for e in errors if str(e) not in told], unknown)

@@ -1,7 +1,7 @@
-"""Describe parameters to programs and people, exactly enough to judge by.
+"""Description of parameters, exact enough for a client to validate values.
 
-A description says all that a kind of :mod:`nodekit.parameters.parameter_types` judges by,
-so that a client in another process can build the same parameter of it.
+A description has all limits of a type of :mod:`nodekit.parameters.parameter_types`, so that a
+client in another process can create the same parameter from it.
 """
 
 import math
@@ -29,29 +29,29 @@ _KINDS: Dict[str, Type[Parameter[Any]]] = {
     "enum": EnumParameter,
     "list": ListParameter,
 }
-#: When what is read once takes effect, in a node that is not managed.
+#: Effect time of a parameter that is read once, in a node that is not managed.
 AT_START = "at the next start"
-#: What an entry of a description always has.
+#: Required keys of an entry of a description.
 _NEEDED = {"name", "value", "type"}
 _NUMBERS = ("minimum", "maximum", "above", "below", "step", "min_length", "max_length")
 
 
 class DescriptionError(ValueError):
-    """A text that does not describe parameters."""
+    """Error of a text that does not describe parameters."""
 
 
 def describe(values: ParameterSet, takes_effect: str = AT_START) -> List[Dict[str, Any]]:
-    """Describe each parameter of a set with its value in force.
+    """Describe each parameter of a set with its current value.
 
     :param values: the snapshot to describe
-    :param takes_effect: when changes of what is read once take effect
+    :param takes_effect: when changes of parameters that are read once take effect
     :returns: for each parameter its ``name``, ``value``, ``type``, ``unit``,
         ``range`` in words, ``default``, ``help``, and when a change
         ``takes_effect``; as far as declared its
         ``minimum``, ``maximum``, ``above``, ``below``, ``step``, ``choices``,
         ``min_length``, ``max_length`` and ``element`` (``type``, ``unit``,
         ``range`` and the same again);
-        ``exact``: whether it judges by no more than this
+        ``exact``: whether these limits are complete
     """
     return [
         {
@@ -70,10 +70,10 @@ def describe(values: ParameterSet, takes_effect: str = AT_START) -> List[Dict[st
 
 
 def help_of(parameter: Parameter[Any], takes_effect: str) -> str:
-    """Return what a parameter is for, and when a change takes effect where that is not at once.
+    """Return the help of a parameter, and when a change takes effect if not at once.
 
     :param parameter: the parameter
-    :param takes_effect: when changes of what is read once take effect
+    :param takes_effect: when changes of parameters that are read once take effect
     """
     return (
         f"{parameter.help}; takes effect {takes_effect}" if parameter.read_once else parameter.help
@@ -81,7 +81,7 @@ def help_of(parameter: Parameter[Any], takes_effect: str) -> str:
 
 
 def _limits(parameter: Parameter[Any]) -> Dict[str, Any]:
-    """Return what a parameter judges by, and whether that is all."""
+    """Return the limits of a parameter, and whether they are complete."""
     limits = {key: getattr(parameter, key, None) for key in _NUMBERS}
     found: Dict[str, Any] = {key: limit for key, limit in limits.items() if _is_finite(limit)}
     if isinstance(parameter, EnumParameter):
@@ -101,10 +101,10 @@ def _limits(parameter: Parameter[Any]) -> Dict[str, Any]:
 
 
 def parameter_of(entry: Mapping[str, Any]) -> Parameter[Any]:
-    """Build the parameter that an entry of a description is about.
+    """Create the parameter that an entry describes.
 
-    :param entry: one entry of what :func:`describe` returned, also by way of YAML
-    :returns: a parameter that judges as the described one does, or by less where
+    :param entry: an entry of the result of :func:`describe`, also by way of YAML
+    :returns: a parameter that validates like the described one, or less strictly if
         the entry is not ``exact``
     :raises ValueError: if the entry is malformed
     """
@@ -126,24 +126,24 @@ def parameter_of(entry: Mapping[str, Any]) -> Parameter[Any]:
 
 
 def _is_finite(limit: Any) -> bool:
-    """Tell whether a limit is a finite number: an infinite one is none."""
+    """Return whether a limit is a finite number; an infinite one is no limit."""
     return type(limit) in (int, float) and -math.inf < limit < math.inf
 
 
 def as_yaml(description: List[Dict[str, Any]]) -> str:
-    """Return a description as YAML; all numbers come back from it as they are.
+    """Return a description as YAML, without loss of precision.
 
-    :param description: what :func:`describe` returned
+    :param description: the result of :func:`describe`
     """
     return yaml_text.dump(description)
 
 
 def description_in(text: str) -> List[Dict[str, Any]]:
-    """Read a description that another node has sent.
+    """Parse a description from another node.
 
-    :param text: what :func:`as_yaml` returned
-    :returns: an entry for each parameter, with its name, value and type at least
-    :raises DescriptionError: if it is something else
+    :param text: the result of :func:`as_yaml`
+    :returns: an entry for each parameter, with at least its name, value and type
+    :raises DescriptionError: if the text is not a description
     """
     try:
         entries = yaml_text.load(text)

@@ -1,4 +1,4 @@
-"""Judge raw values against those in force: each for itself, then all together."""
+"""Validation of raw values: each individually, then all together."""
 
 import difflib
 from typing import Any, Collection, Dict, List, Mapping, Optional, Sequence, Tuple
@@ -11,11 +11,11 @@ from nodekit.parameters.parameter_types import MISSING, Parameter, ParameterErro
 def validate_each(
     in_force: ParameterSet, raw: Mapping[str, Any], missing: Mapping[str, Any]
 ) -> Tuple[Dict[str, Any], List[ParameterError]]:
-    """Judge each raw value for itself; a refused one leaves the one in force.
+    """Validate each raw value individually; a rejected one keeps the current value.
 
-    :param in_force: the values in force so far
-    :param raw: raw values by name; other names are left alone
-    :param missing: coerced values by name that stand for those that ``raw`` lacks
+    :param in_force: the current values
+    :param raw: raw values by name; undeclared names are ignored
+    :param missing: coerced values of the names that ``raw`` lacks
     :returns: a coerced value for each declared name, and the errors
     """
     values = in_force.as_dict()
@@ -33,12 +33,12 @@ def validate_each(
 def apply_rules(
     in_force: Snapshot, values: Mapping[str, Any], rules: Collection[Rule] = ()
 ) -> Tuple[Snapshot, List[RuleError]]:
-    """Judge values together; a broken rule takes back only the changes that it is about.
+    """Validate values together; a broken rule reverts only the changes of its parameters.
 
-    :param in_force: the values in force so far
+    :param in_force: the current values
     :param values: a coerced value for each declared name
-    :param rules: rules beside those of the class
-    :returns: the values that are left, the same snapshot where none has changed; and the errors
+    :param rules: rules in addition to those of the class
+    :returns: the remaining values (the same snapshot without a change), and the errors
     """
     current, values = in_force.as_dict(), dict(values)
     changed = {name for name in values if values[name] != current[name]}
@@ -54,7 +54,7 @@ def apply_rules(
 
 
 def on_wire(values: ParameterSet) -> Dict[str, Any]:
-    """Return values by name as the parameter server takes them.
+    """Return values by name in the form of the parameter server.
 
     :param values: the values
     """
@@ -62,23 +62,23 @@ def on_wire(values: ParameterSet) -> Dict[str, Any]:
 
 
 def corrections(values: ParameterSet, raw: Mapping[str, Any]) -> Dict[str, Any]:
-    """Return by name what the server has to be told, so that it tells the truth.
+    """Return the values by name that have to be written so that the server is correct.
 
-    :param values: the values in force
-    :param raw: raw values by name, as the server holds them
+    :param values: the current values
+    :param raw: raw values by name on the server
     """
     wire = on_wire(values)
     return {n: value for n, value in wire.items() if n not in raw or not _denotes(raw[n], value)}
 
 
 def _accept(parameter: Parameter[Any], raw: Any, current: Any) -> Any:
-    """Return what a raw value means; the one in force is not judged again."""
+    """Return the coerced raw value; an unchanged value is not validated again."""
     raw = plain(raw)
     return current if _denotes(raw, to_wire(current)) else parameter.accept(raw)
 
 
 def _denotes(raw: Any, value: Any) -> bool:
-    """Tell whether the server's value may stay as it is: 5 may for 5.0, '5' may not."""
+    """Return whether the server's value may stay: 5 may for 5.0, '5' may not."""
     if isinstance(value, list):
         return isinstance(raw, list) and len(raw) == len(value) and all(map(_denotes, raw, value))
     return bool(raw == value) and isinstance(raw, bool) == isinstance(value, bool)
@@ -87,13 +87,13 @@ def _denotes(raw: Any, value: Any) -> bool:
 def last_valid(
     in_force: ParameterSet, names: Collection[str], pushed: Sequence[Tuple[str, Any]]
 ) -> Dict[str, Any]:
-    """Pick, of the values that were notified for some parameters, the last allowed ones.
+    """Return the last valid notified values of some parameters.
 
-    :param in_force: the values in force so far
+    :param in_force: the current values
     :param names: the parameters
     :param pushed: notified name, empty for the whole namespace, and raw value or
         MISSING, oldest first
-    :returns: coerced values by name; a name with no allowed value is left out
+    :returns: coerced values by name; names without a valid value are omitted
     """
     current = in_force.as_dict()
     found: Dict[str, Any] = {}
@@ -112,17 +112,17 @@ def last_valid(
                     else parameter.default
                 )
             except ParameterError:
-                pass  # a bad one itself
+                pass  # not valid either
     return found
 
 
-def leaves(tree: Mapping[str, Any]) -> List[str]:
-    """Return the names of what may have been meant for a parameter.
+def leaf_names(tree: Mapping[str, Any]) -> List[str]:
+    """Return the names that may be meant as parameters of the node.
 
-    A namespace was not, since no kind of parameter takes one: it holds the parameters of another
-    node, whose name begins with this one's.
+    A namespace is not, since no parameter type accepts one: it holds the parameters of another
+    node, whose name begins with that of this one.
 
-    :param tree: raw values by name, as the server holds them
+    :param tree: raw values by name on the server
     """
     return [name for name, value in tree.items() if not isinstance(value, dict)]
 
@@ -130,12 +130,12 @@ def leaves(tree: Mapping[str, Any]) -> List[str]:
 def unknown_names(
     declared: Collection[str], names: Collection[str], exempt: Collection[str] = ()
 ) -> Dict[str, Optional[str]]:
-    """Find names that nobody declared, most likely misspelt.
+    """Return undeclared names, which are probably misspelt.
 
     :param declared: the declared names
-    :param names: the names to look at
-    :param exempt: other names that are known to be used
-    :returns: for each unknown name the nearest known one, None if none is near
+    :param names: the names to check
+    :param exempt: other names that are used
+    :returns: for each unknown name the nearest known one, or None
     """
     known = sorted({*declared, *exempt})
     found: Dict[str, Optional[str]] = {}
@@ -149,7 +149,7 @@ def unknown_names(
 def unknown_name_errors(
     declared: Collection[str], changes: Mapping[str, Any]
 ) -> List[ParameterError]:
-    """Refuse to change what nobody declared.
+    """Return the errors of changes to undeclared names.
 
     :param declared: the declared names
     :param changes: new values by name

@@ -162,7 +162,7 @@ class OutgoingTopic(_Topic):
         }
 
     def add_connection(self, c: Any) -> bool:
-        """Add a subscriber, and send it the last message if that is latched or within its lifespan."""
+        """Add a subscriber; send it the last message if latched or within its lifespan."""
         added = bool(super().add_connection(c))
         with self._lock:  # it may have received a newer message by now
             if c not in self._links and time.monotonic() < self._last_expires:

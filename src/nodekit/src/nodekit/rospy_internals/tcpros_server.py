@@ -24,8 +24,8 @@ HEADER_TIMEOUT_S = 10.0
 #: Most connections with incomplete headers. At this limit, no connection is accepted until the
 #: oldest is closed.
 MOST_WAITING = 100
-#: Timeout of a header at that limit [s]: a process that connects to hundreds of topics at once sends
-#: its headers a little later.
+#: Timeout of a header at that limit [s]: a process that connects to hundreds of topics at once
+#: sends its headers a little later.
 GRACE_S = 1.0
 #: Longest header [bytes]. The message definition, its longest part, has a few thousand.
 LONGEST_HEADER = 1_000_000

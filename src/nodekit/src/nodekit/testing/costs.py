@@ -73,7 +73,7 @@ def delay(executor: Executor) -> float:
 def time_in_a_group() -> float:
     """Measure what it costs that the callbacks of a node exclude each other.
 
-    :returns: by how much a call takes longer in a group that nobody else wants, us
+    :returns: by how much a call takes longer in a group without contention [us]
     """
 
     def nothing() -> None:

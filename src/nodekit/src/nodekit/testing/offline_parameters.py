@@ -39,11 +39,11 @@ class OfflineParameters(Generic[Snapshot]):
         again = True
         while again:
             self._now += _BETWEEN_S
-            judged = self._reconciler.step(Observation(dict(self.server)), self._now)
-            again = judged.again
-        self.server.update(judged.writes)
+            decision = self._reconciler.step(Observation(dict(self.server)), self._now)
+            again = decision.again
+        self.server.update(decision.writes)
         self._reconciler.written(self._now)
-        return list(judged.errors)
+        return list(decision.errors)
 
     def change(self, values: Mapping[str, Any]) -> None:
         """Change all of some values or none, as the service ``~change`` does.

@@ -137,8 +137,7 @@ class SubscriberConnection:
         return self.phase is Phase.STALLED
 
     def fileno(self) -> int:
-        """Return the socket's descriptor, -1 for a closed socket.
-        """
+        """Return the socket's descriptor, -1 for a closed socket."""
         return int(self._socket.fileno())
 
     def send(self, data: bytes, messages: int) -> bool:

@@ -16,7 +16,7 @@ from nodekit.testing.hearing import Ear
 from nodekit.testing.processes import Process
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
-from pid_control.identification.model_file import model_in
+from pid_control.identification.model_file import read_model
 from pid_control.msg import motor_input, motor_output
 
 IDENTIFY = os.path.join(rospkg.RosPack().get_path("pid_control"), "scripts", "identify")
@@ -110,7 +110,7 @@ class IdentifyMotor(unittest.TestCase):
             self.drive(command)
             self.assertEqual(command.wait(), 0, command.logged())
             with open(model) as file:
-                found = model_in(file.read())
+                found = read_model(file.read())
             with open(picture) as file:
                 self.assertIn("</svg>", file.read())
         given = [message.input for message in self.inputs.messages()]

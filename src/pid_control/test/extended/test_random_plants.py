@@ -3,9 +3,8 @@
 
 import unittest
 
-from plants import check_random_plants
-
 from nodekit.testing.running import rosrun
+from plants import check_random_plants
 
 
 class RandomPlants(unittest.TestCase):

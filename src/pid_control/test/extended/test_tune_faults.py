@@ -18,7 +18,7 @@ from nodekit.testing.waiting import TIMEOUT_S, wait_until
 TUNE = os.path.join(rospkg.RosPack().get_path("pid_control"), "scripts", "tune")
 #: Judges in a process of its own: one becomes a node once.
 TOO_LONG = """
-from pid_control.trial.gains_trial import judge_gains
+from pid_control.runner.gains_judgement import judge_gains
 from pid_control.tuning.rules import Gains
 for _, text in judge_gains([Gains("good", "a test", "PI", 0.08, 1.5)], time_limit=0.1):
     print(text)

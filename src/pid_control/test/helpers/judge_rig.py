@@ -9,8 +9,8 @@ import unittest
 from typing import Dict, List
 
 import rospkg
-from helpers.left_behind import processes_of
 
+from helpers.left_behind import processes_of
 from nodekit.testing.waiting import wait_until
 
 PACKAGE = pathlib.Path(rospkg.RosPack().get_path("pid_control"))

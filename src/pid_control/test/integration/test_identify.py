@@ -14,7 +14,7 @@ from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 from pid_control.msg import motor_input, motor_output
 from pid_control.recording.fields import FieldError
-from pid_control.recording.live_experiment import CannotDrive, Drive, LiveExperiment
+from pid_control.recording.live_experiment import DriveError, DriveSettings, LiveExperiment
 
 #: A motor, the model beside it, and a controller with the gains that were found for it. Both motors
 #: have fewer outputs than the course's.
@@ -45,7 +45,7 @@ class Identify(IdentifyCase):
 
     def assert_refused(self, error: type, why: str, **fields: str) -> None:
         """Try to drive the motor in this process, which must be refused."""
-        drive = Drive("motor_input/input", "motor_output/output", 0.0, 1.0, 10.0)
+        drive = DriveSettings("motor_input/input", "motor_output/output", 0.0, 1.0, 10.0)
         drive = drive._replace(**fields)
         with self.assertRaisesRegex(error, why):
             self.node.host(
@@ -87,7 +87,7 @@ class Identify(IdentifyCase):
         other = rospy.Publisher(self.space + "/motor_input", motor_input, queue_size=1)
         wait_until(other.get_num_connections, lambda: "the motor is not connected")
         drives = rospy.get_name() + " drives .*: end that first"
-        self.assert_refused(CannotDrive, drives)
+        self.assert_refused(DriveError, drives)
         # The command says so, and its status is that of something wrong with the command.
         command = self.start("identify")
         self.assertEqual(command.wait(), 2)

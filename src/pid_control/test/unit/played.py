@@ -3,11 +3,11 @@
 import math
 from typing import Callable, Dict, List
 
+from pid_control.controller.pid import PI, Pid, PidSettings
 from pid_control.judging.experiment import Experiment, Output
 from pid_control.judging.limits import Limits, read_limits
 from pid_control.judging.record import Record
 from pid_control.judging.scenarios import BY_NAME, SCENARIOS, Scenario
-from pid_control.law.pid import PI, Pid, PidSettings
 
 #: Returns the input for a set point and an output.
 Law = Callable[[float, Output], float]

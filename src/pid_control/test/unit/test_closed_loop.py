@@ -5,8 +5,8 @@ import xml.etree.ElementTree
 
 import pytest
 
+from pid_control.controller.pid import PI, P
 from pid_control.identification.response import Model
-from pid_control.law.pid import PI, P
 from pid_control.tuning import closed_loop
 from pid_control.tuning.closed_loop import as_picture, as_table, respond
 from pid_control.tuning.rules import LAMBDA, METHODS, SIMC, Gains, gains_of

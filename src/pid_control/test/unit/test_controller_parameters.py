@@ -3,8 +3,8 @@
 import pytest
 
 from nodekit import ParameterError
-from pid_control.law.controller_parameters import ControllerParameters
-from pid_control.law.pid import PidSettings
+from pid_control.controller.controller_parameters import ControllerParameters
+from pid_control.controller.pid import PidSettings
 
 
 def test_law_gets_each_of_them_by_its_name() -> None:

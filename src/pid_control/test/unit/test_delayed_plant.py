@@ -6,7 +6,7 @@ import pytest
 
 from first_order_sys_sim.first_order_plant import PlantSettings
 from first_order_sys_sim.sampled_plant import SampledPlant
-from pid_control.motor.delayed_plant import DelayedPlant
+from pid_control.plant.delayed_plant import DelayedPlant
 
 SETTINGS = PlantSettings(2.0, 1.0)
 

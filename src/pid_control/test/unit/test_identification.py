@@ -5,14 +5,14 @@ import xml.etree.ElementTree
 
 import numpy
 import pytest
-from plants import answered, check_random_plants, errors_of, recorded
 
 from pid_control.identification.fit import identify
 from pid_control.identification.model_file import as_yaml
-from pid_control.identification.reading import Reading, read_step, why_they_differ
-from pid_control.identification.record import CannotTell, record_of
+from pid_control.identification.record import IdentificationError, record_of
 from pid_control.identification.report import as_picture, as_text
 from pid_control.identification.response import Model
+from pid_control.identification.step_reading import StepReading, read_step, why_they_differ
+from plants import answered, check_random_plants, errors_of, recorded
 
 NOISE = 0.05
 SLOW = Model(2.0, 1.0)
@@ -66,21 +66,21 @@ def test_doubt_grows_where_the_residual_is_not_like_noise() -> None:
 def test_record_that_cannot_tell_is_refused(
     changes: list, model: Model, duration: float, why: str
 ) -> None:
-    with pytest.raises(CannotTell, match=why):
+    with pytest.raises(IdentificationError, match=why):
         identify(answered(changes, model, duration))
 
 
 def test_output_of_something_else_is_refused() -> None:
     record = recorded(SLOW)
     noise = numpy.random.RandomState(1).normal(0.0, 1.0, len(record.times))
-    with pytest.raises(CannotTell, match="a first-order plant explains"):
+    with pytest.raises(IdentificationError, match="a first-order plant explains"):
         identify(record._replace(outputs=noise))
 
 
 def test_few_outputs_are_refused() -> None:
-    with pytest.raises(CannotTell, match="it has 3 outputs; 20 are the least"):
+    with pytest.raises(IdentificationError, match="it has 3 outputs; 20 are the least"):
         record_of([0.0, 1.0], [0.0, 1.0], [0.0, 1.0, 2.0], [0.0, 1.0, 2.0])
-    with pytest.raises(CannotTell, match="the input is not in it"):
+    with pytest.raises(IdentificationError, match="the input is not in it"):
         record_of([], [], numpy.arange(30.0), numpy.arange(30.0))
 
 
@@ -98,7 +98,7 @@ def test_few_outputs_are_refused() -> None:
 def test_reading_differs_for_a_reason(changes: list, model: Model, noise: float, why: str) -> None:
     record = answered([(0.0, 0.0), *changes], model, 10.0, noise, outputs=1000)
     found, reading = identify(record), read_step(record)
-    assert isinstance(reading, Reading)
+    assert isinstance(reading, StepReading)
     if why.startswith("0.1"):
         # The dead zone itself takes more levels to be found; what is read is the point here.
         found = found._replace(model=model)

@@ -9,7 +9,7 @@ import rosbag
 import rospy
 from std_msgs.msg import String
 
-from pid_control.commands import identify_command
+from pid_control.commands import identify as identify_command
 from pid_control.msg import motor_input, motor_output
 
 

@@ -6,7 +6,7 @@ from typing import List
 
 import pytest
 
-from pid_control.trial import judge_command
+from pid_control.commands import judge
 
 GOOD = str(pathlib.Path(__file__).resolve().parents[1] / "controllers" / "good_loop.py")
 SIMULATED = """
@@ -66,9 +66,9 @@ def test_what_cannot_be_judged_is_refused_by_name(
     before = sorted(tmp_path.iterdir())
     arguments = [word.format(folder=tmp_path) for word in words]
     monkeypatch.setattr(sys, "argv", ["judge", *arguments])
-    monkeypatch.setattr(judge_command, "exit_when_told_to", lambda: None)  # nor pytest's signals
+    monkeypatch.setattr(judge, "exit_on_signals", lambda: None)  # nor pytest's signals
     with pytest.raises(SystemExit) as end:
-        judge_command.main()
+        judge.main()
     output, errors = capsys.readouterr()
     assert end.value.code == 125 and says.format(folder=tmp_path) in output + errors
     assert sorted(tmp_path.iterdir()) == before

@@ -10,13 +10,12 @@ from xml.etree import ElementTree
 import pytest
 from hypothesis import given
 from hypothesis import strategies as some
-from played import default_limits, pi, play_all, play_one
 
-from pid_control.judging.causes import cause_of, cause_of_fate
-from pid_control.judging.class_page import as_html
+from pid_control.judging.batch_page import as_html
+from pid_control.judging.diagnosis import cause_of, cause_of_failure
 from pid_control.judging.judgement import FAILED, NOT_JUDGED, PASSED, is_fatal, judge, number
 from pid_control.judging.limits import LimitsError, merged, read_limits
-from pid_control.judging.measures import MEASURED, MEASURES
+from pid_control.judging.metrics import METRICS, SCENARIO_METRICS
 from pid_control.judging.picture import as_svg
 from pid_control.judging.record import (
     ENDED,
@@ -28,13 +27,14 @@ from pid_control.judging.record import (
 )
 from pid_control.judging.reports import as_csv, as_junit, as_sentences, as_table
 from pid_control.judging.scenarios import BY_NAME
+from played import default_limits, pi, play_all, play_one
 
 LIMITS = default_limits()
 SVG = "{http://www.w3.org/2000/svg}"
 
 
 def test_the_default_limits_are_all_of_them() -> None:
-    for scenario, names in MEASURED.items():
+    for scenario, names in SCENARIO_METRICS.items():
         assert set(LIMITS[scenario]) == set(names)
         assert all(limit is not None for limit in LIMITS[scenario].values())
 
@@ -106,7 +106,7 @@ def test_p_alone_is_told_to_integrate() -> None:
 
 
 @pytest.mark.parametrize(
-    "figures, scenario, measure, flaw",
+    "figures, scenario, metric, flaw",
     [
         ({}, "held", "kick", "derivative kick"),
         ({("held", "standstill_rest"): 0.1}, "held", "processor", "restless"),
@@ -139,16 +139,16 @@ def test_p_alone_is_told_to_integrate() -> None:
     ],
 )
 def test_the_likely_cause(
-    figures: Dict[tuple, Optional[float]], scenario: str, measure: str, flaw: str
+    figures: Dict[tuple, Optional[float]], scenario: str, metric: str, flaw: str
 ) -> None:
-    assert cause_of(scenario, measure, figures).flaw == flaw
+    assert cause_of(scenario, metric, figures).flaw == flaw
 
 
 def test_every_figure_has_a_cause() -> None:
-    for scenario, names in MEASURED.items():
+    for scenario, names in SCENARIO_METRICS.items():
         assert names, scenario
         for name in names:
-            beyond = -1.0 if MEASURES[name].is_least else 1e9
+            beyond = -1.0 if METRICS[name].is_least else 1e9
             cause = cause_of(scenario, name, {(scenario, name): beyond})
             if (scenario, name) != ("held", "set_point_response"):  # it has never one alone
                 assert cause.flaw != "other", (scenario, name)
@@ -179,7 +179,7 @@ STEPS = BY_NAME["steps"]
     ],
 )
 def test_why_a_scenario_did_not_come_to_its_end(record: Record, flaw: str, says: str) -> None:
-    cause = cause_of_fate(record)
+    cause = cause_of_failure(record)
     assert cause.flaw == flaw and says in cause.sentence
     judgement = judge([record], LIMITS)
     assert (judgement.verdict, judgement.flaws()) == (FAILED, [flaw])
@@ -244,14 +244,14 @@ def test_the_table_fits_a_terminal_and_marks_what_failed() -> None:
     lines = as_table(bad_judgement()[0]).splitlines()
     assert max(map(len, lines)) <= 80
     assert [line.split()[0] for line in lines if line.endswith("FAILED")] == ["windup", "time"]
-    assert len(lines) == 1 + sum(map(len, MEASURED.values()))
+    assert len(lines) == 1 + sum(map(len, SCENARIO_METRICS.values()))
 
 
 def test_junit_has_a_case_for_each_scenario_and_takes_any_words() -> None:
     judgement, _ = bad_judgement()
     suite = ElementTree.fromstring(as_junit(judgement, "a \x00 & b"))
     cases = {case.get("name"): case for case in suite}
-    assert list(cases) == list(MEASURED)
+    assert list(cases) == list(SCENARIO_METRICS)
     failed = [name for name, case in cases.items() if case.find("failure") is not None]
     assert failed == ["windup"] and suite.get("failures") == "1"
     assert "stop it there" in str(cases["windup"].find("failure").text)
@@ -282,7 +282,7 @@ def test_the_picture_shows_every_scenario_and_marks_what_failed() -> None:
     assert "nan" not in svg.replace("nan: NaN", "").lower().replace("nan as", "")
     assert len(svg) < 400_000
     # The leap of the input is in the picture, however many rows are left out.
-    windup = panels[list(MEASURED).index("windup")]
+    windup = panels[list(SCENARIO_METRICS).index("windup")]
     points = list(windup.iter(f"{SVG}polyline"))[2].get("points").split()
     heights = [float(point.split(",")[1]) for point in points]
     assert max(heights) - min(heights) > 10.0
@@ -304,4 +304,4 @@ def test_the_page_of_a_class_counts_and_takes_no_words_for_html() -> None:
 
 
 def test_every_measure_has_words() -> None:
-    assert all(measure.label for measure in MEASURES.values())
+    assert all(metric.label for metric in METRICS.values())

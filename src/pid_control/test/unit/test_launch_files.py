@@ -6,8 +6,8 @@ import pathlib
 import pytest
 
 from nodekit.testing.launch_files import load_launch, node_names, private_parameters
-from pid_control.law.controller_parameters import ControllerParameters
-from pid_control.motor.system_parameters import SystemParameters
+from pid_control.controller.controller_parameters import ControllerParameters
+from pid_control.plant.system_parameters import SystemParameters
 
 load = functools.partial(load_launch, "pid_control")
 

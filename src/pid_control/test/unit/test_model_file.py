@@ -3,19 +3,19 @@
 import math
 
 import pytest
-from plants import recorded
 
 from pid_control.identification.fit import identify
-from pid_control.identification.model_file import ModelError, as_yaml, model_in
+from pid_control.identification.model_file import ModelError, as_yaml, read_model
 from pid_control.identification.response import Model
-from pid_control.motor.system_parameters import SystemParameters
+from pid_control.plant.system_parameters import SystemParameters
+from plants import recorded
 
 
 def test_model_comes_back_and_the_node_takes_it() -> None:
     found = identify(recorded(Model(13.1, 0.04, 0.01, 0.1, 9.0)))
     text = as_yaml(found, "a\nrecord")
     assert text.startswith("# Identified from a record.\n")
-    for one, other in zip(model_in(text), found.model):
+    for one, other in zip(read_model(text), found.model):
         assert one == pytest.approx(other, rel=1e-5)
     values = {name: float(value) for name, value in _pairs(text)}
     assert SystemParameters(**values).system_dead_time == pytest.approx(0.01, rel=1e-4)
@@ -25,7 +25,7 @@ def test_limit_that_was_not_met_is_none() -> None:
     text = as_yaml(identify(recorded(Model(2.0, 1.0))), "a record")
     assert "system_max_speed: 1000000000.0  # not met" in text
     SystemParameters(**{name: float(value) for name, value in _pairs(text)})
-    assert model_in(text).limit == math.inf
+    assert read_model(text).limit == math.inf
 
 
 def _pairs(text: str) -> list:
@@ -54,4 +54,4 @@ def _pairs(text: str) -> list:
 )
 def test_what_is_no_model_is_refused_by_name(text: str, why: str) -> None:
     with pytest.raises(ModelError, match=why):
-        model_in(text)
+        read_model(text)

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy import signal
 
-from pid_control.law.pid import (
+from pid_control.controller.pid import (
     BACK_CALCULATION,
     CLAMPING,
     MANUAL,

@@ -10,7 +10,7 @@ from typing import Iterator, List
 import pytest
 
 from nodekit.testing.waiting import wait_until
-from pid_control.trial.process_watch import MARK, ProcessWatch
+from pid_control.runner.process_watch import MARK, ProcessWatch
 
 #: Starts a thread for each line that it reads, which computes until the next.
 LATE_THREADS = """

@@ -3,8 +3,8 @@
 import pytest
 import yaml
 
+from pid_control.controller.controller_parameters import ControllerParameters
 from pid_control.identification.response import Model
-from pid_control.law.controller_parameters import ControllerParameters
 from pid_control.tuning.rules import LAMBDA, METHODS, SIMC, ZN_PI, ZN_PID, as_yaml, gains_of
 
 #: theta is 0.5 s with half of a period of 0.2 s.

@@ -3,10 +3,9 @@
 import math
 
 import pytest
-from played import pi, play_one
 
 from pid_control.judging.experiment import Experiment
-from pid_control.judging.measures import MEASURED
+from pid_control.judging.metrics import SCENARIO_METRICS
 from pid_control.judging.scenarios import (
     BY_NAME,
     SLOW_STEP_S,
@@ -16,6 +15,7 @@ from pid_control.judging.scenarios import (
     steps,
     value_at,
 )
+from played import pi, play_one
 
 each_scenario = pytest.mark.parametrize("name", sorted(BY_NAME))
 
@@ -50,7 +50,7 @@ def test_a_sine_is_one() -> None:
 @each_scenario
 def test_each_is_measured_and_begins_at_rest(name: str) -> None:
     scenario = BY_NAME[name]
-    assert MEASURED[name]
+    assert SCENARIO_METRICS[name]
     held = scenario.held_speed
     asked = value_at(scenario.set_point, 0.0)
     if held is not None:

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pid_control.law.stamps import FIRST, GAP, LATE, NEXT, RESTART, StampJudge
+from pid_control.controller.stamps import FIRST, GAP, LATE, NEXT, RESTART, StampClassifier
 
 LONGEST = 0.5
 
@@ -22,25 +22,25 @@ LONGEST = 0.5
     ],
 )
 def test_stamp_is_judged_by_the_one_before(stamp: float, kind: str, interval: float) -> None:
-    judge = StampJudge()
-    assert judge.judge(2.0, LONGEST) == (FIRST, 0.0)
-    got = judge.judge(stamp, LONGEST)
+    classifier = StampClassifier()
+    assert classifier.classify(2.0, LONGEST) == (FIRST, 0.0)
+    got = classifier.classify(stamp, LONGEST)
     assert got.kind == kind
     assert got.interval == pytest.approx(interval)
 
 
 def test_late_stamp_changes_nothing() -> None:
-    judge = StampJudge()
-    judge.judge(2.0, LONGEST)
-    judge.judge(1.95, LONGEST)
-    assert judge.judge(2.01, LONGEST).interval == pytest.approx(0.01)
+    classifier = StampClassifier()
+    classifier.classify(2.0, LONGEST)
+    classifier.classify(1.95, LONGEST)
+    assert classifier.classify(2.01, LONGEST).interval == pytest.approx(0.01)
 
 
 @given(st.lists(st.floats(-1e6, 1e6)))
 def test_intervals_add_up_to_no_more_than_the_time_that_has_passed(stamps: list) -> None:
-    judge, begun, total = StampJudge(), 0.0, 0.0
+    classifier, begun, total = StampClassifier(), 0.0, 0.0
     for stamp in stamps:
-        kind, interval = judge.judge(stamp, LONGEST)
+        kind, interval = classifier.classify(stamp, LONGEST)
         assert 0.0 <= interval <= LONGEST
         if kind in (FIRST, RESTART):
             begun, total = stamp, 0.0
@@ -50,8 +50,8 @@ def test_intervals_add_up_to_no_more_than_the_time_that_has_passed(stamps: list)
 
 
 def test_plant_that_was_restarted_soon_is_told_from_a_late_message_however_long_one_waits() -> None:
-    stamps = StampJudge()
-    stamps.judge(1.0, 30.0)
-    assert stamps.judge(0.95, 30.0).kind == LATE
-    assert stamps.judge(0.001, 30.0).kind == RESTART
-    assert stamps.judge(0.002, 30.0).kind == NEXT
+    stamps = StampClassifier()
+    stamps.classify(1.0, 30.0)
+    assert stamps.classify(0.95, 30.0).kind == LATE
+    assert stamps.classify(0.001, 30.0).kind == RESTART
+    assert stamps.classify(0.002, 30.0).kind == NEXT

@@ -2,7 +2,7 @@
 
 import pytest
 
-from pid_control.motor.status import MAX_SPEED, NOT_TURNING, TURNING, status_of
+from pid_control.plant.status import MAX_SPEED, NOT_TURNING, TURNING, status_of
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 import numpy
 
 from first_order_sys_sim.first_order_plant import FirstOrderPlant
-from pid_control.motor.system_parameters import SystemParameters
+from pid_control.plant.system_parameters import SystemParameters
 
 
 def test_plant_is_as_the_parameters_say() -> None:

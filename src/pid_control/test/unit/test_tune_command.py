@@ -6,7 +6,7 @@ from typing import List
 
 import pytest
 
-from pid_control.commands import tune_command
+from pid_control.commands import tune
 
 
 @pytest.mark.parametrize(
@@ -30,8 +30,8 @@ def test_gains_of_no_model_are_refused(
     bad.write_text("system_param_K: 10.0\n")
     words = [word.format(bad=bad) for word in arguments]
     monkeypatch.setattr(sys, "argv", ["tune", *words, "--gains", str(tmp_path / "gains.yaml")])
-    monkeypatch.setattr(tune_command, "exit_when_told_to", lambda: None)  # nor pytest's signals
+    monkeypatch.setattr(tune, "exit_on_signals", lambda: None)  # nor pytest's signals
     with pytest.raises(SystemExit) as end:
-        tune_command.main()
+        tune.main()
     assert end.value.code == 2 and why in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == ["bad.yaml"]

@@ -6,7 +6,7 @@ from typing import Dict, NamedTuple, Optional, Sequence
 import numpy
 from scipy.optimize import least_squares
 
-from pid_control.identification.record import CannotTell, Record
+from pid_control.identification.record import IdentificationError, Record
 from pid_control.identification.response import (
     DEAD_TIME,
     DEAD_ZONE,
@@ -72,7 +72,7 @@ def identify(record: Record) -> Identified:
     correlation; Box, Jenkins, Reinsel: Time Series Analysis, section 2.1).
 
     :param record: of the plant
-    :raises CannotTell: if the record does not tell, and why
+    :raises IdentificationError: if the record does not tell, and why
     """
     few = record.thinned(_FIT_OUTPUTS)
     fit = _best_fit(few)
@@ -81,19 +81,19 @@ def identify(record: Record) -> Identified:
     errors = record.outputs - fitted
     explained = 1.0 - float(numpy.var(errors) / numpy.var(record.outputs))
     if explained < _LEAST_EXPLAINED:
-        raise CannotTell(
+        raise IdentificationError(
             "the output does not follow the input: a first-order plant explains "
             f"{max(100.0 * explained, 0.0):.0f} % of it"
         )
     doubt = fit.doubt(len(record.times))._replace(dead_zone=_zone_doubt(few, fit))
     model = Model(row[GAIN], row[TIME_CONSTANT], row[DEAD_TIME], row[DEAD_ZONE], row[LIMIT])
     model = Model(*(float(value) for value in model))
-    _refuse_doubtful(record, model, doubt)
+    _check_doubt(record, model, doubt)
     residual = math.sqrt(float(numpy.mean(errors**2)))
     return Identified(model, doubt, fitted, residual, explained)
 
 
-def _refuse_doubtful(record: Record, model: Model, doubt: Model) -> None:
+def _check_doubt(record: Record, model: Model, doubt: Model) -> None:
     in_tau = doubt.time_constant / model.time_constant
     in_gain = doubt.gain / abs(model.gain) if model.gain else math.inf
     if in_tau <= _MOST_DOUBT and in_gain <= _MOST_DOUBT:
@@ -104,7 +104,9 @@ def _refuse_doubtful(record: Record, model: Model, doubt: Model) -> None:
         why = f"it lasts {record.duration:.3g} s, and the plant is slower"
     else:
         why = "there is too little in it, or too much noise"
-    raise CannotTell(f"by it K would be known {_within(in_gain)} and T {_within(in_tau)}: {why}")
+    raise IdentificationError(
+        f"by it K would be known {_within(in_gain)} and T {_within(in_tau)}: {why}"
+    )
 
 
 def _within(share: float) -> str:

@@ -40,7 +40,7 @@ def as_yaml(found: Identified, origin: str) -> str:
     return "\n".join(lines) + "\n"
 
 
-def model_in(text: str) -> Model:
+def read_model(text: str) -> Model:
     """Return the model that a text holds; dead time, dead zone and limit may be missing.
 
     :param text: YAML, as :func:`as_yaml` or the course's system_params.yaml has it

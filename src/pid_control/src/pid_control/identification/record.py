@@ -11,7 +11,7 @@ LEAST_OUTPUTS = 20
 _STREAM_HZ = 5.0
 
 
-class CannotTell(ValueError):
+class IdentificationError(ValueError):
     """A record that cannot tell what the plant is like; the text says why."""
 
 
@@ -77,15 +77,15 @@ def record_of(
     :param inputs: what they were
     :param output_times: when outputs were measured, s
     :param outputs: what they were
-    :raises CannotTell: if nothing can be learnt from them
+    :raises IdentificationError: if nothing can be learnt from them
     """
     given_at, given = _in_order(input_times, inputs)
     times, measured = _in_order(output_times, outputs)
     left_out = len(inputs) + len(outputs) - len(given) - len(measured)
     if len(given) == 0:
-        raise CannotTell("the input is not in it")
+        raise IdentificationError("the input is not in it")
     if len(times) < LEAST_OUTPUTS:
-        raise CannotTell(f"it has {len(times)} outputs; {LEAST_OUTPUTS} are the least")
+        raise IdentificationError(f"it has {len(times)} outputs; {LEAST_OUTPUTS} are the least")
     if given_at[0] > times[0]:
         if len(given) > 1 and numpy.median(numpy.diff(given_at)) < 1.0 / _STREAM_HZ:
             is_within = times >= given_at[0]
@@ -96,11 +96,11 @@ def record_of(
     changes = numpy.concatenate([[True], numpy.diff(given) != 0.0])
     changed_at, given = given_at[changes], given[changes]
     if len(given) == 1:
-        raise CannotTell(f"the input never changes: it is {given[0]:g} throughout")
+        raise IdentificationError(f"the input never changes: it is {given[0]:g} throughout")
     if len(times) < LEAST_OUTPUTS or changed_at[1] >= times[-1]:
-        raise CannotTell("the input changes only where there are no outputs")
+        raise IdentificationError("the input changes only where there are no outputs")
     if numpy.ptp(measured) == 0.0:
-        raise CannotTell(
+        raise IdentificationError(
             f"the output never changes: it is {measured[0]:g} throughout, while the input goes "
             f"from {given.min():g} to {given.max():g}"
         )

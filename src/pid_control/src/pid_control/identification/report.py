@@ -5,14 +5,14 @@ from typing import List, Optional
 
 from pid_control.charts.chart import Curve, Panel, as_svg
 from pid_control.identification.fit import Identified
-from pid_control.identification.reading import Reading, why_they_differ
 from pid_control.identification.record import Record
+from pid_control.identification.step_reading import StepReading, why_they_differ
 
 #: Colours that are told apart by those who see few.
 _RECORD, _MODEL, _INPUT = "#999999", "#0072b2", "#d55e00"
 
 
-def as_text(record: Record, found: Identified, reading: Optional[Reading]) -> str:
+def as_text(record: Record, found: Identified, reading: Optional[StepReading]) -> str:
     """Return the table of what was found.
 
     :param record: of the plant

@@ -15,7 +15,7 @@ from pid_control.judging.scenarios import (
     Scenario,
     value_at,
 )
-from pid_control.motor.status import status_of
+from pid_control.plant.status import status_of
 
 #: How much too early a moment may be and still be meant, s: times are sums.
 _EDGE_S = 1e-6

@@ -3,9 +3,9 @@
 import math
 from typing import Dict, List, NamedTuple, Optional, Sequence
 
-from pid_control.judging.causes import Cause, Figures, cause_of, cause_of_fate
+from pid_control.judging.diagnosis import Cause, Figures, cause_of, cause_of_failure
 from pid_control.judging.limits import Limits
-from pid_control.judging.measures import MEASURED, MEASURES, figures_of
+from pid_control.judging.metrics import METRICS, SCENARIO_METRICS, metrics_of
 from pid_control.judging.record import Record
 
 PASSED, FAILED, NOT_JUDGED = "passed", "failed", "not judged"
@@ -31,14 +31,14 @@ class Finding(NamedTuple):
     """A figure.
 
     :ivar scenario: name of the scenario
-    :ivar measure: name of the measure
+    :ivar metric: name of the metric
     :ivar value: the figure; None where it cannot be told
     :ivar limit: its limit, if any
     :ivar passed: whether it is kept
     """
 
     scenario: str
-    measure: str
+    metric: str
     value: Optional[float]
     limit: Optional[float]
     passed: bool
@@ -92,21 +92,21 @@ def judge(records: Sequence[Record], limits: Limits, reason: str = "") -> Judgem
     """
     figures: Figures = {}
     for record in records:
-        if not record.fate:
-            for measure, value in figures_of(record).items():
-                figures[record.scenario.name, measure] = value
+        if not record.failure:
+            for metric, value in metrics_of(record).items():
+                figures[record.scenario.name, metric] = value
     findings: List[Finding] = []
     failures: List[Failure] = []
     for record in records:
         name = record.scenario.name
-        if record.fate:
-            failures.append(Failure(name, record.fate, cause_of_fate(record)))
+        if record.failure:
+            failures.append(Failure(name, record.failure, cause_of_failure(record)))
             continue
-        for measure in MEASURED[name]:
-            finding = _found(name, measure, figures[name, measure], limits)
+        for metric in SCENARIO_METRICS[name]:
+            finding = _found(name, metric, figures[name, metric], limits)
             findings.append(finding)
             if not finding.passed:
-                failures.append(Failure(name, text_of(finding), cause_of(name, measure, figures)))
+                failures.append(Failure(name, text_of(finding), cause_of(name, metric, figures)))
     if any(failure.cause.flaw == "machine clock" for failure in failures):
         clock = next(one for one in failures if one.cause.flaw == "machine clock")
         return Judgement(NOT_JUDGED, findings, failures, clock.cause.sentence)
@@ -123,26 +123,26 @@ def is_fatal(record: Record, limits: Limits) -> bool:
     :param record: what came of the latest scenario
     :param limits: what it has to keep
     """
-    return bool(record.fate) or any(flaw in _FATAL for flaw in judge([record], limits).flaws())
+    return bool(record.failure) or any(flaw in _FATAL for flaw in judge([record], limits).flaws())
 
 
-def _found(scenario: str, measure: str, value: Optional[float], limits: Limits) -> Finding:
-    limit = limits.get(scenario, {}).get(measure)
+def _found(scenario: str, metric: str, value: Optional[float], limits: Limits) -> Finding:
+    limit = limits.get(scenario, {}).get(metric)
     passed = True
     if value is not None and limit is not None:
-        if MEASURES[measure].is_least:
+        if METRICS[metric].is_least:
             passed = value >= limit - _ROUNDING
         else:
             passed = value <= limit + _ROUNDING
-    return Finding(scenario, measure, value, limit, passed)
+    return Finding(scenario, metric, value, limit, passed)
 
 
 def text_of(finding: Finding) -> str:
     """Return a figure and its limit in words."""
-    measure = MEASURES[finding.measure]
-    allowed = "at least" if measure.is_least else "at most"
-    limit = number(finding.limit, measure.unit)
-    return f"{measure.label} {number(finding.value, measure.unit)}, {allowed} {limit}"
+    metric = METRICS[finding.metric]
+    allowed = "at least" if metric.is_least else "at most"
+    limit = number(finding.limit, metric.unit)
+    return f"{metric.label} {number(finding.value, metric.unit)}, {allowed} {limit}"
 
 
 def number(value: Optional[float], unit: str = "") -> str:

@@ -5,9 +5,9 @@ from typing import Any, Dict, Mapping, Optional
 
 import yaml
 
-from pid_control.judging.measures import MEASURED
+from pid_control.judging.metrics import SCENARIO_METRICS
 
-#: The limits of a scenario by the name of the measure; None where there is none.
+#: The limits of a scenario by the name of the metric; None where there is none.
 Limits = Dict[str, Dict[str, Optional[float]]]
 
 
@@ -59,17 +59,17 @@ def merged(limits: Limits, own: Limits) -> Limits:
     :param limits: all of them
     :param own: those that replace them
     """
-    return {name: {**limits.get(name, {}), **own.get(name, {})} for name in MEASURED}
+    return {name: {**limits.get(name, {}), **own.get(name, {})} for name in SCENARIO_METRICS}
 
 
 def _of_scenario(scenario: str, limits: Any) -> Dict[str, Optional[float]]:
-    if scenario not in MEASURED:
-        raise LimitsError(f"{scenario}: no such scenario; there are {', '.join(MEASURED)}")
+    if scenario not in SCENARIO_METRICS:
+        raise LimitsError(f"{scenario}: no such scenario; there are {', '.join(SCENARIO_METRICS)}")
     if not isinstance(limits, Mapping):
         raise LimitsError(f"{scenario}: must hold limits by name, not {limits!r:.60}")
     for name, limit in limits.items():
-        if name not in MEASURED[scenario]:
-            allowed = ", ".join(MEASURED[scenario])
+        if name not in SCENARIO_METRICS[scenario]:
+            allowed = ", ".join(SCENARIO_METRICS[scenario])
             raise LimitsError(f"{scenario}: {name}: not measured there, but {allowed}")
         if limit is not None and not _is_limit(limit):
             raise LimitsError(

@@ -51,7 +51,7 @@ def _panel(record: Record, is_wrong: bool) -> List[str]:
     heading = f"{record.scenario.name}: {record.scenario.about}"
     parts = [f'<text y="{_ABOVE - 6}" fill="{colour}">{escape(heading)}</text>']
     if not record.rows:
-        return [*parts, f'<text y="{_ABOVE + 20}" fill="{_WRONG}">{escape(record.fate)}</text>']
+        return [*parts, f'<text y="{_ABOVE + 20}" fill="{_WRONG}">{escape(record.failure)}</text>']
     times = [row.time for row in record.rows]
     speeds = [
         Curve("", _SET_POINT, times, [row.set_point for row in record.rows]),

@@ -32,8 +32,8 @@ class Record(NamedTuple):
     """What came of a scenario.
 
     :ivar scenario: the scenario
-    :ivar fate: what ended it before its time, or nothing
-    :ivar words: the last line that the controller wrote, where it has a fate
+    :ivar failure: what ended it before its time, or nothing
+    :ivar words: the last line that the controller wrote, where it has a failure
     :ivar missing: the topics that it did not find
     :ivar hint: what it does instead
     :ivar rows: all moments
@@ -45,7 +45,7 @@ class Record(NamedTuple):
     """
 
     scenario: Scenario
-    fate: str = ""
+    failure: str = ""
     words: str = ""
     missing: Sequence[str] = ()
     hint: str = ""

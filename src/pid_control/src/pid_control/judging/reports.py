@@ -14,7 +14,7 @@ from pid_control.judging.judgement import (
     causes,
     number,
 )
-from pid_control.judging.measures import MEASURED, MEASURES
+from pid_control.judging.metrics import METRICS, SCENARIO_METRICS
 
 #: What XML cannot hold.
 _LEGAL = dict.fromkeys([*range(9), 11, 12, *range(14, 32), 0xFFFE, 0xFFFF], "?")
@@ -28,13 +28,13 @@ def as_table(judgement: Judgement) -> str:
     rows = [("scenario", "what", "figure", "limit", "")]
     before = ""
     for finding in judgement.findings:
-        measure = MEASURES[finding.measure]
+        metric = METRICS[finding.metric]
         rows.append(
             (
                 finding.scenario if finding.scenario != before else "",
-                measure.label,
-                number(finding.value, measure.unit),
-                _limit(finding, measure.is_least),
+                metric.label,
+                number(finding.value, metric.unit),
+                _limit(finding, metric.is_least),
                 "" if finding.passed else "FAILED",
             )
         )
@@ -119,12 +119,12 @@ def as_csv(judgements: Sequence[Tuple[str, Judgement]]) -> str:
 
     :param judgements: the name of each, and what there is to say
     """
-    measured = [(scenario, name) for scenario, names in MEASURED.items() for name in names]
+    measured = [(scenario, name) for scenario, names in SCENARIO_METRICS.items() for name in names]
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([*_COLUMNS, *(f"{scenario}.{name}" for scenario, name in measured)])
     for name, judgement in judgements:
-        values = {(one.scenario, one.measure): one.value for one in judgement.findings}
+        values = {(one.scenario, one.metric): one.value for one in judgement.findings}
         figures = [_cell(values.get(key)) for key in measured]
         why = "; ".join(cause.sentence for cause in causes(judgement)) or judgement.reason
         head = [name, judgement.verdict, ", ".join(judgement.flaws()), why]

@@ -4,7 +4,7 @@ import math
 from typing import Dict, NamedTuple, Optional, Sequence, Tuple
 
 from first_order_sys_sim.first_order_plant import PlantSettings
-from pid_control.motor.system_parameters import SystemParameters
+from pid_control.plant.system_parameters import SystemParameters
 
 #: Corners of a signal: (time, s; value), with lines between them; two at one time are a step.
 Corners = Sequence[Tuple[float, float]]

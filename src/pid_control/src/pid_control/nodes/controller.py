@@ -6,9 +6,9 @@ from typing import Optional
 import rospy
 
 from nodekit import Node, Throttle, run
-from pid_control.law.controller_parameters import ControllerParameters
-from pid_control.law.pid import Pid
-from pid_control.law.stamps import FIRST, GAP, LATE, RESTART, StampJudge
+from pid_control.controller.controller_parameters import ControllerParameters
+from pid_control.controller.pid import Pid
+from pid_control.controller.stamps import FIRST, GAP, LATE, RESTART, StampClassifier
 from pid_control.msg import motor_input, motor_output, set_point
 from pid_control_msgs.msg import ControllerTerms
 
@@ -21,7 +21,7 @@ _WARN_EVERY_S = 10.0
 class Controller:
     """Answers each output of a motor with an input: P, PI or PID, see :class:`.Pid`.
 
-    The time between two outputs is that of their stamps, see :class:`.StampJudge`; the input
+    The time between two outputs is that of their stamps, see :class:`.StampClassifier`; the input
     carries the stamp of the output that it answers. Where the motor is started anew, or a few
     outputs are missing, the next input goes on from the last one.
 
@@ -43,8 +43,8 @@ class Controller:
 
     def __init__(self, node: Node) -> None:
         self._settings = node.parameters(ControllerParameters, on_change=self._on_change)
-        self._law = Pid(self._settings.values.pid)
-        self._stamps = StampJudge()
+        self._pid = Pid(self._settings.values.pid)
+        self._stamps = StampClassifier()
         self._set_point: Optional[float] = None
         self._is_stopped = self._has_ended = False
         #: Whether outputs are answered: from the timer's first tick on, as it ticks while active.
@@ -71,7 +71,7 @@ class Controller:
         if not self._is_active:
             return
         settings = self._settings.values
-        stamp = self._stamps.judge(message.time, settings.timeout)
+        stamp = self._stamps.classify(message.time, settings.timeout)
         if stamp.kind == LATE:
             self._warn(f"a sample of {message.time:g} s came late or twice, and is left out")
             return
@@ -81,14 +81,14 @@ class Controller:
             return
         if self._is_stopped or stamp.kind == FIRST:
             self._is_stopped = False
-            self._law.reset()
+            self._pid.reset()
         elif stamp.kind == RESTART:
             rospy.logwarn("%s: the motor was started anew", self._motor)
-            self._law.resume(self._input)
+            self._pid.resume(self._input)
         elif stamp.kind == GAP:
             self._warn(f"no sample for more than {settings.timeout:g} s before {message.time:g} s")
-            self._law.resume(self._input)
-        terms = self._law.update(self._set_point, message.output, stamp.interval)
+            self._pid.resume(self._input)
+        terms = self._pid.update(self._set_point, message.output, stamp.interval)
         self._input = terms.output
         answer = motor_input()  # filled in afterwards, which takes genpy half the time
         answer.input, answer.time = terms.output, message.time
@@ -98,7 +98,7 @@ class Controller:
             self._terms.publish(ControllerTerms(message.time, error, *terms))
 
     def _on_change(self, new: ControllerParameters, _old: ControllerParameters) -> None:
-        self._law.change(new.pid)
+        self._pid.change(new.pid)
 
     def _check_silence(self, _elapsed: float) -> None:
         self._is_active = not self._has_ended
@@ -106,7 +106,7 @@ class Controller:
         if not self._is_stopped and self._clock() - self._heard_at > timeout:
             was_at_work = self._input != 0.0
             self._stop()
-            self._stamps = StampJudge()  # the next motor may be another one
+            self._stamps = StampClassifier()  # the next motor may be another one
             if was_at_work:
                 rospy.logwarn("%s: nothing for %g s: the input is 0", self._motor, timeout)
 
@@ -121,7 +121,7 @@ class Controller:
             if self._is_active:
                 self._is_active = False
                 self._stop()
-                self._stamps = StampJudge()
+                self._stamps = StampClassifier()
 
     def _end(self) -> None:
         with self._group:

@@ -7,10 +7,10 @@ import rospy
 from first_order_sys_sim.sampled_plant import SampledPlant
 from nodekit import Node, run
 from pid_control.course_names import adopt_course_names
-from pid_control.motor.delayed_plant import DelayedPlant
-from pid_control.motor.status import NOT_TURNING, status_of
-from pid_control.motor.system_parameters import SystemParameters
 from pid_control.msg import motor_input, motor_output
+from pid_control.plant.delayed_plant import DelayedPlant
+from pid_control.plant.status import NOT_TURNING, status_of
+from pid_control.plant.system_parameters import SystemParameters
 
 #: A machine that is busy for up to this long makes outputs late, but loses none, s.
 _CATCH_UP_S = 0.5

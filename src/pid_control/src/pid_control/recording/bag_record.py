@@ -5,12 +5,12 @@ from typing import Dict
 
 import rosbag
 
-from pid_control.identification.record import CannotTell, Record, record_of
+from pid_control.identification.record import IdentificationError, Record, record_of
 from pid_control.recording.fields import Field, field_of, number_in
 from pid_control.recording.samples import Samples, stamp_of
 
 
-def record_in(
+def read_record(
     path: str, input_name: str, output_name: str, start: float = 0.0, end: float = math.inf
 ) -> Record:
     """Read a record.
@@ -23,7 +23,7 @@ def record_in(
     :param output_name: its output
     :param start: what was recorded before is left out, s from the start of the bag
     :param end: and what was recorded later
-    :raises CannotTell: if there is no record in it
+    :raises IdentificationError: if there is no record in it
     :raises FieldError: if a field is not in it
     :raises OSError: if it cannot be read
     :raises rosbag.ROSBagException: if it is no bag, or broken
@@ -42,5 +42,5 @@ def record_in(
                     samples[field].add(time, stamp_of(message), number_in(message, field))
     inputs, outputs = (samples[field] for field in fields)
     if not outputs.values:
-        raise CannotTell(f"{fields[1]} is not in this part of the bag")
+        raise IdentificationError(f"{fields[1]} is not in this part of the bag")
     return record_of(inputs.heard, inputs.values, outputs.times(), outputs.values)

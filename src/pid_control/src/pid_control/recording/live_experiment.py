@@ -8,7 +8,7 @@ import rospy
 from nodekit import Node, give_up
 from nodekit.master import MasterClient
 from pid_control.identification.excitation import Progress, excitation
-from pid_control.identification.record import CannotTell, Record, record_of
+from pid_control.identification.record import IdentificationError, Record, record_of
 from pid_control.recording.fields import Field, FieldError, field_of, number_in, put_number
 from pid_control.recording.samples import Samples, stamp_of
 
@@ -18,7 +18,7 @@ _SENDS_HZ = 200.0
 _CHECKS_HZ, _SILENCE_S = 10.0, 3.0
 
 
-class Drive(NamedTuple):
+class DriveSettings(NamedTuple):
     """How a plant is driven.
 
     :ivar input_name: its input, as topic and field
@@ -35,7 +35,7 @@ class Drive(NamedTuple):
     seconds: float
 
 
-class CannotDrive(Exception):
+class DriveError(Exception):
     """A plant that is not to be driven, or not there; the text says why."""
 
 
@@ -54,20 +54,22 @@ class LiveExperiment:
     :param node: the node
     :param drive: how it is driven
     :param on_record: called with the record
-    :raises CannotDrive: if there is no such plant, or somebody else drives it
+    :raises DriveError: if there is no such plant, or somebody else drives it
     :raises FieldError: if a field is not there
     """
 
-    def __init__(self, node: Node, drive: Drive, on_record: Callable[[Record], None]) -> None:
+    def __init__(
+        self, node: Node, drive: DriveSettings, on_record: Callable[[Record], None]
+    ) -> None:
         self._drive, self._on_record = drive, on_record
         with MasterClient(node.name) as master:
             types = master.topic_types()
             publishers = dict(master.system_state().publishers)
-        self._input, input_class = _judged(node, drive.input_name, types)
-        self._output, output_class = _judged(node, drive.output_name, types)
+        self._input, input_class = _resolve_field(node, drive.input_name, types)
+        self._output, output_class = _resolve_field(node, drive.output_name, types)
         others = [name for name in publishers.get(self._input.topic, []) if name != node.name]
         if others:
-            raise CannotDrive(f"{', '.join(others)} drives {self._input.topic}: end that first")
+            raise DriveError(f"{', '.join(others)} drives {self._input.topic}: end that first")
         self._message = input_class()
         put_number(self._message, self._input, 0.0)
         changes = excitation(drive.least, drive.largest, drive.seconds)
@@ -121,7 +123,7 @@ class LiveExperiment:
         try:
             record = record_of(sent.heard, sent.values, heard.times(), heard.values)
             self._on_record(record)
-        except CannotTell as error:
+        except IdentificationError as error:
             give_up(f"the record cannot tell: {error}")
         except OSError as error:
             give_up(f"{error.filename}: {error.strerror}")
@@ -144,11 +146,11 @@ class LiveExperiment:
                 self._give_up("ended before the record was complete")
 
 
-def _judged(node: Node, name: str, types: Dict[str, str]) -> Tuple[Field, Any]:
+def _resolve_field(node: Node, name: str, types: Dict[str, str]) -> Tuple[Field, Any]:
     """Return a field of a topic that is there, and the class of its messages."""
     whole = node.resolve(name)
     field = field_of(whole, list(types))
     message_class = roslib.message.get_message_class(types[field.topic])
     if message_class is None:
-        raise CannotDrive(f"the messages of {field.topic}, {types[field.topic]}, are not known")
+        raise DriveError(f"the messages of {field.topic}, {types[field.topic]}, are not known")
     return field, message_class

@@ -6,9 +6,9 @@ from typing import List, NamedTuple
 from first_order_sys_sim.first_order_plant import PlantSettings
 from first_order_sys_sim.sampled_plant import SampledPlant
 from pid_control.charts.chart import Curve, Panel, as_svg
+from pid_control.controller.pid import Pid, PidSettings
 from pid_control.identification.response import Model
-from pid_control.law.pid import Pid, PidSettings
-from pid_control.motor.delayed_plant import DelayedPlant
+from pid_control.plant.delayed_plant import DelayedPlant
 from pid_control.tuning.rules import Gains
 
 #: The step goes to this share of what the plant can do, and takes so many time constants and dead

@@ -18,8 +18,8 @@ and ``ki = kp / Ti``, ``kd = kp Td``.
 
 from typing import Dict, NamedTuple, Optional
 
+from pid_control.controller.pid import PI, PID
 from pid_control.identification.response import Model
-from pid_control.law.pid import PI, PID
 
 SIMC, LAMBDA = "simc", "lambda"
 ZN_PI, ZN_PID = "ziegler-nichols-pi", "ziegler-nichols-pid"

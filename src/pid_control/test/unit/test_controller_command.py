@@ -2,7 +2,7 @@
 
 import pathlib
 
-from pid_control.trial.target import find_in, find_target
+from pid_control.runner.controller_command import find_controller, find_files
 
 
 def test_hidden_folders_are_not_looked_into(tmp_path: pathlib.Path) -> None:
@@ -10,7 +10,7 @@ def test_hidden_folders_are_not_looked_into(tmp_path: pathlib.Path) -> None:
         (tmp_path / folder).mkdir(parents=True)
         (tmp_path / folder / "controller.py").write_text("")
     found = [str(tmp_path / "scripts" / "controller.py")]
-    assert find_in(str(tmp_path), "controller.py") == found
+    assert find_files(str(tmp_path), "controller.py") == found
 
 
 def test_parameters_of_other_nodes_are_apart(tmp_path: pathlib.Path) -> None:
@@ -31,7 +31,7 @@ def test_parameters_of_other_nodes_are_apart(tmp_path: pathlib.Path) -> None:
           </group>
         </launch>"""
     )
-    target = find_target([str(launch)], "controller")
+    target = find_controller([str(launch)], "controller")
     parameters = target.parameters.items()
     assert parameters >= {"/limit": 1.0, "/loop/controller/kp": 0.5}.items()
     assert not parameters & target.of_others.items()

@@ -4,17 +4,17 @@ import math
 from typing import Callable, Optional
 
 import pytest
-from played import Law, pi, play, play_all, play_one
 
 from pid_control.judging.experiment import Output
-from pid_control.judging.lines import fit_line
-from pid_control.judging.measures import MEASURED, MEASURES, figures_of
+from pid_control.judging.line_fit import fit_line
+from pid_control.judging.metrics import METRICS, SCENARIO_METRICS, metrics_of
 from pid_control.judging.record import Record, Row
 from pid_control.judging.scenarios import BY_NAME, MOTOR, Scenario, steps
+from played import Law, pi, play, play_all, play_one
 
 
 def figure(record: Record, name: str) -> Optional[float]:
-    return MEASURES[name].of(record)
+    return METRICS[name].of(record)
 
 
 def test_a_line_through_points() -> None:
@@ -27,10 +27,10 @@ def test_a_line_through_points() -> None:
 
 def test_every_figure_is_taken_and_a_good_controller_has_small_ones() -> None:
     for record in play_all(pi()):
-        figures = figures_of(record)
-        assert list(figures) == list(MEASURED[record.scenario.name])
+        figures = metrics_of(record)
+        assert list(figures) == list(SCENARIO_METRICS[record.scenario.name])
         assert all(value is None or math.isfinite(value) for value in figures.values())
-    assert set(MEASURES) == {name for names in MEASURED.values() for name in names}
+    assert set(METRICS) == {name for names in SCENARIO_METRICS.values() for name in names}
 
 
 #: Up by 10 at once, and down by 4 a second later.

@@ -9,7 +9,7 @@ import threading
 from typing import Iterator, List
 
 
-def exit_when_told_to() -> None:
+def exit_on_signals() -> None:
     """Have SIGTERM and SIGHUP raise SystemExit, as Ctrl-C raises KeyboardInterrupt.
 
     By default they end a process at once, and leave behind what it has started.
@@ -20,7 +20,7 @@ def exit_when_told_to() -> None:
 
 
 @contextlib.contextmanager
-def interrupts_put_off() -> Iterator[None]:
+def deferred_signals() -> Iterator[None]:
     """Put Ctrl-C, SIGTERM and SIGHUP off until the end.
 
     A process that is half started, or half ended, would stay behind. Only the main thread is

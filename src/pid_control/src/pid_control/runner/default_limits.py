@@ -5,7 +5,7 @@ import pathlib
 from pid_control.judging.limits import Limits, read_limits
 
 
-def own_limits() -> Limits:
+def default_limits() -> Limits:
     """Return the limits of the file that belongs to this module, in the source or the installation.
 
     Not by its package's name: ROS_PACKAGE_PATH may have one first that a student has called

@@ -14,11 +14,11 @@ from pid_control.msg import motor_input, motor_output, set_point
 NAME = "judge"
 
 
-class Rivals(Exception):
+class PublisherConflict(Exception):
     """Somebody else publishes what the judge publishes; the text says who."""
 
 
-class Stage:
+class TestBench:
     """Publishes ``motor_output``, ``set_point`` and ``/clock``, and hears ``motor_input``.
 
     To be made once in a process, whose ROS_MASTER_URI names the master.
@@ -63,13 +63,15 @@ class Stage:
     def check_rivals(self) -> None:
         """Make sure that nobody else is a motor or a set point.
 
-        :raises Rivals: if somebody is
+        :raises PublisherConflict: if somebody is
         """
         for topic, nodes in rospy.get_master().getSystemState()[2][0]:
             others = [node for node in nodes if node != rospy.get_name()]
             if topic in ("/motor_output", "/set_point") and others:
                 who = " and ".join(others)
-                raise Rivals(f"{who} publishes {topic[1:]}, which the judge does: leave that out")
+                raise PublisherConflict(
+                    f"{who} publishes {topic[1:]}, which the judge does: leave that out"
+                )
 
     def _connections(self) -> Dict[str, int]:
         topics = {"motor_output": self._output, "set_point": self._set_point}

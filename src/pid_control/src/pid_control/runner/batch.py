@@ -12,10 +12,10 @@ import sys
 import tempfile
 from typing import Dict, List, Optional, Sequence, Tuple
 
-from pid_control.judging.class_page import as_html
+from pid_control.judging.batch_page import as_html
 from pid_control.judging.judgement import FAILED, NOT_JUDGED, PASSED, STATUS, Judgement
 from pid_control.judging.reports import as_csv
-from pid_control.trial.target import find_in
+from pid_control.runner.controller_command import find_files
 
 #: What is judged in each package unless another name is given.
 _NAME = "controller.py"
@@ -33,7 +33,7 @@ class _Broken(Exception):
     """A package cannot be judged; the text says why."""
 
 
-class ClassRun:
+class Batch:
     """A run through the packages of a class.
 
     :param folder: what they are in
@@ -84,7 +84,7 @@ class ClassRun:
         table = os.path.join(scratch, "judged.csv")
         self._files[name] = []
         try:
-            found = find_in(package, self._name)
+            found = find_files(package, self._name)
             options = [*self._options, "--csv", table]
             options += ["--picture", os.path.join(self._output, picture)]
             if _needs_build(package):

@@ -6,15 +6,15 @@ from typing import Dict, List, Optional
 import rospy
 from rosgraph import get_master_uri
 
-from pid_control.judging.heard import answers_of, rows_of
+from pid_control.judging.plant_log import answers_of, rows_of
 from pid_control.judging.record import ENDED, NOT_CONNECTED, Record
 from pid_control.judging.scenarios import MOTOR, SET_POINT_S, Scenario, value_at
-from pid_control.trial.controller_process import ControllerProcess
-from pid_control.trial.interrupts import interrupts_put_off
-from pid_control.trial.outcome import OutOfTime, completed, fate_of
-from pid_control.trial.pace import RealPace
-from pid_control.trial.real_plant import RealPlant
-from pid_control.trial.target import Target
+from pid_control.runner.clock import WallClock
+from pid_control.runner.controller_command import ControllerCommand
+from pid_control.runner.controller_process import ControllerProcess
+from pid_control.runner.deferred_signals import deferred_signals
+from pid_control.runner.outcome import TimeLimitExceeded, completed, failure_of
+from pid_control.runner.real_plant import RealPlant
 
 #: How long a controller may take to find its topics, s.
 _CONNECT_S = 20.0
@@ -22,13 +22,13 @@ _CONNECT_S = 20.0
 _SETTLE_S = 0.5
 
 
-class RealTrial:
+class RealPlantRunner:
     """Runs a controller through scenarios, each with a process of its own.
 
     Whatever ends a scenario, the controller is ended before the plant gets its last input, 0.
 
     :param plant: the plant
-    :param target: the controller
+    :param command: the controller
     :param full_speed: the greatest speed of the plant, rad/s
     :param deadline: when all must be over, by the monotonic clock, s
     """
@@ -37,23 +37,23 @@ class RealTrial:
     most_late = 0.1
 
     def __init__(
-        self, plant: RealPlant, target: Target, full_speed: float, deadline: float
+        self, plant: RealPlant, command: ControllerCommand, full_speed: float, deadline: float
     ) -> None:
-        self._plant, self._target, self._deadline = plant, target, deadline
+        self._plant, self._command, self._deadline = plant, command, deadline
         self._scale = full_speed / MOTOR.max_output
         #: How late it was at most, s.
         self.latest = 0.0
         self._controller: Optional[ControllerProcess] = None
-        plant.before_shut_down(self._end_controller)
-        for key, value in target.parameters.items():  # not those of the plant that is judged with
+        plant.on_shutdown(self._end_controller)
+        for key, value in command.parameters.items():  # not those of the plant that is judged with
             rospy.set_param(key, value)
 
     def run(self, scenario: Scenario) -> Record:
         """Run one scenario.
 
         :param scenario: one that suits any plant
-        :raises OutOfTime: if all takes too long
-        :raises Unsuitable: if the plant falls silent, or does not stand at first, or the node is
+        :raises TimeLimitExceeded: if all takes too long
+        :raises PlantError: if the plant falls silent, or does not stand at first, or the node is
             shut down
         :raises OSError: if the controller cannot be started
         """
@@ -62,8 +62,8 @@ class RealTrial:
         environment = {"ROS_MASTER_URI": get_master_uri()}
         controller: Optional[ControllerProcess] = None
         try:
-            with interrupts_put_off():
-                controller = self._controller = ControllerProcess(self._target, environment)
+            with deferred_signals():
+                controller = self._controller = ControllerProcess(self._command, environment)
             record = self._connect_and_run(scenario, controller, before)
             self._plant.check_node()  # a shut-down ends the controller, which is not to blame
             return record
@@ -73,7 +73,7 @@ class RealTrial:
                 if controller is not None:
                     controller.interrupt()
             finally:
-                with interrupts_put_off():
+                with deferred_signals():
                     self._end_controller()
                     self._plant.stop()
 
@@ -86,8 +86,8 @@ class RealTrial:
     ) -> Record:
         missing = self._connect(controller, before)
         if missing:
-            fate = ENDED if controller.status is not None else NOT_CONNECTED
-            return Record(scenario, fate, controller.last_words(), missing)
+            failure = ENDED if controller.status is not None else NOT_CONNECTED
+            return Record(scenario, failure, controller.last_words(), missing)
         self._plant.check_alone()
         return self._run(scenario, controller)
 
@@ -107,24 +107,24 @@ class RealTrial:
             time.sleep(SET_POINT_S)
 
     def _run(self, scenario: Scenario, controller: ControllerProcess) -> Record:
-        pace, fate, now = RealPace(), "", -_SETTLE_S
+        clock, failure, now = WallClock(), "", -_SETTLE_S
         busy_before = controller.watch.busy()
-        self._plant.take_heard()  # what came before is not of this scenario
+        self._plant.pop_log()  # what came before is not of this scenario
         zero = time.monotonic() + _SETTLE_S
-        pace.start()
-        while now < scenario.duration and not fate:
+        clock.start()
+        while now < scenario.duration and not failure:
             self._check_time()
             self._plant.ask(self._scale * value_at(scenario.set_point, now))
             now += SET_POINT_S
-            pace.wait(now + _SETTLE_S)
-            fate = fate_of(controller)
-        self.latest = max(self.latest, pace.latest)
-        heard = self._plant.take_heard()
+            clock.wait(now + _SETTLE_S)
+            failure = failure_of(controller)
+        self.latest = max(self.latest, clock.latest)
+        heard = self._plant.pop_log()
         rows = rows_of(heard, scenario, zero, self._scale)
         busy = controller.watch.busy() - busy_before
-        record = Record(scenario, fate, rows=rows, answers=answers_of(heard, zero), busy=busy)
+        record = Record(scenario, failure, rows=rows, answers=answers_of(heard, zero), busy=busy)
         return completed(record, controller)
 
     def _check_time(self) -> None:
         if time.monotonic() > self._deadline:
-            raise OutOfTime
+            raise TimeLimitExceeded

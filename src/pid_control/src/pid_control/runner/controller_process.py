@@ -8,9 +8,9 @@ import threading
 import uuid
 from typing import Dict, Optional
 
-from pid_control.trial.interrupts import interrupts_put_off
-from pid_control.trial.process_watch import MARK, ProcessWatch
-from pid_control.trial.target import Target
+from pid_control.runner.controller_command import ControllerCommand
+from pid_control.runner.deferred_signals import deferred_signals
+from pid_control.runner.process_watch import MARK, ProcessWatch
 
 #: How much of its output is kept, and how much of it is too much for a controller, bytes.
 _KEPT, _TOO_MUCH = 4000, 5_000_000
@@ -24,19 +24,19 @@ class ControllerProcess:
     It has a process group of its own, so that Ctrl-C reaches the judge alone. To be made while
     interrupts are put off, until there is somebody who ends it.
 
-    :param target: what to start
-    :param environment: variables to set, besides those of the target
+    :param command: what to start
+    :param environment: variables to set, besides those of the command
     :raises OSError: if it cannot be started
     """
 
-    def __init__(self, target: Target, environment: Dict[str, str]) -> None:
+    def __init__(self, command: ControllerCommand, environment: Dict[str, str]) -> None:
         mark = uuid.uuid4().hex
         self.watch = ProcessWatch(mark)
         self._tail = b""
         self._written = 0
         self._popen = subprocess.Popen(
-            target.command,
-            env={**target.environment, **environment, MARK: mark},
+            command.argv,
+            env={**command.environment, **environment, MARK: mark},
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -71,7 +71,7 @@ class ControllerProcess:
 
     def end(self) -> None:
         """End it, and all that it started; interrupts wait until that is done."""
-        with interrupts_put_off():
+        with deferred_signals():
             self._popen.kill()  # which the watch does not know for a moment while it is started
             self.watch.kill(_PATIENCE_S)
             self._popen.wait()

@@ -13,30 +13,30 @@ from roslaunch.node_args import NodeParamsException, create_local_process_args
 _ENVIRONMENT_S = 20.0
 
 
-class TargetError(Exception):
+class CommandError(Exception):
     """What is to be judged cannot be started; the text says why."""
 
 
-class Target(NamedTuple):
+class ControllerCommand(NamedTuple):
     """What to start.
 
     :ivar name: as the reports have it
-    :ivar command: the program and its arguments
+    :ivar argv: the program and its arguments
     :ivar environment: all its variables
     :ivar parameters: what is to be on the parameter server, by global name
     :ivar of_others: likewise, the private parameters of the other nodes of its launch file
     """
 
     name: str
-    command: List[str]
+    argv: List[str]
     environment: Dict[str, str]
     parameters: Dict[str, Any]
     of_others: Dict[str, Any]
 
 
-def find_target(
+def find_controller(
     words: Sequence[str], node: Optional[str] = None, workspace: Optional[str] = None
-) -> Target:
+) -> ControllerCommand:
     """Find what the command line names.
 
     :param words: a path and arguments, or a package, a name in it and arguments; those are as
@@ -44,17 +44,17 @@ def find_target(
     :param node: which of the nodes of a launch file; where it is not given, the one whose name or
         program says that it is a controller
     :param workspace: another workspace that it is in: its folder, or its devel or install
-    :raises TargetError: if there is no such thing
+    :raises CommandError: if there is no such thing
     """
     environment = _environment(workspace) if workspace is not None else dict(os.environ)
     path, arguments = _path(words, environment)
     if not path.endswith(".launch"):
         if node is not None:
-            raise TargetError(f"--node is for launch files: {path} is none")
+            raise CommandError(f"--node is for launch files: {path} is none")
         if not os.access(path, os.X_OK):
-            raise TargetError(f"{path} is not executable: chmod +x {path}")
-        return Target(path, [path, *arguments], environment, {}, {})
-    return _launched(path, arguments, node, environment)
+            raise CommandError(f"{path} is not executable: chmod +x {path}")
+        return ControllerCommand(path, [path, *arguments], environment, {}, {})
+    return _command_of_launch_file(path, arguments, node, environment)
 
 
 def _path(words: Sequence[str], environment: Dict[str, str]) -> Tuple[str, List[str]]:
@@ -62,25 +62,25 @@ def _path(words: Sequence[str], environment: Dict[str, str]) -> Tuple[str, List[
     if os.path.isfile(first):
         return os.path.abspath(first), rest
     if os.sep in first:
-        raise TargetError(f"there is no file {first}")
+        raise CommandError(f"there is no file {first}")
     if not rest:
-        raise TargetError(f"there is no file {first}; of a package, name a program as well")
+        raise CommandError(f"there is no file {first}; of a package, name a program as well")
     name = rest.pop(0)
     rospack = rospkg.RosPack(rospkg.get_ros_paths(env=environment))
     try:
         place = rospack.get_path(first)
     except rospkg.ResourceNotFound:
-        raise TargetError(f"there is no package {first} in ROS_PACKAGE_PATH") from None
-    found = find_in(place, name)
+        raise CommandError(f"there is no package {first} in ROS_PACKAGE_PATH") from None
+    found = find_files(place, name)
     if name.endswith(".py") or not found:
         # What was built or installed stands elsewhere.
         found = [*_libexec(environment, first, name), *found]
     if not found:
-        raise TargetError(f"there is no {name} in the package {first} ({place})")
+        raise CommandError(f"there is no {name} in the package {first} ({place})")
     return found[0], rest
 
 
-def find_in(place: str, name: str) -> List[str]:
+def find_files(place: str, name: str) -> List[str]:
     """Return the files of a name below a folder, those that can be executed first.
 
     :param place: the folder
@@ -112,7 +112,7 @@ def _environment(workspace: str) -> Dict[str, str]:
     scripts = [os.path.join(place, "env.sh") for place in places]
     found = [script for script in scripts if os.path.isfile(script)]
     if not found:
-        raise TargetError(f"{workspace} is no built workspace: it has no devel/env.sh")
+        raise CommandError(f"{workspace} is no built workspace: it has no devel/env.sh")
     try:
         done = subprocess.run(
             [found[0], "env", "-0"],
@@ -122,14 +122,14 @@ def _environment(workspace: str) -> Dict[str, str]:
             check=True,
         )
     except (OSError, subprocess.SubprocessError) as error:
-        raise TargetError(f"{found[0]} fails: {error}") from None
+        raise CommandError(f"{found[0]} fails: {error}") from None
     pairs = (entry.partition("=") for entry in done.stdout.decode().split("\0"))
     return {name: value for name, is_one, value in pairs if is_one}
 
 
-def _launched(
+def _command_of_launch_file(
     path: str, arguments: List[str], wanted: Optional[str], environment: Dict[str, str]
-) -> Target:
+) -> ControllerCommand:
     # $(find …) goes by this process's own.
     before = dict(os.environ)
     os.environ.update(environment)
@@ -139,7 +139,7 @@ def _launched(
         command = create_local_process_args(node, local_machine(), environment)
         variables = setup_env(node, local_machine(), "", environment)
     except (RLException, NodeParamsException, ValueError) as error:
-        raise TargetError(f"{path}: {error}") from None
+        raise CommandError(f"{path}: {error}") from None
     finally:
         os.environ.clear()
         os.environ.update(before)
@@ -150,7 +150,7 @@ def _launched(
     for key, parameter in config.params.items():
         is_others = key.startswith(others) and not key.startswith(own)
         (of_others if is_others else parameters)[key] = parameter.value
-    return Target(f"{path} {_name(node)}", command, variables, parameters, of_others)
+    return ControllerCommand(f"{path} {_name(node)}", command, variables, parameters, of_others)
 
 
 def _name(node: Node) -> str:
@@ -162,10 +162,10 @@ def _choose(nodes: List[Node], wanted: Optional[str], path: str) -> Node:
     if wanted is not None:
         found = [node for node in nodes if wanted in (_name(node), node.name)]
         if len(found) != 1:
-            raise TargetError(f"{path} has no node {wanted}; its nodes are {names}")
+            raise CommandError(f"{path} has no node {wanted}; its nodes are {names}")
         return found[0]
     found = [node for node in nodes if "control" in (node.name + node.type).lower()]
     found = found or nodes
     if len(found) != 1:
-        raise TargetError(f"{path}: which node is the controller? --node NAME, of {names}")
+        raise CommandError(f"{path}: which node is the controller? --node NAME, of {names}")
     return found[0]

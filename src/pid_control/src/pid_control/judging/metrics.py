@@ -3,7 +3,7 @@
 import math
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-from pid_control.judging.lines import Line, fit_line
+from pid_control.judging.line_fit import Line, fit_line
 from pid_control.judging.record import Record, Row
 from pid_control.judging.scenarios import (
     ASKED_AT,
@@ -30,7 +30,7 @@ _NO_GROWTH = 1e-3
 _NAN_S = 0.1
 
 
-class Measure(NamedTuple):
+class Metric(NamedTuple):
     """What is measured.
 
     :ivar label: in words
@@ -244,37 +244,37 @@ def _interval_error(record: Record) -> Optional[float]:
     return abs(slow.slope / quick.slope - 1.0)
 
 
-MEASURES: Dict[str, Measure] = {
-    "set_point_response": Measure(
+METRICS: Dict[str, Metric] = {
+    "set_point_response": Metric(
         "answer to the set point", "1/(rad/s)", _set_point_response, is_least=True
     ),
-    "output_response": Measure("answer to the motor", "1/(rad/s)", _output_response, is_least=True),
-    "kick": Measure("leap of the input at a step", "1/(rad/s)", _kick),
-    "standstill_answers": Measure("answers while the clock stands", "", _standstill_answers),
-    "standstill_rest": Measure("rest while the clock stands", "", _standstill_rest, is_least=True),
-    "standstill_jump": Measure("time that passed meanwhile", "s", _standstill_jump),
-    "processor": Measure("processor time for each second", "s", _processor),
-    "interval_error": Measure("integral off at another rate", "", _interval_error),
-    "rise_time": Measure("rise time", "s", lambda record: _worst(record, _rise)),
-    "overshoot": Measure("overshoot", "%", lambda record: _worst(record, _overshoot)),
-    "settling_time": Measure("settling time", "s", lambda record: _worst(record, _settling)),
-    "steady_error": Measure("steady error", "rad/s", lambda record: _worst(record, _steady_error)),
-    "absolute_error": Measure("integral of |error|", "rad", _absolute_error),
-    "effort": Measure("integral of input squared", "s", _effort),
-    "tracking_error": Measure("mean |error|", "rad/s", _tracking_error),
-    "peak_input": Measure("largest |input|", "", _peak),
-    "chatter": Measure("chatter of the input", "", _chatter),
-    "late": Measure("share of time without answer", "", _late),
-    "leave_time": Measure("time to leave the limit", "s", _leave),
-    "recovery_time": Measure("time to recover", "s", _recovery),
-    "not_finite": Measure("answers that are no numbers", "", _not_finite),
+    "output_response": Metric("answer to the motor", "1/(rad/s)", _output_response, is_least=True),
+    "kick": Metric("leap of the input at a step", "1/(rad/s)", _kick),
+    "standstill_answers": Metric("answers while the clock stands", "", _standstill_answers),
+    "standstill_rest": Metric("rest while the clock stands", "", _standstill_rest, is_least=True),
+    "standstill_jump": Metric("time that passed meanwhile", "s", _standstill_jump),
+    "processor": Metric("processor time for each second", "s", _processor),
+    "interval_error": Metric("integral off at another rate", "", _interval_error),
+    "rise_time": Metric("rise time", "s", lambda record: _worst(record, _rise)),
+    "overshoot": Metric("overshoot", "%", lambda record: _worst(record, _overshoot)),
+    "settling_time": Metric("settling time", "s", lambda record: _worst(record, _settling)),
+    "steady_error": Metric("steady error", "rad/s", lambda record: _worst(record, _steady_error)),
+    "absolute_error": Metric("integral of |error|", "rad", _absolute_error),
+    "effort": Metric("integral of input squared", "s", _effort),
+    "tracking_error": Metric("mean |error|", "rad/s", _tracking_error),
+    "peak_input": Metric("largest |input|", "", _peak),
+    "chatter": Metric("chatter of the input", "", _chatter),
+    "late": Metric("share of time without answer", "", _late),
+    "leave_time": Metric("time to leave the limit", "s", _leave),
+    "recovery_time": Metric("time to recover", "s", _recovery),
+    "not_finite": Metric("answers that are no numbers", "", _not_finite),
 }
 
 _HELD = ("set_point_response", "output_response", "kick")
 _STANDSTILL = ("standstill_answers", "standstill_rest", "standstill_jump")
 _STEPS = ("rise_time", "overshoot", "settling_time", "steady_error")
 #: What is measured in which scenario.
-MEASURED: Dict[str, Tuple[str, ...]] = {
+SCENARIO_METRICS: Dict[str, Tuple[str, ...]] = {
     "held": (*_HELD, *_STANDSTILL, "late", "processor"),
     "rate": ("interval_error",),
     "steps": (*_STEPS, "absolute_error", "effort", "peak_input", "chatter", "late", "processor"),
@@ -292,9 +292,9 @@ MEASURED: Dict[str, Tuple[str, ...]] = {
 }
 
 
-def figures_of(record: Record) -> Dict[str, Optional[float]]:
-    """Return the figures of a scenario that came to its end, by the name of the measure.
+def metrics_of(record: Record) -> Dict[str, Optional[float]]:
+    """Return the figures of a scenario that came to its end, by the name of the metric.
 
     :param record: what came of it
     """
-    return {name: MEASURES[name].of(record) for name in MEASURED[record.scenario.name]}
+    return {name: METRICS[name].of(record) for name in SCENARIO_METRICS[record.scenario.name]}

@@ -7,10 +7,10 @@ from pid_control.judging.judgement import judge
 from pid_control.judging.record import Record
 from pid_control.judging.reports import as_sentences
 from pid_control.judging.scenarios import SCENARIOS, Scenario
-from pid_control.trial.outcome import OutOfTime
-from pid_control.trial.own_limits import own_limits
-from pid_control.trial.own_master import OwnMaster
-from pid_control.trial.target import find_target
+from pid_control.runner.controller_command import find_controller
+from pid_control.runner.default_limits import default_limits
+from pid_control.runner.outcome import TimeLimitExceeded
+from pid_control.runner.private_master import PrivateMaster
 from pid_control.tuning.rules import Gains
 
 #: How long the judgement of one may take, s.
@@ -29,27 +29,27 @@ def judge_gains(
     :param time_limit: how long the judgement of one may take, s
     :returns: each with what is wrong, and the verdict
     """
-    limits = own_limits()
-    master = OwnMaster()
+    limits = default_limits()
+    master = PrivateMaster()
     try:
         # They import rospy, which goes by the master that it finds.
-        from pid_control.trial.stage import Stage
-        from pid_control.trial.trial import Trial
+        from pid_control.runner.bench_runner import BenchRunner
+        from pid_control.runner.test_bench import TestBench
 
-        stage = Stage()
+        bench = TestBench()
         for gains in several:
             values = gains._asdict()
             words = [f"_{name}:={values[name]}" for name in ("mode", "kp", "ki", "kd")]
             words.append(f"_filter_time:={gains.filter_time}")
-            target = find_target(["pid_control", "controller.py", *words])
+            command = find_controller(["pid_control", "controller.py", *words])
             deadline = time.monotonic() + time_limit
-            trial = Trial(stage, target, master.environment, False, deadline)
+            runner = BenchRunner(bench, command, master.environment, False, deadline)
             records: List[Record] = []
             reason = ""
             try:
                 for scenario in scenarios:
-                    records.append(trial.run(scenario))
-            except OutOfTime:
+                    records.append(runner.run(scenario))
+            except TimeLimitExceeded:
                 reason = f"{time_limit:g} s are over"
             yield gains, as_sentences(judge(records, limits, reason))
     finally:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from pid_control.judging.heard import Heard, answers_of, rows_of
+from pid_control.judging.plant_log import PlantLog, answers_of, rows_of
 from pid_control.judging.scenarios import BY_NAME, SCENARIOS
 
 #: A plant of twice the course's speed, heard every 10 ms by a clock that says 100 at the start.
@@ -16,7 +16,7 @@ def test_only_those_that_ask_for_speeds_suit_any_plant() -> None:
 
 
 def test_rows_are_of_the_scenario_and_of_the_courses_speed() -> None:
-    heard = Heard([(ZERO + 0.01 * n, 4.0, 0.001 * n) for n in range(-50, 300)], [])
+    heard = PlantLog([(ZERO + 0.01 * n, 4.0, 0.001 * n) for n in range(-50, 300)], [])
     rows = rows_of(heard, RAMP, ZERO, SCALE)
     assert len(rows) == 200
     assert rows[0].time == 0.0 and rows[-1].time == pytest.approx(1.99)
@@ -28,12 +28,12 @@ def test_rows_are_of_the_scenario_and_of_the_courses_speed() -> None:
 def test_steps_of_an_encoder_are_no_errors_and_no_future_is_seen() -> None:
     """One count more in every other sample; then a leap."""
     speeds = [5.0 + (n % 2) * 0.5 for n in range(100)] + [9.0] * 20
-    heard = Heard([(ZERO + 0.01 * n, speed, 0.0) for n, speed in enumerate(speeds)], [])
+    heard = PlantLog([(ZERO + 0.01 * n, speed, 0.0) for n, speed in enumerate(speeds)], [])
     rows = rows_of(heard, RAMP, ZERO, 1.0)
     assert all(abs(row.speed - 5.25) <= 0.051 for row in rows[4:100])
     assert rows[100].speed > 5.5
 
 
 def test_answers_are_timed_from_the_start_on() -> None:
-    heard = Heard([], [(ZERO - 0.25, 0.5), (ZERO + 0.5, -1.0)])
+    heard = PlantLog([], [(ZERO - 0.25, 0.5), (ZERO + 0.5, -1.0)])
     assert answers_of(heard, ZERO) == [(-0.25, 0.5), (0.5, -1.0)]

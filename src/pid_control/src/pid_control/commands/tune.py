@@ -8,8 +8,8 @@ import rospy
 
 from pid_control.commands.arguments import number, svg_path, yaml_path
 from pid_control.files import write_file
-from pid_control.identification.model_file import ModelError, model_in
-from pid_control.trial.interrupts import exit_when_told_to
+from pid_control.identification.model_file import ModelError, read_model
+from pid_control.runner.deferred_signals import exit_on_signals
 from pid_control.tuning.closed_loop import Response, as_picture, as_table, respond
 from pid_control.tuning.rules import METHODS, SIMC, as_yaml, gains_of
 
@@ -20,12 +20,12 @@ _WRONG = 2
 def main() -> None:
     """Print the gains by each method, and write those of one; end with 0 or 2."""
     arguments = _parser().parse_args(rospy.myargv()[1:])
-    exit_when_told_to()
+    exit_on_signals()
     if not arguments.least <= 0.0 < arguments.largest:
         _fail("--least must be at most 0, and --largest above it")
     try:
         with open(arguments.model, encoding="utf-8") as file:
-            model = model_in(file.read())
+            model = read_model(file.read())
         found = gains_of(model, arguments.period, arguments.wanted)
         responses = [
             respond(model, found[method], arguments.period, arguments.least, arguments.largest)
@@ -55,7 +55,7 @@ def _fail(why: str) -> NoReturn:
 
 def _judge(responses: List[Response]) -> None:
     # It needs a master and processes, which nothing else here does.
-    from pid_control.trial.gains_trial import judge_gains
+    from pid_control.runner.gains_judgement import judge_gains
 
     for gains, said in judge_gains([response.gains for response in responses]):
         print(f"\n{gains.method}:\n{said}", flush=True)

@@ -3,7 +3,7 @@
 import time
 from typing import List, Optional, Protocol
 
-from pid_control.trial.process_watch import ProcessWatch
+from pid_control.runner.process_watch import ProcessWatch
 
 #: How long the simulated clock stands still at least, by the machine's clock, s; and at least which
 #: part of what the scenario took so far: on a busy machine that is long, and what goes by its clock
@@ -15,7 +15,7 @@ _LONGEST_S = 2.0
 _LOOK_S = 0.002
 
 
-class Pace(Protocol):
+class Clock(Protocol):
     """Waits for the controller."""
 
     def start(self) -> None:
@@ -28,14 +28,14 @@ class Pace(Protocol):
         :returns: whether the controller has come to rest
         """
 
-    def stand_still(self) -> Optional[float]:
+    def pause(self) -> Optional[float]:
         """Let no time pass for a while, if that can be.
 
         :returns: the share of it in which the controller had nothing to do; None if it cannot be
         """
 
 
-class SteppedPace:
+class SimulatedClock:
     """A simulated clock: time passes when the controller has nothing left to do.
 
     :param watch: the controller's processes
@@ -53,7 +53,7 @@ class SteppedPace:
         """Wait until the controller has nothing left to do, but not for ever."""
         return self._watch.wait_idle(_LONGEST_S)
 
-    def stand_still(self) -> Optional[float]:
+    def pause(self) -> Optional[float]:
         """See how often the controller has nothing to do, where there is nothing."""
         rests: List[bool] = []
         now = time.monotonic()
@@ -64,7 +64,7 @@ class SteppedPace:
         return sum(rests) / len(rests)
 
 
-class RealPace:
+class WallClock:
     """The machine's clock.
 
     :ivar latest: how late this process was at most, s
@@ -86,6 +86,6 @@ class RealPace:
         self.latest = max(self.latest, -left)
         return True
 
-    def stand_still(self) -> Optional[float]:
+    def pause(self) -> Optional[float]:
         """Nobody can stop this clock."""
         return None

@@ -1,7 +1,7 @@
 """The parameters of the controller."""
 
 from nodekit import BoolParameter, EnumParameter, FloatParameter, ParameterSet, rule
-from pid_control.law.pid import ANTI_WINDUPS, CLAMPING, MODES, PI, PidSettings
+from pid_control.controller.pid import ANTI_WINDUPS, CLAMPING, MODES, PI, PidSettings
 
 
 class ControllerParameters(ParameterSet):

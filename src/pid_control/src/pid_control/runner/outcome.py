@@ -4,17 +4,17 @@ from typing import Protocol
 
 from pid_control.judging.record import ENDED, RESTLESS, SILENT, WRITES_WITHOUT_END, Record
 from pid_control.judging.scenarios import Scenario
-from pid_control.trial.controller_process import ControllerProcess
+from pid_control.runner.controller_process import ControllerProcess
 
 #: In how many steps on end a controller may come to no rest.
 _RESTLESS_STEPS = 2
 
 
-class CannotJudge(Exception):
+class JudgingError(Exception):
     """There is nothing to be judged; the text says why."""
 
 
-class OutOfTime(Exception):
+class TimeLimitExceeded(Exception):
     """The judgement takes longer than it may."""
 
 
@@ -31,12 +31,12 @@ class Runner(Protocol):
     def run(self, scenario: Scenario) -> Record:
         """Run one scenario.
 
-        :raises OutOfTime: if all takes too long
+        :raises TimeLimitExceeded: if all takes too long
         :raises OSError: if the controller cannot be started
         """
 
 
-def fate_of(controller: ControllerProcess, restless: int = 0) -> str:
+def failure_of(controller: ControllerProcess, restless: int = 0) -> str:
     """Return what has become of a controller, nothing while it is well.
 
     :param controller: the controller
@@ -50,11 +50,11 @@ def fate_of(controller: ControllerProcess, restless: int = 0) -> str:
 
 
 def completed(record: Record, controller: ControllerProcess) -> Record:
-    """Return a record that tells a controller's silence, and its last words where it has a fate.
+    """Return a record that tells a controller's silence, and its last words where it has a failure.
 
     :param record: what came of the scenario
     :param controller: the controller
     """
-    if not record.fate and record.is_silent:
-        record = record._replace(fate=SILENT)
-    return record._replace(words=controller.last_words() if record.fate else "")
+    if not record.failure and record.is_silent:
+        record = record._replace(failure=SILENT)
+    return record._replace(words=controller.last_words() if record.failure else "")

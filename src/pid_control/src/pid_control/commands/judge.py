@@ -12,9 +12,9 @@ from pid_control.judging.picture import as_svg
 from pid_control.judging.record import Record
 from pid_control.judging.reports import as_csv, as_junit, as_sentences, as_table
 from pid_control.judging.scenarios import BY_NAME, MOTOR, Scenario
-from pid_control.trial.interrupts import exit_when_told_to
-from pid_control.trial.outcome import CannotJudge
-from pid_control.trial.own_limits import own_limits
+from pid_control.runner.default_limits import default_limits
+from pid_control.runner.deferred_signals import exit_on_signals
+from pid_control.runner.outcome import JudgingError
 
 #: How long a judgement may take unless another time is given, s.
 _TIME_LIMIT_S = 120.0
@@ -37,7 +37,7 @@ def main() -> None:
     words, xml = _without_rostest(sys.argv[1:])
     del sys.argv[1:]  # the rest is for the controller, and rospy would go by it
     arguments = _parser().parse_args(words)
-    exit_when_told_to()
+    exit_on_signals()
     try:
         limits = _limits(arguments.limits)
         for path in (arguments.picture, arguments.csv):
@@ -59,7 +59,7 @@ def _judge_or_not(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgem
     """Judge one; what cannot be judged is a judgement too."""
     try:
         return _judge(arguments, limits)
-    except CannotJudge as error:
+    except JudgingError as error:
         return Judgement(NOT_JUDGED, [], [], str(error)), []
 
 
@@ -166,7 +166,7 @@ def _speed(text: str) -> float:
 
 def _limits(path: Optional[str]) -> Limits:
     """Return the limits of a file, or what is given without one."""
-    limits = own_limits()
+    limits = default_limits()
     if path is None:
         return limits
     try:
@@ -178,19 +178,19 @@ def _limits(path: Optional[str]) -> Limits:
 
 
 def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, List[Record]]:
-    from pid_control.trial.session import Session
-    from pid_control.trial.target import TargetError, find_target
+    from pid_control.runner.controller_command import CommandError, find_controller
+    from pid_control.runner.session import Session
 
     if not arguments.words:
-        raise CannotJudge("what? a package and a name in it, or a path")
+        raise JudgingError("what? a package and a name in it, or a path")
     if arguments.full_speed is not None and not arguments.real_plant:
-        raise CannotJudge("--full-speed is that of a --real-plant")
+        raise JudgingError("--full-speed is that of a --real-plant")
     try:
-        target = find_target(arguments.words, arguments.node, arguments.workspace)
-    except TargetError as error:
-        raise CannotJudge(str(error)) from None
-    print(f"judge: {target.name}", flush=True)
-    session = Session(target, arguments.only, limits, arguments.time_limit)
+        command = find_controller(arguments.words, arguments.node, arguments.workspace)
+    except CommandError as error:
+        raise JudgingError(str(error)) from None
+    print(f"judge: {command.name}", flush=True)
+    session = Session(command, arguments.only, limits, arguments.time_limit)
     if arguments.real_plant:
         full_speed = arguments.full_speed or MOTOR.max_output
         return session.judge_with_real_plant(full_speed), session.records
@@ -198,7 +198,7 @@ def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, Li
 
 
 def _judge_class(arguments: argparse.Namespace) -> int:
-    from pid_control.trial.class_run import ClassRun
+    from pid_control.runner.batch import Batch
 
     if arguments.node or arguments.workspace or arguments.picture or arguments.csv:
         _parser().error("--node, --workspace, --picture and --csv are not for a --class")
@@ -217,7 +217,7 @@ def _judge_class(arguments: argparse.Namespace) -> int:
         options += ["--full-speed", str(arguments.full_speed)]
     output = os.path.abspath(arguments.output)
     folder, limit = arguments.class_folder, arguments.time_limit
-    return ClassRun(folder, arguments.words, options, output, limit).run()
+    return Batch(folder, arguments.words, options, output, limit).run()
 
 
 def _report(

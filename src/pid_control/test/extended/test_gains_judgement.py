@@ -4,16 +4,16 @@
 import unittest
 
 from nodekit.testing.running import rosrun
+from pid_control.controller.pid import PI
 from pid_control.judging.scenarios import BY_NAME
-from pid_control.law.pid import PI
-from pid_control.trial.gains_trial import judge_gains
+from pid_control.runner.gains_judgement import judge_gains
 from pid_control.tuning.rules import Gains
 
 GOOD = Gains("good", "a test", PI, 0.08, 1.5)
 WEAK = Gains("weak", "a test", PI, 0.001, 0.01)
 
 
-class GainsTrial(unittest.TestCase):
+class GainsJudgementTest(unittest.TestCase):
     """Of all scenarios one, as each of four gains takes a quarter of a minute in all of them."""
 
     def test_each_is_judged_by_itself(self) -> None:
@@ -25,4 +25,4 @@ class GainsTrial(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    rosrun("pid_control", "gains_trial", GainsTrial)
+    rosrun("pid_control", "gains_judgement", GainsJudgementTest)

@@ -6,10 +6,10 @@ import tempfile
 from typing import Dict, Optional
 
 from nodekit.testing.processes import Master
-from pid_control.trial.interrupts import interrupts_put_off
+from pid_control.runner.deferred_signals import deferred_signals
 
 
-class OwnMaster:
+class PrivateMaster:
     """A master on a free port of this machine alone, and a folder for what its nodes write.
 
     ``environment`` has the variables for its nodes. They are set in this process as well, before it
@@ -25,7 +25,7 @@ class OwnMaster:
         os.environ.update(own)
         self._master: Optional[Master] = None
         try:
-            with interrupts_put_off():
+            with deferred_signals():
                 # In a session of its own: Ctrl-C would end what is being waited for here.
                 self._master = master = Master(start_new_session=True)
         except BaseException:

@@ -16,7 +16,7 @@ FIRST, NEXT, LATE, GAP, RESTART = "first", "next", "late", "gap", "restart"
 _LATEST_S = 0.1
 
 
-class Judged(NamedTuple):
+class ClassifiedStamp(NamedTuple):
     """What becomes of a measurement.
 
     :ivar kind: FIRST, NEXT, LATE, GAP or RESTART
@@ -27,13 +27,13 @@ class Judged(NamedTuple):
     interval: float
 
 
-class StampJudge:
+class StampClassifier:
     """Judges the stamps of measurements, one after the other."""
 
     def __init__(self) -> None:
         self._latest: Optional[float] = None
 
-    def judge(self, stamp: float, longest: float) -> Judged:
+    def classify(self, stamp: float, longest: float) -> ClassifiedStamp:
         """Judge the stamp of the next measurement.
 
         :param stamp: when it was made, s, in the plant's time; finite
@@ -47,10 +47,10 @@ class StampJudge:
         elif latest - stamp > min(longest, _LATEST_S):
             kind, interval = RESTART, 0.0
         elif stamp <= latest:
-            return Judged(LATE, 0.0)
+            return ClassifiedStamp(LATE, 0.0)
         elif stamp - latest > longest:
             kind, interval = GAP, 0.0
         else:
             kind, interval = NEXT, stamp - latest
         self._latest = stamp
-        return Judged(kind, interval)
+        return ClassifiedStamp(kind, interval)

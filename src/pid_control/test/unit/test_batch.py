@@ -8,8 +8,8 @@ from typing import List
 
 import pytest
 
-from pid_control.trial import class_run
-from pid_control.trial.class_run import packages_in, run_bounded
+from pid_control.runner import batch
+from pid_control.runner.batch import packages_in, run_bounded
 
 #: Stands for a build: makes a workspace, and says something in the user's language.
 CATKIN_MAKE = """#!/bin/sh
@@ -34,7 +34,7 @@ def build_with(
     """Build a package by a catkin_make that does nothing but this; return the workspace."""
     put_catkin_make(tmp_path, monkeypatch, says, status)
     (tmp_path / "x").mkdir()
-    return class_run.build(str(tmp_path / "x"), str(tmp_path / "scratch"))
+    return batch.build(str(tmp_path / "x"), str(tmp_path / "scratch"))
 
 
 def found(folder: pathlib.Path) -> List[str]:
@@ -65,22 +65,22 @@ def test_a_folder_that_is_a_package_is_its_only_one(tmp_path: pathlib.Path) -> N
     ],
 )
 def test_what_has_to_be_built(tmp_path: pathlib.Path, text: str, needs: bool) -> None:
-    assert not class_run._needs_build(str(tmp_path))
+    assert not batch._needs_build(str(tmp_path))
     (tmp_path / "CMakeLists.txt").write_text("project(x)\n" + text + "\n")
-    assert class_run._needs_build(str(tmp_path)) is needs
+    assert batch._needs_build(str(tmp_path)) is needs
 
 
 def test_the_first_error_of_a_build_is_told() -> None:
     text = "ok\nx.cpp:1: error: expected ')'\n  int main( {\nmake: Error 2\n"
-    assert class_run._what_is_wrong(text) == "x.cpp:1: error: expected ')' int main( {"
-    assert class_run._what_is_wrong("just this\n") == "just this"
-    assert class_run._what_is_wrong("") == ""
+    assert batch._what_is_wrong(text) == "x.cpp:1: error: expected ')' int main( {"
+    assert batch._what_is_wrong("just this\n") == "just this"
+    assert batch._what_is_wrong("") == ""
 
 
 def test_build_has_failed_where_its_status_says_so(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
-    with pytest.raises(class_run._Broken, match=r"it does not build: Fehler 2 \(C\)"):
+    with pytest.raises(batch._Broken, match=r"it does not build: Fehler 2 \(C\)"):
         build_with(tmp_path, monkeypatch, "Fehler 2", 1)
 
 
@@ -102,13 +102,13 @@ def test_program_that_is_only_there_once_it_is_built_is_judged(
     judge.write_text("import sys; print('judged:', sys.argv[-1])")
     monkeypatch.setattr(sys, "argv", [str(judge)])
     output = tmp_path / "out"
-    class_run.ClassRun(str(tmp_path / "class"), ["program"], [], str(output), 10.0).run()
+    batch.Batch(str(tmp_path / "class"), ["program"], [], str(output), 10.0).run()
     said = (output / "x.txt").read_text()
     assert said.startswith("judged: ") and said.endswith("/workspace/devel/lib/x/program\n")
 
 
 def test_what_hangs_is_ended(monkeypatch: "pytest.MonkeyPatch") -> None:
-    monkeypatch.setattr(class_run, "_BEYOND_S", 0.2)
+    monkeypatch.setattr(batch, "_BEYOND_S", 0.2)
     began = time.monotonic()
     command = ["sh", "-c", "trap '' INT; echo begun; sleep 60 & wait; sleep 60"]
     assert run_bounded(command, 0.5, dict(os.environ))[0] == "begun\n"

@@ -12,7 +12,7 @@ from pid_control.judging.record import (
     Record,
 )
 
-#: Figures by scenario and measure.
+#: Figures by scenario and metric.
 Figures = Dict[Tuple[str, str], Optional[float]]
 
 #: How many messages in a standstill of the clock are more than any loop sends.
@@ -34,24 +34,24 @@ class _Rule(NamedTuple):
     """A cause, and when it is the likely one.
 
     :ivar cause: the cause
-    :ivar measures: of which figures it may be
+    :ivar metrics: of which figures it may be
     :ivar holds: whether the other figures agree with it
     :ivar scenarios: in which scenarios it may show; empty for all
     """
 
     cause: Cause
-    measures: Sequence[str]
+    metrics: Sequence[str]
     holds: Callable[[Figures], bool]
     scenarios: Sequence[str] = ()
 
 
-def _figure(figures: Figures, scenario: str, measure: str, default: float) -> float:
-    value = figures.get((scenario, measure))
+def _figure(figures: Figures, scenario: str, metric: str, default: float) -> float:
+    value = figures.get((scenario, metric))
     return default if value is None else value
 
 
-def _is_deaf_to(measure: str) -> Callable[[Figures], bool]:
-    return lambda figures: abs(_figure(figures, "held", measure, 1.0)) < 1e-6
+def _is_deaf_to(metric: str) -> Callable[[Figures], bool]:
+    return lambda figures: abs(_figure(figures, "held", metric, 1.0)) < 1e-6
 
 
 def _has_wrong_sign(figures: Figures) -> bool:
@@ -219,38 +219,38 @@ _RULES = (
 )
 
 
-def cause_of(scenario: str, measure: str, figures: Figures) -> Cause:
+def cause_of(scenario: str, metric: str, figures: Figures) -> Cause:
     """Return what a figure beyond its limit most likely comes from.
 
     :param scenario: in which it was measured
-    :param measure: what was measured
+    :param metric: what was measured
     :param figures: all figures of the controller
     """
     for rule in _RULES:
-        is_possible = measure in rule.measures and scenario in (rule.scenarios or [scenario])
+        is_possible = metric in rule.metrics and scenario in (rule.scenarios or [scenario])
         if is_possible and rule.holds(figures):
             return rule.cause
     return Cause("other", "no cause is known for this")
 
 
-def cause_of_fate(record: Record) -> Cause:
+def cause_of_failure(record: Record) -> Cause:
     """Return why a scenario did not come to its end.
 
-    :param record: what came of it, with a fate
+    :param record: what came of it, with a failure
     """
     words = f": {record.words}" if record.words else ""
-    if record.fate == ENDED:
+    if record.failure == ENDED:
         return Cause("crash", f"the controller ended by itself{words}")
-    if record.fate == WRITES_WITHOUT_END:
+    if record.failure == WRITES_WITHOUT_END:
         return Cause("endless output", "the controller writes to its log without end")
-    if record.fate == RESTLESS:
+    if record.failure == RESTLESS:
         return _FLOOD_CAUSE if len(record.answers) > _FLOOD else _RESTLESS_CAUSE
-    if record.fate == SILENT and record.answers:
+    if record.failure == SILENT and record.answers:
         latest = record.answers[-1][0]
         return Cause("crash", f"the controller sends nothing any more after {latest:.2f} s{words}")
-    if record.fate == SILENT:
+    if record.failure == SILENT:
         return Cause("silent", f"the controller sends nothing on motor_input{words}")
-    assert record.fate == NOT_CONNECTED, record.fate
+    assert record.failure == NOT_CONNECTED, record.failure
     missing = " and ".join(name for name in record.missing if name != "motor_input")
     if "motor_input" in record.missing:
         hint = f"; {record.hint}" if record.hint else ""

@@ -7,15 +7,15 @@ from pid_control.judging.judgement import Judgement, is_fatal, judge
 from pid_control.judging.limits import Limits
 from pid_control.judging.record import Record
 from pid_control.judging.scenarios import BY_NAME, Scenario
-from pid_control.trial.outcome import CannotJudge, OutOfTime, Runner
-from pid_control.trial.own_master import OwnMaster
-from pid_control.trial.target import Target
+from pid_control.runner.controller_command import ControllerCommand
+from pid_control.runner.outcome import JudgingError, Runner, TimeLimitExceeded
+from pid_control.runner.private_master import PrivateMaster
 
 
 class Session:
     """Judges a controller once; the time runs from when this is made.
 
-    :param target: the controller
+    :param command: the controller
     :param only: the scenarios that are wanted; None for all that can be
     :param limits: what it has to keep
     :param time_limit: how long it may take, s
@@ -25,12 +25,12 @@ class Session:
 
     def __init__(
         self,
-        target: Target,
+        command: ControllerCommand,
         only: Optional[Sequence[Scenario]],
         limits: Limits,
         time_limit: float,
     ) -> None:
-        self._target, self._only, self._limits = target, only, limits
+        self._command, self._only, self._limits = command, only, limits
         self._time_limit, self._deadline = time_limit, time.monotonic() + time_limit
         self.records: List[Record] = []
 
@@ -38,22 +38,22 @@ class Session:
         """Judge on a master of its own.
 
         :param real_time: whether to go by the machine's clock
-        :raises CannotJudge: if that cannot be
+        :raises JudgingError: if that cannot be
         """
-        master = OwnMaster()
+        master = PrivateMaster()
         try:
             # They import rospy, which goes by the master that it finds.
-            from pid_control.trial.stage import Rivals, Stage
-            from pid_control.trial.trial import Trial
+            from pid_control.runner.bench_runner import BenchRunner
+            from pid_control.runner.test_bench import PublisherConflict, TestBench
 
-            stage = Stage()
+            bench = TestBench()
             environment = master.environment
-            trial = Trial(stage, self._target, environment, real_time, self._deadline)
+            runner = BenchRunner(bench, self._command, environment, real_time, self._deadline)
             try:
-                reason = self._run(trial, self._only or list(BY_NAME.values()))
-            except Rivals as error:
-                raise CannotJudge(str(error)) from None
-            stage.close()
+                reason = self._run(runner, self._only or list(BY_NAME.values()))
+            except PublisherConflict as error:
+                raise JudgingError(str(error)) from None
+            bench.close()
         finally:
             master.close()
         return judge(self.records, self._limits, reason)
@@ -62,24 +62,24 @@ class Session:
         """Judge on the master that is there, with the plant that is there.
 
         :param full_speed: its greatest speed, rad/s
-        :raises CannotJudge: if that cannot be
+        :raises JudgingError: if that cannot be
         """
-        from pid_control.trial.real_plant import RealPlant, Unsuitable
-        from pid_control.trial.real_trial import RealTrial
+        from pid_control.runner.real_plant import PlantError, RealPlant
+        from pid_control.runner.real_plant_runner import RealPlantRunner
 
         wanted, left_out = self._for_real_plant()
-        if self._target.parameters.get("/use_sim_time"):
+        if self._command.parameters.get("/use_sim_time"):
             what = "it sets /use_sim_time, by which the plant would go too: leave that out"
-            raise CannotJudge(f"{self._target.name}: {what}")
+            raise JudgingError(f"{self._command.name}: {what}")
         try:
             plant = RealPlant()
             try:
-                trial = RealTrial(plant, self._target, full_speed, self._deadline)
-                reason = self._run(trial, wanted)
+                runner = RealPlantRunner(plant, self._command, full_speed, self._deadline)
+                reason = self._run(runner, wanted)
             finally:
                 plant.close()
-        except Unsuitable as error:
-            raise CannotJudge(str(error)) from None
+        except PlantError as error:
+            raise JudgingError(str(error)) from None
         return judge(self.records, self._limits, reason)._replace(left_out=left_out)
 
     def _for_real_plant(self) -> Tuple[Sequence[Scenario], List[str]]:
@@ -88,7 +88,7 @@ class Session:
         for scenario in self._only or ():
             if scenario not in possible:
                 names = ", ".join(one.name for one in possible)
-                raise CannotJudge(f"{scenario.name} is not for a real plant: there are {names}")
+                raise JudgingError(f"{scenario.name} is not for a real plant: there are {names}")
         return self._only or possible, [name for name in BY_NAME if BY_NAME[name] not in possible]
 
     def _run(self, runner: Runner, scenarios: Sequence[Scenario]) -> str:
@@ -97,15 +97,15 @@ class Session:
         for scenario in scenarios:
             try:
                 self.records.append(runner.run(scenario))
-            except OutOfTime:
+            except TimeLimitExceeded:
                 reason = f"{self._time_limit:g} s are over in {scenario.name}"
                 break
             except OSError as error:
-                raise CannotJudge(f"{self._target.name}: {error.strerror}") from None
+                raise JudgingError(f"{self._command.name}: {error.strerror}") from None
             if is_fatal(self.records[-1], self._limits):
                 break
         if runner.latest > runner.most_late:
-            raise CannotJudge(
+            raise JudgingError(
                 f"this machine is too busy: the judge itself was {runner.latest:.3f} s late"
             )
         return reason

@@ -13,12 +13,12 @@ from pid_control.commands.arguments import number, svg_path, yaml_path
 from pid_control.files import check_writable, write_file
 from pid_control.identification.fit import identify
 from pid_control.identification.model_file import as_yaml
-from pid_control.identification.reading import read_step
-from pid_control.identification.record import CannotTell, Record
+from pid_control.identification.record import IdentificationError, Record
 from pid_control.identification.report import as_picture, as_text
-from pid_control.recording.bag_record import record_in
+from pid_control.identification.step_reading import read_step
+from pid_control.recording.bag_record import read_record
 from pid_control.recording.fields import FieldError
-from pid_control.recording.live_experiment import CannotDrive, Drive, LiveExperiment
+from pid_control.recording.live_experiment import DriveError, DriveSettings, LiveExperiment
 
 #: What the exit status says beside 0.
 _CANNOT_TELL, _WRONG = 1, 2
@@ -36,7 +36,7 @@ def main() -> None:
             run("identify", lambda node: _experiment(node, arguments))
         else:
             _from_bag(arguments)
-    except (CannotDrive, FieldError) as error:
+    except (DriveError, FieldError) as error:
         _fail(error, _WRONG)
     except KeyboardInterrupt:
         sys.exit(130)  # as a shell puts it
@@ -58,7 +58,7 @@ def _check_files(arguments: argparse.Namespace) -> None:
 
 
 def _experiment(node: Node, arguments: argparse.Namespace) -> LiveExperiment:
-    drive = Drive(
+    drive = DriveSettings(
         arguments.input, arguments.output, arguments.least, arguments.largest, arguments.seconds
     )
     origin = f"{arguments.output} over {arguments.input}"
@@ -67,12 +67,12 @@ def _experiment(node: Node, arguments: argparse.Namespace) -> LiveExperiment:
 
 def _from_bag(arguments: argparse.Namespace) -> None:
     try:
-        record = record_in(
+        record = read_record(
             arguments.bag, arguments.input, arguments.output, arguments.start, arguments.end
         )
         origin = f"{arguments.output} over {arguments.input} in {arguments.bag}"
         _report(record, origin, arguments)
-    except CannotTell as error:
+    except IdentificationError as error:
         _fail(f"{arguments.bag} cannot tell: {error}", _CANNOT_TELL)
     except (FieldError, rosbag.ROSBagException) as error:
         _fail(f"{arguments.bag}: {error}", _WRONG)

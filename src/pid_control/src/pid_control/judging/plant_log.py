@@ -11,7 +11,7 @@ from pid_control.judging.scenarios import Scenario, value_at
 _MEAN_S = 0.04
 
 
-class Heard(NamedTuple):
+class PlantLog(NamedTuple):
     """What was heard, each with its moment by one clock, s.
 
     :ivar outputs: moment, speed of the plant, and its latest input
@@ -22,7 +22,7 @@ class Heard(NamedTuple):
     inputs: List[Tuple[float, float]]
 
 
-def rows_of(heard: Heard, scenario: Scenario, zero: float, scale: float) -> List[Row]:
+def rows_of(heard: PlantLog, scenario: Scenario, zero: float, scale: float) -> List[Row]:
     """Return the moments of a scenario, as of a motor of the course's greatest speed.
 
     :param heard: what was heard
@@ -41,7 +41,7 @@ def rows_of(heard: Heard, scenario: Scenario, zero: float, scale: float) -> List
     return rows
 
 
-def answers_of(heard: Heard, zero: float) -> List[Tuple[float, float]]:
+def answers_of(heard: PlantLog, zero: float) -> List[Tuple[float, float]]:
     """Return the time in the scenario, s, and the input of each answer.
 
     :param heard: what was heard

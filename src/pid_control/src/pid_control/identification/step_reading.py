@@ -19,7 +19,7 @@ _SETTLED = 5.0
 _OF_TIME, _OF_STEP, _ALIKE = 0.02, 0.02, 0.03
 
 
-class Reading(NamedTuple):
+class StepReading(NamedTuple):
     """What is read off a step.
 
     :ivar time: when the step was, s
@@ -38,7 +38,7 @@ class Reading(NamedTuple):
     time_constant: float
 
 
-def read_step(record: Record) -> Optional[Reading]:
+def read_step(record: Record) -> Optional[StepReading]:
     """Read K and T off the largest of the longest steps, as one does with a ruler.
 
     :param record: of the plant
@@ -62,7 +62,7 @@ def read_step(record: Record) -> Optional[Reading]:
         return None
     before, after = float(record.inputs[index - 1]), float(record.inputs[index])
     passed = float(record.times[response][reached[0]] - time)
-    return Reading(
+    return StepReading(
         float(time), before, after, float(end - time), (high - low) / (after - before), passed
     )
 
@@ -72,7 +72,7 @@ def _between(record: Record, begin: float, end: float) -> numpy.ndarray:
     return is_between
 
 
-def why_they_differ(record: Record, found: Identified, reading: Reading) -> List[str]:
+def why_they_differ(record: Record, found: Identified, reading: StepReading) -> List[str]:
     """Return a sentence for each cause of a difference between a reading and the least squares.
 
     :param record: of the plant

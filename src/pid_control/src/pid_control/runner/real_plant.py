@@ -8,9 +8,9 @@ import rospy
 
 from nodekit import init_node
 from nodekit.master import MasterClient, MasterUnreachable
-from pid_control.judging.heard import Heard
+from pid_control.judging.plant_log import PlantLog
 from pid_control.msg import motor_input, motor_output, set_point
-from pid_control.trial.interrupts import interrupts_put_off
+from pid_control.runner.deferred_signals import deferred_signals
 
 #: Name of the node.
 NAME = "judge"
@@ -23,7 +23,7 @@ _STOP_S, _LOOK_S = 5.0, 0.01
 _STANDS = 0.5
 
 
-class Unsuitable(Exception):
+class PlantError(Exception):
     """Nothing can be judged with the plant; the text says why."""
 
 
@@ -33,7 +33,7 @@ class RealPlant:
     It sends ``motor_input`` only where no controller is at work, and then 0. To be made once in a
     process.
 
-    :raises Unsuitable: if there is no such plant, or somebody else is at work with it
+    :raises PlantError: if there is no such plant, or somebody else is at work with it
     """
 
     def __init__(self) -> None:
@@ -41,7 +41,7 @@ class RealPlant:
         node = init_node(NAME)
         self._lock = threading.Lock()
         self._began = time.monotonic()
-        self._heard = Heard([], [])
+        self._heard = PlantLog([], [])
         self._input = self._speed = 0.0
         self._heard_at = -_SILENCE_S
         self._is_shut_down = False
@@ -56,11 +56,11 @@ class RealPlant:
 
     def close(self) -> None:
         """Stop the plant once more, and leave the graph; this process does not come back to it."""
-        with interrupts_put_off():
+        with deferred_signals():
             self._rest()
             rospy.signal_shutdown("all is judged")
 
-    def before_shut_down(self, end_controller: Callable[[], None]) -> None:
+    def on_shutdown(self, end_controller: Callable[[], None]) -> None:
         """Have the controller ended where the node is shut down from outside, as by rosnode kill.
 
         :param end_controller: ends it, if one runs; called in another thread
@@ -71,13 +71,13 @@ class RealPlant:
         """Ask for a speed.
 
         :param speed: rad/s
-        :raises Unsuitable: if the plant is silent, or the node was shut down
+        :raises PlantError: if the plant is silent, or the node was shut down
         """
         self.check_node()
         now = time.monotonic()
         self._wanted.publish(set_point(speed, now - self._began))
         if now - self._heard_at > _SILENCE_S:
-            raise Unsuitable(f"the plant is silent: nothing on {self._topic} for {_SILENCE_S:g} s")
+            raise PlantError(f"the plant is silent: nothing on {self._topic} for {_SILENCE_S:g} s")
 
     def stop(self) -> None:
         """Ask for no speed, and give the plant an input of 0."""
@@ -87,7 +87,7 @@ class RealPlant:
     def wait_until_it_stands(self) -> None:
         """Stop the plant, and wait until it stands.
 
-        :raises Unsuitable: if it does not, or is silent, or the node was shut down
+        :raises PlantError: if it does not, or is silent, or the node was shut down
         """
         end = time.monotonic() + _STOP_S
         while True:
@@ -98,9 +98,9 @@ class RealPlant:
             if is_heard and abs(self._speed) <= _STANDS:
                 return
             if now > end and is_heard:
-                raise Unsuitable(f"the input is 0, and the plant turns at {self._speed:.3g} rad/s")
+                raise PlantError(f"the input is 0, and the plant turns at {self._speed:.3g} rad/s")
             if now > end:
-                raise Unsuitable(f"the plant is silent: nothing on {self._topic}")
+                raise PlantError(f"the plant is silent: nothing on {self._topic}")
             time.sleep(_LOOK_S)
 
     def connections(self) -> Dict[str, int]:
@@ -113,30 +113,30 @@ class RealPlant:
     def check_alone(self) -> None:
         """Make sure that a controller has not brought a plant or a set point of its own.
 
-        :raises Unsuitable: if it has
+        :raises PlantError: if it has
         """
         try:
             with MasterClient(rospy.get_name()) as master:
                 publishers = dict(master.system_state().publishers)
         except MasterUnreachable as error:
-            raise Unsuitable(str(error)) from None
+            raise PlantError(str(error)) from None
         for topic in (self._topic, self._wanted.resolved_name):
             several = publishers.get(topic, [])
             if len(several) > 1:
-                raise Unsuitable(f"{' and '.join(several)} publish {topic}: one is to do that")
+                raise PlantError(f"{' and '.join(several)} publish {topic}: one is to do that")
 
     def check_node(self) -> None:
         """Make sure that the node is at work.
 
-        :raises Unsuitable: if it was shut down
+        :raises PlantError: if it was shut down
         """
         if self._is_shut_down:
-            raise Unsuitable("the node was shut down")
+            raise PlantError("the node was shut down")
 
-    def take_heard(self) -> Heard:
+    def pop_log(self) -> PlantLog:
         """Return what was heard since this was asked last."""
         with self._lock:
-            heard, self._heard = self._heard, Heard([], [])
+            heard, self._heard = self._heard, PlantLog([], [])
         return heard
 
     def _shut_down(self) -> None:
@@ -163,7 +163,7 @@ class RealPlant:
 def _check_graph() -> None:
     """Make sure that there is a plant, and that nobody is at work with it.
 
-    :raises Unsuitable: if that is not so, or no master is there
+    :raises PlantError: if that is not so, or no master is there
     """
     topics = {name: rospy.resolve_name(name) for name in _CLASSES}
     try:
@@ -171,18 +171,18 @@ def _check_graph() -> None:
             simulates_time = master.read(["/use_sim_time"]).values["/use_sim_time"] is True
             types, state = master.topic_types(), master.system_state()
     except MasterUnreachable as error:
-        raise Unsuitable(f"a real plant is on your own master: {error}") from None
+        raise PlantError(f"a real plant is on your own master: {error}") from None
     if simulates_time:
-        raise Unsuitable("/use_sim_time is true: a real plant goes by the machine's clock")
+        raise PlantError("/use_sim_time is true: a real plant goes by the machine's clock")
     for name, topic in topics.items():
         if types.get(topic, _CLASSES[name]._type) not in (_CLASSES[name]._type, "*"):
-            raise Unsuitable(f"{topic} has {types[topic]}, not {_CLASSES[name]._type}")
+            raise PlantError(f"{topic} has {types[topic]}, not {_CLASSES[name]._type}")
     publishers, subscribers = dict(state.publishers), dict(state.subscribers)
     if not publishers.get(topics["motor_output"]):
-        raise Unsuitable(f"there is no plant: nobody publishes {topics['motor_output']}")
+        raise PlantError(f"there is no plant: nobody publishes {topics['motor_output']}")
     if not subscribers.get(topics["motor_input"]):
-        raise Unsuitable(f"there is no plant: nobody listens to {topics['motor_input']}")
+        raise PlantError(f"there is no plant: nobody listens to {topics['motor_input']}")
     for name in ("set_point", "motor_input"):
         others: List[str] = publishers.get(topics[name], [])
         if others:
-            raise Unsuitable(f"{' and '.join(others)} publishes {topics[name]}: end that first")
+            raise PlantError(f"{' and '.join(others)} publishes {topics[name]}: end that first")

@@ -4,11 +4,11 @@ from typing import Type
 
 import rospy
 
-from nodekit import Maker, ParameterSet
+from nodekit import NodeScope, ParameterSet
 from nodekit.master import MISSING, MasterClient
 
 
-def adopt_course_names(node: Maker, declaration: Type[ParameterSet]) -> None:
+def adopt_course_names(node: NodeScope, declaration: Type[ParameterSet]) -> None:
     """Set each private parameter that is not set, but its course's name is, to that one's value.
 
     The course loads its YAML file at the root: ``/system_param_K`` is what the node ``/system`` has

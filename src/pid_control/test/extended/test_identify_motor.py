@@ -12,7 +12,7 @@ import rospy
 from rosgraph_msgs.msg import Clock
 
 from nodekit.testing.graph import Graph
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
@@ -28,8 +28,8 @@ class IdentifyMotor(unittest.TestCase):
 
     def setUp(self) -> None:
         self.clock = rospy.Publisher("/clock", Clock, queue_size=10)
-        self.inputs = Ear("motor_input", motor_input)
-        self.outputs = Ear("motor_output", motor_output)
+        self.inputs = MessageRecorder("motor_input", motor_input)
+        self.outputs = MessageRecorder("motor_output", motor_output)
         self.time = 1.0
         graph = Graph()
         graph.wait_until_heard(rospy.get_name(), "/clock", "/system")

@@ -10,7 +10,7 @@ from typing import Any
 import rospkg
 import rospy
 
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from pid_control.msg import motor_input, motor_output, set_point
@@ -39,12 +39,14 @@ class LoopEnds(unittest.TestCase):
         node.send_signal(signal.SIGINT)
         return node.wait(TIMEOUT_S)
 
-    def wait_for_its_end(self, ear: Ear) -> None:
+    def wait_for_its_end(self, recorder: MessageRecorder) -> None:
         """Wait until all is heard that a node has said which has ended."""
-        wait_until(lambda: ear.publishers() == 0, lambda: f"{ear.messages()[-1:]} is not the end")
+        wait_until(
+            lambda: recorder.publishers() == 0, lambda: f"{recorder.messages()[-1:]} is not the end"
+        )
 
     def test_motor_that_ends_says_no_more_after_its_last_output(self) -> None:
-        outputs = Ear(self.space + "/motor_output", motor_output)
+        outputs = MessageRecorder(self.space + "/motor_output", motor_output)
         motor = self.start("system", system_node_rate=1e4)  # so often that one is due as it ends
         publisher = rospy.Publisher(
             self.space + "/motor_input", motor_input, queue_size=1, latch=True
@@ -56,7 +58,7 @@ class LoopEnds(unittest.TestCase):
         self.assertEqual(outputs.messages()[-1].status, "Motor Not Turning")
 
     def test_set_point_carries_its_time_and_ends_with_its_stop_value(self) -> None:
-        heard = Ear(self.space + "/set_point", set_point)
+        heard = MessageRecorder(self.space + "/set_point", set_point)
         # So often that another one is due as it ends.
         node = self.start("set_point_generator", rate=1e4, offset=3.0, stop_value=-1.0)
         heard.wait_for(lambda message: message.time > 0.5)

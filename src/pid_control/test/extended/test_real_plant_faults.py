@@ -53,7 +53,7 @@ class RealPlantFaults(RealPlantCase):
             self.host_motor()
             judge = self.start("judge", "--real-plant", str(script), *self.remappings)
             self.outputs.wait_for(lambda heard: heard.output > 4.0)
-            self.wanted.forget()
+            self.wanted.clear()
             judge.popen.send_signal(signal.SIGINT)
             # The judge asks for no speed, and waits for the controller.
             self.wanted.wait_for(lambda heard: heard.setPoint == 0.0)

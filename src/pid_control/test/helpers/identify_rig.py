@@ -9,7 +9,7 @@ import rospkg
 import rospy
 
 from nodekit import Node, host_all
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process
 from nodekit.testing.waiting import wait_until
 from pid_control.msg import motor_input, motor_output
@@ -27,8 +27,8 @@ class IdentifyCase(unittest.TestCase):
         self.space = "/" + self.id().rsplit(".", 1)[-1]
         self.folder = tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, self.folder)
-        self.inputs = Ear(self.space + "/motor_input", motor_input)
-        self.outputs = Ear(self.space + "/motor_output", motor_output)
+        self.inputs = MessageRecorder(self.space + "/motor_input", motor_input)
+        self.outputs = MessageRecorder(self.space + "/motor_output", motor_output)
         self.addCleanup(self.inputs.close)
         self.addCleanup(self.outputs.close)
 
@@ -52,7 +52,7 @@ class IdentifyCase(unittest.TestCase):
 
     def assert_stopped(self) -> None:
         """Wait until the motor stands, with 0 the last input."""
-        self.outputs.forget()
+        self.outputs.clear()
         self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
         self.wait_for_last_input()
 

@@ -11,7 +11,7 @@ import rospkg
 import rospy
 
 from nodekit import Node, host_all
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process
 from nodekit.testing.waiting import wait_until
 from pid_control.msg import motor_input, motor_output, set_point
@@ -50,11 +50,11 @@ class RealPlantCase(unittest.TestCase):
 
     def host_motor(self) -> Node:
         """Host a motor, and hear it and what it is told; closed, it falls silent."""
-        self.wanted = Ear(self.space + "/set_point", set_point)
-        self.inputs = Ear(self.space + "/motor_input", motor_input)
-        self.outputs = Ear(self.space + "/motor_output", motor_output)
-        for ear in (self.wanted, self.inputs, self.outputs):
-            self.addCleanup(ear.close)
+        self.wanted = MessageRecorder(self.space + "/set_point", set_point)
+        self.inputs = MessageRecorder(self.space + "/motor_input", motor_input)
+        self.outputs = MessageRecorder(self.space + "/motor_output", motor_output)
+        for recorder in (self.wanted, self.inputs, self.outputs):
+            self.addCleanup(recorder.close)
         rospy.set_param(self.space + "/system/system_node_rate", 200.0)
         [motor] = host_all(self.node, [("system", self.space, System)])
         self.addCleanup(motor.close)
@@ -83,7 +83,7 @@ class RealPlantCase(unittest.TestCase):
     def assert_stopped(self) -> None:
         """Wait until the motor stands, with 0 the last input, and no controller runs."""
         self.assertEqual(self.controllers(), [])
-        self.outputs.forget()
+        self.outputs.clear()
         self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
         self.wait_for_last_input()
 

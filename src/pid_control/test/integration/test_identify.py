@@ -8,7 +8,7 @@ import rospy
 from helpers.identify_rig import IdentifyCase
 
 from nodekit import init_node
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.launching import launched
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
@@ -63,7 +63,7 @@ class Identify(IdentifyCase):
         self.assertEqual(len(tuned.logged("ziegler-nichols")), 2)
         with open(self.file("loop.launch"), "w") as file:
             file.write(LAUNCH.format(space=self.space, model=model, gains=gains))
-        modelled = Ear(self.space + "/model_output", motor_output)
+        modelled = MessageRecorder(self.space + "/model_output", motor_output)
         self.addCleanup(modelled.close)
         with launched(self.file("loop.launch")):
             for outputs in (self.outputs, modelled):

@@ -15,7 +15,7 @@ from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState
 from nodekit import ChangeRefused, Node, host_all, init_node
 from nodekit.testing.changing import change
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
@@ -43,11 +43,11 @@ class Loop(unittest.TestCase):
 
     def setUp(self) -> None:
         self.space = "/" + self.id().rsplit(".", 1)[-1]
-        self.inputs = Ear(self.space + "/motor_input", motor_input)
-        self.outputs = Ear(self.space + "/motor_output", motor_output)
-        self.log = Ear("/rosout", Log)
-        for ear in (self.inputs, self.outputs, self.log):
-            self.addCleanup(ear.close)
+        self.inputs = MessageRecorder(self.space + "/motor_input", motor_input)
+        self.outputs = MessageRecorder(self.space + "/motor_output", motor_output)
+        self.log = MessageRecorder("/rosout", Log)
+        for recorder in (self.inputs, self.outputs, self.log):
+            self.addCleanup(recorder.close)
 
     def host(self, name: str, **parameters: Any) -> Node:
         """Host a node in this process; after the test it is closed, without a last message."""
@@ -107,13 +107,15 @@ class Loop(unittest.TestCase):
         """Wait for a line of the log that has this text and names something of this test."""
         self.log.wait_for(lambda line: text in line.msg and self.space + "/" in line.msg)
 
-    def wait_for_its_end(self, ear: Ear) -> None:
+    def wait_for_its_end(self, recorder: MessageRecorder) -> None:
         """Wait until all is heard that a node has said which has ended."""
-        wait_until(lambda: ear.publishers() == 0, lambda: f"{ear.messages()[-1:]} is not the end")
+        wait_until(
+            lambda: recorder.publishers() == 0, lambda: f"{recorder.messages()[-1:]} is not the end"
+        )
 
     def assert_stands(self) -> None:
         """Wait until the motor stands, with 0 the last input."""
-        self.outputs.forget()
+        self.outputs.clear()
         self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
         wait_until(
             lambda: self.inputs.messages()[-1].input == 0.0,
@@ -150,7 +152,7 @@ class Loop(unittest.TestCase):
         self.wait_for_speed(6.55)
         publisher.publish(float("nan"), 0.0)
         self.wait_for_line("is not finite")
-        self.outputs.forget()
+        self.outputs.clear()
         self.wait_for_speed(6.55)
         publisher.publish(0.05, 0.0)
         self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
@@ -168,12 +170,12 @@ class Loop(unittest.TestCase):
 
     def test_gains_change_without_a_jump(self) -> None:
         self.host_loop()
-        terms = Ear(self.space + "/controller/terms", ControllerTerms)
+        terms = MessageRecorder(self.space + "/controller/terms", ControllerTerms)
         terms.wait_for(lambda heard: True)
         before = self.inputs.messages()[-1].input
-        self.inputs.forget()
+        self.inputs.clear()
         change(self.space + "/controller", kp=0.02, ki=0.4, mode="PID")
-        terms.forget()
+        terms.clear()
         heard = terms.wait_for(lambda heard: True)
         total = heard.proportional + heard.integral + heard.derivative + heard.feed_forward
         self.assertAlmostEqual(total, heard.unlimited, delta=1e-12)
@@ -188,8 +190,8 @@ class Loop(unittest.TestCase):
         self.host_loop()
         change(self.space + "/controller", enabled=False)
         self.assert_stands()
-        self.inputs.forget()
-        self.outputs.forget()
+        self.inputs.clear()
+        self.outputs.clear()
         wait_until(lambda: self.outputs.count() > 40, lambda: "no outputs")
         self.assertEqual(self.inputs.messages(), [])
         change(self.space + "/controller", enabled=True)
@@ -200,7 +202,7 @@ class Loop(unittest.TestCase):
         self.host_set_point()
         controller = self.start("controller", timeout=TIMEOUT_S)
         self.wait_for_speed(4.0)
-        self.inputs.forget()
+        self.inputs.clear()
         wait_until(lambda: self.inputs.count() > 0, lambda: "no inputs")
         self.assertEqual(self.end(controller), 0)
         self.assert_stands()
@@ -224,22 +226,22 @@ class Loop(unittest.TestCase):
         self.manage("controller", "configure")
         for _ in range(2):
             # Time for an integral to grow, if it were at work.
-            self.outputs.forget()
+            self.outputs.clear()
             wait_until(lambda: self.outputs.count() > 100, lambda: "no outputs")
-            self.inputs.forget()
+            self.inputs.clear()
             self.manage("controller", "activate")
             self.wait_for_speed(4.0)
             first = next(heard.input for heard in self.inputs.messages() if heard.input != 0.0)
             self.assertAlmostEqual(first, 4.0 * 0.08, delta=1e-6)
             self.manage("controller", "deactivate")
             self.assert_stands()
-        self.inputs.forget()
+        self.inputs.clear()
         self.assertEqual(self.end(controller), 0)
         self.wait_for_its_end(self.inputs)
         self.assertEqual(self.inputs.messages(), [])
 
     def test_managed_set_point_takes_leave_when_it_is_deactivated(self) -> None:
-        heard = Ear(self.space + "/set_point", set_point)
+        heard = MessageRecorder(self.space + "/set_point", set_point)
         self.addCleanup(heard.close)
         self.host("set_point_generator", managed=True, offset=3.0, stop_value=-1.0)
         for transitions in (("configure", "activate"), ("activate",)):
@@ -248,7 +250,7 @@ class Loop(unittest.TestCase):
             self.manage("set_point_generator", "deactivate")
             heard.wait_for(lambda message: message.setPoint == -1.0)
             self.assertEqual(heard.messages()[-1].setPoint, -1.0)
-            heard.forget()
+            heard.clear()
 
     def test_motor_that_falls_silent_finds_no_input_when_it_is_back(self) -> None:
         nodes = self.host_loop(timeout=0.5)
@@ -258,7 +260,7 @@ class Loop(unittest.TestCase):
             lambda: self.inputs.messages()[-1].input == 0.0,
             lambda: f"the last input is {self.inputs.messages()[-1]}",
         )
-        self.outputs.forget()
+        self.outputs.clear()
         self.host_motor()
         self.wait_for_speed(4.0)
         inputs = [message.input for message in self.inputs.messages()]
@@ -270,7 +272,7 @@ class Loop(unittest.TestCase):
         nodes = self.host_loop()
         nodes["system"].close()
         self.wait_for_its_end(self.outputs)
-        self.outputs.forget()
+        self.outputs.clear()
         self.host_motor()
         self.wait_for_line("the motor was started anew")
         self.wait_for_speed(4.0)
@@ -286,7 +288,7 @@ class Loop(unittest.TestCase):
         change(self.space + "/controller", mode="manual", manual_output=0.4)
         self.wait_for_speed(5.24)
         for mode in ("PI", "manual", "PID"):
-            self.inputs.forget()
+            self.inputs.clear()
             change(self.space + "/controller", mode=mode)
             enough = self.inputs.count() + 50
             wait_until(lambda: self.inputs.count() > enough, lambda: "no inputs")

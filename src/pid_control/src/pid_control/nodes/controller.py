@@ -42,7 +42,7 @@ class Controller:
     """
 
     def __init__(self, node: Node) -> None:
-        self._settings = node.parameters(ControllerParameters, on_change=self._on_change)
+        self._settings = node.declare_parameters(ControllerParameters, on_change=self._on_change)
         self._pid = Pid(self._settings.values.pid)
         self._stamps = StampClassifier()
         self._set_point: Optional[float] = None
@@ -53,16 +53,16 @@ class Controller:
         self._clock = time.monotonic if rospy.rostime.is_wallclock() else rospy.get_time
         #: The motor's latest stamp, the latest input, and when the motor was heard last, s.
         self._stamp = self._input = self._heard_at = 0.0
-        self._publisher = node.publisher("motor_input", motor_input)
-        self._terms = node.publisher("~terms", ControllerTerms)
+        self._publisher = node.create_publisher("motor_input", motor_input)
+        self._terms = node.create_publisher("~terms", ControllerTerms)
         self._motor = node.resolve("motor_output")
         self._throttle = Throttle(_WARN_EVERY_S)
         self._group = node.default_group
-        node.subscribe("set_point", set_point, self._on_set_point, finite=True)
-        node.subscribe("motor_output", motor_output, self._on_output, finite=True)
-        node.every(_CHECKS_HZ, self._check_silence)
+        node.create_subscription("set_point", set_point, self._on_set_point, finite=True)
+        node.create_subscription("motor_output", motor_output, self._on_output, finite=True)
+        node.create_timer(_CHECKS_HZ, self._check_silence)
         node.before_deactivate(self._pause)
-        node.before_end(self._end)
+        node.on_shutdown(self._end)
 
     def _on_set_point(self, message: set_point) -> None:
         self._set_point = message.setPoint

@@ -21,17 +21,17 @@ class SetPointGenerator:
     """
 
     def __init__(self, node: Node) -> None:
-        self._settings = node.parameters(SetPointParameters)
+        self._settings = node.declare_parameters(SetPointParameters)
         self._source = SignalSource()
         self._run_control = RunControl()
         self._elapsed = 0.0
         #: Whether there is a sample to be taken back, and whether there will be none any more.
         self._has_to_stop = self._has_ended = False
         self._group = node.default_group
-        self._publisher = node.publisher("set_point", set_point)
-        node.every(lambda: self._settings.values.rate, self._publish)
+        self._publisher = node.create_publisher("set_point", set_point)
+        node.create_timer(lambda: self._settings.values.rate, self._publish)
         node.before_deactivate(self._stop)
-        node.before_end(self._end)
+        node.on_shutdown(self._end)
 
     def _publish(self, elapsed: float) -> None:
         if self._has_ended:

@@ -35,7 +35,7 @@ class System:
 
     def __init__(self, node: Node) -> None:
         adopt_course_names(node, SystemParameters)
-        self._settings = node.parameters(SystemParameters, on_change=self._on_change)
+        self._settings = node.declare_parameters(SystemParameters, on_change=self._on_change)
         values = self._settings.values
         sampled = SampledPlant(values.plant, values.system_sample_time, values.system_initial_cond)
         self._plant = DelayedPlant(sampled, values.system_dead_time)
@@ -47,12 +47,12 @@ class System:
         self._published_at = 0.0
         self._has_ended = False
         self._group = node.default_group
-        self._publisher = node.publisher("motor_output", motor_output)
-        node.subscribe("motor_input", motor_input, self._on_input, finite=True)
-        node.every(
+        self._publisher = node.create_publisher("motor_output", motor_output)
+        node.create_subscription("motor_input", motor_input, self._on_input, finite=True)
+        node.create_timer(
             lambda: self._settings.values.system_node_rate, self._publish, catch_up=_CATCH_UP_S
         )
-        node.before_end(self._end)
+        node.on_shutdown(self._end)
 
     def _publish(self, elapsed: float) -> None:
         if self._has_ended:

@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, NamedTuple, Tuple
 import roslib.message
 import rospy
 
-from nodekit import Node, give_up
+from nodekit import Node, abort
 from nodekit.master import MasterClient
 from pid_control.identification.excitation import Progress, excitation
 from pid_control.identification.record import IdentificationError, Record, record_of
@@ -77,11 +77,11 @@ class LiveExperiment:
         self._heard, self._sent = Samples(), Samples()
         self._heard_at, self._has_ended = rospy.get_time(), False
         self._group = node.default_group
-        self._publisher = node.publisher(self._input.topic, input_class)
-        node.subscribe(self._output.topic, output_class, self._on_output)
-        node.every(_SENDS_HZ, self._send)
-        node.every(_CHECKS_HZ, self._check_silence, steady=True)
-        node.before_end(self._end)
+        self._publisher = node.create_publisher(self._input.topic, input_class)
+        node.create_subscription(self._output.topic, output_class, self._on_output)
+        node.create_timer(_SENDS_HZ, self._send)
+        node.create_timer(_CHECKS_HZ, self._check_silence, steady=True)
+        node.on_shutdown(self._end)
 
     def _on_output(self, message: Any) -> None:
         try:
@@ -124,15 +124,15 @@ class LiveExperiment:
             record = record_of(sent.heard, sent.values, heard.times(), heard.values)
             self._on_record(record)
         except IdentificationError as error:
-            give_up(f"the record cannot tell: {error}")
+            abort(f"the record cannot tell: {error}")
         except OSError as error:
-            give_up(f"{error.filename}: {error.strerror}")
+            abort(f"{error.filename}: {error.strerror}")
         else:
             rospy.signal_shutdown("the record is complete")
 
     def _give_up(self, why: str) -> None:
         self._stop()
-        give_up(why)
+        abort(why)
 
     def _stop(self) -> None:
         if not self._has_ended:

@@ -47,11 +47,11 @@ class RealPlant:
         self._is_shut_down = False
         self._end_controller: Callable[[], None] = lambda: None
         self._topic = node.resolve("motor_output")
-        self._wanted = node.publisher("set_point", set_point)
-        self._drive = node.publisher("motor_input", motor_input)
-        self._answers = node.subscribe("motor_input", motor_input, self._on_input)
-        node.subscribe("motor_output", motor_output, self._on_output, finite=True)
-        node.before_end(self._shut_down)
+        self._wanted = node.create_publisher("set_point", set_point)
+        self._drive = node.create_publisher("motor_input", motor_input)
+        self._answers = node.create_subscription("motor_input", motor_input, self._on_input)
+        node.create_subscription("motor_output", motor_output, self._on_output, finite=True)
+        node.on_shutdown(self._shut_down)
         node.start()
 
     def close(self) -> None:

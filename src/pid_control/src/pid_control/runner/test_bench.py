@@ -28,10 +28,10 @@ class TestBench:
         self.node = init_node(NAME)
         self._lock = threading.Lock()
         self._heard: List[float] = []
-        self._clock = self.node.publisher("/clock", Clock)
-        self._output = self.node.publisher("/motor_output", motor_output)
-        self._set_point = self.node.publisher("/set_point", set_point)
-        self._input = self.node.subscribe("/motor_input", motor_input, self._hear)
+        self._clock = self.node.create_publisher("/clock", Clock)
+        self._output = self.node.create_publisher("/motor_output", motor_output)
+        self._set_point = self.node.create_publisher("/set_point", set_point)
+        self._input = self.node.create_subscription("/motor_input", motor_input, self._hear)
         self.node.start()
 
     def close(self) -> None:

@@ -1,1 +1,1 @@
-"""A motor to control: the loop closed, and what it takes to judge a controller."""
+"""A motor in a closed loop, and tools that judge, identify and tune."""

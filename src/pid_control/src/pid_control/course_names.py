@@ -1,4 +1,4 @@
-"""The course's place for a motor's parameters: beside the node, not below its name."""
+"""Parameters under the course's names: beside the node, not private to it."""
 
 from typing import Type
 
@@ -9,15 +9,15 @@ from nodekit.master import MISSING, MasterClient
 
 
 def adopt_course_names(node: NodeScope, declaration: Type[ParameterSet]) -> None:
-    """Set each private parameter that is not set, but its course's name is, to that one's value.
+    """Copy values from the course's names to private parameters that are unset.
 
-    The course loads its YAML file at the root: ``/system_param_K`` is what the node ``/system`` has
-    as ``/system/system_param_K``. In a namespace both stand in it. A line of the log says which
-    values were taken; they are judged as any other. A warning says which were not, as where the
-    node has run before on the same master.
+    The course loads its YAML file at the root: ``/system_param_K`` is
+    ``/system/system_param_K`` for the node ``/system``. In a namespace both names are in it. A log
+    line lists the copied values, which are validated like any other; a warning lists values that
+    were ignored because the private parameter is set, as after an earlier run on the same master.
 
-    :param node: whose parameters they are
-    :param declaration: declares them
+    :param node: owner of the parameters
+    :param declaration: the declared parameters
     :raises MasterUnreachable: if the master does not answer
     """
     places = {name: (f"{node.name}/{name}", node.resolve(name)) for name in declaration.declared}
@@ -31,11 +31,11 @@ def adopt_course_names(node: NodeScope, declaration: Type[ParameterSet]) -> None
         master.write({places[name][0]: value for name, value in found.items()})
     if found:
         text = ", ".join(f"{places[name][1]}: {value}" for name, value in found.items())
-        rospy.loginfo("%s takes the course's names: %s", node.name, text)
+        rospy.loginfo("%s: parameters copied from the course's names: %s", node.name, text)
     for private, course in places.values():
         if MISSING not in (held[private], held[course]) and held[private] != held[course]:
             rospy.logwarn(
-                "%s: %s is not read, as %s: %s is set; to have it read at the next start: "
+                "%s: %s is ignored, because %s: %s is set; to use it at the next start: "
                 "rosparam delete %s",
                 *(course, held[course], private, held[private], private),
             )

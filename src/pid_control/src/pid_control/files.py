@@ -1,14 +1,14 @@
-"""Files that commands write."""
+"""Output files of the commands."""
 
 import errno
 import os
 
 
 def check_writable(path: str) -> None:
-    """Make sure that a file can be written, before long work whose result is to be in it.
+    """Check that a file can be written, before long work that produces its content.
 
-    :param path: the file; it stays as it is
-    :raises OSError: if it cannot be
+    :param path: the file; unchanged
+    :raises OSError: if the file cannot be written
     """
     try:
         if os.path.isdir(path):
@@ -21,11 +21,11 @@ def check_writable(path: str) -> None:
 
 
 def write_file(path: str, text: str) -> None:
-    """Write a file, which appears when it is complete.
+    """Write a file atomically.
 
     :param path: the file
-    :param text: what is in it
-    :raises OSError: if it cannot be written
+    :param text: its content
+    :raises OSError: if the file cannot be written
     """
     partial = path + ".part"
     try:

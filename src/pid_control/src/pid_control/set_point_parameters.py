@@ -1,4 +1,4 @@
-"""The parameters of the set point: those of a signal."""
+"""Parameters of the set point."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ from basic_comms.signals.signal_parameters import SignalParameters
 
 
 class SetPointParameters(SignalParameters):
-    """All that a signal can be."""
+    """Parameters of a signal, without ``autostart``."""
 
-    #: It starts by itself, as there is nothing to enable it; no parameter any more.
+    #: Constant instead of a parameter: a set point has no service that enables it.
     autostart: Any = property(lambda self: True)

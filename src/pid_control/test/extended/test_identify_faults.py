@@ -34,9 +34,9 @@ class IdentifyFaults(IdentifyCase):
     def test_names_that_are_wrong_are_refused_with_a_status(self) -> None:
         self.host_motor()
         for arguments, why, status in (
-            (["--output", "speed/data"], "speed/data: there is no such topic", 2),
-            (["--output", "motor_output/speed"], "there is no 'speed'; it has: output, time", 1),
-            (["--input", "motor_input/speed"], "there is no 'speed'; it has: input, time", 2),
+            (["--output", "speed/data"], "speed/data: unknown topic", 2),
+            (["--output", "motor_output/speed"], "unknown field 'speed'; it has: output, time", 1),
+            (["--input", "motor_input/speed"], "unknown field 'speed'; it has: input, time", 2),
         ):
             command = self.start("identify", *arguments)
             self.assertEqual(command.wait(), status, why)

@@ -80,18 +80,20 @@ class Identify(IdentifyCase):
 
     def test_motor_that_is_driven_or_named_wrongly_is_left_alone(self) -> None:
         self.host_motor()
-        none = "speed/data: there is no such topic"
+        none = "speed/data: unknown topic"
         self.assert_refused(FieldError, none, output_name="speed/data")
-        missing = "there is no 'speed'; it has: input, time"
+        missing = "unknown field 'speed'; it has: input, time"
         self.assert_refused(FieldError, missing, input_name="motor_input/speed")
         other = rospy.Publisher(self.space + "/motor_input", motor_input, queue_size=1)
         wait_until(other.get_num_connections, lambda: "the motor is not connected")
-        drives = rospy.get_name() + " drives .*: end that first"
+        drives = rf"driven by another node \({rospy.get_name()}\); stop it first"
         self.assert_refused(DriveError, drives)
         # The command says so, and its status is that of something wrong with the command.
         command = self.start("identify")
         self.assertEqual(command.wait(), 2)
-        self.assertTrue(command.logged("identify: /test_identify drives", "end that first"))
+        self.assertTrue(
+            command.logged("identify: ", "driven by another node (/test_identify); stop it first")
+        )
         self.assertFalse(command.logged("Traceback"))
         self.assertEqual(self.inputs.messages(), [])
         other.unregister()

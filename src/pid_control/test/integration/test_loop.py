@@ -274,7 +274,7 @@ class Loop(unittest.TestCase):
         self.wait_for_its_end(self.outputs)
         self.outputs.clear()
         self.host_motor()
-        self.wait_for_line("the motor was started anew")
+        self.wait_for_line("the motor was restarted")
         self.wait_for_speed(4.0)
         inputs = self.inputs.messages()
         # dt is 0 at the first output, whose time is before that of the last motor.
@@ -324,12 +324,14 @@ class Loop(unittest.TestCase):
         node = Process(os.path.join(SCRIPTS, "system.py"), arguments)
         self.addCleanup(node.end)
         # /rosout may not be connected yet when a node says its first words.
-        node.wait_for_log(f"takes the course's names: {self.space}/system_param_K: 5.0")
+        node.wait_for_log(
+            f"parameters copied from the course's names: {self.space}/system_param_K: 5.0"
+        )
         self.outputs.wait_for(lambda heard: True)
         self.assertEqual(rospy.get_param(self.space + "/system/system_param_K"), 5.0)
         self.assertEqual(rospy.get_param(self.space + "/system/system_max_speed"), 6.0)
         node.wait_for_log(
-            f"{self.space}/system_max_speed: 4.0 is not read, as"
+            f"{self.space}/system_max_speed: 4.0 is ignored, because"
             f" {self.space}/system/system_max_speed: 6.0 is set; to have it read at the next start:"
             f" rosparam delete {self.space}/system/system_max_speed"
         )

@@ -62,7 +62,7 @@ def check_random_plants(count: int, noise: float, most: float, covered: float) -
     :param count: how many plants
     :param noise: standard deviation, as a share of the outputs' range
     :param most: how wrong a value may be, as a share
-    :param covered: the least share of plants within the stated doubt; without noise a value is
+    :param covered: the least share of plants within the stated uncertainty; without noise a value is
         exact instead
     """
     worst, inside = numpy.zeros(5), numpy.zeros(5)
@@ -72,7 +72,7 @@ def check_random_plants(count: int, noise: float, most: float, covered: float) -
         errors = errors_of(model, found.model)
         assert errors.max() <= most, (seed, model, found.model)
         worst = numpy.maximum(worst, errors)
-        inside += numpy.abs(numpy.subtract(found.model, model)) <= found.doubt
+        inside += numpy.abs(numpy.subtract(found.model, model)) <= found.uncertainty
     if noise:
         assert inside.min() >= covered * count, inside
     else:

@@ -13,7 +13,7 @@ TOPICS = ["/motor", "/motor/input", "/other"]
 def test_longest_topic_is_meant() -> None:
     assert field_of("/motor/input/data", TOPICS) == Field("/motor/input", "data")
     assert field_of("motor/speed", TOPICS) == Field("/motor", "speed")
-    with pytest.raises(FieldError, match="/motors/x: there is no such topic; there are: /motor, "):
+    with pytest.raises(FieldError, match="/motors/x: unknown topic; choose one of: /motor, "):
         field_of("/motors/x", TOPICS)
 
 
@@ -29,11 +29,11 @@ def test_number_is_found_at_any_depth() -> None:
     "path, why",
     [
         ("twist/linear", "/a/twist/linear is not a number; it has: x, y, z"),
-        ("twist/speed", "there is no 'speed'; it has: linear, angular"),
-        ("__class__", "there is no '__class__'"),
+        ("twist/speed", "unknown field 'speed'; it has: linear, angular"),
+        ("__class__", "unknown field '__class__'"),
         ("header/frame_id", "is not a number"),
-        ("header[0]", "it is no element"),
-        ("", "there is no ''"),
+        ("header[0]", "is not an element"),
+        ("", "unknown field ''"),
     ],
 )
 def test_what_is_no_number_is_refused_by_name(path: str, why: str) -> None:
@@ -48,5 +48,5 @@ def test_number_is_put() -> None:
     assert (message.input, twist.twist.angular.z) == (0.5, 2.0)
     with pytest.raises(FieldError, match="an element cannot be set"):
         put_number(Float64MultiArray(data=[1.0]), Field("/a", "data[0]"), 1.0)
-    with pytest.raises(FieldError, match="there is no 'speed'"):
+    with pytest.raises(FieldError, match="unknown field 'speed'"):
         put_number(message, Field("/a", "speed"), 1.0)

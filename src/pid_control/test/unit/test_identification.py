@@ -21,7 +21,7 @@ SLOW = Model(2.0, 1.0)
 @pytest.mark.parametrize("noise, most", [(0.0, 0.01), (NOISE, 0.05)])
 def test_each_value_of_random_plants_is_found(noise: float, most: float) -> None:
     """Of 50 plants, half without noise; the larger draw, 200, is test/extended/random_plants."""
-    # Of 25, fewer than 20 within the doubt of 95 % would be once in a thousand.
+    # Of 25, fewer than 20 within the uncertainty of 95 % would be once in a thousand.
     check_random_plants(25, noise, most, covered=0.8)
 
 
@@ -30,7 +30,7 @@ def test_dead_zone_and_limit_that_do_not_show_are_not_made_up() -> None:
         found = identify(recorded(SLOW, NOISE, seed))
         assert found.model.dead_zone == 0.0
         assert found.model.limit == math.inf
-        assert found.doubt.dead_zone == found.doubt.limit == math.inf
+        assert found.uncertainty.dead_zone == found.uncertainty.limit == math.inf
 
 
 def test_one_step_by_hand_is_enough_for_gain_time_constant_and_dead_time() -> None:
@@ -50,7 +50,7 @@ def test_doubt_grows_where_the_residual_is_not_like_noise() -> None:
     hum = 0.02 * math.sqrt(2.0) * record.span * numpy.sin(0.2 * numpy.arange(1000))
     hummed = identify(record._replace(outputs=record.outputs + hum))
     assert hummed.residual == pytest.approx(clean.residual, rel=0.1)
-    assert hummed.doubt.gain > 3.0 * clean.doubt.gain
+    assert hummed.uncertainty.gain > 3.0 * clean.uncertainty.gain
 
 
 @pytest.mark.parametrize(

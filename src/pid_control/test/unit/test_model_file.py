@@ -36,7 +36,7 @@ def _pairs(text: str) -> list:
 @pytest.mark.parametrize(
     "text, why",
     [
-        ("[1, 2]", "not a list of names and values"),
+        ("[1, 2]", "not a mapping of names to values"),
         ("system_param_T: 1", "system_param_K is missing"),
         ("system_param_K: 1", "system_param_T is missing"),
         ("{system_param_K: x, system_param_T: 1}", "system_param_K must be a number: 'x'"),

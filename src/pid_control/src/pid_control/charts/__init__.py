@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""Plots as SVG: pure."""
+"""SVG plots: pure."""

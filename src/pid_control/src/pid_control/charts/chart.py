@@ -1,23 +1,24 @@
-"""Curves over time, in panels one below the other, as SVG."""
+"""SVG chart of curves over time, in stacked panels."""
 
 import math
 from html import escape
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
-#: Size of a panel's plot, and of the room about it.
+#: Width of a panel's plot, and its margins.
 _WIDTH, _LEFT, _RIGHT, _ABOVE, _BELOW = 640.0, 56.0, 16.0, 36.0, 34.0
-#: How many marks the axis of time has, about, and that of values: one in so many, but some.
+#: Ticks of the time axis (approximate); height of a panel per tick of the value axis, and the
+#: fewest ticks there.
 _MARKS, _MARK_EVERY, _FEWEST_MARKS = 5, 32.0, 3
 
 
 class Curve(NamedTuple):
-    """A curve.
+    """A curve of a panel.
 
-    :ivar name: what it is, for the legend
-    :ivar colour: as SVG has it
-    :ivar times: ascending, s
-    :ivar values: one for each time; what is not finite is left out
-    :ivar is_held: whether a value holds until the next one, so that it is drawn in steps
+    :ivar name: text of the legend
+    :ivar colour: SVG colour
+    :ivar times: ascending [s]
+    :ivar values: value at each time; values that are not finite are not drawn
+    :ivar is_held: True to draw steps, each value held until the next one
     """
 
     name: str
@@ -28,12 +29,12 @@ class Curve(NamedTuple):
 
 
 class Panel(NamedTuple):
-    """Curves over the same axes.
+    """Curves on the same axes.
 
-    :ivar title: what stands above
+    :ivar title: title above the plot
     :ivar curves: at least one
-    :ivar height: of the plot
-    :ivar limits: least and largest value that is shown; by default what the curves need
+    :ivar height: height of the plot
+    :ivar limits: range of the value axis; None for the range of the curves
     """
 
     title: str
@@ -43,9 +44,9 @@ class Panel(NamedTuple):
 
 
 def as_svg(panels: Sequence[Panel]) -> str:
-    """Return a picture of panels over the same time.
+    """Return an SVG file of panels that share the time axis.
 
-    :param panels: from above; at least one
+    :param panels: from top to bottom; at least one
     """
     begin = min(min(curve.times) for panel in panels for curve in panel.curves)
     end = max(max(curve.times) for panel in panels for curve in panel.curves)
@@ -65,12 +66,12 @@ def as_svg(panels: Sequence[Panel]) -> str:
 
 
 def plot(panel: Panel, width: float, begin: float, end: float) -> List[str]:
-    """Return the elements of a panel, whose upper left corner is at 0, with its title above.
+    """Return the SVG elements of a panel: the plot's upper left corner at (0, 0), the title above.
 
     :param panel: the panel
-    :param width: of the plot
-    :param begin: time at its left, s
-    :param end: time at its right, s
+    :param width: width of the plot
+    :param begin: time at the left edge [s]
+    :param end: time at the right edge [s]
     """
     low, high = panel.limits or _needed(panel)
     span = end - begin or 1.0
@@ -93,7 +94,7 @@ def plot(panel: Panel, width: float, begin: float, end: float) -> List[str]:
     for curve in panel.curves:
         points = [
             (width * (time - begin) / span, panel.height * (high - value) / (high - low))
-            for time, value in _thinned(curve, 2.0 * width)  # two to a column can be seen
+            for time, value in _thinned(curve, 2.0 * width)  # two points per pixel column
         ]
         parts.append(_path(points, curve))
     return parts
@@ -116,7 +117,7 @@ def _path(points: List[Tuple[float, float]], curve: Curve) -> str:
 
 
 def _thinned(curve: Curve, most: float) -> List[Tuple[float, float]]:
-    """Return the points to draw; of many, from each stretch the least and the largest value."""
+    """Return the points to draw: all, or the least and the largest value of each stretch."""
     points = [
         (time, value) for time, value in zip(curve.times, curve.values) if math.isfinite(value)
     ]
@@ -132,7 +133,7 @@ def _thinned(curve: Curve, most: float) -> List[Tuple[float, float]]:
 
 
 def _marks(low: float, high: float, count: int) -> List[float]:
-    """Return about so many round values between two others."""
+    """Return round tick values in a range; their number is approximate."""
     raw = (high - low) / count
     unit = 10.0 ** math.floor(math.log10(raw))
     step = next(unit * factor for factor in (1.0, 2.0, 5.0, 10.0) if unit * factor >= raw)

@@ -1,1 +1,1 @@
-"""The commands ``rosrun pid_control identify`` and ``tune``."""
+"""The commands ``rosrun pid_control judge``, ``identify`` and ``tune``."""

@@ -1,4 +1,4 @@
-"""Arguments of the commands, judged for argparse."""
+"""Types of command-line arguments, for argparse."""
 
 import argparse
 import math
@@ -6,7 +6,7 @@ from typing import Tuple
 
 
 def number(text: str) -> float:
-    """Return the finite number that a text is."""
+    """Parse a finite number."""
     try:
         value = float(text)
     except ValueError:
@@ -17,12 +17,12 @@ def number(text: str) -> float:
 
 
 def yaml_path(text: str) -> str:
-    """Return the path of a YAML file."""
+    """Check that a path ends like a YAML file."""
     return _ending(text, (".yaml", ".yml"))
 
 
 def svg_path(text: str) -> str:
-    """Return the path of a picture."""
+    """Check that a path ends like an SVG file."""
     return _ending(text, (".svg",))
 
 

@@ -20,13 +20,13 @@ from pid_control.recording.bag_record import read_record
 from pid_control.recording.fields import FieldError
 from pid_control.recording.live_experiment import DriveError, DriveSettings, LiveExperiment
 
-#: What the exit status says beside 0.
-_CANNOT_TELL, _WRONG = 1, 2
+#: Exit statuses besides 0.
+_NOT_USABLE, _WRONG = 1, 2
 _LONGEST_S = 3600.0
 
 
 def main() -> None:
-    """Identify a plant from a bag or a running one, and end with 0, 1 or 2."""
+    """Identify a plant, from a bag or running, and exit with 0, 1 or 2."""
     arguments = _parser().parse_args(rospy.myargv()[1:])
     if not arguments.least <= 0.0 < arguments.largest:
         _fail("--least must be at most 0, and --largest above it", _WRONG)
@@ -48,7 +48,7 @@ def _fail(why: object, status: int) -> NoReturn:
 
 
 def _check_files(arguments: argparse.Namespace) -> None:
-    """End where a file cannot be written, before a plant is driven for nothing."""
+    """Exit if an output file cannot be written, before the plant is driven in vain."""
     try:
         for path in (arguments.model, arguments.picture):
             if path is not None:
@@ -73,7 +73,7 @@ def _from_bag(arguments: argparse.Namespace) -> None:
         origin = f"{arguments.output} over {arguments.input} in {arguments.bag}"
         _report(record, origin, arguments)
     except IdentificationError as error:
-        _fail(f"{arguments.bag} cannot tell: {error}", _CANNOT_TELL)
+        _fail(f"{arguments.bag}: record not usable: {error}", _NOT_USABLE)
     except (FieldError, rosbag.ROSBagException) as error:
         _fail(f"{arguments.bag}: {error}", _WRONG)
     except OSError as error:
@@ -92,13 +92,11 @@ def _report(record: Record, origin: str, arguments: argparse.Namespace) -> None:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="identify",
-        description="Find out what a plant is like: gain K, time constant T, dead time, dead zone "
-        "and limit.",
-        epilog="Without a bag the running plant is driven, and stopped at the end. Exit status: 0, "
-        "1 if the record cannot tell or could not be completed, 2 if something is wrong with the "
-        "command.",
+        description="Identify a plant: gain K, time constant T, dead time, dead zone and limit.",
+        epilog="Without a bag the running plant is driven, and stopped at the end. Exit status: 0; "
+        "1 if the record is not usable or incomplete; 2 for an error in the command.",
     )
-    parser.add_argument("bag", metavar="FILE.bag", nargs="?", help="what rosbag has recorded")
+    parser.add_argument("bag", metavar="FILE.bag", nargs="?", help="a bag with both topics")
     parser.add_argument(
         "--input",
         metavar="FIELD",
@@ -109,23 +107,23 @@ def _parser() -> argparse.ArgumentParser:
         "--output",
         metavar="FIELD",
         default="motor_output/output",
-        help="the plant's output (%(default)s)",
+        help="the plant's output, as topic/field (%(default)s)",
     )
     parser.add_argument("--model", metavar="FILE.yaml", type=yaml_path, help="write the model")
     parser.add_argument("--picture", metavar="FILE.svg", type=svg_path, help="draw the fit")
     live = parser.add_argument_group("a running plant")
     live.add_argument(
-        "--least", metavar="U", type=number, default=0.0, help="the least input (%(default)g)"
+        "--least", metavar="U", type=number, default=0.0, help="least input (%(default)g)"
     )
     live.add_argument(
-        "--largest", metavar="U", type=number, default=1.0, help="the largest one (%(default)g)"
+        "--largest", metavar="U", type=number, default=1.0, help="largest input (%(default)g)"
     )
     live.add_argument(
         "--seconds",
         metavar="S",
         type=_seconds,
         default=10.0,
-        help="how long it is driven: some 50 time constants (%(default)g)",
+        help="duration [s]; at least 50 time constants are useful (%(default)g)",
     )
     part = parser.add_argument_group("a bag")
     for name, default, text in (("--start", 0.0, "before"), ("--end", math.inf, "after")):
@@ -134,7 +132,7 @@ def _parser() -> argparse.ArgumentParser:
             metavar="S",
             type=number,
             default=default,
-            help=f"leave out what is {text} that, s from the start of the bag",
+            help=f"skip messages {text} this time from the start of the bag [s]",
         )
     return parser
 

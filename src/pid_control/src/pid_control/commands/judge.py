@@ -16,13 +16,12 @@ from pid_control.runner.default_limits import default_limits
 from pid_control.runner.deferred_signals import exit_on_signals
 from pid_control.runner.outcome import JudgingError
 
-#: How long a judgement may take unless another time is given, s.
+#: Default and largest time limit of a judgement [s].
 _TIME_LIMIT_S = 120.0
-#: The largest limit for that, s.
 _LONGEST_S = 3600.0
-#: What rostest and roslaunch add to a command line.
+#: Arguments that rostest and roslaunch add to a command line.
 _XML, _ADDED = "--gtest_output=xml:", ("__name:=", "__log:=")
-#: The greatest speed of any plant, rad/s.
+#: Upper bound for --full-speed [rad/s].
 _FASTEST = 1e6
 
 
@@ -33,9 +32,9 @@ class _Parser(argparse.ArgumentParser):
 
 
 def main() -> None:
-    """Judge a controller, or a class of them, and end with 0, 1, or 125 where that cannot be."""
+    """Judge a controller or a class, and exit with 0, 1, or 125 if not judged."""
     words, xml = _without_rostest(sys.argv[1:])
-    del sys.argv[1:]  # the rest is for the controller, and rospy would go by it
+    del sys.argv[1:]  # rospy must not apply the controller's remappings to this process
     arguments = _parser().parse_args(words)
     exit_on_signals()
     try:
@@ -56,7 +55,7 @@ def main() -> None:
 
 
 def _judge_or_not(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, List[Record]]:
-    """Judge one; what cannot be judged is a judgement too."""
+    """Judge one controller; an error is a judgement too."""
     try:
         return _judge(arguments, limits)
     except JudgingError as error:
@@ -64,7 +63,7 @@ def _judge_or_not(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgem
 
 
 def _without_rostest(words: Sequence[str]) -> Tuple[List[str], Optional[str]]:
-    """Take out what rostest adds; return the rest, and the file that it wants, if any."""
+    """Remove rostest's arguments; return the others, and the path of its result file, if any."""
     files = [word[len(_XML) :] for word in words if word.startswith(_XML)]
     if not files:
         return list(words), None
@@ -75,48 +74,49 @@ def _parser() -> argparse.ArgumentParser:
     scenarios = "\n".join(f"  {one.name:9}{one.about}" for one in BY_NAME.values())
     parser = _Parser(
         prog="judge",
-        description="Judge a controller of the course's motor, unchanged, on a master and a clock"
-        " of its own, or with a real plant.",
-        epilog=f"scenarios:\n{scenarios}\n\n"
-        "exit status: 0 passed, 1 failed, 125 could not be judged",
+        description="Judge an unchanged controller of the course's motor, on a private master with"
+        " a simulated clock, or with a real plant.",
+        epilog=f"scenarios:\n{scenarios}\n\nexit status: 0 passed, 1 failed, 125 not judged",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument(
         "words",
         metavar="PACKAGE NAME",
         nargs=argparse.REMAINDER,
-        help="a program or a launch file in a package, or its path, and its arguments; with"
-        " --class, the name that it has in each package, controller.py by default",
+        help="a program or launch file in a package, or its path, followed by its arguments; with"
+        " --class, its name in each package, controller.py by default",
     )
-    parser.add_argument("--node", metavar="NAME", help="which node of a launch file")
-    parser.add_argument("--workspace", metavar="DIR", help="the built workspace that it is in")
+    parser.add_argument("--node", metavar="NAME", help="the controller's node in a launch file")
+    parser.add_argument("--workspace", metavar="DIR", help="the controller's built workspace")
     parser.add_argument("--limits", metavar="FILE", help="YAML file of limits")
-    parser.add_argument("--only", metavar="NAME,…", type=_scenarios, help="only these scenarios")
     parser.add_argument(
-        "--real-time", action="store_true", help="go by the machine's clock, not a simulated one"
+        "--only", metavar="NAME,…", type=_scenarios, help="run these scenarios only"
+    )
+    parser.add_argument(
+        "--real-time", action="store_true", help="use the machine's clock, not a simulated one"
     )
     parser.add_argument(
         "--real-plant",
         action="store_true",
-        help="with the motor that is there already, on your own master, in real time",
+        help="use the motor on the current master, in real time",
     )
     parser.add_argument(
         "--full-speed",
         metavar="RAD/S",
         type=_speed,
-        help=f"greatest speed of a real plant; {MOTOR.max_output:g} by default",
+        help=f"greatest speed of the real plant [rad/s]; {MOTOR.max_output:g} by default",
     )
     parser.add_argument(
         "--time-limit",
         metavar="S",
         type=_seconds,
         default=_TIME_LIMIT_S,
-        help=f"how long it may take, s; {_TIME_LIMIT_S:g} by default",
+        help=f"time limit [s]; {_TIME_LIMIT_S:g} by default",
     )
     parser.add_argument(
-        "--picture", metavar="FILE.svg", type=_svg_path, help="draw all scenarios there"
+        "--picture", metavar="FILE.svg", type=_svg_path, help="draw all scenarios in this file"
     )
-    parser.add_argument("--csv", metavar="FILE", help="write all figures there")
+    parser.add_argument("--csv", metavar="FILE", help="write all figures to this file")
     parser.add_argument(
         "--class",
         dest="class_folder",
@@ -124,7 +124,10 @@ def _parser() -> argparse.ArgumentParser:
         help="judge each package in a folder, and write class.csv and class.html",
     )
     parser.add_argument(
-        "--output", metavar="DIR", default=".", help="where a class's files go; here by default"
+        "--output",
+        metavar="DIR",
+        default=".",
+        help="folder for the files of --class; the current one by default",
     )
     return parser
 
@@ -134,7 +137,7 @@ def _scenarios(text: str) -> List[Scenario]:
     for name in names:
         if name not in BY_NAME:
             allowed = ", ".join(BY_NAME)
-            raise argparse.ArgumentTypeError(f"no scenario {name!r}; there are {allowed}")
+            raise argparse.ArgumentTypeError(f"unknown scenario {name!r}; choose from {allowed}")
     return [one for one in BY_NAME.values() if one.name in names]
 
 
@@ -165,7 +168,7 @@ def _speed(text: str) -> float:
 
 
 def _limits(path: Optional[str]) -> Limits:
-    """Return the limits of a file, or what is given without one."""
+    """Return the limits of a file, or the default ones."""
     limits = default_limits()
     if path is None:
         return limits
@@ -182,9 +185,9 @@ def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, Li
     from pid_control.runner.session import Session
 
     if not arguments.words:
-        raise JudgingError("what? a package and a name in it, or a path")
+        raise JudgingError("controller missing; give a package and a name in it, or a path")
     if arguments.full_speed is not None and not arguments.real_plant:
-        raise JudgingError("--full-speed is that of a --real-plant")
+        raise JudgingError("--full-speed: only valid with --real-plant")
     try:
         command = find_controller(arguments.words, arguments.node, arguments.workspace)
     except CommandError as error:
@@ -201,9 +204,9 @@ def _judge_class(arguments: argparse.Namespace) -> int:
     from pid_control.runner.batch import Batch
 
     if arguments.node or arguments.workspace or arguments.picture or arguments.csv:
-        _parser().error("--node, --workspace, --picture and --csv are not for a --class")
+        _parser().error("--node, --workspace, --picture and --csv: not valid with --class")
     if not os.path.isdir(arguments.class_folder):
-        _parser().error(f"there is no folder {arguments.class_folder}")
+        _parser().error(f"--class: not a folder ({arguments.class_folder})")
     options = ["--time-limit", str(arguments.time_limit)]
     if arguments.limits is not None:
         options += ["--limits", os.path.abspath(arguments.limits)]

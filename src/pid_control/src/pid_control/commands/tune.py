@@ -13,12 +13,12 @@ from pid_control.runner.deferred_signals import exit_on_signals
 from pid_control.tuning.closed_loop import Response, as_picture, as_table, respond
 from pid_control.tuning.rules import METHODS, SIMC, as_yaml, gains_of
 
-#: What the exit status says beside 0.
+#: Exit status besides 0.
 _WRONG = 2
 
 
 def main() -> None:
-    """Print the gains by each method, and write those of one; end with 0 or 2."""
+    """Print the gains by each method, write those of one, and exit with 0 or 2."""
     arguments = _parser().parse_args(rospy.myargv()[1:])
     exit_on_signals()
     if not arguments.least <= 0.0 < arguments.largest:
@@ -54,7 +54,7 @@ def _fail(why: str) -> NoReturn:
 
 
 def _judge(responses: List[Response]) -> None:
-    # It needs a master and processes, which nothing else here does.
+    # Imported late: only this needs a master and processes.
     from pid_control.runner.gains_judgement import judge_gains
 
     for gains, said in judge_gains([response.gains for response in responses]):
@@ -64,31 +64,34 @@ def _judge(responses: List[Response]) -> None:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="tune",
-        description="Find the gains of a controller for a model, by each of some rules.",
-        epilog="Exit status: 0, or 2 if something is wrong with the command or the model.",
+        description="Compute the gains of a controller for a model, by several tuning rules.",
+        epilog="Exit status: 0; 2 for an error in the command or the model.",
     )
-    parser.add_argument("model", metavar="MODEL.yaml", help="what identify has written")
+    parser.add_argument("model", metavar="MODEL.yaml", help="a model file written by identify")
     parser.add_argument(
-        "--method", choices=METHODS, default=SIMC, help="whose gains are written (%(default)s)"
+        "--method",
+        choices=METHODS,
+        default=SIMC,
+        help="method whose gains are written (%(default)s)",
     )
     parser.add_argument(
-        "--gains", metavar="FILE.yaml", type=yaml_path, help="write them for controller.py"
+        "--gains", metavar="FILE.yaml", type=yaml_path, help="write the gains for controller.py"
     )
     parser.add_argument(
-        "--picture", metavar="FILE.svg", type=svg_path, help="draw the response of each method"
+        "--picture", metavar="FILE.svg", type=svg_path, help="draw the step responses"
     )
     parser.add_argument(
         "--period",
         metavar="S",
         type=_seconds,
         default=0.01,
-        help="time between two answers of the controller, s (%(default)g)",
+        help="period of the controller [s] (%(default)g)",
     )
     parser.add_argument(
         "--wanted",
         metavar="S",
         type=_seconds,
-        help="time constant that the closed loop shall have, s, for simc and lambda",
+        help="desired time constant of the closed loop, for simc and lambda [s]",
     )
     for name, default, text in (("--least", -1.0, "least"), ("--largest", 1.0, "largest")):
         parser.add_argument(
@@ -96,12 +99,12 @@ def _parser() -> argparse.ArgumentParser:
             metavar="U",
             type=number,
             default=default,
-            help=f"the controller's {text} output (%(default)g)",
+            help=f"{text} output of the controller (%(default)g)",
         )
     parser.add_argument(
         "--judge",
         action="store_true",
-        help="have the judge say what it thinks of each, with the course's motor; takes minutes",
+        help="run the judge on the gains of each method, with the course's motor; takes minutes",
     )
     return parser
 

@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""The control law: pure, with time as an argument."""
+"""The PID controller: pure, with time as an argument."""

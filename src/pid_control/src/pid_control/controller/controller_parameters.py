@@ -5,7 +5,7 @@ from pid_control.controller.pid import ANTI_WINDUPS, CLAMPING, MODES, PI, PidSet
 
 
 class ControllerParameters(ParameterSet):
-    """What the controller is like; all of it may change live, without a jump of the output."""
+    """Parameters of the controller, all live; a change does not make the output jump."""
 
     mode = EnumParameter(
         PI, choices=MODES, help="which terms are used; manual: manual_output goes out"
@@ -73,5 +73,5 @@ class ControllerParameters(ParameterSet):
 
     @property
     def pid(self) -> PidSettings:
-        """What the law goes by."""
+        """The settings of :class:`.Pid`."""
         return PidSettings(**{name: getattr(self, name) for name in PidSettings._fields})

@@ -11,42 +11,42 @@ one, by backward differences (ibid., 11.5, "Implementation")::
     I[n] = I[n-1] + ki dt (r - y[n])
     D[n] = (tf D[n-1] - kd (y[n] - y[n-1])) / (tf + dt)
 
-which are stable for any dt. What a limited output cannot do must not be integrated: the integral
-would go on growing, and the output would leave its limit late (windup, ibid., 11.4).
+which are stable for any dt. The integral must not grow while the output is limited: the output
+would leave its limit late (windup, ibid., 11.4).
 """
 
 import math
 from typing import NamedTuple, Optional
 
-#: Which terms are used; MANUAL: none, the output is given.
+#: Active terms; in MANUAL the output is a setting.
 MANUAL, P, PI, PID = "manual", "P", "PI", "PID"
 MODES = (MANUAL, P, PI, PID)
-#: Against windup. CLAMPING: the integral stands still while the output is limited and the error
-#: drives it further beyond; simple, and nothing to tune. BACK_CALCULATION: what the limit cuts off
-#: takes the integral back, with a time constant; smoother where noise meets the limit. NONE: for
-#: lessons about windup.
+#: Anti-windup methods. CLAMPING: the integral is held while the output is limited and the error
+#: drives it further beyond; nothing to tune. BACK_CALCULATION: the clipped part of the output
+#: reduces the integral with a time constant; smoother if noise meets the limit. NONE: to teach
+#: windup.
 CLAMPING, BACK_CALCULATION, NONE = "clamping", "back_calculation", "none"
 ANTI_WINDUPS = (CLAMPING, BACK_CALCULATION, NONE)
-#: The dead zone is compensated in full from this share of it on, so that noise about an output of
-#: 0 does not become a rattle between both sides of it.
+#: Output, as a share of the dead zone, at which the compensation is complete: a ramp up to there
+#: keeps noise about 0 from jumping between both sides of the dead zone.
 _RAMP = 0.1
 
 
 class PidSettings(NamedTuple):
-    """What the controller is like.
+    """Settings of the controller.
 
     :ivar mode: MANUAL, P, PI or PID
-    :ivar kp: output for each unit of error
-    :ivar ki: output for each unit of error and second, 1/s
-    :ivar kd: output for each unit of the measurement's change a second, s
-    :ivar filter_time: tf, time constant of the derivative's filter, s, >= 0
-    :ivar set_point_weight: b, the share of the set point that the proportional term sees
-    :ivar feed_forward: kf, output for each unit of set point
-    :ivar output_min: least output
-    :ivar output_max: largest output, above the least
-    :ivar dead_zone: magnitude of the output that does not move the plant yet; added to each output
+    :ivar kp: proportional gain: output per unit of error
+    :ivar ki: integral gain: output per unit of error and second [1/s]
+    :ivar kd: derivative gain: output per unit of the measurement's rate of change [s]
+    :ivar filter_time: tf, time constant of the derivative filter, >= 0 [s]
+    :ivar set_point_weight: b, share of the set point in the proportional term
+    :ivar feed_forward: kf, output per unit of set point
+    :ivar output_min: lower limit of the output
+    :ivar output_max: upper limit of the output
+    :ivar dead_zone: largest output that does not move the plant; added to each output
     :ivar anti_windup: CLAMPING, BACK_CALCULATION or NONE
-    :ivar tracking_time: time constant of the back-calculation, s, > 0
+    :ivar tracking_time: time constant of the back-calculation, > 0 [s]
     :ivar manual_output: the output in MANUAL
     """
 
@@ -66,35 +66,35 @@ class PidSettings(NamedTuple):
 
     @property
     def integrates(self) -> bool:
-        """Whether there is an integral term."""
+        """True if the integral term is active."""
         return self.mode in (PI, PID) and self.ki != 0.0
 
     def limited(self, output: float) -> float:
-        """Return an output within the limits."""
+        """Clip an output to the limits."""
         return max(self.output_min, min(self.output_max, output))
 
     def compensated(self, output: float) -> float:
-        """Return an output that is moved out of the dead zone."""
+        """Move an output out of the dead zone."""
         if self.dead_zone == 0.0:
             return output
         return output + self.dead_zone * max(-1.0, min(1.0, output / (_RAMP * self.dead_zone)))
 
     def uncompensated(self, output: float) -> float:
-        """Return what :meth:`compensated` makes this output of."""
+        """Return the output before :meth:`compensated`, its inverse."""
         if abs(output) <= (1.0 + _RAMP) * self.dead_zone:
             return output * _RAMP / (1.0 + _RAMP)
         return output - math.copysign(self.dead_zone, output)
 
 
 class Terms(NamedTuple):
-    """What an output is made of.
+    """The terms of an output.
 
     :ivar proportional: kp (b r - y)
     :ivar integral: the integral term
     :ivar derivative: the derivative term
     :ivar feed_forward: kf r
-    :ivar unlimited: their sum, moved out of the dead zone, before the limits
-    :ivar output: what the plant gets
+    :ivar unlimited: sum of the terms, compensated for the dead zone, before clipping
+    :ivar output: the clipped output, sent to the plant
     """
 
     proportional: float
@@ -106,34 +106,34 @@ class Terms(NamedTuple):
 
 
 class Pid:
-    """The controller's state, which each measurement moves on.
+    """PID controller, updated by each measurement.
 
-    A change of settings, also of the mode, does not make the output jump as long as there is an
-    integral term, which takes up the difference; nothing else could.
+    A change of settings or mode does not make the output jump if the integral term is active: it
+    absorbs the difference.
 
     Not safe for several threads at once.
 
-    :param settings: what it is like
+    :param settings: the controller's settings
     """
 
     def __init__(self, settings: PidSettings) -> None:
         self._settings = settings
         self._integral = self._derivative = 0.0
-        #: The latest measurement; None where the next one is the first.
+        #: The latest measurement; None before the first one.
         self._measurement: Optional[float] = None
-        #: The latest output, and whether the next one goes on from it whatever the terms say.
+        #: The latest output, and whether the next one continues from it (bumpless transfer).
         self._output, self._resumes = 0.0, False
 
     def reset(self) -> None:
-        """Begin anew: with no integral, and the next measurement the first."""
+        """Clear the integral, and treat the next measurement as the first."""
         self._integral = self._derivative = 0.0
         self._measurement = None
         self._resumes = False
 
     def change(self, settings: PidSettings) -> None:
-        """Go by other settings from the next measurement on.
+        """Apply new settings from the next measurement on.
 
-        :param settings: what it is like
+        :param settings: the new settings
         """
         old, self._settings = self._settings, settings
         if old.mode == MANUAL != settings.mode:
@@ -143,20 +143,20 @@ class Pid:
             self._derivative = 0.0
 
     def resume(self, output: float) -> None:
-        """Go on from an output, with the next measurement as if it were the first.
+        """Continue from an output, and treat the next measurement as the first.
 
-        :param output: what the plant got at last, for whatever reason
+        :param output: the latest input of the plant, whatever sent it
         """
         self._measurement = None
         self._derivative = 0.0
         self._output, self._resumes = output, True
 
     def update(self, set_point: float, measurement: float, interval: float) -> Terms:
-        """Return the output that answers a measurement.
+        """Compute the output for a measurement.
 
         :param set_point: r
         :param measurement: y
-        :param interval: dt, time since the measurement before, s; 0 where there is none
+        :param interval: dt, time since the previous measurement; 0 for the first one [s]
         """
         settings = self._settings
         if settings.mode == MANUAL:
@@ -171,7 +171,7 @@ class Pid:
         if not settings.integrates:
             growth = self._integral = 0.0
         elif self._resumes:
-            # By the limits and the dead zone of now, whatever they were as that was sent.
+            # The current limits and dead zone apply, whatever they were for the latest output.
             growth = 0.0
             self._integral = settings.uncompensated(settings.limited(self._output)) - rest
         self._resumes = False
@@ -190,11 +190,11 @@ class Pid:
         return (settings.filter_time * self._derivative - change) / span
 
     def _kept(self, growth: float, excess: float, interval: float) -> float:
-        """Return the integral that the next measurement adds to.
+        """Return the new integral, with the anti-windup method applied.
 
-        :param growth: what this measurement adds
-        :param excess: how much of the output the limits cut off
-        :param interval: dt, s
+        :param growth: the increment of this measurement
+        :param excess: clipped part of the output
+        :param interval: dt [s]
         """
         settings = self._settings
         if settings.anti_windup == CLAMPING and growth * excess > 0.0:

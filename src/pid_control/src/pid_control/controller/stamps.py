@@ -1,26 +1,26 @@
-"""The time between measurements, from their stamps, which may be wrong.
+"""The interval between measurements, from their stamps, which may be wrong.
 
-A controller that takes its own loop's period for dt integrates wrongly whenever that is late. What
-counts is when the plant was measured, and the measurement says so.
+A controller that uses its loop period as dt integrates wrongly when the loop is late; the stamp of
+a measurement is the time at which the plant was measured.
 """
 
 from typing import NamedTuple, Optional
 
-#: What a stamp says. FIRST: there is none to compare it with. NEXT: it follows the one before.
-#: LATE: not after the one before, so there is nothing new to answer. GAP: measurements were missing
-#: for longer than one may wait. RESTART: the plant's time has begun anew.
+#: Kinds of stamps. FIRST: no previous stamp. NEXT: follows the previous one. LATE: not after the
+#: previous one, so the measurement is not new. GAP: measurements were missing for longer than the
+#: timeout. RESTART: the plant's time started again.
 FIRST, NEXT, LATE, GAP, RESTART = "first", "next", "late", "gap", "restart"
 
-#: How late a message may be that another one has overtaken, s. A plant that was restarted soon
-#: after its start is to be told from that, also where one may wait for long.
+#: Largest delay of an overtaken message [s]: it distinguishes a late message from a restart soon
+#: after the plant's start, also with a long timeout.
 _LATEST_S = 0.1
 
 
 class ClassifiedStamp(NamedTuple):
-    """What becomes of a measurement.
+    """The kind of a stamp, and the interval before it.
 
     :ivar kind: FIRST, NEXT, LATE, GAP or RESTART
-    :ivar interval: dt, time since the measurement before, s; 0 but for NEXT
+    :ivar interval: dt, time since the previous measurement; 0 except for NEXT [s]
     """
 
     kind: str
@@ -28,18 +28,18 @@ class ClassifiedStamp(NamedTuple):
 
 
 class StampClassifier:
-    """Judges the stamps of measurements, one after the other."""
+    """Classifier of consecutive measurement stamps."""
 
     def __init__(self) -> None:
         self._latest: Optional[float] = None
 
     def classify(self, stamp: float, longest: float) -> ClassifiedStamp:
-        """Judge the stamp of the next measurement.
+        """Classify the stamp of the next measurement.
 
-        :param stamp: when it was made, s, in the plant's time; finite
-        :param longest: longest time without one, s. A stamp that is set back by more than that, or
-            than a message may be late, is of a plant that was restarted; one that is set back by
-            less of a message that came late or twice
+        :param stamp: time of the measurement in the plant's time, finite [s]
+        :param longest: longest time without a measurement [s]. A stamp that goes back by more than
+            that, or by more than a message may be late, means a restarted plant; one that goes back
+            by less, a message that came late or twice
         """
         latest = self._latest
         if latest is None:

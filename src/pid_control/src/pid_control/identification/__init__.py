@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""What a plant is like, from a record of its input and its output: pure, with numpy and scipy."""
+"""Identification of a plant from its input and its output: pure, with numpy and scipy."""

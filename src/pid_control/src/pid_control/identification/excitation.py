@@ -1,22 +1,22 @@
-"""What to give a plant so that its record tells all of it: a slow ramp, then steps."""
+"""Excitation signal for an identification experiment: a slow ramp, then steps."""
 
 from typing import List, NamedTuple, Optional
 
-#: The ramp that finds the dead zone: how much of the time it takes, how far it goes and in how many
-#: steps. A larger dead zone is found by the steps, less well.
+#: The ramp that finds the dead zone: share of the duration, end as a share of the largest input,
+#: and number of steps. A larger dead zone is found by the steps, less accurately.
 _RAMP_SHARE, _RAMP_END, _RAMP_STEPS = 0.4, 0.4, 400
-#: The steps that follow, in shares of the largest input; below 0, of the least one where that is
-#: below 0. They go up and down, to the limit and to where it is not met.
+#: The steps that follow, as shares of the largest input or, if negative, of the least input. They
+#: go up and down, to the output's limit and below it.
 _STEPS = (0.0, 1.0, 0.0, 0.5, 0.8, 0.3, -1.0, 0.6, -0.5, 0.0)
-#: How far an experiment goes on at most from one input to the next, s.
+#: Longest progress of the experiment from one input to the next [s].
 _LONGEST_STEP_S = 0.1
 
 
 class Change(NamedTuple):
     """A change of the input.
 
-    :ivar time: when, s
-    :ivar value: what it is from then on
+    :ivar time: time of the change [s]
+    :ivar value: the input from then on
     """
 
     time: float
@@ -24,11 +24,11 @@ class Change(NamedTuple):
 
 
 def excitation(least: float, largest: float, seconds: float) -> List[Change]:
-    """Return the inputs to give, of which the last one is 0.
+    """Return the changes of the input; the last value is 0.
 
     :param least: the least input, <= 0
     :param largest: the largest input, > 0
-    :param seconds: how long it takes, s
+    :param seconds: duration [s]
     """
     ramp = seconds * _RAMP_SHARE
     changes = [
@@ -43,12 +43,12 @@ def excitation(least: float, largest: float, seconds: float) -> List[Change]:
 
 
 class Progress:
-    """How far an experiment is: which input is due.
+    """Progress of an experiment, and the input that is due.
 
-    Where the machine stands still for a moment, the experiment becomes longer and skips no step.
+    If the machine stalls, the experiment takes longer instead of skipping a step.
 
-    :param changes: of the input, the first at 0 s
-    :param seconds: how long it takes, s
+    :param changes: changes of the input, the first at 0 s
+    :param seconds: duration [s]
     """
 
     def __init__(self, changes: List[Change], seconds: float) -> None:
@@ -57,9 +57,9 @@ class Progress:
         self._asked_at: Optional[float] = None
 
     def input_at(self, time: float) -> Optional[float]:
-        """Return the input that is due, or None when the experiment is at its end.
+        """Return the input that is due, or None after the end of the experiment.
 
-        :param time: now, s, by a clock that starts anywhere
+        :param time: now, by any clock [s]
         """
         if self._asked_at is not None:
             self._done += min(time - self._asked_at, _LONGEST_STEP_S)

@@ -1,4 +1,4 @@
-"""Find the plant that answers most like a record: least squares, with the doubt of each value."""
+"""Least-squares fit of a plant to a record, with the uncertainty of each value."""
 
 import math
 from typing import Dict, NamedTuple, Optional, Sequence
@@ -19,60 +19,59 @@ from pid_control.identification.response import (
     responses,
 )
 
-#: 95 % of a normal distribution lie within so many standard deviations.
+#: Standard deviations that contain 95 % of a normal distribution.
 _95_PERCENT = 1.96
-#: Where the search begins: the time constant in shares of the record, the dead time in time
-#: constants, the gain in those that just reach the largest output, the limit in largest outputs,
-#: of which noise may be a part; and by how many outputs, with how many levels of the input.
+#: Start values of the search: time constants as shares of the record, dead times in time constants,
+#: gains as multiples of the gain that just reaches the largest output, limits as shares of the
+#: largest output (which may contain noise); and the numbers of outputs and input levels used.
 _TIME_CONSTANTS = numpy.geomspace(0.5e-3, 0.5, 10)
 _DEAD_TIMES = (0.0, 0.4, 1.2)
 _GAINS = (1.0, 1.4, 2.0, 4.0)
 _LIMITS = (1.0, 0.85, 0.7)
 _SEARCH_OUTPUTS, _SEARCH_LEVELS = 250, 40
-#: An input may have been recorded after it acted, by so much at most, s, and as a share of the
-#: record: whoever records may be connected later than the plant. The dead time is below 0 then.
+#: Longest delay with which an input may have been recorded after it acted, in [s] and as a share of
+#: the record: a recorder may connect later than the plant. The fitted dead time is negative then.
 _EARLIEST_S, _EARLIEST = 0.5, 0.05
-#: As many outputs are fitted, at most: more cost time and tell little.
+#: Most outputs that are fitted: more take time and add little accuracy.
 _FIT_OUTPUTS = 6000
-#: As many thresholds of the dead zone are tried at once.
+#: Number of dead zone thresholds that are tried at once.
 _ZONES = 40
-#: What a value more must make the error smaller by, see :func:`_score`.
+#: Extra penalty for each additional value, see :func:`_score`.
 _WORTH = 4.0
-#: A square error below this one, in shares of the outputs' span, is rounding.
+#: Error that counts as rounding, as a share of the outputs' span.
 _ROUNDING = 1e-7
-#: What must be explained of the outputs, and how much doubt there may be in K and T, in shares.
-_LEAST_EXPLAINED, _MOST_DOUBT = 0.5, 0.5
+#: Least share of the outputs' variance to explain, and largest relative uncertainty of K and T.
+_LEAST_EXPLAINED, _MAX_UNCERTAINTY = 0.5, 0.5
 
 
 class Identified(NamedTuple):
-    """What was found.
+    """Result of an identification.
 
     :ivar model: the plant
-    :ivar doubt: for each field of the model, by how much it may be wrong: in 95 of 100 records like
-        this one the true value is no farther away; infinite where the record cannot tell
-    :ivar fitted: what the model answers, at the times of the record
-    :ivar residual: the record's outputs less these, root of the mean square
+    :ivar uncertainty: half width of the 95 % confidence interval of each field of the model;
+        infinite if the record does not determine the value
+    :ivar fitted: the model's outputs at the times of the record
+    :ivar residual: root mean square of the record's outputs minus the fitted ones
     :ivar explained: share of the outputs' variance that the model explains
     """
 
     model: Model
-    doubt: Model
+    uncertainty: Model
     fitted: numpy.ndarray
     residual: float
     explained: float
 
 
 def identify(record: Record) -> Identified:
-    """Find K, T, dead time, dead zone and limit.
+    """Identify K, T, dead time, dead zone and limit.
 
-    The dead zone and the limit are only there where the record says so: where it does without them
-    as well, by the Bayesian information criterion (Schwarz, Annals of Statistics 6, 1978), they
-    are 0 and infinite. The doubt is that of the linearised problem; where one residual is like the
-    next it is greater, as there are fewer that are independent (by (1 + r)/(1 - r), with r their
-    correlation; Box, Jenkins, Reinsel: Time Series Analysis, section 2.1).
+    Dead zone and limit are part of the model only if they improve the Bayesian information
+    criterion (Schwarz, Annals of Statistics 6, 1978); otherwise they are 0 and infinite. The
+    uncertainty is that of the linearised problem, enlarged by (1 + r)/(1 - r) for residuals with
+    autocorrelation r (Box, Jenkins, Reinsel: Time Series Analysis, section 2.1).
 
-    :param record: of the plant
-    :raises IdentificationError: if the record does not tell, and why
+    :param record: a record of the plant
+    :raises IdentificationError: if the record does not determine the plant; the message says why
     """
     few = record.thinned(_FIT_OUTPUTS)
     fit = _best_fit(few)
@@ -85,18 +84,18 @@ def identify(record: Record) -> Identified:
             "the output does not follow the input: a first-order plant explains "
             f"{max(100.0 * explained, 0.0):.0f} % of it"
         )
-    doubt = fit.doubt(len(record.times))._replace(dead_zone=_zone_doubt(few, fit))
+    uncertainty = fit.uncertainty(len(record.times))._replace(dead_zone=_zone_uncertainty(few, fit))
     model = Model(row[GAIN], row[TIME_CONSTANT], row[DEAD_TIME], row[DEAD_ZONE], row[LIMIT])
     model = Model(*(float(value) for value in model))
-    _check_doubt(record, model, doubt)
+    _check_uncertainty(record, model, uncertainty)
     residual = math.sqrt(float(numpy.mean(errors**2)))
-    return Identified(model, doubt, fitted, residual, explained)
+    return Identified(model, uncertainty, fitted, residual, explained)
 
 
-def _check_doubt(record: Record, model: Model, doubt: Model) -> None:
-    in_tau = doubt.time_constant / model.time_constant
-    in_gain = doubt.gain / abs(model.gain) if model.gain else math.inf
-    if in_tau <= _MOST_DOUBT and in_gain <= _MOST_DOUBT:
+def _check_uncertainty(record: Record, model: Model, uncertainty: Model) -> None:
+    in_tau = uncertainty.time_constant / model.time_constant
+    in_gain = uncertainty.gain / abs(model.gain) if model.gain else math.inf
+    if in_tau <= _MAX_UNCERTAINTY and in_gain <= _MAX_UNCERTAINTY:
         return
     if model.time_constant < record.interval:
         why = f"its outputs are {record.interval:.3g} s apart, and the plant is faster"
@@ -114,7 +113,7 @@ def _within(share: float) -> str:
 
 
 class _Fit:
-    """The least squares of a record, with a dead zone that is given."""
+    """Least-squares fit of a record, with a fixed dead zone."""
 
     def __init__(self, record: Record, row: numpy.ndarray) -> None:
         self._record = record
@@ -142,14 +141,14 @@ class _Fit:
 
     @property
     def score(self) -> float:
-        """How good it is; less is better."""
+        """The information criterion of the fit; less is better."""
         values = len(self._free) + (1 if self.row[DEAD_ZONE] > 0.0 else 0)
         return _score(self._record, self.square, values)
 
-    def doubt(self, outputs: int) -> Model:
-        """Return by how much each value may be wrong.
+    def uncertainty(self, outputs: int) -> Model:
+        """Return the uncertainty of each value.
 
-        :param outputs: how many outputs there really are
+        :param outputs: number of outputs of the whole record
         """
         count = len(self.errors)
         variance = self.square / (count - len(self._free))
@@ -157,14 +156,14 @@ class _Fit:
         alike = float(before @ after) / (self.square or 1.0)
         alike = min(max(alike, 0.0), 0.999)
         variance *= (1.0 + alike) / (1.0 - alike) * count / outputs
-        doubts: Dict[int, float] = {}
+        uncertainties: Dict[int, float] = {}
         _, singular, axes = numpy.linalg.svd(self._jacobian, full_matrices=False)
         is_told = singular[-1] > 1e-10 * singular[0]
         for number, (column, scale) in enumerate(zip(self._free, self._scale)):
             share = numpy.sum((axes[:, number] / singular) ** 2) if is_told else math.inf
-            doubts[column] = _95_PERCENT * scale * math.sqrt(variance * share)
+            uncertainties[column] = _95_PERCENT * scale * math.sqrt(variance * share)
         columns = (GAIN, TIME_CONSTANT, DEAD_TIME, DEAD_ZONE, LIMIT)
-        return Model(*(float(doubts.get(column, math.inf)) for column in columns))
+        return Model(*(float(uncertainties.get(column, math.inf)) for column in columns))
 
     def _rows(self, points: numpy.ndarray) -> numpy.ndarray:
         rows = numpy.tile(self._row, (len(points), 1))
@@ -196,14 +195,14 @@ def _best_fit(record: Record) -> _Fit:
     with_zone = _with_dead_zone(record, better)
     if with_zone is None or with_zone.score >= better.score:
         return better
-    # The dead zone may have been taken for a limit, or have hidden one.
+    # Without the dead zone the fit may have found a false limit, or missed the true one.
     begin = with_zone.row.copy()
     begin[LIMIT] = other.row[LIMIT]
     return min([with_zone, _Fit(record, begin)], key=lambda fit: fit.score)
 
 
 def _begin(record: Record, limits: Sequence[float]) -> numpy.ndarray:
-    """Return the best of many plants, from where the search begins."""
+    """Return the best of many start values."""
     few = record.thinned(_SEARCH_OUTPUTS).coarse(_SEARCH_LEVELS)
     start = float(record.outputs[0])
     gain = float(numpy.abs(record.outputs).max() / numpy.abs(record.inputs).max())
@@ -223,10 +222,10 @@ def _begin(record: Record, limits: Sequence[float]) -> numpy.ndarray:
 
 
 def _with_dead_zone(record: Record, fit: _Fit) -> Optional[_Fit]:
-    """Return the best fit with a dead zone, if there may be one at all.
+    """Return the best fit with a dead zone; None if the record cannot show one.
 
-    The error only changes with the threshold where that passes an input that was given: so all
-    thresholds between two inputs are as good, and the middle is taken.
+    The error is constant for all thresholds between two neighbouring input levels, so the middle
+    is used.
     """
     levels = numpy.unique(numpy.abs(record.inputs))
     if len(levels) < 2:
@@ -245,7 +244,7 @@ def _with_dead_zone(record: Record, fit: _Fit) -> Optional[_Fit]:
 
 
 def _at_best_zone(record: Record, row: numpy.ndarray, levels: numpy.ndarray) -> numpy.ndarray:
-    """Return a plant with the dead zone that suits it best, the other values kept."""
+    """Return a plant with its best dead zone, the other values unchanged."""
     middles = 0.5 * (levels[:-1] + levels[1:])
     low, high = 0, len(middles) - 1
     while True:
@@ -268,10 +267,11 @@ def _squares(record: Record, row: numpy.ndarray, zones: numpy.ndarray) -> numpy.
     return squares
 
 
-def _zone_doubt(record: Record, fit: _Fit) -> float:
-    """Return how far the farthest threshold is away that is nearly as likely as the best one.
+def _zone_uncertainty(record: Record, fit: _Fit) -> float:
+    """Return the uncertainty of the dead zone, by the likelihood ratio.
 
-    By the likelihood's ratio: within 95 % the error is no greater than by exp(1.96^2 / count).
+    Within 95 % the squared error is larger than the least one by a factor of at most
+    exp(1.96^2 / count).
     """
     zone = float(fit.row[DEAD_ZONE])
     if zone == 0.0:

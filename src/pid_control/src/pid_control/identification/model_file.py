@@ -1,4 +1,4 @@
-"""A model as a YAML file: parameters of the node system, so that it can be the model."""
+"""Model file: YAML parameters of the node system, which can then simulate the model."""
 
 import math
 from typing import Any, Dict
@@ -8,7 +8,7 @@ import yaml
 from pid_control.identification.fit import Identified
 from pid_control.identification.response import Model
 
-#: What the parameters of the node system are called, by what they are here.
+#: Parameter names of the node system, by field of the model.
 NAMES = {
     "gain": "system_param_K",
     "time_constant": "system_param_T",
@@ -16,42 +16,42 @@ NAMES = {
     "dead_zone": "system_min_input",
     "limit": "system_max_speed",
 }
-#: What stands for a limit that was not met.
+#: Written for a limit that the record did not reach.
 _UNLIMITED = 1e9
 
 
 class ModelError(ValueError):
-    """A file that does not hold a model; the text says why."""
+    """The text is not a valid model; the message says why."""
 
 
 def as_yaml(found: Identified, origin: str) -> str:
-    """Return a model as text.
+    """Return a model as YAML.
 
-    :param found: the model, and by how much it may be wrong
-    :param origin: what it was found from; one line
+    :param found: the result of the identification
+    :param origin: source of the record, for the comment
     """
     lines = [f"# Identified from {' '.join(origin.split())}.", "# 95 of 100 are within the +-."]
     for field, name in NAMES.items():
-        value, doubt = getattr(found.model, field), getattr(found.doubt, field)
+        value, uncertainty = getattr(found.model, field), getattr(found.uncertainty, field)
         if field == "dead_time":
-            value = max(value, 0.0)  # below 0 where the input was recorded late
-        note = f"+- {doubt:.2g}" if math.isfinite(doubt) else "not met"
+            value = max(value, 0.0)  # negative if the input was recorded late
+        note = f"+- {uncertainty:.2g}" if math.isfinite(uncertainty) else "not met"
         lines.append(f"{name}: {float(f'{min(value, _UNLIMITED):.6g}')!r}  # {note}")
     return "\n".join(lines) + "\n"
 
 
 def read_model(text: str) -> Model:
-    """Return the model that a text holds; dead time, dead zone and limit may be missing.
+    """Parse a model; dead time, dead zone and limit may be missing.
 
-    :param text: YAML, as :func:`as_yaml` or the course's system_params.yaml has it
-    :raises ModelError: if it does not hold one
+    :param text: YAML, as in :func:`as_yaml` or the course's system_params.yaml
+    :raises ModelError: if the text is not a valid model
     """
     try:
         held = yaml.safe_load(text)
     except yaml.YAMLError as error:
         raise ModelError(" ".join(str(error).split())) from None
     if not isinstance(held, dict):
-        raise ModelError("it is not a list of names and values")
+        raise ModelError("not a mapping of names to values")
     values: Dict[str, float] = {
         field: _number(held, name) for field, name in NAMES.items() if name in held
     }

@@ -1,28 +1,28 @@
-"""A record of a plant: what it was given, and what it did."""
+"""A record of a plant: its inputs and its outputs."""
 
 from typing import NamedTuple, Sequence, Tuple, Union
 
 import numpy
 
 Numbers = Union[Sequence[float], numpy.ndarray]
-#: Fewer outputs than this do not make a record.
+#: Fewest outputs of a usable record.
 LEAST_OUTPUTS = 20
-#: An input with more messages than this, 1/s, is a stream, which was there before the record began.
+#: Message rate [Hz] above which an input is a stream, which ran before the record began.
 _STREAM_HZ = 5.0
 
 
 class IdentificationError(ValueError):
-    """A record that cannot tell what the plant is like; the text says why."""
+    """The record does not determine the plant; the message says why."""
 
 
 class Record(NamedTuple):
-    """A record that is in order, in a time of its own; see :func:`record_of`.
+    """Sorted samples of a plant, in a time that starts at 0; see :func:`record_of`.
 
-    :ivar changed_at: when the input changed, ascending, s; the first is what it was at first
-    :ivar inputs: what it was from then on
-    :ivar times: when the output was measured, ascending, from 0 on, s
-    :ivar outputs: what it was
-    :ivar left_out: how many values were left out as they were not finite
+    :ivar changed_at: start time of each value of the input, ascending [s]
+    :ivar inputs: the input from each of these times on
+    :ivar times: times of the outputs, ascending from 0 [s]
+    :ivar outputs: the outputs
+    :ivar left_out: number of dropped values that were not finite
     """
 
     changed_at: numpy.ndarray
@@ -33,23 +33,23 @@ class Record(NamedTuple):
 
     @property
     def duration(self) -> float:
-        """From the first output to the last, s."""
+        """Time from the first output to the last [s]."""
         return float(self.times[-1] - self.times[0])
 
     @property
     def span(self) -> float:
-        """How far the outputs lie apart."""
+        """Difference between the largest and the least output."""
         return float(numpy.ptp(self.outputs))
 
     @property
     def interval(self) -> float:
-        """The usual time from one output to the next, s."""
+        """Median interval of the outputs [s]."""
         return float(numpy.median(numpy.diff(self.times)))
 
     def thinned(self, most: int) -> "Record":
-        """Return a record with fewer outputs, evenly chosen.
+        """Return a record with fewer outputs, evenly selected.
 
-        :param most: how many are left at most
+        :param most: largest number of outputs
         """
         every = -(-len(self.times) // most)
         return self._replace(times=self.times[::every], outputs=self.outputs[::every])
@@ -57,7 +57,7 @@ class Record(NamedTuple):
     def coarse(self, levels: int) -> "Record":
         """Return a record whose input is rounded, so that it changes less often.
 
-        :param levels: as many values it has from 0 to its largest magnitude
+        :param levels: number of levels from 0 to the largest magnitude
         """
         unit = float(numpy.abs(self.inputs).max()) / levels
         inputs = numpy.round(self.inputs / unit) * unit
@@ -68,16 +68,16 @@ class Record(NamedTuple):
 def record_of(
     input_times: Numbers, inputs: Numbers, output_times: Numbers, outputs: Numbers
 ) -> Record:
-    """Make a record of samples; the input is held from one to the next.
+    """Make a record from samples; the input is held from one sample to the next.
 
-    Where an input comes now and then, it is 0 before its first message, as a motor's is. Where it
-    is a stream, the record begins with it.
+    A sporadic input is 0 before its first message, as a motor's is. If the input is a stream, the
+    record begins with it.
 
-    :param input_times: when inputs were given, s
-    :param inputs: what they were
-    :param output_times: when outputs were measured, s
-    :param outputs: what they were
-    :raises IdentificationError: if nothing can be learnt from them
+    :param input_times: times of the inputs [s]
+    :param inputs: the inputs
+    :param output_times: times of the outputs [s]
+    :param outputs: the outputs
+    :raises IdentificationError: if the samples do not determine a plant
     """
     given_at, given = _in_order(input_times, inputs)
     times, measured = _in_order(output_times, outputs)
@@ -104,13 +104,13 @@ def record_of(
             f"the output never changes: it is {measured[0]:g} throughout, while the input goes "
             f"from {given.min():g} to {given.max():g}"
         )
-    # Of seconds since the epoch a float does not keep enough digits.
+    # A float has too few digits for fractions of seconds since the epoch.
     begin = times[0]
     return Record(changed_at - begin, given, times - begin, measured, left_out)
 
 
 def _in_order(times: Numbers, values: Numbers) -> Tuple[numpy.ndarray, numpy.ndarray]:
-    """Return samples in the order of their times, without those that are not finite."""
+    """Return the finite samples, sorted by time."""
     samples = numpy.array([times, values], float)
     samples = samples[:, numpy.isfinite(samples).all(axis=0)]
     ordered: numpy.ndarray = samples[:, numpy.argsort(samples[0], kind="stable")]

@@ -1,4 +1,4 @@
-"""What was found, in words and in a picture."""
+"""Report of an identification, as text and as a picture."""
 
 import math
 from typing import List, Optional
@@ -8,30 +8,30 @@ from pid_control.identification.fit import Identified
 from pid_control.identification.record import Record
 from pid_control.identification.step_reading import StepReading, why_they_differ
 
-#: Colours that are told apart by those who see few.
+#: Colours that colour-blind readers can distinguish.
 _RECORD, _MODEL, _INPUT = "#999999", "#0072b2", "#d55e00"
 
 
 def as_text(record: Record, found: Identified, reading: Optional[StepReading]) -> str:
-    """Return the table of what was found.
+    """Return the table of results.
 
-    :param record: of the plant
-    :param found: by least squares
-    :param reading: off a step of it, if there is one
+    :param record: a record of the plant
+    :param found: the least-squares fit
+    :param reading: the step reading, if any
     """
-    model, doubt = found.model, found.doubt
+    model, uncertainty = found.model, found.uncertainty
     read = ("", "") if reading is None else (reading.gain, reading.time_constant)
     lines = [
         f"{record.duration:.3g} s, {len(record.times)} outputs, "
         f"{len(record.inputs) - 1} changes of the input",
         f"{'':12}{'least squares':28}63.2 % reading",
-        _line("K", model.gain, doubt.gain, "", read[0]),
-        _line("T", model.time_constant, doubt.time_constant, " s", read[1]),
-        _line("dead time", model.dead_time, doubt.dead_time, " s"),
-        _line("dead zone", model.dead_zone, doubt.dead_zone, "")
+        _line("K", model.gain, uncertainty.gain, "", read[0]),
+        _line("T", model.time_constant, uncertainty.time_constant, " s", read[1]),
+        _line("dead time", model.dead_time, uncertainty.dead_time, " s"),
+        _line("dead zone", model.dead_zone, uncertainty.dead_zone, "")
         if model.dead_zone
         else f"{'dead zone':12}none that shows",
-        _line("limit", model.limit, doubt.limit, "")
+        _line("limit", model.limit, uncertainty.limit, "")
         if math.isfinite(model.limit)
         else f"{'limit':12}not met",
         f"{'residual':12}{found.residual:.3g} rms, {100.0 * found.residual / record.span:.2g} % of "
@@ -47,7 +47,7 @@ def as_text(record: Record, found: Identified, reading: Optional[StepReading]) -
             f"{reading.time:.3g} s:"
         )
         lines += [f"- {why}" for why in why_they_differ(record, found, reading)]
-    if model.dead_time < -doubt.dead_time:
+    if model.dead_time < -uncertainty.dead_time:
         lines.append(
             "The output begins before its input, which was recorded late by "
             f"{-model.dead_time:.2g} s or more: the dead time cannot be told."
@@ -55,17 +55,17 @@ def as_text(record: Record, found: Identified, reading: Optional[StepReading]) -
     return "\n".join(lines)
 
 
-def _line(name: str, value: float, doubt: float, unit: str, read: object = "") -> str:
-    text = f"{value:.5g} ± {doubt:.2g}{unit}"
+def _line(name: str, value: float, uncertainty: float, unit: str, read: object = "") -> str:
+    text = f"{value:.5g} ± {uncertainty:.2g}{unit}"
     shown = f"{read:.4g}{unit}" if isinstance(read, float) else ""
     return f"{name:12}{text:28}{shown}".rstrip()
 
 
 def as_picture(record: Record, found: Identified) -> str:
-    """Return the fit over the record, the residual and the input, as SVG.
+    """Return an SVG picture of record and fit, the residual and the input.
 
-    :param record: of the plant
-    :param found: by least squares
+    :param record: a record of the plant
+    :param found: the least-squares fit
     """
     times: List[float] = record.times.tolist()
     # The last input holds until the end.

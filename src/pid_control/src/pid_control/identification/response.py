@@ -1,11 +1,11 @@
-"""The response of first-order plants with dead time, dead zone and limit; many of them at once.
+"""Responses of many first-order plants with dead time, dead zone and limit, vectorised.
 
 With input u, output y, gain K, time constant T, dead time L, dead zone m and limit y_max::
 
     T dy/dt + y = K z(t - L),   z = u where |u| > m, else 0,   |y| <= y_max
 
 The input is held from one change to the next, so y is known in closed form, as in
-:mod:`first_order_sys_sim.first_order_plant`, of which this is the same law, written for arrays.
+:mod:`first_order_sys_sim.first_order_plant`; this is the same equation for arrays.
 """
 
 import math
@@ -15,20 +15,20 @@ import numpy
 
 from pid_control.identification.record import Record
 
-#: The columns of an array of candidates.
+#: Columns of an array of candidates.
 GAIN, TIME_CONSTANT, DEAD_TIME, START, DEAD_ZONE, LIMIT = range(6)
-#: A limit that is never met, but times 0 is no NaN.
+#: A limit that is never reached; finite, because infinity times 0 is NaN.
 _UNLIMITED = 1e300
-#: As many numbers are worked on at once: more would only fill the memory.
+#: Largest number of array elements processed at once, to bound the memory.
 _TOGETHER = 50_000
 
 
 class Model(NamedTuple):
-    """What a plant is like.
+    """Parameters of a first-order plant.
 
-    :ivar gain: K, output for each unit of input
-    :ivar time_constant: T, s
-    :ivar dead_time: L, s
+    :ivar gain: K, output per unit of input
+    :ivar time_constant: T [s]
+    :ivar dead_time: L [s]
     :ivar dead_zone: m, magnitude up to which an input acts as 0
     :ivar limit: y_max, largest magnitude of the output
     """
@@ -41,12 +41,12 @@ class Model(NamedTuple):
 
 
 def responses(record: Record, candidates: numpy.ndarray) -> numpy.ndarray:
-    """Return what plants would have answered to the input of a record.
+    """Return the responses of plants to the input of a record.
 
-    :param record: its inputs, and the times of its outputs
-    :param candidates: a row for each plant: GAIN, TIME_CONSTANT, DEAD_TIME, START (the output
-        until the record's first input arrives), DEAD_ZONE and LIMIT
-    :returns: a row for each plant, with an output for each time of the record
+    :param record: supplies the inputs and the times of the outputs
+    :param candidates: one row per plant: GAIN, TIME_CONSTANT, DEAD_TIME, START (the output
+        until the record's first input acts), DEAD_ZONE and LIMIT
+    :returns: one row per plant, with one output per time of the record
     """
     numbers = len(candidates) * max(len(record.inputs), len(record.times))
     parts = numpy.array_split(candidates, min(-(-numbers // _TOGETHER), len(candidates)))
@@ -69,11 +69,11 @@ def _responses(record: Record, candidates: numpy.ndarray) -> numpy.ndarray:
 def _states(
     targets: numpy.ndarray, decays: numpy.ndarray, start: numpy.ndarray, limit: numpy.ndarray
 ) -> numpy.ndarray:
-    """Return the outputs at the changes of the input, of which each follows from the last one.
+    """Return the outputs at the changes of the input, computed as a parallel prefix sum.
 
-    From one to the next the output y becomes clip(a y + b, low, high); and so it does over two of
-    them, with other numbers, over four, and so on (a prefix sum; Hillis, Steele: Data parallel
-    algorithms, CACM 29, 1986). That takes ten passes over arrays in place of a thousand turns.
+    From one change to the next the output y becomes clip(a y + b, low, high); so it does over two
+    changes, with other coefficients, over four, and so on (Hillis, Steele: Data parallel
+    algorithms, CACM 29, 1986): ten passes over arrays instead of a loop over a thousand changes.
     """
     a = decays.copy()
     b = targets[:, :-1] * (1.0 - decays)
@@ -93,16 +93,16 @@ def _states(
 
 
 def _limited(values: numpy.ndarray, low: numpy.ndarray, high: numpy.ndarray) -> numpy.ndarray:
-    """Do what numpy.clip does, in a third of its time."""
+    """Clip values, three times as fast as numpy.clip."""
     limited: numpy.ndarray = numpy.minimum(numpy.maximum(values, low), high)
     return limited
 
 
 def candidate(model: Model, start: float) -> numpy.ndarray:
-    """Return a model as a row of candidates.
+    """Return a model as a row of an array of candidates.
 
     :param model: the plant
-    :param start: its output at first
+    :param start: its initial output
     """
     return numpy.array(
         [

@@ -1,4 +1,4 @@
-"""The course's reading of a step: K is the steady output over the step, T the time of 63.2 %."""
+"""Step reading of the course: K is steady output over step height, T the time to 63.2 %."""
 
 from typing import List, NamedTuple, Optional
 
@@ -7,27 +7,28 @@ import numpy
 from pid_control.identification.fit import Identified
 from pid_control.identification.record import Record
 
-#: What a step response has done after a time constant.
+#: Share of a step response that is complete after one time constant.
 _SHARE = 1.0 - float(numpy.exp(-1.0))
-#: A step that holds for less than this share of the longest is not read.
+#: Shortest step that is read, as a share of the longest.
 _LONG = 0.3
-#: What is read as steady: the last outputs before the input changes, as a share of their time.
+#: Outputs that count as steady: the last share of the time before the input changes.
 _STEADY = 0.1
-#: As many time constants a response takes until it is steady.
+#: Time constants until a response is steady.
 _SETTLED = 5.0
-#: What makes a difference, in shares of T, of the step, and of either value.
+#: Differences that matter: of times as a share of T, of outputs as a share of the step, and of K or
+#: T as a share of itself.
 _OF_TIME, _OF_STEP, _ALIKE = 0.02, 0.02, 0.03
 
 
 class StepReading(NamedTuple):
-    """What is read off a step.
+    """K and T of one step.
 
-    :ivar time: when the step was, s
-    :ivar before: the input until then
-    :ivar after: the input from then on
-    :ivar duration: how long it held, s
+    :ivar time: time of the step [s]
+    :ivar before: input before the step
+    :ivar after: input after the step
+    :ivar duration: time until the next change of the input [s]
     :ivar gain: K
-    :ivar time_constant: T, s
+    :ivar time_constant: T [s]
     """
 
     time: float
@@ -39,10 +40,10 @@ class StepReading(NamedTuple):
 
 
 def read_step(record: Record) -> Optional[StepReading]:
-    """Read K and T off the largest of the longest steps, as one does with a ruler.
+    """Read K and T from the largest of the longest steps, as on paper with a ruler.
 
-    :param record: of the plant
-    :returns: None where no step is followed by enough outputs
+    :param record: a record of the plant
+    :returns: None if no step is followed by enough outputs
     """
     ends = numpy.append(record.changed_at[1:], record.times[-1])
     begins = numpy.insert(record.changed_at[:-1], 0, record.times[0])
@@ -73,11 +74,11 @@ def _between(record: Record, begin: float, end: float) -> numpy.ndarray:
 
 
 def why_they_differ(record: Record, found: Identified, reading: StepReading) -> List[str]:
-    """Return a sentence for each cause of a difference between a reading and the least squares.
+    """Return a sentence for each reason why a step reading differs from the least-squares fit.
 
-    :param record: of the plant
-    :param found: by least squares
-    :param reading: off a step of it
+    :param record: a record of the plant
+    :param found: the least-squares fit
+    :param reading: the step reading
     """
     model = found.model
     step = abs(model.gain * (reading.after - reading.before))

@@ -1,4 +1,4 @@
-"""The controller: has the motor do what the set point says."""
+"""The controller node: drives the motor to the set point."""
 
 import time
 from typing import Optional
@@ -12,30 +12,30 @@ from pid_control.controller.stamps import FIRST, GAP, LATE, RESTART, StampClassi
 from pid_control.msg import motor_input, motor_output, set_point
 from pid_control_msgs.msg import ControllerTerms
 
-#: How often it looks whether the motor is silent, Hz.
+#: Rate of the check for a silent motor [Hz].
 _CHECKS_HZ = 20.0
-#: Least time between two warnings of one kind, s.
+#: Shortest time between two warnings [s].
 _WARN_EVERY_S = 10.0
 
 
 class Controller:
-    """Answers each output of a motor with an input: P, PI or PID, see :class:`.Pid`.
+    """P, PI or PID controller that answers each motor output with an input; see :class:`.Pid`.
 
-    The time between two outputs is that of their stamps, see :class:`.StampClassifier`; the input
-    carries the stamp of the output that it answers. Where the motor is started anew, or a few
-    outputs are missing, the next input goes on from the last one.
+    The interval between two outputs is that of their stamps, see :class:`.StampClassifier`; the
+    input carries the stamp of the output that it answers. If the motor restarts, or a few outputs
+    are missing, the next input continues from the last one.
 
-    The motor is stopped, by one input of 0, while there is no set point yet or the controller is
-    not enabled, when nothing was heard of the motor for longer than the time-out, and when the node
-    ends or, where it is managed, is deactivated. After that the controller begins anew.
+    The controller stops the motor with one input of 0 while the set point is missing or the
+    controller is disabled, when the motor is silent for longer than the timeout, and when the node
+    shuts down or, if managed, is deactivated. After that the controller is reset.
 
     :ROS Subscribers:
-        - ``set_point`` (pid_control/set_point), ``motor_output`` (pid_control/motor_output); what
-          is not finite is left out, with a warning
+        - ``set_point`` (pid_control/set_point), ``motor_output`` (pid_control/motor_output); values
+          that are not finite are dropped, with a warning
 
     :ROS Publishers:
         - ``motor_input`` (pid_control/motor_input)
-        - ``~terms`` (pid_control_msgs/ControllerTerms): what each input is made of
+        - ``~terms`` (pid_control_msgs/ControllerTerms): the terms of each input
 
     :ROS Parameters:
         - those of :class:`.ControllerParameters`, private and live
@@ -47,11 +47,11 @@ class Controller:
         self._stamps = StampClassifier()
         self._set_point: Optional[float] = None
         self._is_stopped = self._has_ended = False
-        #: Whether outputs are answered: from the timer's first tick on, as it ticks while active.
+        #: Outputs are answered from the timer's first tick on: it ticks only while active.
         self._is_active = False
-        # By ROS time: a simulation that stands still is not silence.
+        # ROS time: a paused simulation is not a silent motor.
         self._clock = time.monotonic if rospy.rostime.is_wallclock() else rospy.get_time
-        #: The motor's latest stamp, the latest input, and when the motor was heard last, s.
+        #: Latest stamp of the motor [s], latest input, and time of the latest output received [s].
         self._stamp = self._input = self._heard_at = 0.0
         self._publisher = node.create_publisher("motor_input", motor_input)
         self._terms = node.create_publisher("~terms", ControllerTerms)
@@ -73,7 +73,7 @@ class Controller:
         settings = self._settings.values
         stamp = self._stamps.classify(message.time, settings.timeout)
         if stamp.kind == LATE:
-            self._warn(f"a sample of {message.time:g} s came late or twice, and is left out")
+            self._warn(f"sample dropped: late or repeated ({message.time:g} s)")
             return
         self._stamp, self._heard_at = message.time, self._clock()
         if self._set_point is None or not settings.enabled:
@@ -83,14 +83,16 @@ class Controller:
             self._is_stopped = False
             self._pid.reset()
         elif stamp.kind == RESTART:
-            rospy.logwarn("%s: the motor was started anew", self._motor)
+            rospy.logwarn("%s: the motor was restarted", self._motor)
             self._pid.resume(self._input)
         elif stamp.kind == GAP:
             self._warn(f"no sample for more than {settings.timeout:g} s before {message.time:g} s")
             self._pid.resume(self._input)
         terms = self._pid.update(self._set_point, message.output, stamp.interval)
         self._input = terms.output
-        answer = motor_input()  # filled in afterwards, which takes genpy half the time
+        answer = (
+            motor_input()
+        )  # assigned below: half the time of genpy's constructor with arguments
         answer.input, answer.time = terms.output, message.time
         self._publisher.publish(answer)
         if self._terms.get_num_connections() > 0:
@@ -106,7 +108,7 @@ class Controller:
         if not self._is_stopped and self._clock() - self._heard_at > timeout:
             was_at_work = self._input != 0.0
             self._stop()
-            self._stamps = StampClassifier()  # the next motor may be another one
+            self._stamps = StampClassifier()  # the next motor may have another clock
             if was_at_work:
                 rospy.logwarn("%s: nothing for %g s: the input is 0", self._motor, timeout)
 
@@ -117,7 +119,7 @@ class Controller:
             self._publisher.publish(0.0, self._stamp)
 
     def _pause(self) -> None:
-        with self._group:  # or an output that is answered just now would have the last word
+        with self._group:  # so that no answer in progress is sent after the 0
             if self._is_active:
                 self._is_active = False
                 self._stop()

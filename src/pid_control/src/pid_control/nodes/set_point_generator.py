@@ -1,4 +1,4 @@
-"""The set point: what the motor shall do."""
+"""The set point node: the motor's desired speed."""
 
 from basic_comms.signals.run_control import RUNNING, RunControl
 from basic_comms.signals.signal_source import SignalSource
@@ -8,10 +8,10 @@ from pid_control.set_point_parameters import SetPointParameters
 
 
 class SetPointGenerator:
-    """Publishes the speed that a motor shall have: any waveform, each sample with its time.
+    """Publisher of the motor's desired speed: any waveform, each sample with its time.
 
-    Before the start delay is over and after the duration, and once when the node ends or, where it
-    is managed, is deactivated, stop_value goes out.
+    The node publishes stop_value during the start delay, after the duration, and once when it shuts
+    down or, if managed, is deactivated.
 
     :ROS Publishers:
         - ``set_point`` (pid_control/set_point)
@@ -25,7 +25,7 @@ class SetPointGenerator:
         self._source = SignalSource()
         self._run_control = RunControl()
         self._elapsed = 0.0
-        #: Whether there is a sample to be taken back, and whether there will be none any more.
+        #: Whether a sample was published since the last stop, and whether the node shuts down.
         self._has_to_stop = self._has_ended = False
         self._group = node.default_group
         self._publisher = node.create_publisher("set_point", set_point)
@@ -51,7 +51,7 @@ class SetPointGenerator:
                 self._publisher.publish(self._settings.values.stop_value, self._elapsed)
 
     def _end(self) -> None:
-        with self._group:  # or a sample that is due just now would have the last word
+        with self._group:  # so that no sample in progress is sent after stop_value
             self._has_ended = True
             self._stop()
 

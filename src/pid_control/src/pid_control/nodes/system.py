@@ -1,4 +1,4 @@
-"""The motor: its input is a voltage, its output a speed."""
+"""The motor node: the input is a voltage, the output a speed."""
 
 import time
 
@@ -12,19 +12,20 @@ from pid_control.plant.delayed_plant import DelayedPlant
 from pid_control.plant.status import NOT_TURNING, status_of
 from pid_control.plant.system_parameters import SystemParameters
 
-#: A machine that is busy for up to this long makes outputs late, but loses none, s.
+#: Longest delay after which late outputs are still published, as on a busy machine [s].
 _CATCH_UP_S = 0.5
 
 
 class System:
-    """Publishes the speed y of a motor, T dy/dt + y = K u, with a dead zone and a greatest speed.
+    """Simulated motor with speed y, T dy/dt + y = K u, a dead zone and a greatest speed.
 
     The input u arrives after a dead time, is sampled every sample time and held; it is 0 before the
-    first message. Each output is that of the moment it was due, and ``time`` is that moment,
-    counted from the node's start. At the node's end a last output tells that the motor stands.
+    first message. Each output is computed for the time at which it was due; ``time`` is that time
+    since the node's start. At shutdown the node publishes a last output with speed 0.
 
     :ROS Subscribers:
-        - ``motor_input`` (pid_control/motor_input); what is not finite is left out, with a warning
+        - ``motor_input`` (pid_control/motor_input); values that are not finite are dropped, with a
+          warning
 
     :ROS Publishers:
         - ``motor_output`` (pid_control/motor_output)
@@ -39,10 +40,10 @@ class System:
         values = self._settings.values
         sampled = SampledPlant(values.plant, values.system_sample_time, values.system_initial_cond)
         self._plant = DelayedPlant(sampled, values.system_dead_time)
-        # Outputs are due by /clock where there is one.
+        # Outputs follow /clock if it is published.
         self._clock = time.monotonic if rospy.rostime.is_wallclock() else rospy.get_time
-        # In the motor's time, when the last output was due and the next one is; by the clock, when
-        # the last one went out.
+        # Due times of the last and of the next output in the motor's time, and the clock's time at
+        # which the last one was published.
         self._due = self._next_due = 0.0
         self._published_at = 0.0
         self._has_ended = False
@@ -60,7 +61,7 @@ class System:
         values = self._settings.values
         self._due, self._next_due = elapsed, elapsed + 1.0 / values.system_node_rate
         self._published_at = self._clock()
-        message = motor_output()  # filled in afterwards, which takes genpy half the time
+        message = motor_output()  # assigned below: half the time of the constructor with arguments
         message.output = speed = self._plant.output(elapsed)
         message.time, message.status = elapsed, status_of(speed, values.system_max_speed)
         self._publisher.publish(message)
@@ -75,13 +76,13 @@ class System:
             self._plant.set_output(now, new.system_initial_cond)
 
     def _end(self) -> None:
-        with self._group:  # or an output that is due just now would have the last word
+        with self._group:  # so that no output in progress is sent after the last one
             self._has_ended = True
             self._publisher.publish(motor_output(0.0, self._due, NOT_TURNING))
 
     def _now(self) -> float:
-        """Return the motor's time, s: from the last output on, until the next one is due."""
-        since = self._clock() - self._published_at  # below 0 where the clock was set back
+        """Return the motor's time [s], between the last output and the next one."""
+        since = self._clock() - self._published_at  # below 0 if the clock was set back
         return min(self._due + max(since, 0.0), self._next_due)
 
 

@@ -1,4 +1,4 @@
-"""A sampled plant whose input takes a while to arrive."""
+"""A sampled plant with a dead time at its input."""
 
 from collections import deque
 from typing import Deque, Tuple
@@ -8,24 +8,24 @@ from first_order_sys_sim.sampled_plant import SampledPlant
 
 
 class DelayedPlant:
-    """A :class:`.SampledPlant` that finds each input a dead time after it was given.
+    """A :class:`.SampledPlant` whose inputs act after a dead time.
 
     The times of the calls never decrease. Not safe for several threads at once.
 
     :param plant: the plant
-    :param dead_time: how long an input takes, s, >= 0
+    :param dead_time: delay of each input, >= 0 [s]
     """
 
     def __init__(self, plant: SampledPlant, dead_time: float) -> None:
         self._plant = plant
         self._dead_time = dead_time
-        #: Inputs under way, and when they arrive, s.
+        #: Delayed inputs: time of arrival [s] and value.
         self._coming: Deque[Tuple[float, float]] = deque()
 
     def set_input(self, time: float, value: float) -> None:
-        """Give it an input; none overtakes another, also where the dead time became shorter.
+        """Set the input; inputs keep their order even if the dead time becomes shorter.
 
-        :param time: the moment, s
+        :param time: now [s]
         :param value: the input u
         """
         arrival = time + self._dead_time
@@ -33,10 +33,9 @@ class DelayedPlant:
         self._advance(time)
 
     def output(self, time: float) -> float:
-        """Return the output at a moment.
+        """Return the output y.
 
-        :param time: the moment, s
-        :returns: y
+        :param time: now [s]
         """
         self._advance(time)
         return self._plant.output(time)
@@ -44,22 +43,22 @@ class DelayedPlant:
     def change(
         self, time: float, settings: PlantSettings, sample_time: float, dead_time: float
     ) -> None:
-        """Change the settings; the output goes on from where it is.
+        """Change the settings without a jump of the output.
 
-        :param time: the moment, s
-        :param settings: what the plant is like from now on
-        :param sample_time: how often the input is sampled, s
-        :param dead_time: how long an input takes that is given from now on, s
+        :param time: now [s]
+        :param settings: the plant's new settings
+        :param sample_time: sample time of the input [s]
+        :param dead_time: delay of the inputs from now on [s]
         """
         self._advance(time)
         self._plant.change(time, settings, sample_time)
         self._dead_time = dead_time
 
     def set_output(self, time: float, value: float) -> None:
-        """Put the plant into a state.
+        """Set the output, which is the plant's state.
 
-        :param time: the moment, s
-        :param value: the output; cut off at the limit
+        :param time: now [s]
+        :param value: the output; clipped to the limit
         """
         self._advance(time)
         self._plant.set_output(time, value)

@@ -1,16 +1,16 @@
-"""What a motor says of itself, in the course's words."""
+"""The motor's status texts, as the course words them."""
 
 TURNING, NOT_TURNING, MAX_SPEED = "Motor Turning", "Motor Not Turning", "Motor Max Speed"
 
-#: A motor that coasts gets slower for ever; below this share of its greatest speed it stands.
+#: Share of the greatest speed below which a motor counts as standing: a coasting one never stops.
 _STANDS = 1e-3
 
 
 def status_of(speed: float, max_speed: float) -> str:
-    """Return what a motor says at a speed.
+    """Return the motor's status text at a speed.
 
-    :param speed: of either sign, rad/s
-    :param max_speed: the greatest magnitude that it reaches, rad/s
+    :param speed: of either sign [rad/s]
+    :param max_speed: largest magnitude of the speed [rad/s]
     """
     if abs(speed) >= max_speed:
         return MAX_SPEED

@@ -5,7 +5,7 @@ from nodekit import FloatParameter, ParameterSet, to_float32
 
 
 class SystemParameters(ParameterSet):
-    """What the motor is like and how often it is measured; all of it may change live."""
+    """Parameters of the motor and of its measurement, all live."""
 
     system_node_rate = FloatParameter(
         1000.0, minimum=0.1, maximum=10000.0, unit="Hz", help="how often the output is published"
@@ -46,7 +46,7 @@ class SystemParameters(ParameterSet):
 
     @property
     def plant(self) -> PlantSettings:
-        """What the plant is like."""
+        """The plant's settings."""
         return PlantSettings(
             gain=self.system_param_K,
             time_constant=self.system_param_T,

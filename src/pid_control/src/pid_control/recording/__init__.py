@@ -1,1 +1,1 @@
-"""Records of plants, from bags and from running ones."""
+"""Records of plants, from bags and from running plants."""

@@ -1,4 +1,4 @@
-"""A record from a bag: two numbers of its messages."""
+"""A record of a plant from a bag: its input and its output."""
 
 import math
 from typing import Dict
@@ -13,20 +13,20 @@ from pid_control.recording.samples import Samples, stamp_of
 def read_record(
     path: str, input_name: str, output_name: str, start: float = 0.0, end: float = math.inf
 ) -> Record:
-    """Read a record.
+    """Read a record from a bag.
 
-    Outputs are at their own times where they carry them, see :meth:`.Samples.times`. Inputs are
-    where they were recorded: what they carry may be the time of another clock.
+    Outputs have their own time stamps if present, see :meth:`.Samples.times`. Inputs have the time
+    of recording: a stamp in them may be of another clock.
 
     :param path: the bag
     :param input_name: the plant's input, as topic and field
-    :param output_name: its output
-    :param start: what was recorded before is left out, s from the start of the bag
-    :param end: and what was recorded later
-    :raises IdentificationError: if there is no record in it
-    :raises FieldError: if a field is not in it
-    :raises OSError: if it cannot be read
-    :raises rosbag.ROSBagException: if it is no bag, or broken
+    :param output_name: the plant's output, as topic and field
+    :param start: skip messages recorded before this time from the bag's start [s]
+    :param end: skip messages recorded after this time from the bag's start [s]
+    :raises IdentificationError: if the bag does not contain a usable record
+    :raises FieldError: if a field is missing
+    :raises OSError: if the file cannot be read
+    :raises rosbag.ROSBagException: if the file is not a bag, or is damaged
     """
     with rosbag.Bag(path) as bag:
         topics = bag.get_type_and_topic_info().topics
@@ -43,4 +43,4 @@ def read_record(
     inputs, outputs = (samples[field] for field in fields)
     if not outputs.values:
         raise IdentificationError(f"{fields[1]} is not in this part of the bag")
-    return record_of(inputs.heard, inputs.values, outputs.times(), outputs.values)
+    return record_of(inputs.arrivals, inputs.values, outputs.times(), outputs.values)

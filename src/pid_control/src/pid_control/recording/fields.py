@@ -1,22 +1,22 @@
 # Pure: knows no ROS.
-"""Numbers in messages, named by their topic and their place: ``/motor_output/output``. Pure."""
+"""Numeric fields of messages, named by topic and path: ``/motor_output/output``. Pure."""
 
 import re
 from typing import Any, Collection, List, NamedTuple
 
-#: A part of a name: a field, or an element of one.
+#: One part of a path: a field, or an element of an array.
 _PART = re.compile(r"([A-Za-z]\w*)(?:\[(\d+)\])?\Z", re.ASCII)
 
 
 class FieldError(ValueError):
-    """A field that is not there; the text says why."""
+    """A field is missing or not a number; the message says why."""
 
 
 class Field(NamedTuple):
-    """A number in the messages of a topic.
+    """A numeric field in the messages of a topic.
 
     :ivar topic: global name
-    :ivar path: names of fields, each with ``[n]`` behind it where it is an element
+    :ivar path: field names, followed by ``[n]`` for an element of an array
     """
 
     topic: str
@@ -27,27 +27,27 @@ class Field(NamedTuple):
 
 
 def field_of(name: str, topics: Collection[str]) -> Field:
-    """Return the field that a name stands for.
+    """Parse the name of a field.
 
-    :param name: topic and place in its messages
-    :param topics: global names of those that there are
-    :raises FieldError: if none of them is meant
+    :param name: topic and path in its messages
+    :param topics: global names of the existing topics
+    :raises FieldError: if the name does not begin with one of them
     """
     whole = "/" + name.strip("/")
     fitting = [topic for topic in topics if whole.startswith(topic + "/")]
     if not fitting:
         there = ", ".join(sorted(topics)) or "none"
-        raise FieldError(f"{name}: there is no such topic; there are: {there}")
+        raise FieldError(f"{name}: unknown topic; choose one of: {there}")
     topic = max(fitting, key=len)
     return Field(topic, whole[len(topic) + 1 :])
 
 
 def number_in(message: Any, field: Field) -> float:
-    """Return the number that a field of a message is.
+    """Return the value of a field.
 
-    :param message: of ROS
-    :param field: of its topic
-    :raises FieldError: if there is no such number
+    :param message: a ROS message
+    :param field: a field of its topic
+    :raises FieldError: if the field is missing or not a number
     """
     value = message
     for part in field.path.split("/"):
@@ -58,12 +58,12 @@ def number_in(message: Any, field: Field) -> float:
 
 
 def put_number(message: Any, field: Field, value: float) -> None:
-    """Set the number that a field of a message is.
+    """Set the value of a field.
 
-    :param message: of ROS
-    :param field: of its topic; the last part is no element
-    :param value: what it is set to
-    :raises FieldError: if there is no such number
+    :param message: a ROS message
+    :param field: a field of its topic, not an element of an array
+    :param value: the new value
+    :raises FieldError: if the field is missing or not a number
     """
     number_in(message, field)
     *before, last = field.path.split("/")
@@ -77,12 +77,12 @@ def put_number(message: Any, field: Field, value: float) -> None:
 def _part_of(value: Any, part: str, field: Field) -> Any:
     match = _PART.match(part)
     if match is None or match.group(1) not in getattr(value, "__slots__", ()):
-        raise FieldError(f"{field}: there is no {part!r}{_hint(value)}")
+        raise FieldError(f"{field}: unknown field {part!r}{_hint(value)}")
     value = getattr(value, match.group(1))
     if match.group(2) is None:
         return value
     if not isinstance(value, (list, tuple)) or int(match.group(2)) >= len(value):
-        raise FieldError(f"{field}: there is no {part!r}: it is no element of an array")
+        raise FieldError(f"{field}: {part!r} is not an element of an array")
     return value[int(match.group(2))]
 
 

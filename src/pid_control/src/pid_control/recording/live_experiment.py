@@ -1,4 +1,4 @@
-"""A record of a running plant: drives its input, and stops it at the end."""
+"""Experiment that drives a running plant's input and records its output."""
 
 from typing import Any, Callable, Dict, NamedTuple, Tuple
 
@@ -12,20 +12,20 @@ from pid_control.identification.record import IdentificationError, Record, recor
 from pid_control.recording.fields import Field, FieldError, field_of, number_in, put_number
 from pid_control.recording.samples import Samples, stamp_of
 
-#: How often the input is sent, Hz.
+#: Rate of the input messages [Hz].
 _SENDS_HZ = 200.0
-#: How often it looks whether the plant is silent, Hz, and how long that may be, s.
+#: Rate of the check for a silent plant [Hz], and its timeout [s].
 _CHECKS_HZ, _SILENCE_S = 10.0, 3.0
 
 
 class DriveSettings(NamedTuple):
-    """How a plant is driven.
+    """Settings of an experiment.
 
-    :ivar input_name: its input, as topic and field
-    :ivar output_name: its output
+    :ivar input_name: the plant's input, as topic and field
+    :ivar output_name: the plant's output, as topic and field
     :ivar least: the least input, <= 0
     :ivar largest: the largest input, > 0
-    :ivar seconds: how long it is driven, s
+    :ivar seconds: duration [s]
     """
 
     input_name: str
@@ -36,14 +36,14 @@ class DriveSettings(NamedTuple):
 
 
 class DriveError(Exception):
-    """A plant that is not to be driven, or not there; the text says why."""
+    """The plant cannot be driven; the message says why."""
 
 
 class LiveExperiment:
-    """Drives a plant's input and hears its output; ends the process when it has what it wants.
+    """Node that drives a plant's input, records its output, and ends the process when complete.
 
-    It drives only what it hears. The last input is 0: at the end of the experiment, at Ctrl-C, and
-    when nothing was heard of the plant for a while.
+    It starts to send when the first output arrives. The last input is 0: at the end of the
+    experiment, at Ctrl-C, and when the plant is silent for too long.
 
     :ROS Subscribers:
         - the output's topic, of any type
@@ -52,10 +52,10 @@ class LiveExperiment:
         - the input's topic, of any type
 
     :param node: the node
-    :param drive: how it is driven
+    :param drive: settings of the experiment
     :param on_record: called with the record
-    :raises DriveError: if there is no such plant, or somebody else drives it
-    :raises FieldError: if a field is not there
+    :raises DriveError: if the plant cannot be driven, or another node drives it
+    :raises FieldError: if a field is missing
     """
 
     def __init__(
@@ -69,13 +69,16 @@ class LiveExperiment:
         self._output, output_class = _resolve_field(node, drive.output_name, types)
         others = [name for name in publishers.get(self._input.topic, []) if name != node.name]
         if others:
-            raise DriveError(f"{', '.join(others)} drives {self._input.topic}: end that first")
+            names = ", ".join(others)
+            raise DriveError(
+                f"{self._input.topic}: driven by another node ({names}); stop it first"
+            )
         self._message = input_class()
         put_number(self._message, self._input, 0.0)
         changes = excitation(drive.least, drive.largest, drive.seconds)
         self._progress = Progress(changes, drive.seconds)
-        self._heard, self._sent = Samples(), Samples()
-        self._heard_at, self._has_ended = rospy.get_time(), False
+        self._outputs, self._inputs = Samples(), Samples()
+        self._started_at, self._has_ended = rospy.get_time(), False
         self._group = node.default_group
         self._publisher = node.create_publisher(self._input.topic, input_class)
         node.create_subscription(self._output.topic, output_class, self._on_output)
@@ -90,11 +93,11 @@ class LiveExperiment:
             self._give_up(str(error))
             return
         now = rospy.get_time()
-        if now > 0.0:  # or /clock has not come yet
-            self._heard.add(now, stamp_of(message), value)
+        if now > 0.0:  # 0 until the first message on /clock
+            self._outputs.add(now, stamp_of(message), value)
 
     def _send(self, elapsed: float) -> None:
-        if self._has_ended or not self._heard.values:
+        if self._has_ended or not self._outputs.values:
             return
         value = self._progress.input_at(elapsed)
         if value is None:
@@ -104,27 +107,28 @@ class LiveExperiment:
 
     def _publish(self, value: float) -> None:
         put_number(self._message, self._input, value)
-        stamp = self._heard.stamps[-1] if self._heard.stamps else None
+        stamp = self._outputs.stamps[-1] if self._outputs.stamps else None
         if stamp is not None and stamp_of(self._message) is not None:
             self._message.time = stamp
-        self._sent.add(rospy.get_time(), None, value)
+        self._inputs.add(rospy.get_time(), None, value)
         self._publisher.publish(self._message)
 
     def _check_silence(self, _elapsed: float) -> None:
         if self._has_ended:
             return
-        latest = self._heard.heard[-1] if self._heard.heard else self._heard_at
+        arrivals = self._outputs.arrivals
+        latest = arrivals[-1] if arrivals else self._started_at
         if rospy.get_time() - latest > _SILENCE_S:
             self._give_up(f"nothing on {self._output.topic} for {_SILENCE_S:g} s")
 
     def _finish(self) -> None:
         self._stop()
-        sent, heard = self._sent, self._heard
+        inputs, outputs = self._inputs, self._outputs
         try:
-            record = record_of(sent.heard, sent.values, heard.times(), heard.values)
+            record = record_of(inputs.arrivals, inputs.values, outputs.times(), outputs.values)
             self._on_record(record)
         except IdentificationError as error:
-            abort(f"the record cannot tell: {error}")
+            abort(f"record not usable: {error}")
         except OSError as error:
             abort(f"{error.filename}: {error.strerror}")
         else:
@@ -137,20 +141,20 @@ class LiveExperiment:
     def _stop(self) -> None:
         if not self._has_ended:
             self._has_ended = True
-            if self._sent.values:
+            if self._inputs.values:
                 self._publish(0.0)
 
     def _end(self) -> None:
-        with self._group:  # or an input that is due just now would have the last word
+        with self._group:  # so that no input in progress is sent after the 0
             if not self._has_ended:
                 self._give_up("ended before the record was complete")
 
 
 def _resolve_field(node: Node, name: str, types: Dict[str, str]) -> Tuple[Field, Any]:
-    """Return a field of a topic that is there, and the class of its messages."""
+    """Return a field of an existing topic, and the class of its messages."""
     whole = node.resolve(name)
     field = field_of(whole, list(types))
     message_class = roslib.message.get_message_class(types[field.topic])
     if message_class is None:
-        raise DriveError(f"the messages of {field.topic}, {types[field.topic]}, are not known")
+        raise DriveError(f"{field.topic}: message type not installed ({types[field.topic]})")
     return field, message_class

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Samples of outputs, by the plant's own time where they carry it. Pure."""
+"""Samples of outputs, by the plant's own time stamps if present. Pure."""
 
 from typing import Any, List, Optional
 
@@ -7,44 +7,44 @@ import numpy
 
 
 def stamp_of(message: Any) -> Optional[float]:
-    """Return the time that a message carries in a field of that name, s; None where it has none.
+    """Return the value of a message's field ``time`` [s]; None if it has no such field.
 
-    :param message: of ROS
+    :param message: a ROS message
     """
     value = getattr(message, "time", None)
     return float(value) if isinstance(value, float) else None
 
 
 class Samples:
-    """Values, each with the time at which it was heard and, maybe, the one that it carries."""
+    """Values with the time of their arrival and, if present, their own time stamp."""
 
     def __init__(self) -> None:
-        self.heard: List[float] = []
+        self.arrivals: List[float] = []
         self.stamps: List[Optional[float]] = []
         self.values: List[float] = []
 
-    def add(self, heard: float, stamp: Optional[float], value: float) -> None:
-        """Add one.
+    def add(self, arrival: float, stamp: Optional[float], value: float) -> None:
+        """Add a sample.
 
-        :param heard: when it was heard, s
-        :param stamp: what it says of its time, s
-        :param value: the number
+        :param arrival: time of arrival [s]
+        :param stamp: the time stamp of the message, if any [s]
+        :param value: the value
         """
-        self.heard.append(heard)
+        self.arrivals.append(arrival)
         self.stamps.append(stamp)
         self.values.append(value)
 
     def times(self) -> numpy.ndarray:
-        """Return when they were measured, by the clock by which they were heard, s.
+        """Return the times of measurement [s], by the clock of the arrivals.
 
-        A message may be heard late, and then its stamp knows better: the one that was least late
-        tells how the plant's clock differs. Stamps that do not increase are not gone by.
+        A message may arrive late, so its stamp is more accurate: the message with the least delay
+        gives the offset of the plant's clock. Stamps that do not increase are ignored.
         """
-        heard = numpy.array(self.heard, float)
-        if None in self.stamps or len(heard) < 2:
-            return heard
+        arrivals = numpy.array(self.arrivals, float)
+        if None in self.stamps or len(arrivals) < 2:
+            return arrivals
         stamps = numpy.array(self.stamps, float)
         if not numpy.isfinite(stamps).all() or numpy.diff(stamps).min() <= 0.0:
-            return heard
-        times: numpy.ndarray = stamps + (heard - stamps).min()
+            return arrivals
+        times: numpy.ndarray = stamps + (arrivals - stamps).min()
         return times

@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""From a model to the gains of a controller: pure."""
+"""Tuning of a controller for a model: pure."""

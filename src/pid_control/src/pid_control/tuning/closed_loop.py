@@ -1,4 +1,4 @@
-"""The closed loop of a controller and a model: what a step of the set point does."""
+"""Step response of the closed loop of a controller and a model."""
 
 import math
 from typing import List, NamedTuple
@@ -11,23 +11,23 @@ from pid_control.identification.response import Model
 from pid_control.plant.delayed_plant import DelayedPlant
 from pid_control.tuning.rules import Gains
 
-#: The step goes to this share of what the plant can do, and takes so many time constants and dead
-#: times of the plant or, where that is slower, of the loop; but at most so many answers.
+#: Height of the step as a share of the plant's range; duration in time constants plus dead times of
+#: the plant or, if slower, of the loop; largest number of samples.
 _SHARE, _LONG, _MOST = 0.5, 12.0, 200_000
-#: How near the output has to stay to have settled, as a share of the step.
+#: Settling band, as a share of the step.
 _NEAR = 0.02
 _COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7")
 _SET_POINT = "#999999"
 
 
 class Response(NamedTuple):
-    """What a step of the set point does.
+    """Response to a step of the set point.
 
-    :ivar gains: of the controller
-    :ivar times: from the step on, s
-    :ivar outputs: of the plant
-    :ivar inputs: of the plant
-    :ivar set_point: where the step goes to, from 0
+    :ivar gains: gains of the controller
+    :ivar times: times from the step on [s]
+    :ivar outputs: outputs of the plant
+    :ivar inputs: inputs of the plant
+    :ivar set_point: the set point after the step from 0
     """
 
     gains: Gains
@@ -38,18 +38,18 @@ class Response(NamedTuple):
 
     @property
     def rise_time(self) -> float:
-        """From 10 % to 90 % of the step, s; infinite where it does not get there."""
+        """Time from 10 % to 90 % of the step [s]; infinite if not reached."""
         end = self._reached(0.9)
         return end - self._reached(0.1) if math.isfinite(end) else math.inf
 
     @property
     def overshoot(self) -> float:
-        """By how much the output goes beyond the set point, as a share of the step."""
+        """Overshoot, as a share of the step."""
         return max(0.0, max(value / self.set_point for value in self.outputs) - 1.0)
 
     @property
     def settling_time(self) -> float:
-        """From when on the output stays near the set point, s; infinite where it does not yet."""
+        """Time until the output stays in the settling band [s]; infinite if it does not."""
         off = [
             time
             for time, value in zip(self.times, self.outputs)
@@ -66,29 +66,29 @@ class Response(NamedTuple):
 
 
 def respond(model: Model, gains: Gains, period: float, least: float, largest: float) -> Response:
-    """Return the response of the reference controller with gains, and a plant.
+    """Simulate the step response of the reference controller and a plant.
 
     :param model: the plant
-    :param gains: of the controller
-    :param period: time between two answers, s
-    :param least: the controller's least output
-    :param largest: its largest
+    :param gains: gains of the controller
+    :param period: period of the controller [s]
+    :param least: lower limit of the controller's output
+    :param largest: upper limit of the controller's output
     """
     plant = PlantSettings(model.gain, model.time_constant, model.limit, model.dead_zone)
-    # As exact as the plant's own time constant needs it, whatever the period.
+    # Short against the plant's time constant, whatever the period.
     sample_time = min(period, 0.01 * model.time_constant)
     motor = DelayedPlant(SampledPlant(plant, sample_time), model.dead_time)
     settings = PidSettings(gains.mode, gains.kp, gains.ki, gains.kd, gains.filter_time)
-    law = Pid(settings._replace(output_min=least, output_max=largest))
+    pid = Pid(settings._replace(output_min=least, output_max=largest))
     set_point = math.copysign(_SHARE * min(abs(model.gain) * largest, model.limit), model.gain)
-    # A slow loop is about as slow as its integral, which alone would be 1 / (K ki).
+    # The integral dominates a slow loop; its time constant alone is 1 / (K ki).
     loop = 1.0 / abs(model.gain * gains.ki) if gains.ki != 0.0 else 0.0
     duration = _LONG * max(model.time_constant + model.dead_time + period, loop)
     response = Response(gains, [], [], [], set_point)
     for number in range(min(math.ceil(duration / period), _MOST)):
         time = number * period
         speed = motor.output(time)
-        given = law.update(set_point, speed, period if number else 0.0).output
+        given = pid.update(set_point, speed, period if number else 0.0).output
         motor.set_input(time, given)
         response.times.append(time)
         response.outputs.append(speed)
@@ -97,9 +97,9 @@ def respond(model: Model, gains: Gains, period: float, least: float, largest: fl
 
 
 def as_table(responses: List[Response]) -> str:
-    """Return gains and what they do, one method a line.
+    """Return a table of gains and responses, one method per line.
 
-    :param responses: of each
+    :param responses: response of each method
     """
     lines = [
         f"{'':21}{'kp':>9}{'ki, 1/s':>9}{'kd, s':>10}{'rise, s':>9}{'overshoot':>11}"
@@ -120,9 +120,9 @@ def _settled(response: Response) -> str:
 
 
 def as_picture(responses: List[Response]) -> str:
-    """Return all responses, over each other, as SVG.
+    """Return an SVG picture of all responses.
 
-    :param responses: of each method; at least one
+    :param responses: response of each method; at least one
     """
     longest = max(responses, key=lambda response: len(response.times))
     asked = [longest.set_point] * len(longest.times)

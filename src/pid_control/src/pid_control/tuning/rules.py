@@ -1,7 +1,7 @@
-"""Gains by rules, from a model of the plant.
+"""Tuning rules that compute gains from a model of the plant.
 
-A loop that answers every h seconds waits h/2 on average, which is dead time too (Skogestad 2003,
-section 2.1): the rules are given ``theta = L + h/2``. With gain K and time constant T:
+A controller with period h adds a mean delay of h/2 to the dead time (Skogestad 2003, section 2.1):
+the rules use ``theta = L + h/2``. With gain K and time constant T:
 
 - SIMC: ``kp = T / (K (tau_c + theta))``, ``Ti = min(T, 4 (tau_c + theta))``, where the wanted time
   constant of the loop tau_c is theta unless another is given (Skogestad: Simple analytic rules for
@@ -23,8 +23,8 @@ from pid_control.identification.response import Model
 
 SIMC, LAMBDA = "simc", "lambda"
 ZN_PI, ZN_PID = "ziegler-nichols-pi", "ziegler-nichols-pid"
-#: The derivative's filter, in shares of the derivative time (Astrom, Murray: Feedback Systems, 2nd
-#: edition, section 11.5: 2 to 20 times faster).
+#: Time constant of the derivative filter, as a share of the derivative time (Astrom, Murray:
+#: Feedback Systems, 2nd edition, section 11.5: 2 to 20 times faster).
 _FILTER = 0.1
 _SOURCES = {
     SIMC: "Skogestad 2003",
@@ -36,15 +36,15 @@ METHODS = tuple(_SOURCES)
 
 
 class Gains(NamedTuple):
-    """The gains of a controller.
+    """Gains of a controller.
 
     :ivar method: one of METHODS
-    :ivar source: who has said so
+    :ivar source: publication of the rule
     :ivar mode: PI or PID
-    :ivar kp: output for each unit of error
-    :ivar ki: output for each unit of error and second, 1/s
-    :ivar kd: output for each unit that the measurement changes a second, s
-    :ivar filter_time: time constant of the derivative's filter, s
+    :ivar kp: output per unit of error
+    :ivar ki: output per unit of error and second [1/s]
+    :ivar kd: output per unit of the measurement's rate of change [s]
+    :ivar filter_time: time constant of the derivative filter [s]
     """
 
     method: str
@@ -60,9 +60,9 @@ def gains_of(model: Model, period: float, wanted: Optional[float] = None) -> Dic
     """Return the gains by each method.
 
     :param model: the plant
-    :param period: time between two answers of the controller, s, > 0
-    :param wanted: time constant that the closed loop shall have, s, for SIMC and lambda; None for
-        that of the method
+    :param period: period of the controller, > 0 [s]
+    :param wanted: desired time constant of the closed loop for SIMC and lambda [s]; None for the
+        default of the method
     """
     tau, theta = model.time_constant, model.dead_time + 0.5 * period
     tight = theta if wanted is None else wanted
@@ -92,9 +92,9 @@ def as_yaml(gains: Gains, origin: str, least: float, largest: float) -> str:
     """Return gains as parameters of the node controller.
 
     :param gains: the gains
-    :param origin: which model they are for; one line
-    :param least: the least output
-    :param largest: the largest output
+    :param origin: source of the model, for the comment
+    :param least: lower limit of the output
+    :param largest: upper limit of the output
     """
     return "\n".join(
         [
@@ -112,6 +112,6 @@ def as_yaml(gains: Gains, origin: str, least: float, largest: float) -> str:
 
 
 def _number(value: float) -> str:
-    """Write a number so that YAML takes it for one, which it does not with an exponent alone."""
+    """Format a number for YAML, which does not accept an exponent without a decimal point."""
     short = float(f"{value:.4g}")
     return repr(short) if short == 0.0 or abs(short) >= 1e-4 else f"{short:.12f}"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The judge says of each gains that ``tune`` has found what it thinks of them."""
+"""Tests of the judgement of gains for ``tune``."""
 
 import unittest
 

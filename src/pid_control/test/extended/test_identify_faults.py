@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Rare faults while a motor is identified or gains are found: silence, a field that is missing."""
+"""Tests of rare faults of identify and tune: a silent motor, a missing field."""
 
 import os
 import signal

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A running motor is identified while the clock waits for it: no machine is too slow for that."""
+"""Tests of identify with a clock that waits for it, so that no machine is too slow."""
 
 import os
 import tempfile

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Rare faults of the judge: another clock, a name of its own, Ctrl-C at an odd moment."""
+"""Tests of rare faults of the judge: another clock, another name, Ctrl-C at startup."""
 
 import os
 import signal

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A motor and a set point that end while a message is due: their last word stays the last."""
+"""Tests of shutting motor and set point down while a message is due."""
 
 import os
 import signal

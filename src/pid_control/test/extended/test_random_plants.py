@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The larger draw of random plants, of which the unit tests have a quarter; no node is needed."""
+"""Tests of many random plants, of which the unit tests have a quarter; without nodes."""
 
 import unittest
 

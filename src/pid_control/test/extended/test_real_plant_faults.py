@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Rare ends of the judge with a motor that is there already: the motor is stopped all the same."""
+"""Tests of rare ends of the judge with a real plant: it stops the motor."""
 
 import os
 import pathlib

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Rare faults while the judge is asked about gains: too little time, and every way to be ended."""
+"""Tests of rare faults of judging gains: short time limit, and termination."""
 
 import os
 import pathlib

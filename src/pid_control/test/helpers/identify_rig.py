@@ -1,4 +1,4 @@
-"""Rig for the commands identify and tune: a motor hosted by the test, and files of its own."""
+"""Test rig for the commands identify and tune: a hosted motor, and temporary files."""
 
 import os
 import shutil

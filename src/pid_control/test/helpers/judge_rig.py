@@ -1,4 +1,4 @@
-"""Rig for the judge: it is started with a folder of its own, and nothing of it may stay."""
+"""Test rig for the judge: a temporary folder, and a check that nothing is left behind."""
 
 import os
 import pathlib

@@ -1,4 +1,4 @@
-"""What a command may have left behind."""
+"""Processes and files that a command may leave behind."""
 
 import pathlib
 from typing import List

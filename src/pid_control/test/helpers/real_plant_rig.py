@@ -1,4 +1,4 @@
-"""Rig for the judge with a motor that is there already, which the test hosts."""
+"""Test rig for the judge with a real plant: a motor hosted by the test."""
 
 import os
 import pathlib
@@ -28,7 +28,7 @@ class RealPlantCase(unittest.TestCase):
 
     def setUp(self) -> None:
         self.space = "/" + self.id().rsplit(".", 1)[-1]
-        # A student's, whose last input is any: nobody but the judge stops the motor.
+        # A student's controller, which does not stop the motor: only the judge does.
         self.remappings = [f"{topic}:={self.space}{topic}" for topic in TOPICS]
         self.controller = [self.script_of("good_loop.py"), *self.remappings]
         # Where a test fails, what it has started may be left; the judge ends before.
@@ -95,7 +95,7 @@ class RealPlantCase(unittest.TestCase):
         )
 
     def assert_left_alone(self) -> None:
-        """Wait until the motor stands, with 0 the last input and set point, and nobody there."""
+        """Wait until the motor stands, the last messages are 0, and no publisher is left."""
         self.assert_stopped()
         wait_until(
             lambda: self.wanted.messages()[-1].setPoint == 0.0,

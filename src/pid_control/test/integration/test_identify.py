@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A running motor is identified, and stopped at the end; gains for its model control it."""
+"""Tests of identify with a running motor, and of the loop with the gains of tune."""
 
 import os
 import signal
@@ -41,7 +41,7 @@ LAUNCH = """
 
 
 class Identify(IdentifyCase):
-    """What is a matter of arguments alone is in the unit tests, rare faults in test/extended."""
+    """Errors in arguments are in the unit tests, rare faults in test/extended."""
 
     def assert_refused(self, error: type, why: str, **fields: str) -> None:
         """Try to drive the motor in this process, which must be refused."""

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The judge names what is wrong, alone and in a class, and leaves nothing behind."""
+"""Tests of the judge: diagnosis, batch runs, and nothing left behind."""
 
 import csv
 import os
@@ -13,7 +13,7 @@ from nodekit.testing.waiting import wait_until
 
 
 class Judge(JudgeCase):
-    """What it refuses is in the unit tests, rare faults in test/extended."""
+    """Errors in arguments are in the unit tests, rare faults in test/extended."""
 
     def test_windup_is_named_drawn_and_written_down(self) -> None:
         picture, table = self.folder / "windup.svg", self.folder / "windup.csv"

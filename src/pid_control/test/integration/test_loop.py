@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The motor, its set point and its controller, as they come, go and are tuned."""
+"""Tests of motor, set point and controller: start, stop and live tuning."""
 
 import os
 import signal

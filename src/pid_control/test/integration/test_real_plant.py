@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The judge with a motor that is there already: what it refuses, and that it stops the motor."""
+"""Tests of the judge with a real plant: errors, and stopping the motor."""
 
 import pathlib
 import signal
@@ -42,13 +42,15 @@ class RealPlant(RealPlantCase):
 
     def test_what_cannot_be_judged_is_refused_by_name(self) -> None:
         plant = ("--real-plant", *self.controller)
-        nobody = f"nobody publishes {self.space}/motor_output"
-        self.assert_refused("there is no plant: " + nobody, *plant)
+        missing = f"no plant found: {self.space}/motor_output has no publisher"
+        self.assert_refused(missing, *plant)
         self.host_motor()
         other = rospy.Publisher(self.space + "/set_point", set_point, queue_size=1)
         self.addCleanup(other.unregister)
         rival = rospy.get_name()
-        self.assert_refused(f"{rival} publishes {self.space}/set_point: end that", *plant)
+        self.assert_refused(
+            f"{self.space}/set_point: published by another node ({rival}); stop it first", *plant
+        )
         self.assertEqual(self.inputs.messages(), [])
 
 

@@ -1,4 +1,4 @@
-"""Settings of these unit tests, which pytest reads before any of them imports numpy."""
+"""Settings of the unit tests; pytest reads them before a test imports numpy."""
 
 import os
 

@@ -1,4 +1,4 @@
-"""Plants at random, and what is recorded of them."""
+"""Random plants and their records."""
 
 import math
 import random
@@ -62,8 +62,8 @@ def check_random_plants(count: int, noise: float, most: float, covered: float) -
     :param count: how many plants
     :param noise: standard deviation, as a share of the outputs' range
     :param most: how wrong a value may be, as a share
-    :param covered: the least share of plants within the stated uncertainty; without noise a value is
-        exact instead
+    :param covered: the least share of plants within the stated uncertainty; without noise a value
+        is exact instead
     """
     worst, inside = numpy.zeros(5), numpy.zeros(5)
     for seed in range(count):

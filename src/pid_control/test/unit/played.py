@@ -1,4 +1,4 @@
-"""Scenarios without ROS: a law answers each output at once, or every few."""
+"""Scenarios without ROS: a controller answers each output at once, or every few outputs."""
 
 import math
 from typing import Callable, Dict, List

@@ -1,4 +1,4 @@
-"""Which packages a class has, how they are built, and how long they may take."""
+"""Tests of batch runs: finding, building and judging the packages of a class."""
 
 import os
 import pathlib
@@ -72,9 +72,9 @@ def test_what_has_to_be_built(tmp_path: pathlib.Path, text: str, needs: bool) ->
 
 def test_the_first_error_of_a_build_is_told() -> None:
     text = "ok\nx.cpp:1: error: expected ')'\n  int main( {\nmake: Error 2\n"
-    assert batch._what_is_wrong(text) == "x.cpp:1: error: expected ')' int main( {"
-    assert batch._what_is_wrong("just this\n") == "just this"
-    assert batch._what_is_wrong("") == ""
+    assert batch._first_error(text) == "x.cpp:1: error: expected ')' int main( {"
+    assert batch._first_error("just this\n") == "just this"
+    assert batch._first_error("") == ""
 
 
 def test_build_has_failed_where_its_status_says_so(

@@ -1,4 +1,4 @@
-"""Curves as SVG."""
+"""Tests of SVG charts."""
 
 import math
 import xml.etree.ElementTree

@@ -1,4 +1,4 @@
-"""What a step of the set point does, with gains."""
+"""Tests of the simulated closed loop."""
 
 import math
 import xml.etree.ElementTree

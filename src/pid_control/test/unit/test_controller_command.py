@@ -1,4 +1,4 @@
-"""What a command line names: which file, and which parameters it is to have."""
+"""Tests of finding the controller that a command line names, and its parameters."""
 
 import pathlib
 

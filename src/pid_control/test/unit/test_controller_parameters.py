@@ -1,4 +1,4 @@
-"""The controller's parameters: what the law is given, and what is refused."""
+"""Tests of the controller's parameters and their validation."""
 
 import pytest
 

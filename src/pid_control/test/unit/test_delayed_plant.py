@@ -1,4 +1,4 @@
-"""A plant whose input takes a while to arrive."""
+"""Tests of a plant with dead time."""
 
 import math
 

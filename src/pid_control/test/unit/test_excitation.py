@@ -1,4 +1,4 @@
-"""What a plant is given in an experiment."""
+"""Tests of the excitation signal."""
 
 from itertools import groupby
 

@@ -1,4 +1,4 @@
-"""Numbers in messages, by their names."""
+"""Tests of numeric message fields."""
 
 import pytest
 from geometry_msgs.msg import TwistStamped

@@ -1,4 +1,4 @@
-"""Plants are found again in their records, and a record that cannot tell is refused."""
+"""Tests of the identification of known plants, and of records that are not usable."""
 
 import math
 import xml.etree.ElementTree

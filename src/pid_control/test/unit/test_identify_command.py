@@ -1,4 +1,4 @@
-"""What the command identify makes of its arguments and of a bag; no master is there."""
+"""Tests of the command identify, with bags and without a master."""
 
 import pathlib
 import sys

@@ -1,4 +1,4 @@
-"""What the judge refuses before it starts anything."""
+"""Tests of the judge's errors before it starts a process."""
 
 import pathlib
 import sys
@@ -30,9 +30,12 @@ SIMULATED = """
         ),
         (["--limits", "nowhere.yaml", "x"], "nowhere.yaml: No such file"),
         ([], "controller missing; give a package and a name in it, or a path"),
-        (["no_such_package", "controller.py"], "there is no package no_such_package"),
-        (["pid_control", "nothing.py"], "there is no nothing.py in the package pid_control"),
-        (["a/b.py"], "there is no file a/b.py"),
+        (
+            ["no_such_package", "controller.py"],
+            "package not found in ROS_PACKAGE_PATH (no_such_package)",
+        ),
+        (["pid_control", "nothing.py"], "nothing.py: not found in the package pid_control"),
+        (["a/b.py"], "file not found (a/b.py)"),
         (["{folder}/controller.py"], "is not executable: chmod +x {folder}/controller.py"),
         (["--only", "stairs", "x"], "unknown scenario 'stairs'; choose from held, rate"),
         (["--time-limit", "0", "x"], "'0' must be from 1 to 3600 s"),
@@ -50,7 +53,7 @@ SIMULATED = """
         (["--csv", "{folder}/no/x.csv", "x", "y"], "{folder}/no/x.csv: No such"),
         (["--csv", "{folder}", "x", "y"], "judge: {folder}: Is a directory"),
         (["--picture", "{folder}/no/x.svg", GOOD], "{folder}/no/x.svg: No such"),
-        (["--workspace", "{folder}", "x", "controller.py"], "is no built workspace"),
+        (["--workspace", "{folder}", "x", "controller.py"], "not a built workspace"),
     ],
 )
 def test_what_cannot_be_judged_is_refused_by_name(

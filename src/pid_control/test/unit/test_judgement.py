@@ -1,4 +1,4 @@
-"""What is said of controllers: limits kept or not, likely causes, reports."""
+"""Tests of limits, diagnosis and reports."""
 
 import csv
 import functools
@@ -58,12 +58,12 @@ def test_own_limits_replace_what_they_name() -> None:
         ("steps: {overshoot: .inf}", "steps: overshoot: inf must be a number"),
         ("steps: {overshoot: [1]}", r"steps: overshoot: \[1\] must be a number"),
         ("steps: {overshot: 1}", "steps: overshot: not measured there, but rise_time, overshoot"),
-        ("step: {overshoot: 1}", "step: no such scenario; there are held, rate, steps"),
+        ("step: {overshoot: 1}", "step: unknown scenario; choose from held, rate, steps"),
         ("steps: 5", "steps: must hold limits by name, not 5"),
         ("[steps]", r"it must hold scenarios, each with its limits, not \['steps'\]"),
         ("steps: {overshoot: 1", "it is not YAML"),
-        ("steps: {overshoot: 1}\nsteps: {late: 1}", "line 2: steps is there twice"),
-        ("steps:\n  late: 1\n  late: 2\n", "line 3: late is there twice"),
+        ("steps: {overshoot: 1}\nsteps: {late: 1}", "line 2: duplicate key steps"),
+        ("steps:\n  late: 1\n  late: 2\n", "line 3: duplicate key late"),
         ("7: {late: 1}", "line 1: 7 is not a name"),
         ("steps: !!python/object/apply:os.getcwd []", "it is not YAML"),
         ("a: &a [*a]", "it is not YAML"),

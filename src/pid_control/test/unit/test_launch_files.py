@@ -1,4 +1,4 @@
-"""What the launch files hand to the nodes; nothing is started here."""
+"""Tests of the parameters that launch files set; nothing is started."""
 
 import functools
 import pathlib

@@ -1,4 +1,4 @@
-"""The figures of controllers whose answers are known."""
+"""Tests of the metrics of controllers with known answers."""
 
 import math
 from typing import Callable, Optional

@@ -1,4 +1,4 @@
-"""A model is written as the parameters of the node system, and read again."""
+"""Tests of writing and reading model files."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The control law against scipy's response of the same loop, and what it does at its limits."""
+"""Tests of the PID controller: against scipy's simulation, and at its limits."""
 
 import math
 from typing import List, Tuple

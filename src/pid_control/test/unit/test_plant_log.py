@@ -1,4 +1,4 @@
-"""What was heard of a real plant becomes the rows and answers of a scenario."""
+"""Tests of the conversion of a real plant's log to rows and answers."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Whether processes have anything to do, and that nothing of them stays."""
+"""Tests of the watch of a controller's processes."""
 
 import os
 import subprocess

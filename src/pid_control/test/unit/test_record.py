@@ -1,4 +1,4 @@
-"""What becomes of samples."""
+"""Tests of making records from samples."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The responses are those of the plant that is simulated one output at a time."""
+"""Tests of vectorised responses against the plant simulated step by step."""
 
 import math
 from typing import List, Tuple

@@ -1,4 +1,4 @@
-"""Gains by rules, as their sources have them."""
+"""Tests of the tuning rules against their publications."""
 
 import pytest
 import yaml

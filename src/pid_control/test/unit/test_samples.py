@@ -1,4 +1,4 @@
-"""When outputs were measured."""
+"""Tests of the times of samples."""
 
 from typing import List, Optional
 

@@ -1,4 +1,4 @@
-"""What a controller has to go through, and what it is sent."""
+"""Tests of the scenarios and their simulation."""
 
 import math
 

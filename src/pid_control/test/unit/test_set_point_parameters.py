@@ -1,4 +1,4 @@
-"""The set point's parameters: those of a signal, but for what has no meaning here."""
+"""Tests of the set point's parameters."""
 
 from basic_comms.signals.signal_parameters import SignalParameters
 from pid_control.set_point_parameters import SetPointParameters

@@ -1,4 +1,4 @@
-"""Stamps that follow, repeat themselves, are missing, or begin anew."""
+"""Tests of stamps that follow, repeat, are missing, or restart."""
 
 import pytest
 from hypothesis import given

@@ -1,4 +1,4 @@
-"""What a motor says at which speed."""
+"""Tests of the motor's status texts."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The motor's parameters, as the course has them."""
+"""Tests of the motor's parameters."""
 
 import numpy
 

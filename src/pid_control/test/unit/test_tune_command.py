@@ -1,4 +1,4 @@
-"""What the command tune refuses."""
+"""Tests of the errors of the command tune."""
 
 import pathlib
 import sys

@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""How a controller is judged: scenarios, figures, limits, causes and reports. Pure."""
+"""Judging of a controller: scenarios, metrics, limits, diagnosis and reports. Pure."""

@@ -1,4 +1,4 @@
-"""One page about a class: who passed, what is wrong, and each one's picture. HTML."""
+"""HTML page about a class: verdicts, causes, and links to the files of each controller."""
 
 from collections import Counter
 from html import escape
@@ -16,10 +16,10 @@ _STYLE = (
 
 
 def as_html(rows: Sequence[Dict[str, str]], files: Dict[str, List[str]]) -> str:
-    """Return the page.
+    """Return the HTML page.
 
-    :param rows: lines of the CSV file
-    :param files: names of the files that there are of each controller, beside the page
+    :param rows: rows of the CSV file
+    :param files: names of each controller's files, in the page's folder
     """
     verdicts = Counter(row["verdict"] for row in rows)
     counts = ", ".join(f"{verdicts[name]} {name}" for name in (PASSED, FAILED, NOT_JUDGED))

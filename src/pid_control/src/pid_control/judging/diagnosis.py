@@ -1,4 +1,4 @@
-"""What a figure beyond its limit most likely comes from."""
+"""Diagnosis: the most likely cause of a figure beyond its limit."""
 
 import math
 from typing import Callable, Dict, NamedTuple, Optional, Sequence, Tuple
@@ -15,15 +15,15 @@ from pid_control.judging.record import (
 #: Figures by scenario and metric.
 Figures = Dict[Tuple[str, str], Optional[float]]
 
-#: How many messages in a standstill of the clock are more than any loop sends.
+#: Messages during a pause of the clock that are more than any loop with a rate sends.
 _FLOOD = 200
 
 
 class Cause(NamedTuple):
-    """A flaw of a controller.
+    """The cause of a failure.
 
-    :ivar flaw: a name for it
-    :ivar sentence: what is wrong, and what helps
+    :ivar flaw: short name
+    :ivar sentence: description and remedy
     """
 
     flaw: str
@@ -31,12 +31,12 @@ class Cause(NamedTuple):
 
 
 class _Rule(NamedTuple):
-    """A cause, and when it is the likely one.
+    """A cause, and the condition under which it is likely.
 
     :ivar cause: the cause
-    :ivar metrics: of which figures it may be
-    :ivar holds: whether the other figures agree with it
-    :ivar scenarios: in which scenarios it may show; empty for all
+    :ivar metrics: metrics that it can affect
+    :ivar holds: returns True if all figures agree with the cause
+    :ivar scenarios: scenarios in which it can appear; empty for all
     """
 
     cause: Cause
@@ -76,7 +76,7 @@ def _counts_on(figures: Figures) -> bool:
 
 
 def _has_no_integral(figures: Figures) -> bool:
-    # Where there is one, its growth at two rates can be compared.
+    # Only with an integral can its growth at two rates be compared.
     return ("rate", "interval_error") in figures and figures["rate", "interval_error"] is None
 
 
@@ -124,7 +124,7 @@ _MACHINE_CLOCK = Cause(
 )
 _FLOOD_CAUSE = Cause("flood", "it sends without a pause: a loop without rospy.Rate")
 _RESTLESS_CAUSE = Cause("restless", "it computes without a pause: a loop without rospy.Rate")
-#: The first that agrees with all figures is the likely cause.
+#: The first rule that agrees with all figures gives the likely cause.
 _RULES = (
     _Rule(_FLOOD_CAUSE, _HELD, _floods),
     _Rule(_RESTLESS_CAUSE, _HELD, _computes_on),
@@ -220,10 +220,10 @@ _RULES = (
 
 
 def cause_of(scenario: str, metric: str, figures: Figures) -> Cause:
-    """Return what a figure beyond its limit most likely comes from.
+    """Return the most likely cause of a figure beyond its limit.
 
-    :param scenario: in which it was measured
-    :param metric: what was measured
+    :param scenario: name of the scenario
+    :param metric: name of the metric
     :param figures: all figures of the controller
     """
     for rule in _RULES:
@@ -234,9 +234,9 @@ def cause_of(scenario: str, metric: str, figures: Figures) -> Cause:
 
 
 def cause_of_failure(record: Record) -> Cause:
-    """Return why a scenario did not come to its end.
+    """Return the cause of a scenario that ended early.
 
-    :param record: what came of it, with a failure
+    :param record: a record with a failure
     """
     words = f": {record.words}" if record.words else ""
     if record.failure == ENDED:

@@ -1,4 +1,4 @@
-"""A scenario at work: what the controller is sent, and what its answers do to the motor."""
+"""Simulation of a scenario: the messages to the controller, and the motor's response."""
 
 import math
 import random
@@ -17,12 +17,12 @@ from pid_control.judging.scenarios import (
 )
 from pid_control.plant.status import status_of
 
-#: How much too early a moment may be and still be meant, s: times are sums.
+#: Tolerance of times, which are sums with rounding errors [s].
 _EDGE_S = 1e-6
 
 
 class Output(NamedTuple):
-    """What the motor says: a motor_output."""
+    """Content of a motor_output message."""
 
     speed: float
     time: float
@@ -30,22 +30,22 @@ class Output(NamedTuple):
 
 
 class Outgoing(NamedTuple):
-    """What the controller is sent at one moment; None where nothing is due."""
+    """Messages to the controller at one time; None if not due."""
 
     set_point: Optional[float]
     output: Optional[Output]
 
 
 class Experiment:
-    """The motor and the set point of a scenario, by any clock.
+    """Motor and set point of a scenario, by any clock.
 
-    Before the scenario begins the motor stands, or is held, and does not follow its input: that is
-    when the controller finds its topics.
+    Before the scenario begins, while the controller connects, the motor stands or is held and does
+    not follow its input.
 
-    :param scenario: what happens
-    :param clock: what the clock says as the motor is started, s
+    :param scenario: the scenario
+    :param clock: time of the clock at the motor's start [s]
 
-    :ivar rows: all moments of the scenario so far
+    :ivar rows: rows of the scenario so far
     """
 
     def __init__(self, scenario: Scenario, clock: float) -> None:
@@ -56,25 +56,25 @@ class Experiment:
         self._zero = math.inf
         self._nan_left = list(scenario.not_a_number)
         self._was_silent = False
-        #: The latest input that is a number.
+        #: The latest finite input.
         self._input = 0.0
         self.rows: List[Row] = []
 
     def begin_at(self, clock: float) -> None:
-        """Have the scenario begin.
+        """Begin the scenario.
 
-        :param clock: its time 0, s
+        :param clock: time of the clock at which the scenario's time is 0 [s]
         """
         self._zero = clock
 
     def send(self, clock: float) -> Outgoing:
-        """Return what the controller is sent at a moment.
+        """Return the messages that are due.
 
-        :param clock: the moment, s; never decreasing
+        :param clock: time of the clock, never decreasing [s]
         """
         scenario, time = self._scenario, clock - self._zero
         wanted = value_at(scenario.set_point, time)
-        speed = self._write_down(time, wanted)
+        speed = self._record(time, wanted)
         set_point: Optional[float] = None
         if clock >= self._set_point_due - _EDGE_S:
             next_due = self._set_point_due + SET_POINT_S
@@ -93,22 +93,22 @@ class Experiment:
         return Outgoing(set_point, Output(speed, clock - self._plant_start, status))
 
     def step_after(self, clock: float) -> float:
-        """Return the time from a moment to the next one, s."""
+        """Return the time until the next step [s]."""
         is_slow = clock - self._zero >= self._scenario.slow_from - _EDGE_S
         return SLOW_STEP_S if is_slow else STEP_S
 
     def answer(self, clock: float, value: float) -> None:
-        """Let the motor have another input.
+        """Set the motor's input.
 
-        :param clock: from which moment on, s
-        :param value: what the controller sent; what is not finite is left out, as the motor does
+        :param clock: time of the clock [s]
+        :param value: the controller's answer; ignored if not finite, as by the motor
         """
         if math.isfinite(value):
             self._input = value
             self._hold(clock - self._zero)
 
-    def _write_down(self, time: float, wanted: float) -> float:
-        """Write a moment down, and return the motor's speed, rad/s."""
+    def _record(self, time: float, wanted: float) -> float:
+        """Append a row, and return the motor's speed [rad/s]."""
         scenario = self._scenario
         if scenario.held_speed is not None:
             speed = value_at(scenario.held_speed, time)
@@ -129,7 +129,7 @@ class Experiment:
             self._plant.hold(time, self._input + value_at(self._scenario.load, time))
 
     def _is_nan(self, topic: str, time: float) -> bool:
-        """Tell whether NaN is due on a topic; once for each."""
+        """Return True if NaN is due on a topic, once per event."""
         due = [one for one in self._nan_left if one[1] == topic and time >= one[0] - _EDGE_S]
         if due:
             self._nan_left.remove(due[0])

@@ -1,4 +1,4 @@
-"""The judgement of a controller: its figures, what is beyond its limit, and why."""
+"""Judgement of a controller: its figures, failures and their causes."""
 
 import math
 from typing import Dict, List, NamedTuple, Optional, Sequence
@@ -11,8 +11,7 @@ from pid_control.judging.record import Record
 PASSED, FAILED, NOT_JUDGED = "passed", "failed", "not judged"
 #: Exit status of each verdict.
 STATUS = {PASSED: 0, FAILED: 1, NOT_JUDGED: 125}
-#: What a controller is judged for first: whoever has one of these is not tried further, as all else
-#: would follow from it, or take for ever.
+#: Flaws that stop the judgement: later failures would follow from them, or take too long.
 _FATAL = (
     "flood",
     "restless",
@@ -28,13 +27,13 @@ _ROUNDING = 1e-6
 
 
 class Finding(NamedTuple):
-    """A figure.
+    """A figure and its limit.
 
     :ivar scenario: name of the scenario
     :ivar metric: name of the metric
-    :ivar value: the figure; None where it cannot be told
-    :ivar limit: its limit, if any
-    :ivar passed: whether it is kept
+    :ivar value: the figure; None if not measurable
+    :ivar limit: the limit, if any
+    :ivar passed: True if the figure is within its limit
     """
 
     scenario: str
@@ -45,11 +44,11 @@ class Finding(NamedTuple):
 
 
 class Failure(NamedTuple):
-    """What is wrong.
+    """A failure in a scenario.
 
-    :ivar scenario: where that showed
-    :ivar what: the figure and its limit, or what happened
-    :ivar cause: what it comes from
+    :ivar scenario: name of the scenario
+    :ivar what: the figure and its limit, or the reason of an early end
+    :ivar cause: the likely cause
     """
 
     scenario: str
@@ -58,13 +57,13 @@ class Failure(NamedTuple):
 
 
 class Judgement(NamedTuple):
-    """What there is to say of a controller.
+    """The judgement of a controller.
 
     :ivar verdict: PASSED, FAILED or NOT_JUDGED
     :ivar findings: all figures
-    :ivar failures: what is wrong, in the order of the scenarios
-    :ivar reason: why it was not judged, where it was not
-    :ivar left_out: names of the scenarios that the plant could not go through
+    :ivar failures: the failures, in the order of the scenarios
+    :ivar reason: why the controller was not judged, for NOT_JUDGED
+    :ivar left_out: names of the scenarios that the plant does not support
     """
 
     verdict: str
@@ -79,16 +78,16 @@ class Judgement(NamedTuple):
         return STATUS[self.verdict]
 
     def flaws(self) -> List[str]:
-        """Return the names of what is wrong, each once."""
+        """Return the names of the flaws, without repetition."""
         return list(dict.fromkeys(failure.cause.flaw for failure in self.failures))
 
 
 def judge(records: Sequence[Record], limits: Limits, reason: str = "") -> Judgement:
-    """Judge a controller.
+    """Judge a controller by its records.
 
-    :param records: what came of its scenarios
-    :param limits: what it has to keep
-    :param reason: why not all could be tried, if so
+    :param records: records of its scenarios
+    :param limits: limits of the figures
+    :param reason: why not all scenarios were run, if so
     """
     figures: Figures = {}
     for record in records:
@@ -118,10 +117,10 @@ def judge(records: Sequence[Record], limits: Limits, reason: str = "") -> Judgem
 
 
 def is_fatal(record: Record, limits: Limits) -> bool:
-    """Tell whether it makes no sense to try a controller further.
+    """Return True if no further scenario should be run.
 
-    :param record: what came of the latest scenario
-    :param limits: what it has to keep
+    :param record: record of the latest scenario
+    :param limits: limits of the figures
     """
     return bool(record.failure) or any(flaw in _FATAL for flaw in judge([record], limits).flaws())
 
@@ -138,7 +137,7 @@ def _found(scenario: str, metric: str, value: Optional[float], limits: Limits) -
 
 
 def text_of(finding: Finding) -> str:
-    """Return a figure and its limit in words."""
+    """Return the text of a figure and its limit."""
     metric = METRICS[finding.metric]
     allowed = "at least" if metric.is_least else "at most"
     limit = number(finding.limit, metric.unit)
@@ -146,7 +145,7 @@ def text_of(finding: Finding) -> str:
 
 
 def number(value: Optional[float], unit: str = "") -> str:
-    """Return a figure for people.
+    """Format a figure.
 
     :param value: the figure, if any
     :param unit: its unit
@@ -161,7 +160,7 @@ def number(value: Optional[float], unit: str = "") -> str:
 
 
 def causes(judgement: Judgement) -> Dict[Cause, List[Failure]]:
-    """Return what is wrong by its cause, in the order in which that showed."""
+    """Group the failures by cause, in order of appearance."""
     found: Dict[Cause, List[Failure]] = {}
     for failure in judgement.failures:
         found.setdefault(failure.cause, []).append(failure)

@@ -1,4 +1,4 @@
-"""The limits that figures are judged against, from YAML."""
+"""Limits of the figures, from YAML."""
 
 import math
 from typing import Any, Dict, Mapping, Optional
@@ -7,16 +7,16 @@ import yaml
 
 from pid_control.judging.metrics import SCENARIO_METRICS
 
-#: The limits of a scenario by the name of the metric; None where there is none.
+#: Limits by name of the scenario and of the metric; None for unlimited.
 Limits = Dict[str, Dict[str, Optional[float]]]
 
 
 class LimitsError(ValueError):
-    """Limits are not as they have to be; the text says which, and what is allowed."""
+    """The limits are invalid; the message says which, and what is allowed."""
 
 
 class _Loader(yaml.SafeLoader):
-    """Reads YAML whose keys differ: of two limits for one figure nobody knows which is meant."""
+    """YAML loader that rejects duplicate keys, of which YAML would silently use the last."""
 
 
 def _mapping_of(loader: _Loader, node: yaml.MappingNode) -> Dict[Any, Any]:
@@ -26,7 +26,7 @@ def _mapping_of(loader: _Loader, node: yaml.MappingNode) -> Dict[Any, Any]:
         if not isinstance(key, str):
             raise LimitsError(f"line {key_node.start_mark.line + 1}: {key!r} is not a name")
         if key in found:
-            raise LimitsError(f"line {key_node.start_mark.line + 1}: {key} is there twice")
+            raise LimitsError(f"line {key_node.start_mark.line + 1}: duplicate key {key}")
         found[key] = loader.construct_object(value_node, deep=True)
     return found
 
@@ -35,16 +35,16 @@ _Loader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _mapping
 
 
 def read_limits(text: str) -> Limits:
-    """Return the limits that a file holds.
+    """Parse limits.
 
-    :param text: what is in it
-    :raises LimitsError: if it is not YAML, or names what there is not, or a limit is no number
+    :param text: content of a limits file
+    :raises LimitsError: if it is not YAML, a name is unknown, or a limit is not a number
     """
     try:
         content = yaml.load(text, _Loader)  # a SafeLoader
     except LimitsError:
         raise
-    except (yaml.YAMLError, RecursionError, ValueError) as error:  # ValueError: no such date
+    except (yaml.YAMLError, RecursionError, ValueError) as error:  # ValueError: an invalid date
         raise LimitsError(f"it is not YAML: {' '.join(str(error).split())}") from None
     if content is None:
         return {}
@@ -54,17 +54,19 @@ def read_limits(text: str) -> Limits:
 
 
 def merged(limits: Limits, own: Limits) -> Limits:
-    """Return limits, of which some are replaced.
+    """Return limits with some of them replaced.
 
-    :param limits: all of them
-    :param own: those that replace them
+    :param limits: all limits
+    :param own: the limits that replace them
     """
     return {name: {**limits.get(name, {}), **own.get(name, {})} for name in SCENARIO_METRICS}
 
 
 def _of_scenario(scenario: str, limits: Any) -> Dict[str, Optional[float]]:
     if scenario not in SCENARIO_METRICS:
-        raise LimitsError(f"{scenario}: no such scenario; there are {', '.join(SCENARIO_METRICS)}")
+        raise LimitsError(
+            f"{scenario}: unknown scenario; choose from {', '.join(SCENARIO_METRICS)}"
+        )
     if not isinstance(limits, Mapping):
         raise LimitsError(f"{scenario}: must hold limits by name, not {limits!r:.60}")
     for name, limit in limits.items():

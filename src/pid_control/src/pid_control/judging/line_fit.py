@@ -1,15 +1,15 @@
-"""A straight line through points: least squares."""
+"""Least-squares fit of a straight line."""
 
 from typing import NamedTuple, Optional, Sequence, Tuple
 
-#: Fewest points that a line is fitted to.
+#: Fewest points of a fit.
 _FEWEST = 4
 
 
 class Line(NamedTuple):
     """A straight line.
 
-    :ivar slope: growth for each unit of x
+    :ivar slope: change per unit of x
     :ivar offset: value at x = 0
     """
 
@@ -17,15 +17,15 @@ class Line(NamedTuple):
     offset: float
 
     def at(self, x: float) -> float:
-        """Return its value."""
+        """Return the line's value."""
         return self.offset + self.slope * x
 
 
 def fit_line(points: Sequence[Tuple[float, float]]) -> Optional[Line]:
-    """Return the line with the least sum of squares of vertical distances.
+    """Fit a line with the least sum of squared vertical distances.
 
     :param points: (x, y)
-    :returns: the line; None where the points are too few, or all at one x
+    :returns: the line; None for too few points, or if all have the same x
     """
     if len(points) < _FEWEST:
         return None

@@ -1,4 +1,4 @@
-"""The figures of a controller, taken from the records of its scenarios."""
+"""Metrics of a controller, computed from the records of its scenarios."""
 
 import math
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
@@ -15,28 +15,27 @@ from pid_control.judging.scenarios import (
     STANDSTILL_AT,
 )
 
-#: Where the input counts as limited: the course wants it within [-1, 1].
+#: Magnitude from which the input counts as limited: the course's limit is 1.
 _LIMITED = 0.99
-#: The band about a set point in which a speed counts as settled: this share of the step, rad/s at
-#: least.
+#: Settling band around a set point: share of the step, and its least width [rad/s].
 _BAND, _LEAST_BAND = 0.05, 0.1
-#: How long the end of a step is, where the speed is to be steady, s.
+#: Duration of the end of a step, where the speed should be steady [s].
 _END_S = 0.2
-#: An answer that comes longer than this after the one before is late, s: the loop's rate is 100 Hz.
+#: Longest interval of answers that are not late [s]: the loop's rate is 100 Hz.
 _LATE_S = 0.025
-#: An input grows by less than this where there is no integral, 1/s.
+#: Growth rate of the input below which there is no integral [1/s].
 _NO_GROWTH = 1e-3
-#: How long NaN may be followed by NaN, s.
+#: Time after a NaN message in which answers may be NaN [s].
 _NAN_S = 0.1
 
 
 class Metric(NamedTuple):
-    """What is measured.
+    """A metric of a record.
 
-    :ivar label: in words
-    :ivar unit: of the figure
-    :ivar is_least: whether the limit is the least figure, and not the largest
-    :ivar of: takes it from a record; None where it cannot be told
+    :ivar label: text for reports
+    :ivar unit: unit of the figure
+    :ivar of: computes the figure of a record; None if not measurable
+    :ivar is_least: True if the limit is a minimum, not a maximum
     """
 
     label: str
@@ -46,7 +45,7 @@ class Metric(NamedTuple):
 
 
 def _windows(record: Record) -> List[Tuple[float, float, float]]:
-    """Return begin and end, s, and height, rad/s, of each step of the set point."""
+    """Return begin and end [s] and height [rad/s] of each step of the set point."""
     corners = record.scenario.set_point
     steps = [
         (one[0], other[1] - one[1])
@@ -60,7 +59,7 @@ def _windows(record: Record) -> List[Tuple[float, float, float]]:
 def _worst(record: Record, of: Callable[[List[Row], float], Optional[float]]) -> Optional[float]:
     """Return the largest figure of all steps.
 
-    :param of: takes it from the rows of a step and its height
+    :param of: computes the figure from the rows of a step and its height
     """
     found = [of(record.between(begin, end), height) for begin, end, height in _windows(record)]
     known = [one for one in found if one is not None]
@@ -68,7 +67,7 @@ def _worst(record: Record, of: Callable[[List[Row], float], Optional[float]]) ->
 
 
 def _rise(rows: List[Row], height: float) -> Optional[float]:
-    """From 10 % of the step to 90 %, s."""
+    """Return the time from 10 % to 90 % of the step [s]."""
     start = rows[0].set_point - height
     shares = [((row.speed - start) / height, row.time) for row in rows]
     moments = [
@@ -79,13 +78,13 @@ def _rise(rows: List[Row], height: float) -> Optional[float]:
 
 
 def _overshoot(rows: List[Row], height: float) -> float:
-    """Beyond the set point, % of the step."""
+    """Return the overshoot [% of the step]."""
     beyond = max((row.speed - row.set_point) / height for row in rows)
     return max(100.0 * beyond, 0.0)
 
 
 def _settling(rows: List[Row], height: float) -> float:
-    """Until the speed stays within a band about the set point, s."""
+    """Return the time until the speed stays in the settling band [s]."""
     return _settled_after(rows, max(_BAND * abs(height), _LEAST_BAND))
 
 
@@ -97,13 +96,13 @@ def _settled_after(rows: Sequence[Row], band: float) -> float:
 
 
 def _steady_error(rows: List[Row], height: float) -> float:
-    """At the end of a step, rad/s."""
+    """Return the error at the end of a step [rad/s]."""
     last = [row for row in rows if row.time >= rows[-1].time - _END_S]
     return abs(sum(row.set_point - row.speed for row in last) / len(last))
 
 
 def _absolute_error(record: Record) -> float:
-    """The integral of the error's magnitude, rad."""
+    """Return the integral of the absolute error [rad]."""
     rows = record.rows
     return sum(
         abs(one.set_point - one.speed) * (other.time - one.time)
@@ -112,13 +111,13 @@ def _absolute_error(record: Record) -> float:
 
 
 def _effort(record: Record) -> float:
-    """The integral of the input's square, s."""
+    """Return the integral of the squared input [s]."""
     rows = record.rows
     return sum(one.input**2 * (other.time - one.time) for one, other in zip(rows, rows[1:]))
 
 
 def _tracking_error(record: Record) -> float:
-    """Mean magnitude of the error in the second half, rad/s."""
+    """Return the mean absolute error in the second half [rad/s]."""
     half = 0.5 * record.scenario.duration
     errors = [abs(row.set_point - row.speed) for row in record.rows if row.time >= half]
     return sum(errors) / len(errors)
@@ -130,7 +129,7 @@ def _peak(record: Record) -> Optional[float]:
 
 
 def _chatter(record: Record) -> Optional[float]:
-    """Root of the mean square of the input's changes from answer to answer, near the end."""
+    """Return the root mean square of the changes between answers, near the end."""
     begin = record.scenario.duration - 3.0 * _END_S
     values = [value for time, value in record.answers if time >= begin and math.isfinite(value)]
     changes = [(other - one) ** 2 for one, other in zip(values, values[1:])]
@@ -138,7 +137,7 @@ def _chatter(record: Record) -> Optional[float]:
 
 
 def _late(record: Record) -> float:
-    """Share of the time in which an answer was overdue."""
+    """Return the share of the time in which an answer was overdue."""
     end = record.scenario.duration
     times = [0.0, *(time for time, _ in record.answers if 0.0 <= time <= end), end]
     gaps = [other - one for one, other in zip(times, times[1:])]
@@ -150,14 +149,14 @@ def _processor(record: Record) -> float:
 
 
 def _leave(record: Record) -> float:
-    """From when the set point is within reach until the input leaves its limit, s."""
+    """Return the time from the reachable set point until the input leaves its limit [s]."""
     rows = record.between(BACK_AT, math.inf)
     left = (row.time for row in rows if abs(row.input) < _LIMITED)
     return next(left, math.inf) - BACK_AT
 
 
 def _recovery(record: Record) -> Optional[float]:
-    """The longest time from an event until the speed stays near the set point, s."""
+    """Return the longest time from an event until the speed stays in the settling band [s]."""
     events = [*record.scenario.events, record.scenario.duration]
     spans = [record.between(one, other) for one, other in zip(events, events[1:])]
     found = [
@@ -167,7 +166,7 @@ def _recovery(record: Record) -> Optional[float]:
 
 
 def _not_finite(record: Record) -> float:
-    """How many answers are no number though NaN was long ago."""
+    """Count the answers that are not finite without a recent NaN message."""
     wrong = [time for time, value in record.answers if not math.isfinite(value)]
     excused = [
         time
@@ -183,7 +182,7 @@ def _mean_input(record: Record, begin: float, end: float) -> float:
 
 
 def _ramp(record: Record, begin: float, end: float) -> Optional[Line]:
-    """Return the line along which the input grows where it is not limited."""
+    """Fit a line to the input while it is not limited."""
     points = [
         (row.time, row.input) for row in record.between(begin, end) if abs(row.input) < _LIMITED
     ]
@@ -191,14 +190,14 @@ def _ramp(record: Record, begin: float, end: float) -> Optional[Line]:
 
 
 def _set_point_response(record: Record) -> float:
-    """What of the input answers to the set point, for each rad/s."""
+    """Return the input's response to the set point [1/(rad/s)]."""
     after = _mean_input(record, ASKED_AT + 0.1, STANDSTILL_AT)
     return (after - _mean_input(record, 0.5 * ASKED_AT, ASKED_AT)) / LITTLE
 
 
 def _output_response(record: Record) -> float:
-    """What of the input answers to the motor, for each rad/s; against it is above 0."""
-    # The answer to the set point goes on meanwhile: an integral grows further.
+    """Return the input's response to the motor [1/(rad/s)]; positive against the motor."""
+    # The response to the set point continues meanwhile: an integral grows further.
     line = _ramp(record, ASKED_AT + 0.15, STANDSTILL_AT)
     last = record.rows[-1]
     expected = min(line.at(last.time), 1.0) if line else last.input
@@ -208,7 +207,7 @@ def _output_response(record: Record) -> float:
 
 
 def _kick(record: Record) -> Optional[float]:
-    """How far the input leaps beyond where it goes on from, for each rad/s of the step."""
+    """Return the peak of the input at a step above the line that follows [1/(rad/s)]."""
     line = _ramp(record, ASKED_AT + 0.15, STANDSTILL_AT)
     if line is None:
         return None
@@ -225,7 +224,7 @@ def _standstill_rest(record: Record) -> Optional[float]:
 
 
 def _standstill_jump(record: Record) -> Optional[float]:
-    """By how much time the integral went on while the clock stood still, s."""
+    """Return the time by which the integral grew while the clock was paused [s]."""
     line = _ramp(record, ASKED_AT + 0.15, STANDSTILL_AT)
     has_stood = record.standstill_rest is not None
     if not has_stood or line is None or abs(line.slope) < _NO_GROWTH:
@@ -236,7 +235,7 @@ def _standstill_jump(record: Record) -> Optional[float]:
 
 
 def _interval_error(record: Record) -> Optional[float]:
-    """By how much the integral's growth depends on the loop's rate, as a share."""
+    """Return the relative change of the integral's growth at another loop rate."""
     quick = _ramp(record, 0.2, SLOW_AT)
     slow = _ramp(record, SLOW_AT + 2.0 * SLOW_STEP_S, math.inf)
     if quick is None or slow is None or abs(quick.slope) < _NO_GROWTH:
@@ -273,7 +272,7 @@ METRICS: Dict[str, Metric] = {
 _HELD = ("set_point_response", "output_response", "kick")
 _STANDSTILL = ("standstill_answers", "standstill_rest", "standstill_jump")
 _STEPS = ("rise_time", "overshoot", "settling_time", "steady_error")
-#: What is measured in which scenario.
+#: Metrics of each scenario.
 SCENARIO_METRICS: Dict[str, Tuple[str, ...]] = {
     "held": (*_HELD, *_STANDSTILL, "late", "processor"),
     "rate": ("interval_error",),
@@ -293,8 +292,8 @@ SCENARIO_METRICS: Dict[str, Tuple[str, ...]] = {
 
 
 def metrics_of(record: Record) -> Dict[str, Optional[float]]:
-    """Return the figures of a scenario that came to its end, by the name of the metric.
+    """Return the figures of a completed scenario, by name of the metric.
 
-    :param record: what came of it
+    :param record: record of the scenario
     """
     return {name: METRICS[name].of(record) for name in SCENARIO_METRICS[record.scenario.name]}

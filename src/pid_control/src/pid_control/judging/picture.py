@@ -1,4 +1,4 @@
-"""All scenarios in one picture: what was asked for, what the motor did, and its input. SVG."""
+"""SVG picture of all scenarios: set point, speed and input of the motor."""
 
 import math
 from html import escape
@@ -7,23 +7,23 @@ from typing import List, Sequence
 from pid_control.charts.chart import Curve, Panel, plot
 from pid_control.judging.record import Record
 
-#: Columns of panels; size of a panel's plots, of the room about them, and of the heading.
+#: Columns of panels; size of a panel's plots, their margins, and height of the heading.
 _COLUMNS = 3
 _WIDTH, _SPEED_HEIGHT, _INPUT_HEIGHT = 260.0, 90.0, 40.0
 _LEFT, _RIGHT, _ABOVE, _GAP, _BELOW = 34.0, 32.0, 22.0, 24.0, 22.0
 _HEADING = 34.0
-#: Colours that are told apart by those who see few.
+#: Colours that colour-blind readers can distinguish.
 _SET_POINT, _SPEED, _INPUT, _WRONG = "#888888", "#0072b2", "#d55e00", "#b00020"
-#: The input's axis goes beyond its limits by this.
+#: End of the input's axis; the limit is 1.
 _BEYOND = 1.2
 
 
 def as_svg(records: Sequence[Record], title: str, failed: Sequence[str]) -> str:
-    """Return the picture.
+    """Return the SVG picture.
 
-    :param records: what came of the scenarios
-    :param title: what stands above
-    :param failed: names of the scenarios in which something was wrong
+    :param records: records of the scenarios
+    :param title: title of the picture
+    :param failed: names of the failed scenarios
     """
     tall = _ABOVE + _SPEED_HEIGHT + _GAP + _INPUT_HEIGHT + _BELOW
     wide = _LEFT + _WIDTH + _RIGHT

@@ -1,4 +1,4 @@
-"""What was heard of a plant that is not the judge's own."""
+"""Log of the messages of a real plant."""
 
 from bisect import bisect_left
 from typing import List, NamedTuple, Tuple
@@ -6,45 +6,44 @@ from typing import List, NamedTuple, Tuple
 from pid_control.judging.record import Row
 from pid_control.judging.scenarios import Scenario, value_at
 
-#: A speed is the mean of what was measured in this time up to it, s: an encoder is coarse, and its
-#: steps are no errors of the controller.
+#: Averaging window of the speed [s]: the steps of a coarse encoder are not control errors.
 _MEAN_S = 0.04
 
 
 class PlantLog(NamedTuple):
-    """What was heard, each with its moment by one clock, s.
+    """Messages of a plant and its controller, with times of one clock [s].
 
-    :ivar outputs: moment, speed of the plant, and its latest input
-    :ivar inputs: moment, and what the controller sent
+    :ivar outputs: time, speed of the plant, and its latest input
+    :ivar inputs: time, and input sent by the controller
     """
 
     outputs: List[Tuple[float, float, float]]
     inputs: List[Tuple[float, float]]
 
 
-def rows_of(heard: PlantLog, scenario: Scenario, zero: float, scale: float) -> List[Row]:
-    """Return the moments of a scenario, as of a motor of the course's greatest speed.
+def rows_of(log: PlantLog, scenario: Scenario, zero: float, scale: float) -> List[Row]:
+    """Return the rows of a scenario, scaled to the greatest speed of the course's motor.
 
-    :param heard: what was heard
-    :param scenario: what was asked for
-    :param zero: when it began, by the clock of what was heard, s
-    :param scale: how many times faster than the course's motor the plant can be
+    :param log: messages of the plant
+    :param scenario: the scenario
+    :param zero: start of the scenario by the log's clock [s]
+    :param scale: greatest speed of the plant over that of the course's motor
     """
-    moments = [moment for moment, _, _ in heard.outputs]
+    moments = [moment for moment, _, _ in log.outputs]
     rows = []
-    for index, (moment, _, given) in enumerate(heard.outputs):
+    for index, (moment, _, given) in enumerate(log.outputs):
         time = moment - zero
         if 0.0 <= time < scenario.duration:
-            latest = heard.outputs[bisect_left(moments, moment - _MEAN_S) : index + 1]
+            latest = log.outputs[bisect_left(moments, moment - _MEAN_S) : index + 1]
             speed = sum(speed for _, speed, _ in latest) / len(latest)
             rows.append(Row(time, value_at(scenario.set_point, time), speed / scale, given))
     return rows
 
 
-def answers_of(heard: PlantLog, zero: float) -> List[Tuple[float, float]]:
-    """Return the time in the scenario, s, and the input of each answer.
+def answers_of(log: PlantLog, zero: float) -> List[Tuple[float, float]]:
+    """Return the time in the scenario [s] and the input of each answer.
 
-    :param heard: what was heard
-    :param zero: when the scenario began, by the clock of what was heard, s
+    :param log: messages of the plant
+    :param zero: start of the scenario by the log's clock [s]
     """
-    return [(moment - zero, value) for moment, value in heard.inputs]
+    return [(moment - zero, value) for moment, value in log.inputs]

@@ -1,25 +1,25 @@
-"""What came of a scenario."""
+"""Record of a scenario."""
 
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from pid_control.judging.scenarios import Scenario
 
-#: What ended a scenario before its time. ENDED: the controller ended by itself. NOT_CONNECTED: it
-#: did not find its topics. SILENT: it sends nothing any more, or never did. RESTLESS: it never had
-#: nothing to do. WRITES_WITHOUT_END: its log grew.
+#: Failures that end a scenario early. ENDED: the controller exited. NOT_CONNECTED: it did not
+#: connect to its topics. SILENT: it sent nothing, or stopped sending. RESTLESS: it was never idle.
+#: WRITES_WITHOUT_END: its log grew too long.
 ENDED, NOT_CONNECTED, SILENT = "ended", "not connected", "silent"
 RESTLESS, WRITES_WITHOUT_END = "restless", "writes without end"
-#: How long before the end of a scenario the last answer may be, s.
+#: Longest time without answers at the end of a scenario [s].
 _SILENT_S = 0.5
 
 
 class Row(NamedTuple):
-    """A moment.
+    """State of the loop at one time.
 
-    :ivar time: s
-    :ivar set_point: what was asked for, rad/s
-    :ivar speed: what the motor really did, rad/s
-    :ivar input: the motor's input; of what was sent the latest that is a number
+    :ivar time: time in the scenario [s]
+    :ivar set_point: set point [rad/s]
+    :ivar speed: true speed of the motor [rad/s]
+    :ivar input: the motor's input, the latest finite one
     """
 
     time: float
@@ -29,19 +29,18 @@ class Row(NamedTuple):
 
 
 class Record(NamedTuple):
-    """What came of a scenario.
+    """Record of a scenario.
 
     :ivar scenario: the scenario
-    :ivar failure: what ended it before its time, or nothing
-    :ivar words: the last line that the controller wrote, where it has a failure
-    :ivar missing: the topics that it did not find
-    :ivar hint: what it does instead
-    :ivar rows: all moments
-    :ivar answers: the time of each message, s, and its input, whatever that is
-    :ivar busy: processor time that the controller took, s
-    :ivar standstill_answers: how many messages came while the clock stood still
-    :ivar standstill_rest: share of that time in which the controller did nothing; None where the
-        clock did not stand still
+    :ivar failure: the failure that ended it early, or empty
+    :ivar words: last line of the controller's output, for a failure
+    :ivar missing: topics that the controller did not connect to
+    :ivar hint: what the controller publishes instead
+    :ivar rows: state of the loop over time
+    :ivar answers: time [s] and input of each message, finite or not
+    :ivar busy: processor time of the controller [s]
+    :ivar standstill_answers: number of messages while the clock was paused
+    :ivar standstill_rest: share of the pause in which the controller was idle; None without a pause
     """
 
     scenario: Scenario
@@ -57,10 +56,10 @@ class Record(NamedTuple):
 
     @property
     def is_silent(self) -> bool:
-        """Whether there was no answer any more for long before the end."""
+        """True if the last answers of the scenario are missing."""
         latest = self.answers[-1][0] if self.answers else 0.0
         return self.scenario.duration - latest > _SILENT_S
 
     def between(self, begin: float, end: float) -> List[Row]:
-        """Return the moments from one time to another, s, without the latter."""
+        """Return the rows from one time up to, and excluding, another [s]."""
         return [row for row in self.rows if begin <= row.time < end]

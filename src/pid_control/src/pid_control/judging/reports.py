@@ -1,4 +1,4 @@
-"""A judgement for people, spreadsheets and test tools."""
+"""Reports of a judgement: text, CSV and JUnit."""
 
 import csv
 import io
@@ -16,14 +16,14 @@ from pid_control.judging.judgement import (
 )
 from pid_control.judging.metrics import METRICS, SCENARIO_METRICS
 
-#: What XML cannot hold.
+#: Characters that XML does not allow.
 _LEGAL = dict.fromkeys([*range(9), 11, 12, *range(14, 32), 0xFFFE, 0xFFFF], "?")
 
 
 def as_table(judgement: Judgement) -> str:
-    """Return the figures, one a line.
+    """Return the table of figures.
 
-    :param judgement: what there is to say
+    :param judgement: the judgement
     """
     rows = [("scenario", "what", "figure", "limit", "")]
     before = ""
@@ -51,9 +51,9 @@ def _limit(finding: Finding, is_least: bool) -> str:
 
 
 def as_sentences(judgement: Judgement) -> str:
-    """Return what is wrong, each cause with where it showed, and the verdict.
+    """Return the failures, grouped by cause, and the verdict.
 
-    :param judgement: what there is to say
+    :param judgement: the judgement
     """
     lines: List[str] = []
     for cause, failures in causes(judgement).items():
@@ -73,10 +73,10 @@ def as_sentences(judgement: Judgement) -> str:
 
 
 def as_junit(judgement: Judgement, name: str) -> str:
-    """Return a JUnit file, with a case for each scenario.
+    """Return a JUnit file with a test case per scenario.
 
-    :param judgement: what there is to say
-    :param name: of the controller
+    :param judgement: the judgement
+    :param name: name of the controller
     """
     wrong: Dict[str, List[str]] = {}
     for failure in judgement.failures:
@@ -110,14 +110,14 @@ def _legal(text: str) -> str:
     return text.translate(_LEGAL)
 
 
-#: The columns of a class's file before the figures.
+#: Columns before the figures.
 _COLUMNS = ("controller", "verdict", "flaws", "why")
 
 
 def as_csv(judgements: Sequence[Tuple[str, Judgement]]) -> str:
-    """Return a CSV file: a line for each controller, a column for each figure.
+    """Return a CSV file with a row per controller and a column per figure.
 
-    :param judgements: the name of each, and what there is to say
+    :param judgements: name and judgement of each controller
     """
     measured = [(scenario, name) for scenario, names in SCENARIO_METRICS.items() for name in names]
     text = io.StringIO()
@@ -137,5 +137,5 @@ def _cell(value: Optional[float]) -> str:
 
 
 def _text_cell(text: str) -> str:
-    # A spreadsheet takes these for the beginning of a formula.
+    # A spreadsheet would parse such a cell as a formula.
     return "'" + text if text.startswith(("=", "+", "-", "@", "\t", "\r")) else text

@@ -1,4 +1,4 @@
-"""What a controller has to go through, as data."""
+"""Scenarios for a controller, as data."""
 
 import math
 from typing import Dict, NamedTuple, Optional, Sequence, Tuple
@@ -6,37 +6,36 @@ from typing import Dict, NamedTuple, Optional, Sequence, Tuple
 from first_order_sys_sim.first_order_plant import PlantSettings
 from pid_control.plant.system_parameters import SystemParameters
 
-#: Corners of a signal: (time, s; value), with lines between them; two at one time are a step.
+#: Corners of a piecewise linear signal, (time [s], value); two at the same time are a step.
 Corners = Sequence[Tuple[float, float]]
 #: The course's motor.
 MOTOR = SystemParameters().plant
-#: Time between two outputs of the motor, and between two set points, s.
+#: Period of the motor's outputs, and of the set points [s].
 STEP_S, SET_POINT_S = 0.002, 0.01
-#: Time between two outputs where the loop is slow, s: rospy.Rate makes up for turns that it missed
-#: by less than two periods, and at 30 Hz and more it misses more.
+#: Period of the outputs while the loop is slow [s]: rospy.Rate catches up on delays shorter than
+#: two periods, so a loop with 30 Hz or more is slowed down too.
 SLOW_STEP_S = 0.07
 
 SET_POINT, OUTPUT = "set_point", "motor_output"
 
 
 class Scenario(NamedTuple):
-    """What happens to a controller, in a time that starts at 0.
+    """A scenario for a controller, in a time that starts at 0.
 
     :ivar name: one word
-    :ivar about: what it is, in a few words
-    :ivar duration: how long it lasts, s
-    :ivar set_point: the speed that is asked for, rad/s
-    :ivar held_speed: the speed, rad/s, of a motor that is held and does not follow its input; none
-        where it is free
-    :ivar motor: what the motor is like
-    :ivar load: what is added to the motor's input
-    :ivar noise: standard deviation of what is added to each output, rad/s
-    :ivar silence: from when until when the motor says nothing, s
-    :ivar restarts: whether the motor begins anew, with time 0 and speed 0, after its silence
-    :ivar not_a_number: when NaN comes in place of the next message, s, and on which topic
-    :ivar slow_from: from when on the clock and the motor go in steps of SLOW_STEP_S, s
-    :ivar standstill_at: when the clock stands still for a while, s
-    :ivar events: from when on the controller has to recover from something, s
+    :ivar about: short description
+    :ivar duration: duration [s]
+    :ivar set_point: set point [rad/s]
+    :ivar held_speed: speed of a motor that is held and ignores its input [rad/s]; None if free
+    :ivar motor: parameters of the motor
+    :ivar load: disturbance, added to the motor's input
+    :ivar noise: standard deviation of the measurement noise [rad/s]
+    :ivar silence: begin and end of the time without outputs of the motor [s]
+    :ivar restarts: True if the motor restarts, with time 0 and speed 0, after its silence
+    :ivar not_a_number: times at which the next message is NaN [s], and its topic
+    :ivar slow_from: time from which clock and motor have the period SLOW_STEP_S [s]
+    :ivar standstill_at: time at which the clock is paused [s]
+    :ivar events: times from which the controller has to recover from a disturbance [s]
     """
 
     name: str
@@ -56,16 +55,16 @@ class Scenario(NamedTuple):
 
     @property
     def suits_any_plant(self) -> bool:
-        """Whether it only asks for speeds: it changes neither the motor nor what is heard of it."""
+        """True if the scenario changes only the set point, not the motor or its messages."""
         plain = Scenario(self.name, self.about, self.duration, self.set_point, events=self.events)
         return self == plain
 
 
 def value_at(corners: Corners, time: float) -> float:
-    """Return the value of a signal; before the first corner that one's, after the last that one's.
+    """Return the value of a signal, constant before its first and after its last corner.
 
-    :param corners: of the signal, at least one
-    :param time: s; at a step the value after it
+    :param corners: corners of the signal, at least one
+    :param time: time [s]; at a step the value after it
     """
     before = corners[0]
     for corner in corners:
@@ -81,9 +80,9 @@ def value_at(corners: Corners, time: float) -> float:
 
 
 def steps(*corners: Tuple[float, float]) -> Corners:
-    """Return a signal that stays at 0, and from each corner on at its value.
+    """Return a signal of steps that starts at 0.
 
-    :param corners: time, s, and value
+    :param corners: time [s] and value of each step
     """
     found = [(0.0, 0.0)]
     for time, value in corners:
@@ -92,13 +91,13 @@ def steps(*corners: Tuple[float, float]) -> Corners:
 
 
 def sine(offset: float, amplitude: float, period: float, begin: float, end: float) -> Corners:
-    """Return a signal that is 0 up to a moment, and from then on a sine.
+    """Return a signal that is 0 at first, and then a sine.
 
-    :param offset: its middle
-    :param amplitude: its height above that
-    :param period: s
-    :param begin: when it begins, s
-    :param end: when it ends, s
+    :param offset: mean value
+    :param amplitude: amplitude
+    :param period: period [s]
+    :param begin: start of the sine [s]
+    :param end: end of the sine [s]
     """
     count = round((end - begin) / SET_POINT_S)
     moments = [index * SET_POINT_S for index in range(count + 1)]
@@ -109,14 +108,14 @@ def sine(offset: float, amplitude: float, period: float, begin: float, end: floa
     return ((0.0, 0.0), (begin, 0.0), *wave)
 
 
-#: The motor is held at this speed, and asked for that and a little more, rad/s: the error is known,
-#: and so small that the input takes long to its limit.
+#: Speed of the held motor, and increase of the set point [rad/s]: the error is known, and too small
+#: to drive the input to its limit soon.
 HELD, LITTLE = 5.0, 0.1
-#: When the parts of ``held`` begin, s: more is asked for; the clock stands still; it runs faster.
+#: Start of the parts of ``held`` [s]: higher set point; paused clock; faster motor.
 ASKED_AT, STANDSTILL_AT, FASTER_AT = 0.2, 0.6, 0.8
-#: When the loop becomes slow in ``rate``, s.
+#: Time at which the loop becomes slow in ``rate`` [s].
 SLOW_AT = 0.5
-#: When the set point is out of reach no longer in ``windup``, s.
+#: Time at which the set point becomes reachable in ``windup`` [s].
 BACK_AT = 1.5
 
 SCENARIOS: Tuple[Scenario, ...] = (
@@ -184,7 +183,7 @@ SCENARIOS: Tuple[Scenario, ...] = (
     ),
     Scenario(
         "restart",
-        "the motor is started anew",
+        "the motor is restarted",
         2.0,
         steps((0.2, 5.0)),
         silence=(1.0, 1.1),

@@ -1,1 +1,1 @@
-"""How a controller is tried: it is started unchanged, and run through scenarios."""
+"""Runners that start an unchanged controller and run it through scenarios."""

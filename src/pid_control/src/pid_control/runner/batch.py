@@ -1,4 +1,4 @@
-"""Judges all packages in a folder, one after the other, each by a judge of its own."""
+"""Batch run: judges all packages in a folder, each in a process of its own."""
 
 import contextlib
 import csv
@@ -17,30 +17,30 @@ from pid_control.judging.judgement import FAILED, NOT_JUDGED, PASSED, STATUS, Ju
 from pid_control.judging.reports import as_csv
 from pid_control.runner.controller_command import find_files
 
-#: What is judged in each package unless another name is given.
+#: Default name of the controller in each package.
 _NAME = "controller.py"
-#: How long a build may take, and a judge beyond its own limit, s.
+#: Time limit of a build, and extra time for a judge beyond its own limit [s].
 _BUILD_S, _BEYOND_S = 180.0, 60.0
-#: What in a CMakeLists.txt says that a package cannot be run as it is.
+#: Commands in a CMakeLists.txt of a package that must be built.
 _IS_BUILT = re.compile(r"^\s*(add_executable|catkin_python_setup|generate_messages)\b", re.M)
-#: A line of a build's output that says what is wrong.
+#: Error line in the output of a build.
 _ERROR = re.compile(r"error", re.IGNORECASE)
-#: How deep below the folder a package may lie.
+#: Deepest level of a package below the folder.
 _DEEPEST = 3
 
 
 class _Broken(Exception):
-    """A package cannot be judged; the text says why."""
+    """A package cannot be judged; the message says why."""
 
 
 class Batch:
-    """A run through the packages of a class.
+    """Batch run over the packages of a class.
 
-    :param folder: what they are in
-    :param name: what is judged in each; its arguments follow
-    :param options: of the judge, for each of them
+    :param folder: folder of the packages
+    :param name: name of the controller in each package, and its arguments
+    :param options: options of each judge
     :param output: folder for the files
-    :param time_limit: how long each may take, s
+    :param time_limit: time limit per package [s]
     """
 
     def __init__(
@@ -58,9 +58,9 @@ class Batch:
         self._files: Dict[str, List[str]] = {}
 
     def run(self) -> int:
-        """Judge all, and write the files after each of them.
+        """Judge all packages, and update the files after each of them.
 
-        :returns: exit status: 0 where all passed, 1 where not, 125 where there are none
+        :returns: exit status: 0 if all passed, 1 if not, 125 if the folder has no package
         """
         packages = packages_in(self._folder)
         if not packages:
@@ -78,7 +78,7 @@ class Batch:
         return STATUS[PASSED if passed else FAILED]
 
     def _judge(self, package: str, name: str, scratch: str) -> Dict[str, str]:
-        """Judge a package, and return its line."""
+        """Judge a package, and return its row."""
         stem = re.sub(r"[^\w.-]", "_", name)
         picture, words = stem + ".svg", stem + ".txt"
         table = os.path.join(scratch, "judged.csv")
@@ -132,9 +132,9 @@ class Batch:
 
 
 def packages_in(folder: str) -> List[str]:
-    """Return the packages in a folder, and in folders in it.
+    """Return the packages in a folder and its subfolders.
 
-    :param folder: its absolute path
+    :param folder: absolute path
     """
     found = []
     for place, folders, files in os.walk(folder):
@@ -156,37 +156,37 @@ def _needs_build(package: str) -> bool:
 
 
 def build(package: str, scratch: str) -> str:
-    """Build a package in a workspace of its own.
+    """Build a package in a new workspace.
 
-    :param package: its folder
-    :param scratch: where the workspace may be
-    :returns: the workspace
-    :raises _Broken: if it does not build
+    :param package: folder of the package
+    :param scratch: folder for the workspace
+    :returns: path of the workspace
+    :raises _Broken: if the build fails
     """
     workspace = os.path.join(scratch, "workspace")
     os.makedirs(os.path.join(workspace, "src"))
     os.symlink(package, os.path.join(workspace, "src", os.path.basename(package)))
-    environment = dict(os.environ, LC_ALL="C")  # what is wrong is looked for in English
+    environment = dict(os.environ, LC_ALL="C")  # errors are found by their English text
     text, status = run_bounded(["catkin_make", "-C", workspace], _BUILD_S, environment)
     if status != 0:
-        raise _Broken(f"it does not build: {_what_is_wrong(text)}")
+        raise _Broken(f"it does not build: {_first_error(text)}")
     return workspace
 
 
-def _what_is_wrong(text: str) -> str:
-    """Return the first line of a build's output that has an error, and the one after it."""
+def _first_error(text: str) -> str:
+    """Return the first error line of a build's output, and the line after it."""
     lines = [line.strip() for line in text.splitlines() if line.strip()]
     first = next((i for i, line in enumerate(lines) if _ERROR.search(line)), len(lines) - 1)
     return " ".join(lines[first : first + 2])[:300]
 
 
 def run_bounded(command: List[str], longest: float, environment: Dict[str, str]) -> Tuple[str, int]:
-    """Run a command to its end, or end it and what it started.
+    """Run a command with a time limit, after which its process group is ended.
 
     :param command: program and arguments
-    :param longest: how long it may take, s
-    :param environment: its variables
-    :returns: what it wrote, and its exit status
+    :param longest: time limit [s]
+    :param environment: environment variables
+    :returns: output and exit status
     """
     process = subprocess.Popen(
         command,
@@ -208,7 +208,7 @@ def run_bounded(command: List[str], longest: float, environment: Dict[str, str])
         else:
             output, _ = process.communicate()
     finally:
-        if output is None:  # interrupted: what it started is ended by itself, if it can
+        if output is None:  # interrupted: the command ends its own processes
             with contextlib.suppress(ProcessLookupError):
                 os.killpg(process.pid, signal.SIGINT)
             process.wait(_BEYOND_S)

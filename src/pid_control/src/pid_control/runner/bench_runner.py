@@ -1,4 +1,4 @@
-"""Runs a controller through a scenario."""
+"""Runner with the test bench: simulated motor, set point and clock."""
 
 import math
 import time
@@ -17,29 +17,29 @@ from pid_control.runner.deferred_signals import deferred_signals
 from pid_control.runner.outcome import TimeLimitExceeded, completed, failure_of
 from pid_control.runner.test_bench import TestBench
 
-#: What a clock says as a controller is started, s. A controller that takes the time before the
-#: clock is there finds 0, and is not to take all that there was before for one long turn.
+#: Time of the clock when a controller starts [s]. A controller that reads the time before the first
+#: clock message gets 0; its first interval must not be long.
 _FIRST_CLOCK = 0.01
-#: How long a controller may take to find its first topic, s, how long from then on for all, and how
-#: long the connections of the one before may take to be gone.
+#: Timeouts [s]: for the controller's first connection, from then on for all of its connections, and
+#: for the connections of the previous controller to close.
 _FIRST_TOPIC_S, _ALL_TOPICS_S, _GONE_S = 20.0, 5.0, 5.0
-#: How long a controller that has found all others may take to find the clock, s: it need not.
+#: Time for a connected controller to subscribe to the clock [s], which is optional.
 _CLOCK_S = 1.0
-#: How long the loop is closed before a scenario begins, s.
+#: Time of the closed loop before a scenario begins [s].
 _SETTLE_S = 0.1
 
 
 class BenchRunner:
-    """Runs a controller through scenarios, each with a process of its own.
+    """Runner with the test bench; each scenario has a controller process of its own.
 
-    :param bench: the graph
-    :param command: the controller
-    :param environment: variables for it
-    :param real_time: whether the machine's clock is gone by, not a simulated one
-    :param deadline: when all must be over, by the monotonic clock, s
+    :param bench: the test bench
+    :param command: command of the controller
+    :param environment: additional environment variables of the controller
+    :param real_time: True for the machine's clock, False for a simulated one
+    :param deadline: deadline of all scenarios by the monotonic clock [s]
     """
 
-    #: How late the judge may be where it goes by the machine's clock, s: it is the motor.
+    #: Largest delay of this process with the machine's clock [s]: it simulates the motor.
     most_late = 0.02
 
     def __init__(
@@ -52,9 +52,9 @@ class BenchRunner:
     ) -> None:
         self._bench, self._command, self._environment = bench, command, environment
         self._real_time, self._deadline = real_time, deadline
-        #: What the simulated clock says, s.
+        #: Time of the simulated clock [s].
         self._clock = _FIRST_CLOCK
-        #: How late this process was at most where the machine's clock is gone by, s.
+        #: Largest delay of this process so far, with the machine's clock [s].
         self.latest = 0.0
         for key, value in {**command.of_others, **command.parameters}.items():
             rospy.set_param(key, value)
@@ -63,8 +63,8 @@ class BenchRunner:
     def run(self, scenario: Scenario) -> Record:
         """Run one scenario.
 
-        :raises TimeLimitExceeded: if all takes too long
-        :raises PublisherConflict: if the controller brings what is here already
+        :raises TimeLimitExceeded: if the deadline has passed
+        :raises PublisherConflict: if another node publishes the bench's topics
         :raises OSError: if the controller cannot be started
         """
         self._wait_until_alone()
@@ -84,14 +84,14 @@ class BenchRunner:
             failure = ENDED if controller.status is not None else NOT_CONNECTED
             missing, hint = self._bench.missing(), self._bench.hint()
             return Record(scenario, failure, controller.last_words(), missing, hint)
-        self._bench.check_rivals()
+        self._bench.check_publishers()
         watch = controller.watch
         clock: Clock = WallClock()
         if not self._real_time:
             clock = SimulatedClock(watch)
         began, zero = self._clock, self._clock + _SETTLE_S
         experiment.begin_at(zero)
-        self._bench.heard()  # what came before is not of this scenario
+        self._bench.pop_inputs()  # drop inputs from before the scenario
         answers: List[Tuple[float, float]] = []
         standstill: Tuple[int, Optional[float]] = (0, None)
         failure, restless, busy_before = "", 0, watch.busy()
@@ -102,12 +102,12 @@ class BenchRunner:
             self._bench.send(experiment.send(now), now)
             self._clock += experiment.step_after(now)
             restless = 0 if clock.wait(self._clock - began) else restless + 1
-            for value in self._bench.heard():
+            for value in self._bench.pop_inputs():
                 answers.append((now - zero, value))
                 experiment.answer(now, value)
             if now < zero + scenario.standstill_at <= self._clock:
                 rest = clock.pause()
-                standstill = len(self._bench.heard()), rest
+                standstill = len(self._bench.pop_inputs()), rest
             failure = failure_of(controller, restless)
         if isinstance(clock, WallClock):
             self.latest = max(self.latest, clock.latest)
@@ -123,7 +123,7 @@ class BenchRunner:
         return completed(record, controller)
 
     def _connect(self, experiment: Experiment, controller: ControllerProcess) -> bool:
-        """Let time pass until the controller has found its topics; tell whether it has."""
+        """Advance the time until the controller is connected; return False on timeout."""
         end, clock_end = time.monotonic() + _FIRST_TOPIC_S, math.inf
         is_alone = True
         while self._bench.missing() or not self._bench.has_clock_listener():
@@ -144,7 +144,7 @@ class BenchRunner:
         return True
 
     def _wait_until_alone(self) -> None:
-        """Wait until nobody is connected any more of those that have ended."""
+        """Wait until the connections of ended controllers are closed."""
         end = time.monotonic() + _GONE_S
         nothing = Outgoing(0.0, Output(0.0, 0.0, NOT_TURNING))
         while self._bench.is_connected() and time.monotonic() < end:

@@ -1,44 +1,43 @@
-"""How time passes while a controller is judged."""
+"""Clocks of the scenarios: simulated, or the machine's."""
 
 import time
 from typing import List, Optional, Protocol
 
 from pid_control.runner.process_watch import ProcessWatch
 
-#: How long the simulated clock stands still at least, by the machine's clock, s; and at least which
-#: part of what the scenario took so far: on a busy machine that is long, and what goes by its clock
-#: counts on all the time.
+#: Shortest pause of the simulated clock: by the machine's clock [s], and as a share of the time
+#: that the scenario took so far. On a busy machine a loop by the machine's clock needs that long.
 _STANDSTILL_S, _STANDSTILL_SHARE = 0.25, 0.5
-#: Longest wait for a controller to have nothing to do, s: a machine may be busy.
+#: Longest wait for an idle controller [s]: a machine may be busy.
 _LONGEST_S = 2.0
-#: Pause between two looks while the clock stands still, s.
-_LOOK_S = 0.002
+#: Interval of the checks during a pause [s].
+_CHECK_S = 0.002
 
 
 class Clock(Protocol):
-    """Waits for the controller."""
+    """Clock of a scenario."""
 
     def start(self) -> None:
-        """Begin to count the time, at 0."""
+        """Start the clock at 0."""
 
     def wait(self, until: float) -> bool:
-        """Wait until the next moment is due.
+        """Wait until the next step is due.
 
-        :param until: that moment, s
-        :returns: whether the controller has come to rest
+        :param until: time of the next step [s]
+        :returns: True if the controller is idle
         """
 
     def pause(self) -> Optional[float]:
-        """Let no time pass for a while, if that can be.
+        """Pause the clock for a while, if possible.
 
-        :returns: the share of it in which the controller had nothing to do; None if it cannot be
+        :returns: share of the pause in which the controller was idle; None without a pause
         """
 
 
 class SimulatedClock:
-    """A simulated clock: time passes when the controller has nothing left to do.
+    """Simulated clock that advances when the controller is idle.
 
-    :param watch: the controller's processes
+    :param watch: processes of the controller
     """
 
     def __init__(self, watch: ProcessWatch) -> None:
@@ -46,28 +45,28 @@ class SimulatedClock:
         self._began = 0.0
 
     def start(self) -> None:
-        """Begin to count the machine's time."""
+        """Start the clock."""
         self._began = time.monotonic()
 
     def wait(self, until: float) -> bool:
-        """Wait until the controller has nothing left to do, but not for ever."""
+        """Wait until the controller is idle, with a timeout."""
         return self._watch.wait_idle(_LONGEST_S)
 
     def pause(self) -> Optional[float]:
-        """See how often the controller has nothing to do, where there is nothing."""
+        """Pause the clock, and return how often the controller was idle."""
         rests: List[bool] = []
         now = time.monotonic()
         end = now + max(_STANDSTILL_S, _STANDSTILL_SHARE * (now - self._began))
         while time.monotonic() < end:
             rests.append(self._watch.is_idle())
-            time.sleep(_LOOK_S)
+            time.sleep(_CHECK_S)
         return sum(rests) / len(rests)
 
 
 class WallClock:
     """The machine's clock.
 
-    :ivar latest: how late this process was at most, s
+    :ivar latest: largest delay of this process so far [s]
     """
 
     def __init__(self) -> None:
@@ -75,11 +74,11 @@ class WallClock:
         self.latest = 0.0
 
     def start(self) -> None:
-        """Begin to count the time, at 0."""
+        """Start the clock at 0."""
         self._began = time.monotonic()
 
     def wait(self, until: float) -> bool:
-        """Sleep until a moment."""
+        """Sleep until the next step is due."""
         left = self._began + until - time.monotonic()
         if left > 0.0:
             time.sleep(left)
@@ -87,5 +86,5 @@ class WallClock:
         return True
 
     def pause(self) -> Optional[float]:
-        """Nobody can stop this clock."""
+        """Return None: this clock cannot be paused."""
         return None

@@ -1,4 +1,4 @@
-"""What a controller is: a program, or one node of a launch file."""
+"""Command that starts a controller: a program, or one node of a launch file."""
 
 import os
 import subprocess
@@ -9,22 +9,22 @@ import rospkg
 from roslaunch.core import Node, RLException, local_machine, setup_env
 from roslaunch.node_args import NodeParamsException, create_local_process_args
 
-#: Longest time for a workspace to say what its environment is, s.
+#: Timeout for reading the environment of a workspace [s].
 _ENVIRONMENT_S = 20.0
 
 
 class CommandError(Exception):
-    """What is to be judged cannot be started; the text says why."""
+    """The controller cannot be found or started; the message says why."""
 
 
 class ControllerCommand(NamedTuple):
-    """What to start.
+    """Command that starts a controller.
 
-    :ivar name: as the reports have it
+    :ivar name: name in reports
     :ivar argv: the program and its arguments
-    :ivar environment: all its variables
-    :ivar parameters: what is to be on the parameter server, by global name
-    :ivar of_others: likewise, the private parameters of the other nodes of its launch file
+    :ivar environment: all environment variables
+    :ivar parameters: parameters to set, by global name
+    :ivar of_others: private parameters of the other nodes of its launch file, by global name
     """
 
     name: str
@@ -37,20 +37,20 @@ class ControllerCommand(NamedTuple):
 def find_controller(
     words: Sequence[str], node: Optional[str] = None, workspace: Optional[str] = None
 ) -> ControllerCommand:
-    """Find what the command line names.
+    """Find the controller that a command line names.
 
-    :param words: a path and arguments, or a package, a name in it and arguments; those are as
-        rosrun's for a program, as roslaunch's for a launch file
-    :param node: which of the nodes of a launch file; where it is not given, the one whose name or
-        program says that it is a controller
-    :param workspace: another workspace that it is in: its folder, or its devel or install
-    :raises CommandError: if there is no such thing
+    :param words: a path and arguments, or a package, a name in it and arguments; the arguments are
+        those of rosrun for a program, of roslaunch for a launch file
+    :param node: name of the node in a launch file; by default the node whose name or program
+        contains "control"
+    :param workspace: the controller's workspace if not this one: its folder, devel or install
+    :raises CommandError: if the controller cannot be found
     """
     environment = _environment(workspace) if workspace is not None else dict(os.environ)
     path, arguments = _path(words, environment)
     if not path.endswith(".launch"):
         if node is not None:
-            raise CommandError(f"--node is for launch files: {path} is none")
+            raise CommandError(f"--node: only valid with a launch file ({path})")
         if not os.access(path, os.X_OK):
             raise CommandError(f"{path} is not executable: chmod +x {path}")
         return ControllerCommand(path, [path, *arguments], environment, {}, {})
@@ -62,42 +62,36 @@ def _path(words: Sequence[str], environment: Dict[str, str]) -> Tuple[str, List[
     if os.path.isfile(first):
         return os.path.abspath(first), rest
     if os.sep in first:
-        raise CommandError(f"there is no file {first}")
+        raise CommandError(f"file not found ({first})")
     if not rest:
-        raise CommandError(f"there is no file {first}; of a package, name a program as well")
+        raise CommandError(f"file not found ({first}); for a package, name a program in it as well")
     name = rest.pop(0)
     rospack = rospkg.RosPack(rospkg.get_ros_paths(env=environment))
     try:
         place = rospack.get_path(first)
     except rospkg.ResourceNotFound:
-        raise CommandError(f"there is no package {first} in ROS_PACKAGE_PATH") from None
+        raise CommandError(f"package not found in ROS_PACKAGE_PATH ({first})") from None
     found = find_files(place, name)
     if name.endswith(".py") or not found:
-        # What was built or installed stands elsewhere.
+        # Built and installed programs are in another folder.
         found = [*_libexec(environment, first, name), *found]
     if not found:
-        raise CommandError(f"there is no {name} in the package {first} ({place})")
+        raise CommandError(f"{name}: not found in the package {first} ({place})")
     return found[0], rest
 
 
 def find_files(place: str, name: str) -> List[str]:
-    """Return the files of a name below a folder, those that can be executed first.
+    """Return the files with a name below a folder, executable ones first; skip hidden folders.
 
     :param place: the folder
-    :param name: name of a file
+    :param name: name of the file
     """
-    found = [
-        os.path.join(folder, name)
-        for folder, folders, files in os.walk(place)
-        if not _hide(folders) and name in files
-    ]
+    found = []
+    for folder, folders, files in os.walk(place):
+        folders[:] = [child for child in folders if not child.startswith(".")]
+        if name in files:
+            found.append(os.path.join(folder, name))
     return sorted(found, key=lambda path: (not os.access(path, os.X_OK), path))
-
-
-def _hide(folders: List[str]) -> bool:
-    """Leave out hidden folders on the way down; False."""
-    folders[:] = sorted(name for name in folders if not name.startswith("."))
-    return False
 
 
 def _libexec(environment: Dict[str, str], package: str, name: str) -> List[str]:
@@ -112,7 +106,7 @@ def _environment(workspace: str) -> Dict[str, str]:
     scripts = [os.path.join(place, "env.sh") for place in places]
     found = [script for script in scripts if os.path.isfile(script)]
     if not found:
-        raise CommandError(f"{workspace} is no built workspace: it has no devel/env.sh")
+        raise CommandError(f"{workspace}: not a built workspace; devel/env.sh is missing")
     try:
         done = subprocess.run(
             [found[0], "env", "-0"],
@@ -130,7 +124,7 @@ def _environment(workspace: str) -> Dict[str, str]:
 def _command_of_launch_file(
     path: str, arguments: List[str], wanted: Optional[str], environment: Dict[str, str]
 ) -> ControllerCommand:
-    # $(find …) goes by this process's own.
+    # $(find …) uses this process's environment.
     before = dict(os.environ)
     os.environ.update(environment)
     try:

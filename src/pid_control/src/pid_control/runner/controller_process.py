@@ -1,4 +1,4 @@
-"""A controller's process: started unchanged, its words kept, and nothing of it left behind."""
+"""Process of an unchanged controller, with the tail of its output and all its child processes."""
 
 import contextlib
 import os
@@ -12,21 +12,21 @@ from pid_control.runner.controller_command import ControllerCommand
 from pid_control.runner.deferred_signals import deferred_signals
 from pid_control.runner.process_watch import MARK, ProcessWatch
 
-#: How much of its output is kept, and how much of it is too much for a controller, bytes.
+#: Kept tail of the output, and output that is too long for a controller [bytes].
 _KEPT, _TOO_MUCH = 4000, 5_000_000
-#: How long processes may take to end, s.
+#: Timeout for processes to end [s].
 _PATIENCE_S = 2.0
 
 
 class ControllerProcess:
-    """A controller that runs.
+    """Running controller.
 
-    It has a process group of its own, so that Ctrl-C reaches the judge alone. To be made while
-    interrupts are put off, until there is somebody who ends it.
+    The process has its own process group, so that Ctrl-C reaches only the judge. Create the object
+    with signals deferred until its owner can end it.
 
-    :param command: what to start
-    :param environment: variables to set, besides those of the command
-    :raises OSError: if it cannot be started
+    :param command: command of the controller
+    :param environment: environment variables in addition to those of the command
+    :raises OSError: if the process cannot be started
     """
 
     def __init__(self, command: ControllerCommand, environment: Dict[str, str]) -> None:
@@ -47,32 +47,32 @@ class ControllerProcess:
 
     @property
     def status(self) -> Optional[int]:
-        """Its exit status; None while it runs."""
+        """The exit status; None while the process runs."""
         return self._popen.poll()
 
     @property
     def writes_without_end(self) -> bool:
-        """Whether it has written far more than a log."""
+        """True if the output is far longer than a log."""
         return self._written > _TOO_MUCH
 
     def last_words(self) -> str:
-        """Return the last line that it wrote, if any."""
+        """Return the last line of the output, if any."""
         if self.status is not None:
-            self._reader.join(_PATIENCE_S)  # or the line may be on its way
+            self._reader.join(_PATIENCE_S)  # the last line may still be in the pipe
         lines = self._tail.decode(errors="replace").splitlines()
         spoken = [line.strip() for line in lines if line.strip()]
         return spoken[-1][:300] if spoken else ""
 
     def interrupt(self) -> None:
-        """Press Ctrl-C, and give it the time to end."""
+        """Send SIGINT, and wait for the process to end."""
         with contextlib.suppress(ProcessLookupError, subprocess.TimeoutExpired):
             os.killpg(self._popen.pid, signal.SIGINT)
             self._popen.wait(_PATIENCE_S)
 
     def end(self) -> None:
-        """End it, and all that it started; interrupts wait until that is done."""
+        """Kill the process and all of its child processes, with signals deferred."""
         with deferred_signals():
-            self._popen.kill()  # which the watch does not know for a moment while it is started
+            self._popen.kill()  # the watch cannot find it between fork and exec
             self.watch.kill(_PATIENCE_S)
             self._popen.wait()
             self._reader.join(_PATIENCE_S)

@@ -1,4 +1,4 @@
-"""What a controller has to keep unless the user says otherwise."""
+"""Default limits of the figures."""
 
 import pathlib
 
@@ -6,10 +6,10 @@ from pid_control.judging.limits import Limits, read_limits
 
 
 def default_limits() -> Limits:
-    """Return the limits of the file that belongs to this module, in the source or the installation.
+    """Return the limits of judge_limits.yaml, from the source or the installation.
 
-    Not by its package's name: ROS_PACKAGE_PATH may have one first that a student has called
-    pid_control too.
+    The file is found relative to this module, not by package name: a student's package of the same
+    name may come first in ROS_PACKAGE_PATH.
     """
     above = pathlib.Path(__file__).resolve().parents
     places = (above[3], above[3].parent.parent / "share" / "pid_control")

@@ -1,6 +1,4 @@
-"""Ctrl-C, SIGTERM and the end of the terminal: they end a command, but not while processes start or
-end.
-"""
+"""Termination signals of a command, deferred while processes start or end."""
 
 import contextlib
 import signal
@@ -10,21 +8,21 @@ from typing import Iterator, List
 
 
 def exit_on_signals() -> None:
-    """Have SIGTERM and SIGHUP raise SystemExit, as Ctrl-C raises KeyboardInterrupt.
+    """Make SIGTERM and SIGHUP raise SystemExit, as Ctrl-C raises KeyboardInterrupt.
 
-    By default they end a process at once, and leave behind what it has started.
+    Their default action ends the process at once, without its child processes.
     """
     for number in (signal.SIGTERM, signal.SIGHUP):
-        if signal.getsignal(number) is not signal.SIG_IGN:  # or nohup would be of no use
+        if signal.getsignal(number) is not signal.SIG_IGN:  # keep nohup working
             signal.signal(number, lambda given, _frame: sys.exit(128 + given))
 
 
 @contextlib.contextmanager
 def deferred_signals() -> Iterator[None]:
-    """Put Ctrl-C, SIGTERM and SIGHUP off until the end.
+    """Defer SIGINT, SIGTERM and SIGHUP until the end of the block.
 
-    A process that is half started, or half ended, would stay behind. Only the main thread is
-    interrupted by them.
+    A signal while a process starts or ends would leave it running. In other threads this does
+    nothing: signals interrupt only the main thread.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -39,5 +37,5 @@ def deferred_signals() -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-        for given in came:  # also after an exception, which may have come of them
+        for given in came:  # also after an exception, which the signal may have caused
             signal.raise_signal(given)

@@ -1,4 +1,4 @@
-"""What the judge says of the reference controller with gains."""
+"""Judgement of the reference controller with given gains."""
 
 import time
 from typing import Iterator, List, Sequence, Tuple
@@ -13,7 +13,7 @@ from pid_control.runner.outcome import TimeLimitExceeded
 from pid_control.runner.private_master import PrivateMaster
 from pid_control.tuning.rules import Gains
 
-#: How long the judgement of one may take, s.
+#: Default time limit per set of gains [s].
 TIME_LIMIT_S = 120.0
 
 
@@ -22,17 +22,17 @@ def judge_gains(
     scenarios: Sequence[Scenario] = SCENARIOS,
     time_limit: float = TIME_LIMIT_S,
 ) -> Iterator[Tuple[Gains, str]]:
-    """Judge the reference controller with gains, one after the other, with the course's motor.
+    """Judge the reference controller with each set of gains, with the course's motor.
 
-    :param several: the gains
-    :param scenarios: what they have to go through
-    :param time_limit: how long the judgement of one may take, s
-    :returns: each with what is wrong, and the verdict
+    :param several: the sets of gains
+    :param scenarios: scenarios to run
+    :param time_limit: time limit per set of gains [s]
+    :returns: each set of gains, with the text of its judgement
     """
     limits = default_limits()
     master = PrivateMaster()
     try:
-        # They import rospy, which goes by the master that it finds.
+        # Imported late: rospy reads the master's address when it is imported.
         from pid_control.runner.bench_runner import BenchRunner
         from pid_control.runner.test_bench import TestBench
 

@@ -1,4 +1,4 @@
-"""How a run through a scenario may end, whatever plant it is with."""
+"""Outcomes of a scenario, with any plant."""
 
 from typing import Protocol
 
@@ -6,23 +6,23 @@ from pid_control.judging.record import ENDED, RESTLESS, SILENT, WRITES_WITHOUT_E
 from pid_control.judging.scenarios import Scenario
 from pid_control.runner.controller_process import ControllerProcess
 
-#: In how many steps on end a controller may come to no rest.
+#: Consecutive steps without an idle controller that make it restless.
 _RESTLESS_STEPS = 2
 
 
 class JudgingError(Exception):
-    """There is nothing to be judged; the text says why."""
+    """The controller cannot be judged; the message says why."""
 
 
 class TimeLimitExceeded(Exception):
-    """The judgement takes longer than it may."""
+    """The judgement exceeds its time limit."""
 
 
 class Runner(Protocol):
-    """Runs a controller through scenarios.
+    """Runner of scenarios.
 
-    :ivar most_late: how late the judge may be where it goes by the machine's clock, s
-    :ivar latest: how late it was, s
+    :ivar most_late: largest allowed delay of the judge with the machine's clock [s]
+    :ivar latest: largest delay so far [s]
     """
 
     most_late: float
@@ -31,16 +31,16 @@ class Runner(Protocol):
     def run(self, scenario: Scenario) -> Record:
         """Run one scenario.
 
-        :raises TimeLimitExceeded: if all takes too long
+        :raises TimeLimitExceeded: if the deadline has passed
         :raises OSError: if the controller cannot be started
         """
 
 
 def failure_of(controller: ControllerProcess, restless: int = 0) -> str:
-    """Return what has become of a controller, nothing while it is well.
+    """Return the failure of a controller, empty if none.
 
     :param controller: the controller
-    :param restless: in how many steps on end it came to no rest
+    :param restless: number of consecutive steps without an idle controller
     """
     if controller.status is not None:
         return ENDED
@@ -50,9 +50,9 @@ def failure_of(controller: ControllerProcess, restless: int = 0) -> str:
 
 
 def completed(record: Record, controller: ControllerProcess) -> Record:
-    """Return a record that tells a controller's silence, and its last words where it has a failure.
+    """Return a record with SILENT set if it applies, and the last output line for a failure.
 
-    :param record: what came of the scenario
+    :param record: record of the scenario
     :param controller: the controller
     """
     if not record.failure and record.is_silent:

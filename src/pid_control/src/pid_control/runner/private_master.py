@@ -1,4 +1,4 @@
-"""A master for one judgement, which no other node knows."""
+"""Private master of one judgement."""
 
 import os
 import shutil
@@ -10,10 +10,10 @@ from pid_control.runner.deferred_signals import deferred_signals
 
 
 class PrivateMaster:
-    """A master on a free port of this machine alone, and a folder for what its nodes write.
+    """Master on a free port of this machine, with a folder for the files of its nodes.
 
-    ``environment`` has the variables for its nodes. They are set in this process as well, before it
-    becomes one of them.
+    ``environment`` holds the environment variables of its nodes; they are set in this process too,
+    before it becomes a node.
     """
 
     def __init__(self) -> None:
@@ -26,7 +26,7 @@ class PrivateMaster:
         self._master: Optional[Master] = None
         try:
             with deferred_signals():
-                # In a session of its own: Ctrl-C would end what is being waited for here.
+                # In a new session: Ctrl-C would end the master while this waits for it.
                 self._master = master = Master(start_new_session=True)
         except BaseException:
             self.close()
@@ -35,7 +35,7 @@ class PrivateMaster:
         self.environment: Dict[str, str] = {**own, "ROS_MASTER_URI": master.uri}
 
     def close(self) -> None:
-        """End it, and remove what was written."""
+        """Kill the master, and remove the folder."""
         if self._master is not None:
             self._master.kill()
         shutil.rmtree(self._folder, ignore_errors=True)

@@ -1,9 +1,9 @@
-"""The processes of a controller: whether they have anything to do, and how much they do.
+"""Watch of a controller's processes: are they idle, and how much processor time do they use.
 
-Linux marks a thread as ready to run in the moment in which a message reaches it, before the sender
-is told that it was sent. So when all threads wait, all that was sent has been dealt with, however
-busy the machine is: a thread that has to wait for a processor is ready to run. Where the machine is
-so busy that Linux leaves the delivery to its threads ksoftirqd, those are ready to run.
+Linux marks a thread as ready to run when a message reaches it, before the sender's call returns. So
+when all threads wait, all messages have been processed, however busy the machine is: a thread that
+waits for a processor is ready to run. If the machine is so busy that Linux delegates the delivery
+to its threads ksoftirqd, these are ready to run.
 """
 
 import contextlib
@@ -12,47 +12,47 @@ import signal
 import time
 from typing import Dict, Iterator, List, Set
 
-#: Variable of the environment by which the processes of a controller are known.
+#: Environment variable that marks the processes of a controller.
 MARK = "PID_CONTROL_JUDGE"
 _TICKS = float(os.sysconf("SC_CLK_TCK"))
-#: How often new processes and threads are looked for, s.
-_LOOK_EVERY_S = 0.2
-#: Pause between two looks, s.
+#: Interval of the searches for new processes and threads [s].
+_SEARCH_EVERY_S = 0.2
+#: Interval of the checks while waiting [s].
 _PAUSE_S = 5e-5
 
 
 class ProcessWatch:
-    """All processes with a mark in their environment, and the threads of this one but the caller's.
+    """Watch of all processes with a mark, and of this process's threads except the caller's.
 
-    What this process's threads have to do is part of the same business: they hear the controller.
+    This process's threads count because they receive the controller's messages.
 
-    :param mark: value of :data:`MARK` that the controller was started with
+    :param mark: value of :data:`MARK` in the controller's environment
     """
 
     def __init__(self, mark: str) -> None:
         self._mark = f"{MARK}={mark}".encode()
         self._states: Dict[str, int] = {}
-        #: How many threads each process had when they were looked for.
+        #: Number of threads of each process at the latest search.
         self._counts: Dict[int, int] = {}
         self._delivering = _delivering_threads()
         self._pids: Set[int] = set()
         self._searched_at = -1.0
-        #: Processor time of processes that have ended, s.
+        #: Processor time by process, also of ended ones [s].
         self._spent: Dict[int, float] = {}
 
     def pids(self) -> List[int]:
-        """Return the processes that there are now."""
+        """Return the running processes of the controller."""
         found = []
         for name in os.listdir("/proc"):
             if name.isdigit() and int(name) != os.getpid():
-                with contextlib.suppress(OSError):  # it has just ended, or is somebody else's
+                with contextlib.suppress(OSError):  # it has just ended, or is another user's
                     with open(f"/proc/{name}/environ", "rb") as environment:
                         if self._mark in environment.read().split(b"\0"):
                             found.append(int(name))
         return found
 
     def busy(self) -> float:
-        """Return the processor time that was used so far, s."""
+        """Return the processor time used so far [s]."""
         self._pids |= set(self.pids())
         for pid in self._pids:
             with contextlib.suppress(OSError, IndexError):
@@ -62,19 +62,19 @@ class ProcessWatch:
         return sum(self._spent.values())
 
     def is_idle(self) -> bool:
-        """Tell whether all threads wait for something."""
+        """Return True if all threads are waiting."""
         now = time.monotonic()
-        if now - self._searched_at > _LOOK_EVERY_S or self._has_other_threads():
+        if now - self._searched_at > _SEARCH_EVERY_S or self._has_other_threads():
             self._search()
             self._searched_at = now
-        # Twice: a thread may have woken one that was looked at before, and wait since.
+        # Twice: a thread may have woken one that was already checked, and be waiting since.
         return self._all_wait() and self._all_wait()
 
     def wait_idle(self, longest: float) -> bool:
-        """Wait until all threads wait for something.
+        """Wait until all threads are waiting.
 
-        :param longest: how long at most, s
-        :returns: whether that came true
+        :param longest: timeout [s]
+        :returns: False on timeout
         """
         deadline = time.monotonic() + longest
         while not self.is_idle():
@@ -84,9 +84,9 @@ class ProcessWatch:
         return True
 
     def kill(self, patience: float) -> None:
-        """End all processes, at once: nothing of what they would still do is judged.
+        """Kill all processes at once.
 
-        :param patience: how long that may take, s
+        :param patience: timeout [s]
         """
         deadline = time.monotonic() + patience
         while time.monotonic() < deadline:
@@ -100,7 +100,7 @@ class ProcessWatch:
         self.close()
 
     def close(self) -> None:
-        """Forget all threads."""
+        """Close the files of all threads."""
         for descriptor in self._states.values():
             os.close(descriptor)
         self._states.clear()
@@ -118,7 +118,7 @@ class ProcessWatch:
         return True
 
     def _has_other_threads(self) -> bool:
-        """Tell whether a process has got another number of threads; it takes a few microseconds."""
+        """Return True if a process's number of threads has changed, within microseconds."""
         return any(_count_of_threads(pid) != count for pid, count in self._counts.items())
 
     def _search(self) -> None:
@@ -140,7 +140,7 @@ class ProcessWatch:
 
 
 def _count_of_threads(pid: int) -> int:
-    """Return how many threads a process has, 0 where it has ended."""
+    """Return the number of threads of a process, 0 if it has ended."""
     try:
         return os.stat(f"/proc/{pid}/task").st_nlink - 2
     except OSError:
@@ -148,7 +148,7 @@ def _count_of_threads(pid: int) -> int:
 
 
 def _delivering_threads() -> List[str]:
-    """Return where the states are of the kernel's threads that deliver what is sent."""
+    """Return the paths of the states of the kernel's threads that deliver messages."""
     found = []
     for name in os.listdir("/proc"):
         if name.isdigit():

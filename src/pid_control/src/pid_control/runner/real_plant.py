@@ -1,4 +1,4 @@
-"""A plant that is there already, on the master that is there: asked for speeds, and stopped."""
+"""A real plant on the current master: receives set points, and is stopped."""
 
 import threading
 import time
@@ -15,25 +15,25 @@ from pid_control.runner.deferred_signals import deferred_signals
 #: Name of the node.
 NAME = "judge"
 _CLASSES = {"motor_input": motor_input, "motor_output": motor_output, "set_point": set_point}
-#: Longest silence of the plant, s: less than a step of a scenario lasts.
+#: Longest silence of the plant [s]: shorter than a step of a scenario.
 _SILENCE_S = 0.8
-#: How long the plant may take to be heard and to stand, s, and how often that is looked for.
-_STOP_S, _LOOK_S = 5.0, 0.01
-#: The speed below which it stands, rad/s: encoders are coarse.
+#: Timeout for the plant's first output and standstill [s], and interval of the checks [s].
+_STOP_S, _CHECK_S = 5.0, 0.01
+#: Speed below which the plant counts as standing [rad/s]: encoders are coarse.
 _STANDS = 0.5
 
 
 class PlantError(Exception):
-    """Nothing can be judged with the plant; the text says why."""
+    """The plant cannot be used for judging; the message says why."""
 
 
 class RealPlant:
-    """Publishes ``set_point``, hears both topics of the loop, and stops the plant.
+    """Node that publishes ``set_point``, logs the loop's topics, and stops the plant.
 
-    It sends ``motor_input`` only where no controller is at work, and then 0. To be made once in a
+    It publishes ``motor_input`` only while no controller runs, and only 0. Create it once per
     process.
 
-    :raises PlantError: if there is no such plant, or somebody else is at work with it
+    :raises PlantError: if the plant is missing, or another node drives it
     """
 
     def __init__(self) -> None:
@@ -41,7 +41,7 @@ class RealPlant:
         node = init_node(NAME)
         self._lock = threading.Lock()
         self._began = time.monotonic()
-        self._heard = PlantLog([], [])
+        self._log = PlantLog([], [])
         self._input = self._speed = 0.0
         self._heard_at = -_SILENCE_S
         self._is_shut_down = False
@@ -55,22 +55,22 @@ class RealPlant:
         node.start()
 
     def close(self) -> None:
-        """Stop the plant once more, and leave the graph; this process does not come back to it."""
+        """Stop the plant once more, and shut the node down for good."""
         with deferred_signals():
             self._rest()
-            rospy.signal_shutdown("all is judged")
+            rospy.signal_shutdown("the judgement is complete")
 
     def on_shutdown(self, end_controller: Callable[[], None]) -> None:
-        """Have the controller ended where the node is shut down from outside, as by rosnode kill.
+        """Set the function that ends the controller if the node is shut down, as by rosnode kill.
 
-        :param end_controller: ends it, if one runs; called in another thread
+        :param end_controller: ends the controller, if one runs; called in another thread
         """
         self._end_controller = end_controller
 
-    def ask(self, speed: float) -> None:
-        """Ask for a speed.
+    def send_set_point(self, speed: float) -> None:
+        """Publish a set point.
 
-        :param speed: rad/s
+        :param speed: the speed [rad/s]
         :raises PlantError: if the plant is silent, or the node was shut down
         """
         self.check_node()
@@ -80,14 +80,14 @@ class RealPlant:
             raise PlantError(f"the plant is silent: nothing on {self._topic} for {_SILENCE_S:g} s")
 
     def stop(self) -> None:
-        """Ask for no speed, and give the plant an input of 0."""
+        """Publish a set point of 0 and an input of 0."""
         self._wanted.publish(set_point(0.0, time.monotonic() - self._began))
         self._drive.publish(motor_input(0.0, 0.0))
 
     def wait_until_it_stands(self) -> None:
         """Stop the plant, and wait until it stands.
 
-        :raises PlantError: if it does not, or is silent, or the node was shut down
+        :raises PlantError: if it does not stop, is silent, or the node was shut down
         """
         end = time.monotonic() + _STOP_S
         while True:
@@ -101,19 +101,19 @@ class RealPlant:
                 raise PlantError(f"the input is 0, and the plant turns at {self._speed:.3g} rad/s")
             if now > end:
                 raise PlantError(f"the plant is silent: nothing on {self._topic}")
-            time.sleep(_LOOK_S)
+            time.sleep(_CHECK_S)
 
     def connections(self) -> Dict[str, int]:
-        """Return how many others listen to the set point, and drive the plant."""
+        """Return the numbers of the set point's subscribers and of the input's publishers."""
         return {
             "set_point": self._wanted.get_num_connections(),
             "motor_input": self._answers.get_num_connections(),
         }
 
     def check_alone(self) -> None:
-        """Make sure that a controller has not brought a plant or a set point of its own.
+        """Check that the controller started no plant or set point of its own.
 
-        :raises PlantError: if it has
+        :raises PlantError: if another node publishes their topics
         """
         try:
             with MasterClient(rospy.get_name()) as master:
@@ -126,7 +126,7 @@ class RealPlant:
                 raise PlantError(f"{' and '.join(several)} publish {topic}: one is to do that")
 
     def check_node(self) -> None:
-        """Make sure that the node is at work.
+        """Check that the node is running.
 
         :raises PlantError: if it was shut down
         """
@@ -134,36 +134,36 @@ class RealPlant:
             raise PlantError("the node was shut down")
 
     def pop_log(self) -> PlantLog:
-        """Return what was heard since this was asked last."""
+        """Return the log since the previous call, and clear it."""
         with self._lock:
-            heard, self._heard = self._heard, PlantLog([], [])
-        return heard
+            log, self._log = self._log, PlantLog([], [])
+        return log
 
     def _shut_down(self) -> None:
-        # While the publishers work: afterwards nobody could stop the plant.
+        # While the publishers still work: afterwards the plant could not be stopped.
         self._is_shut_down = True
         self._end_controller()
         self._rest()
 
     def _rest(self) -> None:
-        time.sleep(_LOOK_S)  # what a controller sent as it was killed may have come since
+        time.sleep(_CHECK_S)  # the last message of a killed controller may still arrive
         self.stop()
 
     def _on_input(self, message: motor_input) -> None:
         with self._lock:
             self._input = message.input
-            self._heard.inputs.append((time.monotonic(), message.input))
+            self._log.inputs.append((time.monotonic(), message.input))
 
     def _on_output(self, message: motor_output) -> None:
         with self._lock:
             self._heard_at, self._speed = time.monotonic(), message.output
-            self._heard.outputs.append((self._heard_at, message.output, self._input))
+            self._log.outputs.append((self._heard_at, message.output, self._input))
 
 
 def _check_graph() -> None:
-    """Make sure that there is a plant, and that nobody is at work with it.
+    """Check that a plant is running, and that no other node drives it.
 
-    :raises PlantError: if that is not so, or no master is there
+    :raises PlantError: if not, or if the master does not answer
     """
     topics = {name: rospy.resolve_name(name) for name in _CLASSES}
     try:
@@ -179,10 +179,11 @@ def _check_graph() -> None:
             raise PlantError(f"{topic} has {types[topic]}, not {_CLASSES[name]._type}")
     publishers, subscribers = dict(state.publishers), dict(state.subscribers)
     if not publishers.get(topics["motor_output"]):
-        raise PlantError(f"there is no plant: nobody publishes {topics['motor_output']}")
+        raise PlantError(f"no plant found: {topics['motor_output']} has no publisher")
     if not subscribers.get(topics["motor_input"]):
-        raise PlantError(f"there is no plant: nobody listens to {topics['motor_input']}")
+        raise PlantError(f"no plant found: {topics['motor_input']} has no subscriber")
     for name in ("set_point", "motor_input"):
         others: List[str] = publishers.get(topics[name], [])
         if others:
-            raise PlantError(f"{' and '.join(others)} publishes {topics[name]}: end that first")
+            names = " and ".join(others)
+            raise PlantError(f"{topics[name]}: published by another node ({names}); stop it first")

@@ -1,4 +1,4 @@
-"""Runs a controller through a scenario with a plant that is there already."""
+"""Runner with a real plant."""
 
 import time
 from typing import Dict, List, Optional
@@ -16,24 +16,24 @@ from pid_control.runner.deferred_signals import deferred_signals
 from pid_control.runner.outcome import TimeLimitExceeded, completed, failure_of
 from pid_control.runner.real_plant import RealPlant
 
-#: How long a controller may take to find its topics, s.
+#: Timeout for the controller's connections [s].
 _CONNECT_S = 20.0
-#: How long the loop is closed before a scenario begins, s.
+#: Time of the closed loop before a scenario begins [s].
 _SETTLE_S = 0.5
 
 
 class RealPlantRunner:
-    """Runs a controller through scenarios, each with a process of its own.
+    """Runner with a real plant; each scenario has a controller process of its own.
 
-    Whatever ends a scenario, the controller is ended before the plant gets its last input, 0.
+    However a scenario ends, the controller ends before the plant gets its last input, 0.
 
     :param plant: the plant
-    :param command: the controller
-    :param full_speed: the greatest speed of the plant, rad/s
-    :param deadline: when all must be over, by the monotonic clock, s
+    :param command: command of the controller
+    :param full_speed: greatest speed of the plant [rad/s]
+    :param deadline: deadline of all scenarios by the monotonic clock [s]
     """
 
-    #: How late the judge may be, s: it only asks.
+    #: Largest delay of the judge [s]: it only sends set points.
     most_late = 0.1
 
     def __init__(
@@ -41,7 +41,7 @@ class RealPlantRunner:
     ) -> None:
         self._plant, self._command, self._deadline = plant, command, deadline
         self._scale = full_speed / MOTOR.max_output
-        #: How late it was at most, s.
+        #: Largest delay so far [s].
         self.latest = 0.0
         self._controller: Optional[ControllerProcess] = None
         plant.on_shutdown(self._end_controller)
@@ -51,9 +51,9 @@ class RealPlantRunner:
     def run(self, scenario: Scenario) -> Record:
         """Run one scenario.
 
-        :param scenario: one that suits any plant
-        :raises TimeLimitExceeded: if all takes too long
-        :raises PlantError: if the plant falls silent, or does not stand at first, or the node is
+        :param scenario: a scenario that suits any plant
+        :raises TimeLimitExceeded: if the deadline has passed
+        :raises PlantError: if the plant becomes silent, does not stand at first, or the node is
             shut down
         :raises OSError: if the controller cannot be started
         """
@@ -65,7 +65,7 @@ class RealPlantRunner:
             with deferred_signals():
                 controller = self._controller = ControllerProcess(self._command, environment)
             record = self._connect_and_run(scenario, controller, before)
-            self._plant.check_node()  # a shut-down ends the controller, which is not to blame
+            self._plant.check_node()  # a shutdown ends the controller: not its failure
             return record
         finally:
             try:
@@ -92,14 +92,14 @@ class RealPlantRunner:
         return self._run(scenario, controller)
 
     def _connect(self, controller: ControllerProcess, before: Dict[str, int]) -> List[str]:
-        """Wait until the controller has found its topics; return those that it has not.
+        """Wait until the controller is connected; return the topics that are not.
 
-        :param before: how many others were connected to each before it was there
+        :param before: number of connections of each topic before the controller started
         """
         end = time.monotonic() + _CONNECT_S
         while True:
             self._check_time()
-            self._plant.ask(0.0)
+            self._plant.send_set_point(0.0)
             now = self._plant.connections()
             missing = [name for name, count in now.items() if count <= before[name]]
             if not missing or controller.status is not None or time.monotonic() > end:
@@ -109,20 +109,20 @@ class RealPlantRunner:
     def _run(self, scenario: Scenario, controller: ControllerProcess) -> Record:
         clock, failure, now = WallClock(), "", -_SETTLE_S
         busy_before = controller.watch.busy()
-        self._plant.pop_log()  # what came before is not of this scenario
+        self._plant.pop_log()  # drop messages from before the scenario
         zero = time.monotonic() + _SETTLE_S
         clock.start()
         while now < scenario.duration and not failure:
             self._check_time()
-            self._plant.ask(self._scale * value_at(scenario.set_point, now))
+            self._plant.send_set_point(self._scale * value_at(scenario.set_point, now))
             now += SET_POINT_S
             clock.wait(now + _SETTLE_S)
             failure = failure_of(controller)
         self.latest = max(self.latest, clock.latest)
-        heard = self._plant.pop_log()
-        rows = rows_of(heard, scenario, zero, self._scale)
+        log = self._plant.pop_log()
+        rows = rows_of(log, scenario, zero, self._scale)
         busy = controller.watch.busy() - busy_before
-        record = Record(scenario, failure, rows=rows, answers=answers_of(heard, zero), busy=busy)
+        record = Record(scenario, failure, rows=rows, answers=answers_of(log, zero), busy=busy)
         return completed(record, controller)
 
     def _check_time(self) -> None:

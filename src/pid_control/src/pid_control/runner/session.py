@@ -1,4 +1,4 @@
-"""One judgement: a controller, its scenarios, and a plant of the judge's own or a real one."""
+"""Session of one judgement: a controller, its scenarios, and a simulated or a real plant."""
 
 import time
 from typing import List, Optional, Sequence, Tuple
@@ -13,14 +13,14 @@ from pid_control.runner.private_master import PrivateMaster
 
 
 class Session:
-    """Judges a controller once; the time runs from when this is made.
+    """One judgement of a controller; the time limit starts when the session is created.
 
-    :param command: the controller
-    :param only: the scenarios that are wanted; None for all that can be
-    :param limits: what it has to keep
-    :param time_limit: how long it may take, s
+    :param command: command of the controller
+    :param only: scenarios to run; None for all that suit the plant
+    :param limits: limits of the figures
+    :param time_limit: time limit [s]
 
-    :ivar records: what came of the scenarios so far
+    :ivar records: records of the scenarios so far
     """
 
     def __init__(
@@ -35,14 +35,14 @@ class Session:
         self.records: List[Record] = []
 
     def judge_with_own_plant(self, real_time: bool) -> Judgement:
-        """Judge on a master of its own.
+        """Judge with a simulated plant on a private master.
 
-        :param real_time: whether to go by the machine's clock
-        :raises JudgingError: if that cannot be
+        :param real_time: True for the machine's clock, False for a simulated one
+        :raises JudgingError: if the controller cannot be judged
         """
         master = PrivateMaster()
         try:
-            # They import rospy, which goes by the master that it finds.
+            # Imported late: rospy reads the master's address when it is imported.
             from pid_control.runner.bench_runner import BenchRunner
             from pid_control.runner.test_bench import PublisherConflict, TestBench
 
@@ -59,10 +59,10 @@ class Session:
         return judge(self.records, self._limits, reason)
 
     def judge_with_real_plant(self, full_speed: float) -> Judgement:
-        """Judge on the master that is there, with the plant that is there.
+        """Judge with the real plant on the current master.
 
-        :param full_speed: its greatest speed, rad/s
-        :raises JudgingError: if that cannot be
+        :param full_speed: greatest speed of the plant [rad/s]
+        :raises JudgingError: if the controller cannot be judged
         """
         from pid_control.runner.real_plant import PlantError, RealPlant
         from pid_control.runner.real_plant_runner import RealPlantRunner
@@ -83,7 +83,7 @@ class Session:
         return judge(self.records, self._limits, reason)._replace(left_out=left_out)
 
     def _for_real_plant(self) -> Tuple[Sequence[Scenario], List[str]]:
-        """Return the scenarios to run, and the names of those that cannot be."""
+        """Return the scenarios to run, and the names of those that do not suit a real plant."""
         possible = [one for one in BY_NAME.values() if one.suits_any_plant]
         for scenario in self._only or ():
             if scenario not in possible:
@@ -92,7 +92,7 @@ class Session:
         return self._only or possible, [name for name in BY_NAME if BY_NAME[name] not in possible]
 
     def _run(self, runner: Runner, scenarios: Sequence[Scenario]) -> str:
-        """Run the scenarios, and return why not all of them, if so."""
+        """Run the scenarios; return why some were not run, or an empty text."""
         reason = ""
         for scenario in scenarios:
             try:

@@ -1,4 +1,4 @@
-"""The graph that a controller finds: a motor, a set point and a clock, all in one node."""
+"""Test bench of a controller: motor, set point and clock in one node."""
 
 import threading
 from typing import Dict, List
@@ -15,43 +15,43 @@ NAME = "judge"
 
 
 class PublisherConflict(Exception):
-    """Somebody else publishes what the judge publishes; the text says who."""
+    """Another node publishes a topic of the bench; the message names it."""
 
 
 class TestBench:
-    """Publishes ``motor_output``, ``set_point`` and ``/clock``, and hears ``motor_input``.
+    """Node that publishes ``motor_output``, ``set_point`` and ``/clock``, and receives the inputs.
 
-    To be made once in a process, whose ROS_MASTER_URI names the master.
+    Create it once per process, after ROS_MASTER_URI is set.
     """
 
     def __init__(self) -> None:
         self.node = init_node(NAME)
         self._lock = threading.Lock()
-        self._heard: List[float] = []
+        self._inputs: List[float] = []
         self._clock = self.node.create_publisher("/clock", Clock)
         self._output = self.node.create_publisher("/motor_output", motor_output)
         self._set_point = self.node.create_publisher("/set_point", set_point)
-        self._input = self.node.create_subscription("/motor_input", motor_input, self._hear)
+        self._input = self.node.create_subscription("/motor_input", motor_input, self._on_input)
         self.node.start()
 
     def close(self) -> None:
-        """Leave the graph, while the master is there; this process does not come back to it."""
-        rospy.signal_shutdown("all is judged")
+        """Shut the node down for good, while the master still runs."""
+        rospy.signal_shutdown("the judgement is complete")
 
     def is_connected(self) -> bool:
-        """Tell whether anybody is connected."""
+        """Return True if any topic has a connection."""
         return any(connections > 0 for connections in self._connections().values())
 
     def missing(self) -> List[str]:
-        """Return the topics that nobody is connected to."""
+        """Return the topics without a connection."""
         return [name for name, count in self._connections().items() if count == 0]
 
     def has_clock_listener(self) -> bool:
-        """Tell whether anybody hears the clock."""
+        """Return True if the clock has a subscriber."""
         return self._clock.get_num_connections() > 0
 
     def hint(self) -> str:
-        """Return what is published instead of motor_input, if anything."""
+        """Return a text about topics published instead of motor_input, if any."""
         own = {"/motor_output", "/set_point", "/clock", "/rosout", "/rosout_agg"}
         types = {topic: kind for topic, kind in rospy.get_published_topics() if topic not in own}
         kind = types.get("/motor_input", motor_input._type)
@@ -60,10 +60,10 @@ class TestBench:
         others = ", ".join(sorted(types))
         return f"it publishes {others}" if others else ""
 
-    def check_rivals(self) -> None:
-        """Make sure that nobody else is a motor or a set point.
+    def check_publishers(self) -> None:
+        """Check that no other node publishes the bench's topics.
 
-        :raises PublisherConflict: if somebody is
+        :raises PublisherConflict: if another node does
         """
         for topic, nodes in rospy.get_master().getSystemState()[2][0]:
             others = [node for node in nodes if node != rospy.get_name()]
@@ -79,10 +79,10 @@ class TestBench:
         return {**counts, "motor_input": self._input.get_num_connections()}
 
     def send(self, outgoing: Outgoing, time: float) -> None:
-        """Send what is due, the clock last.
+        """Publish the messages that are due, the clock last.
 
-        :param outgoing: what the motor and the set point say
-        :param time: what the clock says, s
+        :param outgoing: messages of the motor and the set point
+        :param time: time of the clock [s]
         """
         if outgoing.set_point is not None:
             self._set_point.publish(set_point(outgoing.set_point, time))
@@ -90,12 +90,12 @@ class TestBench:
             self._output.publish(motor_output(*outgoing.output))
         self._clock.publish(Clock(rospy.Time.from_sec(time)))
 
-    def heard(self) -> List[float]:
-        """Return the inputs that have come since this was asked last, oldest first."""
+    def pop_inputs(self) -> List[float]:
+        """Return the inputs received since the previous call, oldest first."""
         with self._lock:
-            heard, self._heard = self._heard, []
-        return heard
+            inputs, self._inputs = self._inputs, []
+        return inputs
 
-    def _hear(self, message: motor_input) -> None:
+    def _on_input(self, message: motor_input) -> None:
         with self._lock:
-            self._heard.append(message.input)
+            self._inputs.append(message.input)

@@ -16,7 +16,7 @@ WEAK = Gains("weak", "a test", PI, 0.001, 0.01)
 class GainsJudgementTest(unittest.TestCase):
     """Of all scenarios one, as each of four gains takes a quarter of a minute in all of them."""
 
-    def test_each_is_judged_by_itself(self) -> None:
+    def test_judge_gains_judges_each_separately(self) -> None:
         ramp = [BY_NAME["ramp"]]
         said = {gains.method: text for gains, text in judge_gains([GOOD, WEAK], ramp)}
         self.assertEqual(said["good"], "passed: all 2 figures of 1 scenario")

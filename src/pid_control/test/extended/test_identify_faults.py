@@ -13,7 +13,7 @@ from nodekit.testing.running import rosrun
 class IdentifyFaults(IdentifyCase):
     """The commands are processes of their own."""
 
-    def test_ctrl_c_ends_tuning_as_a_shell_puts_it(self) -> None:
+    def test_tune_ctrl_c_exits_with_130(self) -> None:
         model = self.file("model.yaml")
         os.mkfifo(model)
         command = self.start("tune", model, "--gains", self.file("gains.yaml"))
@@ -22,7 +22,7 @@ class IdentifyFaults(IdentifyCase):
         self.assertFalse(command.logged("Traceback"))
         self.assertEqual(os.listdir(self.folder), ["model.yaml"])
 
-    def test_motor_that_falls_silent_is_given_up(self) -> None:
+    def test_silent_motor_ends_the_command(self) -> None:
         motor = self.host_motor()
         command = self.start("identify", "--seconds", "60")
         self.inputs.wait_for(lambda heard: heard.input > 0.0)
@@ -31,7 +31,7 @@ class IdentifyFaults(IdentifyCase):
         self.assertTrue(command.logged("nothing on", "motor_output for 3 s"))
         self.wait_for_last_input()
 
-    def test_names_that_are_wrong_are_refused_with_a_status(self) -> None:
+    def test_identify_unknown_names_set_the_exit_status(self) -> None:
         self.host_motor()
         for arguments, why, status in (
             (["--output", "speed/data"], "speed/data: unknown topic", 2),

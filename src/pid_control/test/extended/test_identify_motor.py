@@ -90,7 +90,7 @@ class IdentifyMotor(unittest.TestCase):
                 lambda: f"the motor has not got all of {self.inputs.count()} inputs",
             )
 
-    def test_running_motor_tells_what_it_is_like(self) -> None:
+    def test_identify_running_motor_finds_its_parameters(self) -> None:
         """Course 003-pid-6."""
         with tempfile.TemporaryDirectory() as folder:
             model, picture = os.path.join(folder, "model.yaml"), os.path.join(folder, "fit.svg")

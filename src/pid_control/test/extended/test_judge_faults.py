@@ -14,17 +14,17 @@ from nodekit.testing.waiting import wait_until
 class JudgeFaults(JudgeCase):
     """Each test has a folder of its own."""
 
-    def test_whoever_goes_by_time_time_is_not_judged(self) -> None:
+    def test_judge_time_time_is_not_judged(self) -> None:
         says = "not judged: it goes by the machine's clock (time.time(), time.sleep())"
         self.assert_judged(125, says, CONTROLLERS / "flaw_time_time.py")
 
-    def test_a_package_of_a_class_may_be_called_as_the_judges_own(self) -> None:
+    def test_batch_judges_a_package_named_pid_control(self) -> None:
         self.make_package("pid_control", "flaw_windup.py")
         words = ["--output", self.folder, "--only", "windup", "--class", self.folder / "class"]
         says = "pid_control: failed: the integral goes on growing"
         self.assert_judged(1, says, *words)
 
-    def test_ctrl_c_ends_it_while_its_master_starts(self) -> None:
+    def test_judge_ctrl_c_during_master_start_ends_it(self) -> None:
         judge = self.start_judge()
         self.wait_for_program("rosmaster")
         os.killpg(judge.pid, signal.SIGINT)  # as a terminal does: to all in the foreground
@@ -32,7 +32,7 @@ class JudgeFaults(JudgeCase):
         self.assertEqual((judge.returncode, errors), (130, ""))
         wait_until(lambda: not self.processes(), lambda: f"left behind: {self.processes()}")
 
-    def test_ctrl_c_while_it_is_imported_ends_it_without_a_traceback(self) -> None:
+    def test_judge_ctrl_c_during_import_has_no_traceback(self) -> None:
         judge = subprocess.Popen(
             [str(JUDGE), str(CONTROLLERS / "good_loop.py")],
             env={**self.environment(), "PYTHONPROFILEIMPORTTIME": "1"},

@@ -45,7 +45,7 @@ class LoopEnds(unittest.TestCase):
             lambda: recorder.publishers() == 0, lambda: f"{recorder.messages()[-1:]} is not the end"
         )
 
-    def test_motor_that_ends_says_no_more_after_its_last_output(self) -> None:
+    def test_motor_shutdown_sends_nothing_after_last_output(self) -> None:
         outputs = MessageRecorder(self.space + "/motor_output", motor_output)
         motor = self.start("system", system_node_rate=1e4)  # so often that one is due as it ends
         publisher = rospy.Publisher(

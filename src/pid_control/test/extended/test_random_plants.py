@@ -13,7 +13,7 @@ class RandomPlants(unittest.TestCase):
     def test_each_value_without_noise_is_exact(self) -> None:
         check_random_plants(100, noise=0.0, most=0.01, covered=1.0)
 
-    def test_doubt_covers_each_value_with_noise(self) -> None:
+    def test_uncertainty_covers_each_value_with_noise(self) -> None:
         # Of a hundred, 95 are to be expected; fewer than 88 would be once in four hundred.
         check_random_plants(100, noise=0.05, most=0.05, covered=0.88)
 

@@ -28,7 +28,7 @@ Student().run()
 class RealPlantFaults(RealPlantCase):
     """Each test has a namespace, in which it judges."""
 
-    def test_motor_is_stopped_where_the_terminal_is_closed(self) -> None:
+    def test_judge_closed_terminal_stops_real_motor(self) -> None:
         self.host_motor()
         judge = self.start("judge", "--real-plant", *self.controller)
         self.outputs.wait_for(lambda heard: heard.output > 4.0)
@@ -36,7 +36,7 @@ class RealPlantFaults(RealPlantCase):
         self.assertEqual(judge.wait(), 128 + signal.SIGHUP)
         self.assert_left_alone()
 
-    def test_motor_is_stopped_where_the_node_is_shut_down(self) -> None:
+    def test_judge_node_shutdown_stops_real_motor(self) -> None:
         self.host_motor()
         judge = self.start("judge", "--real-plant", *self.controller)
         self.outputs.wait_for(lambda heard: heard.output > 4.0)
@@ -60,7 +60,7 @@ class RealPlantFaults(RealPlantCase):
             self.assertEqual(judge.interrupt(), 130)
         self.assert_stopped()
 
-    def test_motor_that_falls_silent_is_given_up(self) -> None:
+    def test_silent_motor_ends_the_command(self) -> None:
         motor = self.host_motor()
         judge = self.start("judge", "--real-plant", *self.controller)
         self.outputs.wait_for(lambda heard: heard.output > 4.0)
@@ -74,7 +74,7 @@ class RealPlantFaults(RealPlantCase):
         words = ("--real-plant", *self.controller)
         self.assert_refused("on your own master", *words, ROS_MASTER_URI=no_master)
 
-    def test_real_time_is_for_those_who_go_by_the_machines_clock(self) -> None:
+    def test_judge_real_time_accepts_machine_clock(self) -> None:
         """Here the motor is the judge's own, which a busy machine makes late."""
         words = ("--real-time", "--only", "ramp", self.script_of("flaw_time_time.py"))
         judge = self.start("judge", *words)

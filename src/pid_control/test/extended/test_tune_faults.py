@@ -28,12 +28,12 @@ for _, text in judge_gains([Gains("good", "a test", "PI", 0.08, 1.5)], time_limi
 class TuneFaults(unittest.TestCase):
     """The judge's master is its own."""
 
-    def test_a_judgement_that_takes_too_long_is_none(self) -> None:
+    def test_judge_gains_time_limit_is_not_judged(self) -> None:
         command = [sys.executable, "-c", TOO_LONG]
         said = subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout.decode()
         self.assertEqual(said.splitlines()[-1], "not judged: 0.1 s are over")
 
-    def test_tune_that_is_told_to_end_leaves_nothing_behind(self) -> None:
+    def test_tune_termination_leaves_nothing_behind(self) -> None:
         for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
             with tempfile.TemporaryDirectory() as folder:
                 model = pathlib.Path(folder) / "model.yaml"

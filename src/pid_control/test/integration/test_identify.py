@@ -53,7 +53,7 @@ class Identify(IdentifyCase):
             )
         self.assertEqual(self.inputs.messages(), [])
 
-    def test_model_that_was_found_moves_as_the_motor_and_its_gains_control_it(self) -> None:
+    def test_identified_model_follows_the_motor_and_its_gains_control_it(self) -> None:
         """Course 003-pid-7, 003-pid-8."""
         model, gains = self.file("model.yaml"), self.file("gains.yaml")
         with open(model, "w") as file:
@@ -69,7 +69,7 @@ class Identify(IdentifyCase):
             for outputs in (self.outputs, modelled):
                 outputs.wait_for(lambda heard: abs(heard.output - 4.0) < 0.1 and heard.time > 2.0)
 
-    def test_ctrl_c_stops_the_motor_and_is_no_success(self) -> None:
+    def test_identify_ctrl_c_stops_the_motor_with_an_error_status(self) -> None:
         self.host_motor()
         command = self.start("identify", "--seconds", "30", "--model", self.file("model.yaml"))
         self.inputs.wait_for(lambda heard: heard.input > 0.05)
@@ -78,7 +78,7 @@ class Identify(IdentifyCase):
         self.assert_stopped()
         self.assertEqual(os.listdir(self.folder), [])
 
-    def test_motor_that_is_driven_or_named_wrongly_is_left_alone(self) -> None:
+    def test_identify_driven_or_unknown_motor_is_not_driven(self) -> None:
         self.host_motor()
         none = "speed/data: unknown topic"
         self.assert_refused(FieldError, none, output_name="speed/data")

@@ -15,7 +15,7 @@ from nodekit.testing.waiting import wait_until
 class Judge(JudgeCase):
     """Errors in arguments are in the unit tests, rare faults in test/extended."""
 
-    def test_windup_is_named_drawn_and_written_down(self) -> None:
+    def test_judge_windup_is_reported_drawn_and_written(self) -> None:
         picture, table = self.folder / "windup.svg", self.folder / "windup.csv"
         files = ["--picture", picture, "--csv", table]
         limits = self.folder / "limits.yaml"
@@ -34,14 +34,14 @@ class Judge(JudgeCase):
         suite = ElementTree.parse(str(xml)).getroot()
         self.assertEqual((suite.get("tests"), suite.get("failures")), ("1", "1"))
 
-    def test_one_node_of_a_launch_file_with_its_parameters(self) -> None:
+    def test_judge_launch_file_runs_one_node_with_its_parameters(self) -> None:
         """The course's launch file starts the motor and the set point as well."""
         gains = self.folder / "gains.yaml"
         gains.write_text("{kp: -0.05, ki: -1.0}\n")
         words = ["pid_control", "motor_control.launch", f"control_config:={gains}"]
         self.assert_judged(1, "failed: sign", "--only", "held", *words)
 
-    def test_a_class_with_broken_ones_gets_one_file_and_one_page(self) -> None:
+    def test_batch_with_broken_packages_writes_one_csv_and_one_page(self) -> None:
         self.make_package("anna", "flaw_windup.py")
         self.make_package("ben/ben_control", "flaw_crash_at_start.py")
         self.make_package("cleo")
@@ -66,7 +66,7 @@ class Judge(JudgeCase):
         self.assertIn("likely cause (windup)", (output / "anna.txt").read_text())
         self.assertTrue((output / "anna.svg").is_file())
 
-    def test_ctrl_c_ends_it_and_all_that_it_has_started(self) -> None:
+    def test_judge_ctrl_c_ends_all_child_processes(self) -> None:
         judge = self.start_judge()
         self.wait_for_program("good_loop.py")
         os.killpg(judge.pid, signal.SIGINT)  # as a terminal does: to all in the foreground

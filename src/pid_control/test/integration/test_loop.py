@@ -122,7 +122,7 @@ class Loop(unittest.TestCase):
             lambda: f"the last input is {self.inputs.messages()[-1]}",
         )
 
-    def test_motor_without_a_controller_goes_to_its_greatest_speed(self) -> None:
+    def test_motor_constant_input_reaches_greatest_speed(self) -> None:
         """Course 003-pid-1."""
         motor = self.start("system")
         publisher = rospy.Publisher(
@@ -143,7 +143,7 @@ class Loop(unittest.TestCase):
         last = self.outputs.messages()[-1]
         self.assertEqual((last.output, last.status), (0.0, "Motor Not Turning"))
 
-    def test_dead_zone_and_what_is_not_finite(self) -> None:
+    def test_motor_ignores_dead_zone_and_not_finite_inputs(self) -> None:
         self.host_motor()
         publisher = rospy.Publisher(
             self.space + "/motor_input", motor_input, queue_size=1, latch=True
@@ -157,7 +157,7 @@ class Loop(unittest.TestCase):
         publisher.publish(0.05, 0.0)
         self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
 
-    def test_controller_has_the_motor_do_what_the_set_point_says(self) -> None:
+    def test_controller_motor_follows_set_point(self) -> None:
         self.host_loop()
         change(self.space + "/set_point_generator", offset=-6.0)
         self.wait_for_speed(-6.0)
@@ -168,7 +168,7 @@ class Loop(unittest.TestCase):
             lambda: f"these are no times of outputs: {answered}",
         )
 
-    def test_gains_change_without_a_jump(self) -> None:
+    def test_controller_gain_change_does_not_jump(self) -> None:
         self.host_loop()
         terms = MessageRecorder(self.space + "/controller/terms", ControllerTerms)
         terms.wait_for(lambda heard: True)
@@ -186,7 +186,7 @@ class Loop(unittest.TestCase):
         self.assertLess(worst, 0.01)
         terms.close()
 
-    def test_not_enabled_it_stops_the_motor_and_says_no_more(self) -> None:
+    def test_controller_disabled_stops_motor_once(self) -> None:
         self.host_loop()
         change(self.space + "/controller", enabled=False)
         self.assert_stands()
@@ -197,7 +197,7 @@ class Loop(unittest.TestCase):
         change(self.space + "/controller", enabled=True)
         self.wait_for_speed(4.0)
 
-    def test_controller_that_ends_stops_the_motor(self) -> None:
+    def test_controller_shutdown_stops_motor(self) -> None:
         self.host_motor()
         self.host_set_point()
         controller = self.start("controller", timeout=TIMEOUT_S)
@@ -219,7 +219,7 @@ class Loop(unittest.TestCase):
             answer = rospy.ServiceProxy(name, ChangeState)(Transition(label=label))
             self.assertTrue(answer.success, label)
 
-    def test_managed_controller_begins_anew_whenever_it_is_activated(self) -> None:
+    def test_managed_controller_activation_resets(self) -> None:
         self.host_motor()
         self.host_set_point()
         controller = self.start("controller", managed=True, timeout=TIMEOUT_S)
@@ -240,7 +240,7 @@ class Loop(unittest.TestCase):
         self.wait_for_its_end(self.inputs)
         self.assertEqual(self.inputs.messages(), [])
 
-    def test_managed_set_point_takes_leave_when_it_is_deactivated(self) -> None:
+    def test_managed_set_point_deactivation_publishes_stop_value(self) -> None:
         heard = MessageRecorder(self.space + "/set_point", set_point)
         self.addCleanup(heard.close)
         self.host("set_point_generator", managed=True, offset=3.0, stop_value=-1.0)
@@ -252,7 +252,7 @@ class Loop(unittest.TestCase):
             self.assertEqual(heard.messages()[-1].setPoint, -1.0)
             heard.clear()
 
-    def test_motor_that_falls_silent_finds_no_input_when_it_is_back(self) -> None:
+    def test_controller_silent_motor_gets_input_zero(self) -> None:
         nodes = self.host_loop(timeout=0.5)
         nodes["system"].close()
         self.wait_for_line("nothing for 0.5 s: the input is 0")
@@ -268,7 +268,7 @@ class Loop(unittest.TestCase):
         # The integral of before is gone: the first answer is the proportional term's.
         self.assertAlmostEqual(inputs[last_zero + 1], 4.0 * 0.08, delta=1e-6)
 
-    def test_motor_that_is_started_anew_gets_the_input_of_before(self) -> None:
+    def test_controller_restarted_motor_gets_previous_input(self) -> None:
         nodes = self.host_loop()
         nodes["system"].close()
         self.wait_for_its_end(self.outputs)
@@ -283,7 +283,7 @@ class Loop(unittest.TestCase):
         )
         self.assertAlmostEqual(first.input, before.input, delta=1e-6)
 
-    def test_from_manual_to_automatic_the_input_does_not_jump(self) -> None:
+    def test_controller_manual_to_automatic_does_not_jump(self) -> None:
         self.host_loop()
         change(self.space + "/controller", mode="manual", manual_output=0.4)
         self.wait_for_speed(5.24)
@@ -300,13 +300,13 @@ class Loop(unittest.TestCase):
                 change(self.space + "/controller", mode="manual")
                 self.wait_for_speed(5.24)
 
-    def test_limits_in_the_wrong_order_are_refused_and_nothing_changes(self) -> None:
+    def test_controller_limits_in_wrong_order_are_rejected(self) -> None:
         self.host_loop()
         with self.assertRaisesRegex(ChangeRefused, "output_min must be below output_max"):
             change(self.space + "/controller", output_min=2.0)
         self.wait_for_speed(4.0)
 
-    def test_manual_output_goes_out_and_is_limited(self) -> None:
+    def test_controller_manual_output_is_published_and_clipped(self) -> None:
         """Course 003-pid-3."""
         self.host_loop()
         change(self.space + "/controller", mode="manual", manual_output=0.5)
@@ -316,7 +316,7 @@ class Loop(unittest.TestCase):
         change(self.space + "/controller", mode="PI")
         self.wait_for_speed(4.0)
 
-    def test_names_of_the_course_are_taken_where_ours_are_not_set(self) -> None:
+    def test_course_names_set_only_unset_parameters(self) -> None:
         """Course 003-pid-2."""
         rospy.set_param(self.space + "/system_param_K", 5.0)
         rospy.set_param(self.space + "/system_max_speed", 4.0)
@@ -332,7 +332,7 @@ class Loop(unittest.TestCase):
         self.assertEqual(rospy.get_param(self.space + "/system/system_max_speed"), 6.0)
         node.wait_for_log(
             f"{self.space}/system_max_speed: 4.0 is ignored, because"
-            f" {self.space}/system/system_max_speed: 6.0 is set; to have it read at the next start:"
+            f" {self.space}/system/system_max_speed: 6.0 is set; to use it at the next start:"
             f" rosparam delete {self.space}/system/system_max_speed"
         )
         self.assertFalse([line for line in node.logged() if "system_param_K: 5.0 is not" in line])

@@ -16,7 +16,7 @@ from pid_control.msg import set_point
 class RealPlant(RealPlantCase):
     """Rare ways to end are in test/extended."""
 
-    def test_motor_is_stopped_at_ctrl_c(self) -> None:
+    def test_judge_ctrl_c_stops_real_motor(self) -> None:
         self.host_motor()
         judge = self.start("judge", "--real-time", "--real-plant", *self.controller)
         self.outputs.wait_for(lambda heard: heard.output > 4.0)
@@ -40,7 +40,7 @@ class RealPlant(RealPlantCase):
         self.assertTrue(judge.logged("steps: steady error "), judge.logged())
         self.assert_left_alone()
 
-    def test_what_cannot_be_judged_is_refused_by_name(self) -> None:
+    def test_judge_invalid_request_names_the_problem(self) -> None:
         plant = ("--real-plant", *self.controller)
         missing = f"no plant found: {self.space}/motor_output has no publisher"
         self.assert_refused(missing, *plant)

@@ -64,34 +64,36 @@ def test_a_folder_that_is_a_package_is_its_only_one(tmp_path: pathlib.Path) -> N
         ("catkin_package()", False),
     ],
 )
-def test_what_has_to_be_built(tmp_path: pathlib.Path, text: str, needs: bool) -> None:
+def test_needs_build_depends_on_cmake_commands(
+    tmp_path: pathlib.Path, text: str, needs: bool
+) -> None:
     assert not batch._needs_build(str(tmp_path))
     (tmp_path / "CMakeLists.txt").write_text("project(x)\n" + text + "\n")
     assert batch._needs_build(str(tmp_path)) is needs
 
 
-def test_the_first_error_of_a_build_is_told() -> None:
+def test_first_error_returns_line_and_next_line() -> None:
     text = "ok\nx.cpp:1: error: expected ')'\n  int main( {\nmake: Error 2\n"
     assert batch._first_error(text) == "x.cpp:1: error: expected ')' int main( {"
     assert batch._first_error("just this\n") == "just this"
     assert batch._first_error("") == ""
 
 
-def test_build_has_failed_where_its_status_says_so(
+def test_build_nonzero_status_is_a_failure(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     with pytest.raises(batch._Broken, match=r"it does not build: Fehler 2 \(C\)"):
         build_with(tmp_path, monkeypatch, "Fehler 2", 1)
 
 
-def test_warning_that_quotes_an_error_is_none(
+def test_build_warning_with_the_word_error_is_not_a_failure(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     workspace = build_with(tmp_path, monkeypatch, "warning: x = 1; // Error of the integral", 0)
     assert os.path.isdir(workspace)
 
 
-def test_program_that_is_only_there_once_it_is_built_is_judged(
+def test_batch_judges_a_program_that_the_build_creates(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     put_catkin_make(tmp_path, monkeypatch, "built", 0)
@@ -107,7 +109,7 @@ def test_program_that_is_only_there_once_it_is_built_is_judged(
     assert said.startswith("judged: ") and said.endswith("/workspace/devel/lib/x/program\n")
 
 
-def test_what_hangs_is_ended(monkeypatch: "pytest.MonkeyPatch") -> None:
+def test_run_bounded_ends_a_hanging_command(monkeypatch: "pytest.MonkeyPatch") -> None:
     monkeypatch.setattr(batch, "_BEYOND_S", 0.2)
     began = time.monotonic()
     command = ["sh", "-c", "trap '' INT; echo begun; sleep 60 & wait; sleep 60"]

@@ -37,7 +37,7 @@ def test_no_peak_is_lost_among_many_points() -> None:
     assert len({y for _, y in points}) == 2
 
 
-def test_what_is_not_finite_and_what_never_changes_are_drawn() -> None:
+def test_chart_draws_constant_and_not_finite_values() -> None:
     curves = drawn(
         Curve("", "red", [0.0, 1.0, 2.0], [5.0, math.nan, 5.0]),
         Curve("", "red", [0.0], [5.0]),

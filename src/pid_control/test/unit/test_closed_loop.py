@@ -33,7 +33,7 @@ def test_figures_of_a_loop_that_swings() -> None:
     assert response.settling_time > 2.0
 
 
-def test_controller_without_an_integral_does_not_get_there() -> None:
+def test_respond_without_integral_does_not_reach_set_point() -> None:
     response = respond(MODEL, Gains(SIMC, "", P, 0.01, 0.0), PERIOD, -1.0, 1.0)
     assert math.isinf(response.settling_time)
     assert math.isinf(response.rise_time)
@@ -41,7 +41,7 @@ def test_controller_without_an_integral_does_not_get_there() -> None:
 
 
 @pytest.mark.parametrize("wanted", [5.0, 20.0])
-def test_slow_loop_is_given_the_time_that_it_needs(wanted: float) -> None:
+def test_respond_slow_loop_runs_until_settled(wanted: float) -> None:
     found = gains_of(MODEL, PERIOD, wanted)
     for method in (SIMC, LAMBDA):
         response = respond(MODEL, found[method], PERIOD, -10.0, 10.0)
@@ -50,7 +50,7 @@ def test_slow_loop_is_given_the_time_that_it_needs(wanted: float) -> None:
         assert response.rise_time == pytest.approx(wanted * math.log(9.0), rel=0.15)
 
 
-def test_plant_far_slower_than_its_controller_is_not_followed_for_ever(
+def test_respond_very_slow_plant_has_bounded_samples(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     monkeypatch.setattr(closed_loop, "_MOST", 5000)

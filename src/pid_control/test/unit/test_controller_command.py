@@ -5,7 +5,7 @@ import pathlib
 from pid_control.runner.controller_command import find_controller, find_files
 
 
-def test_hidden_folders_are_not_looked_into(tmp_path: pathlib.Path) -> None:
+def test_find_files_skips_hidden_folders(tmp_path: pathlib.Path) -> None:
     for folder in (".git/kept", "scripts", "scripts/.old"):
         (tmp_path / folder).mkdir(parents=True)
         (tmp_path / folder / "controller.py").write_text("")
@@ -13,7 +13,7 @@ def test_hidden_folders_are_not_looked_into(tmp_path: pathlib.Path) -> None:
     assert find_files(str(tmp_path), "controller.py") == found
 
 
-def test_parameters_of_other_nodes_are_apart(tmp_path: pathlib.Path) -> None:
+def test_find_controller_separates_parameters_of_other_nodes(tmp_path: pathlib.Path) -> None:
     launch = tmp_path / "loop.launch"
     launch.write_text(
         """<launch>

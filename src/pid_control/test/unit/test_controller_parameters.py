@@ -7,7 +7,7 @@ from pid_control.controller.controller_parameters import ControllerParameters
 from pid_control.controller.pid import PidSettings
 
 
-def test_law_gets_each_of_them_by_its_name() -> None:
+def test_pid_settings_have_every_parameter() -> None:
     values = {
         name: number / 16.0
         for number, name in enumerate(PidSettings._fields)

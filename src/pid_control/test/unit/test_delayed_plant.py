@@ -40,7 +40,7 @@ def test_no_input_overtakes_another_when_the_dead_time_becomes_shorter() -> None
     assert plant.output(3.0) == 0.0
 
 
-def test_state_is_put_and_settings_change() -> None:
+def test_set_output_and_change_apply_to_the_plant() -> None:
     plant = delayed(0.5)
     plant.set_output(1.0, 4.0)
     assert plant.output(1.0) == 4.0

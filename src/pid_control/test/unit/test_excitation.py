@@ -21,7 +21,7 @@ def test_inputs_are_within_bounds_and_end_with_0(
     assert values[0] == values[-1] == 0.0
 
 
-def test_machine_that_stands_still_makes_it_longer_and_skips_no_step() -> None:
+def test_progress_stalled_machine_skips_no_step() -> None:
     changes = excitation(-0.5, 1.0, 4.0)
     progress, inputs, time = Progress(changes, 4.0), [], 100.0
     while not inputs or inputs[-1] is not None:

@@ -10,7 +10,7 @@ from pid_control.recording.fields import Field, FieldError, field_of, number_in,
 TOPICS = ["/motor", "/motor/input", "/other"]
 
 
-def test_longest_topic_is_meant() -> None:
+def test_field_of_prefers_the_longest_topic() -> None:
     assert field_of("/motor/input/data", TOPICS) == Field("/motor/input", "data")
     assert field_of("motor/speed", TOPICS) == Field("/motor", "speed")
     with pytest.raises(FieldError, match="/motors/x: unknown topic; choose one of: /motor, "):
@@ -36,12 +36,12 @@ def test_number_is_found_at_any_depth() -> None:
         ("", "unknown field ''"),
     ],
 )
-def test_what_is_no_number_is_refused_by_name(path: str, why: str) -> None:
+def test_number_in_invalid_field_names_the_problem(path: str, why: str) -> None:
     with pytest.raises(FieldError, match=why.replace("[", r"\[")):
         number_in(TwistStamped(), Field("/a", path))
 
 
-def test_number_is_put() -> None:
+def test_put_number_sets_the_field() -> None:
     message, twist = motor_input(), TwistStamped()
     put_number(message, Field("/a", "input"), 0.5)
     put_number(twist, Field("/a", "twist/angular/z"), 2.0)

@@ -25,7 +25,7 @@ def test_each_value_of_random_plants_is_found(noise: float, most: float) -> None
     check_random_plants(25, noise, most, covered=0.8)
 
 
-def test_dead_zone_and_limit_that_do_not_show_are_not_made_up() -> None:
+def test_identify_without_dead_zone_or_limit_finds_neither() -> None:
     for seed in range(5):
         found = identify(recorded(SLOW, NOISE, seed))
         assert found.model.dead_zone == 0.0
@@ -44,7 +44,7 @@ def test_one_step_by_hand_is_enough_for_gain_time_constant_and_dead_time() -> No
     assert reading.time_constant == pytest.approx(0.5, rel=0.02)
 
 
-def test_doubt_grows_where_the_residual_is_not_like_noise() -> None:
+def test_uncertainty_grows_with_correlated_residuals() -> None:
     clean = identify(recorded(SLOW, 0.02, outputs=1000))
     record = recorded(SLOW, outputs=1000)
     hum = 0.02 * math.sqrt(2.0) * record.span * numpy.sin(0.2 * numpy.arange(1000))
@@ -63,21 +63,21 @@ def test_doubt_grows_where_the_residual_is_not_like_noise() -> None:
         ([(0.0, 0.0), (20.0, 1.0)], SLOW, 9.0, "the input changes only where there are no outputs"),
     ],
 )
-def test_record_that_cannot_tell_is_refused(
+def test_identify_unusable_record_raises(
     changes: list, model: Model, duration: float, why: str
 ) -> None:
     with pytest.raises(IdentificationError, match=why):
         identify(answered(changes, model, duration))
 
 
-def test_output_of_something_else_is_refused() -> None:
+def test_identify_unrelated_output_raises() -> None:
     record = recorded(SLOW)
     noise = numpy.random.RandomState(1).normal(0.0, 1.0, len(record.times))
     with pytest.raises(IdentificationError, match="a first-order plant explains"):
         identify(record._replace(outputs=noise))
 
 
-def test_few_outputs_are_refused() -> None:
+def test_record_of_few_outputs_raises() -> None:
     with pytest.raises(IdentificationError, match="it has 3 outputs; 20 are the least"):
         record_of([0.0, 1.0], [0.0, 1.0], [0.0, 1.0, 2.0], [0.0, 1.0, 2.0])
     with pytest.raises(IdentificationError, match="the input is not in it"):
@@ -95,7 +95,9 @@ def test_few_outputs_are_refused() -> None:
         ([(1.0, 1.0)], SLOW, 0.1, "with noise, the first output beyond"),
     ],
 )
-def test_reading_differs_for_a_reason(changes: list, model: Model, noise: float, why: str) -> None:
+def test_step_reading_differences_are_explained(
+    changes: list, model: Model, noise: float, why: str
+) -> None:
     record = answered([(0.0, 0.0), *changes], model, 10.0, noise, outputs=1000)
     found, reading = identify(record), read_step(record)
     assert isinstance(reading, StepReading)
@@ -105,7 +107,7 @@ def test_reading_differs_for_a_reason(changes: list, model: Model, noise: float,
     assert any(why in said for said in why_they_differ(record, found, reading))
 
 
-def test_report_has_each_value_with_its_doubt_and_picture_is_whole() -> None:
+def test_report_has_each_value_with_its_uncertainty() -> None:
     record = recorded(Model(13.1, 0.04, 0.01, 0.1, 9.0), 0.01)
     found = identify(record)
     text = as_text(record, found, read_step(record))

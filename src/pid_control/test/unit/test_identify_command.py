@@ -38,7 +38,7 @@ def identify(capsys: "pytest.CaptureFixture[str]", *arguments: str) -> Tuple[int
         (["--model", "m.txt"], "'m.txt' does not end in .yaml or .yml"),
     ],
 )
-def test_argument_that_is_wrong_is_refused_by_name(
+def test_identify_invalid_argument_names_the_problem(
     arguments: List[str],
     why: str,
     tmp_path: pathlib.Path,
@@ -52,7 +52,7 @@ def test_argument_that_is_wrong_is_refused_by_name(
     assert status == 2 and why in errors
 
 
-def test_bag_of_any_two_numbers_is_enough(
+def test_identify_bag_with_any_two_fields_is_accepted(
     tmp_path: pathlib.Path, capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     path = str(tmp_path / "run.bag")

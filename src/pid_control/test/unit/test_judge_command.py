@@ -56,7 +56,7 @@ SIMULATED = """
         (["--workspace", "{folder}", "x", "controller.py"], "not a built workspace"),
     ],
 )
-def test_what_cannot_be_judged_is_refused_by_name(
+def test_judge_invalid_request_names_the_problem(
     words: List[str],
     says: str,
     tmp_path: pathlib.Path,

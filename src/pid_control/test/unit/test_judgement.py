@@ -33,13 +33,13 @@ LIMITS = default_limits()
 SVG = "{http://www.w3.org/2000/svg}"
 
 
-def test_the_default_limits_are_all_of_them() -> None:
+def test_default_limits_cover_every_metric() -> None:
     for scenario, names in SCENARIO_METRICS.items():
         assert set(LIMITS[scenario]) == set(names)
         assert all(limit is not None for limit in LIMITS[scenario].values())
 
 
-def test_own_limits_replace_what_they_name() -> None:
+def test_merged_replaces_named_limits_only() -> None:
     own = read_limits("steps: {overshoot: 5, rise_time: null}\nwindup:\n  leave_time: 0.1\n")
     found = merged(LIMITS, own)
     assert (found["steps"]["overshoot"], found["steps"]["rise_time"]) == (5.0, None)
@@ -70,13 +70,13 @@ def test_own_limits_replace_what_they_name() -> None:
         ("steps: {overshoot: 2001-99-99}", "it is not YAML"),
     ],
 )
-def test_limits_that_are_wrong_are_refused_by_name(text: str, says: str) -> None:
+def test_read_limits_invalid_text_names_the_problem(text: str, says: str) -> None:
     with pytest.raises(LimitsError, match=says):
         read_limits(text)
 
 
 @given(some.text(max_size=40))
-def test_whatever_the_limits_are_the_only_error_is_one_that_says_why(text: str) -> None:
+def test_read_limits_any_text_raises_only_limits_error(text: str) -> None:
     try:
         read_limits(text)
     except LimitsError as error:
@@ -90,7 +90,7 @@ def test_a_good_controller_passes() -> None:
     assert as_sentences(judgement) == "passed: all 50 figures of 14 scenarios"
 
 
-def test_windup_is_named_and_the_sentence_has_the_figure() -> None:
+def test_judge_windup_reports_cause_and_figure() -> None:
     judgement, _ = bad_judgement()
     assert (judgement.verdict, judgement.status) == (FAILED, 1)
     assert judgement.flaws() == ["windup"]
@@ -100,7 +100,7 @@ def test_windup_is_named_and_the_sentence_has_the_figure() -> None:
     assert text.endswith("failed: windup")
 
 
-def test_p_alone_is_told_to_integrate() -> None:
+def test_judge_p_controller_reports_no_integral() -> None:
     judgement = judge(play_all(pi(kp=0.1, ki=0.0)), LIMITS)
     assert judgement.flaws() == ["no integral"]
 
@@ -138,13 +138,13 @@ def test_p_alone_is_told_to_integrate() -> None:
         ({}, "steps", "effort", "gains"),
     ],
 )
-def test_the_likely_cause(
+def test_cause_of_returns_likely_cause(
     figures: Dict[tuple, Optional[float]], scenario: str, metric: str, flaw: str
 ) -> None:
     assert cause_of(scenario, metric, figures).flaw == flaw
 
 
-def test_every_figure_has_a_cause() -> None:
+def test_cause_of_every_metric_is_known() -> None:
     for scenario, names in SCENARIO_METRICS.items():
         assert names, scenario
         for name in names:
@@ -178,7 +178,7 @@ STEPS = BY_NAME["steps"]
         ),
     ],
 )
-def test_why_a_scenario_did_not_come_to_its_end(record: Record, flaw: str, says: str) -> None:
+def test_cause_of_failure_names_the_reason(record: Record, flaw: str, says: str) -> None:
     cause = cause_of_failure(record)
     assert cause.flaw == flaw and says in cause.sentence
     judgement = judge([record], LIMITS)
@@ -186,7 +186,7 @@ def test_why_a_scenario_did_not_come_to_its_end(record: Record, flaw: str, says:
     assert is_fatal(record, LIMITS)
 
 
-def test_whoever_goes_by_another_clock_is_not_judged() -> None:
+def test_judge_machine_clock_is_not_judged() -> None:
     record = play_one("held", pi())._replace(standstill_answers=25)
     judgement = judge([record], LIMITS)
     assert (judgement.verdict, judgement.status) == (NOT_JUDGED, 125)
@@ -194,7 +194,7 @@ def test_whoever_goes_by_another_clock_is_not_judged() -> None:
     assert is_fatal(record, LIMITS)
 
 
-def test_what_ran_out_of_time_has_not_passed_and_a_failure_remains_one() -> None:
+def test_judge_time_limit_is_not_a_pass() -> None:
     good = judge([play_one("held", pi())], LIMITS, "60 s are over in rate")
     assert (good.verdict, good.reason) == (NOT_JUDGED, "60 s are over in rate")
     bad = judge([play_one("windup", pi(anti_windup="none"))], LIMITS, "60 s are over")
@@ -202,18 +202,18 @@ def test_what_ran_out_of_time_has_not_passed_and_a_failure_remains_one() -> None
     assert judge([], LIMITS).verdict == NOT_JUDGED
 
 
-def test_what_a_real_plant_could_not_go_through_is_listed_and_has_not_passed() -> None:
+def test_sentences_list_scenarios_left_out() -> None:
     good = judge([play_one("ramp", pi())], LIMITS)._replace(left_out=["held", "rate"])
     lines = ["not judged with a real plant: held, rate", "passed: all 2 figures of 1 scenario"]
     assert as_sentences(good).splitlines() == lines
 
 
-def test_flaws_that_only_cost_marks_are_not_fatal() -> None:
+def test_is_fatal_ordinary_flaw_is_false() -> None:
     assert not is_fatal(play_one("windup", pi(anti_windup="none")), LIMITS)
     assert is_fatal(play_one("held", pi(kp=-0.1, ki=-1.0)), LIMITS)
 
 
-def test_a_limit_of_none_is_kept_by_all_and_float32_of_1_is_1() -> None:
+def test_judge_no_limit_always_passes_and_float32_rounding_is_tolerated() -> None:
     record = play_one("windup", pi(anti_windup="none"))
     free = merged(LIMITS, {"windup": {"leave_time": None, "recovery_time": None}})
     assert judge([record], free).verdict == PASSED
@@ -223,7 +223,7 @@ def test_a_limit_of_none_is_kept_by_all_and_float32_of_1_is_1() -> None:
     assert judge([record._replace(answers=answers)], free).flaws() == ["no clamp"]
 
 
-def test_figures_for_people() -> None:
+def test_number_formats_figures() -> None:
     assert [number(value, "s") for value in (None, math.inf, 1e-5, 0.12345)] == [
         "-",
         "never",
@@ -247,7 +247,7 @@ def test_the_table_fits_a_terminal_and_marks_what_failed() -> None:
     assert len(lines) == 1 + sum(map(len, SCENARIO_METRICS.values()))
 
 
-def test_junit_has_a_case_for_each_scenario_and_takes_any_words() -> None:
+def test_junit_has_a_case_per_scenario_and_escapes_text() -> None:
     judgement, _ = bad_judgement()
     suite = ElementTree.fromstring(as_junit(judgement, "a \x00 & b"))
     cases = {case.get("name"): case for case in suite}
@@ -260,7 +260,7 @@ def test_junit_has_a_case_for_each_scenario_and_takes_any_words() -> None:
     assert none[0].find("error").get("message") == "no <master>"
 
 
-def test_csv_has_a_line_for_each_controller_and_is_no_formula() -> None:
+def test_csv_has_a_row_per_controller_and_escapes_formulas() -> None:
     judgement, _ = bad_judgement()
     rows = list(csv.DictReader(io.StringIO(as_csv([("=1+1", judgement), ("b", judge([], {}))]))))
     assert [row["controller"] for row in rows] == ["'=1+1", "b"]
@@ -288,7 +288,7 @@ def test_the_picture_shows_every_scenario_and_marks_what_failed() -> None:
     assert max(heights) - min(heights) > 10.0
 
 
-def test_the_page_of_a_class_counts_and_takes_no_words_for_html() -> None:
+def test_batch_page_counts_verdicts_and_escapes_html() -> None:
     rows = [
         {"controller": "a/<b>", "verdict": PASSED, "flaws": "", "why": ""},
         {"controller": "c", "verdict": FAILED, "flaws": "windup, gains", "why": "<script>"},
@@ -303,5 +303,5 @@ def test_the_page_of_a_class_counts_and_takes_no_words_for_html() -> None:
     assert '<td class="not-judged">not judged</td>' in page
 
 
-def test_every_measure_has_words() -> None:
+def test_every_metric_has_a_label() -> None:
     assert all(metric.label for metric in METRICS.values())

@@ -67,7 +67,7 @@ def test_managed_reaches_the_motor() -> None:
         assert params["/system/managed"].value is is_managed
 
 
-def test_model_hears_the_motors_input_and_has_an_output_of_its_own(tmp_path: pathlib.Path) -> None:
+def test_model_launch_shares_input_and_remaps_output(tmp_path: pathlib.Path) -> None:
     file = tmp_path / "model.yaml"
     file.write_text("system_param_K: 5.0\n")
     config = load("model.launch", f"model:={file}", "scope:=true")

@@ -61,7 +61,7 @@ def test_rise_time_of_an_exponential() -> None:
     assert figure(record, "effort") == pytest.approx(0.25 * 2.0, rel=0.01)
 
 
-def test_what_never_arrives_never_rises_and_never_settles() -> None:
+def test_rise_and_settling_time_unreached_are_infinite() -> None:
     record = rows_of(lambda time: 5.0 if time < 1.0 else 6.0)
     assert figure(record, "rise_time") == math.inf
     assert figure(record, "settling_time") == math.inf
@@ -77,7 +77,7 @@ def test_the_overshoot_is_that_of_the_worst_step() -> None:
     assert figure(rows_of(speed), "overshoot") == pytest.approx(25.0)
 
 
-def test_late_answers_and_trembling_ones() -> None:
+def test_late_and_chatter_are_measured() -> None:
     answers = [(index * 0.01, 0.1 * (index % 2)) for index in range(100)]
     record = rows_of(lambda time: 0.0)._replace(answers=answers)
     assert figure(record, "late") == pytest.approx(1.01 / 2.0)

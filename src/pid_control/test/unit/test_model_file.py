@@ -21,7 +21,7 @@ def test_model_comes_back_and_the_node_takes_it() -> None:
     assert SystemParameters(**values).system_dead_time == pytest.approx(0.01, rel=1e-4)
 
 
-def test_limit_that_was_not_met_is_none() -> None:
+def test_model_file_unreached_limit_is_unlimited() -> None:
     text = as_yaml(identify(recorded(Model(2.0, 1.0))), "a record")
     assert "system_max_speed: 1000000000.0  # not met" in text
     SystemParameters(**{name: float(value) for name, value in _pairs(text)})
@@ -52,6 +52,6 @@ def _pairs(text: str) -> list:
         ("a: [", "while parsing"),
     ],
 )
-def test_what_is_no_model_is_refused_by_name(text: str, why: str) -> None:
+def test_read_model_invalid_text_names_the_problem(text: str, why: str) -> None:
     with pytest.raises(ModelError, match=why):
         read_model(text)

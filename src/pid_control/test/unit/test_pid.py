@@ -84,13 +84,13 @@ def test_weighted_set_point_responds_as_scipy_says(weight: float) -> None:
     assert got[-1] == pytest.approx(1.0, abs=1e-3)
 
 
-def test_p_alone_stays_short_by_what_its_gain_says() -> None:
+def test_p_controller_has_expected_steady_error() -> None:
     # Of a first-order plant: y = K kp / (1 + K kp) r.
     got = close_loop(FREE._replace(mode=P, kp=0.1), [1.0] * 200)
     assert got[-1] == pytest.approx(1.31 / 2.31, rel=1e-9)
 
 
-def test_derivative_is_of_the_measurement_alone() -> None:
+def test_derivative_ignores_set_point() -> None:
     law = Pid(FREE._replace(kp=0.0, ki=0.0, filter_time=0.0))
     law.update(0.0, 0.0, 0.0)
     assert law.update(1000.0, 0.0, DT).output == 0.0
@@ -172,14 +172,14 @@ def test_manual_output_is_limited_too() -> None:
     assert law.update(1.0, 0.0, DT) == Terms(0.0, 0.0, 0.0, 0.0, 3.0, 1.0)
 
 
-def test_it_resumes_where_the_plant_was_left_also_at_a_limit() -> None:
+def test_resume_continues_from_output_also_at_a_limit() -> None:
     law = Pid(PidSettings(PI, 0.08, 1.5, dead_zone=0.05))
     law.resume(1.0)
     assert law.update(5.0, 0.0, 0.0).output == pytest.approx(1.0)
     assert law.update(5.0, 6.0, DT).output < 1.0
 
 
-def test_after_a_reset_it_is_as_new() -> None:
+def test_reset_restores_initial_state() -> None:
     law = Pid(FREE)
     first = law.update(5.0, 1.0, 0.0)
     for _ in range(10):
@@ -188,7 +188,7 @@ def test_after_a_reset_it_is_as_new() -> None:
     assert law.update(5.0, 1.0, 0.0) == first
 
 
-def test_dead_zone_is_jumped_over_and_nothing_rattles_about_zero() -> None:
+def test_dead_zone_compensation_is_smooth_around_zero() -> None:
     settings = PidSettings(P, 1.0, dead_zone=0.05)
     law = Pid(settings)
     assert law.update(0.2, 0.0, 0.0).output == pytest.approx(0.25)
@@ -198,6 +198,6 @@ def test_dead_zone_is_jumped_over_and_nothing_rattles_about_zero() -> None:
 
 
 @given(st.floats(-0.9, 0.9), st.floats(0.001, 0.2))
-def test_dead_zone_is_undone_exactly(output: float, dead_zone: float) -> None:
+def test_uncompensated_inverts_compensated(output: float, dead_zone: float) -> None:
     settings = PidSettings(dead_zone=dead_zone)
     assert settings.uncompensated(settings.compensated(output)) == pytest.approx(output, abs=1e-12)

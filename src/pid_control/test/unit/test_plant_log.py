@@ -10,12 +10,12 @@ ZERO, SCALE = 100.0, 2.0
 RAMP = BY_NAME["ramp"]
 
 
-def test_only_those_that_ask_for_speeds_suit_any_plant() -> None:
+def test_suits_any_plant_is_true_for_plain_set_points() -> None:
     found = [scenario.name for scenario in SCENARIOS if scenario.suits_any_plant]
     assert found == ["steps", "ramp", "sine", "windup"]
 
 
-def test_rows_are_of_the_scenario_and_of_the_courses_speed() -> None:
+def test_rows_of_selects_scenario_and_scales_speed() -> None:
     heard = PlantLog([(ZERO + 0.01 * n, 4.0, 0.001 * n) for n in range(-50, 300)], [])
     rows = rows_of(heard, RAMP, ZERO, SCALE)
     assert len(rows) == 200
@@ -25,7 +25,7 @@ def test_rows_are_of_the_scenario_and_of_the_courses_speed() -> None:
     assert rows[110].input == pytest.approx(0.11)
 
 
-def test_steps_of_an_encoder_are_no_errors_and_no_future_is_seen() -> None:
+def test_rows_of_averages_encoder_steps_causally() -> None:
     """One count more in every other sample; then a leap."""
     speeds = [5.0 + (n % 2) * 0.5 for n in range(100)] + [9.0] * 20
     heard = PlantLog([(ZERO + 0.01 * n, speed, 0.0) for n, speed in enumerate(speeds)], [])
@@ -34,6 +34,6 @@ def test_steps_of_an_encoder_are_no_errors_and_no_future_is_seen() -> None:
     assert rows[100].speed > 5.5
 
 
-def test_answers_are_timed_from_the_start_on() -> None:
+def test_answers_of_uses_scenario_time() -> None:
     heard = PlantLog([], [(ZERO - 0.25, 0.5), (ZERO + 0.5, -1.0)])
     assert answers_of(heard, ZERO) == [(-0.25, 0.5), (0.5, -1.0)]

@@ -58,7 +58,7 @@ def say(process: Marked, line: bytes) -> None:
     assert process.popen.stdout.readline() == b"heard\n"
 
 
-def test_a_thread_that_computes_is_seen_at_once_however_new_it_is(computing: Marked) -> None:
+def test_is_idle_new_computing_thread_is_detected(computing: Marked) -> None:
     say(computing, b"rest\n")
     assert computing.watch.wait_idle(30.0)
     say(computing, b"work\n")
@@ -68,13 +68,13 @@ def test_a_thread_that_computes_is_seen_at_once_however_new_it_is(computing: Mar
     assert computing.watch.wait_idle(30.0)
 
 
-def test_processor_time_is_counted(computing: Marked) -> None:
+def test_busy_counts_processor_time(computing: Marked) -> None:
     say(computing, b"work\n")
     before = computing.watch.busy()
     wait_until(lambda: computing.watch.busy() > before + 0.1, lambda: "no processor time")
 
 
-def test_what_a_process_started_in_another_session_ends_with_it() -> None:
+def test_kill_ends_processes_in_other_sessions() -> None:
     marked = Marked(["sh", "-c", "setsid sleep 60 & setsid sleep 60 & wait"])
     wait_until(lambda: len(marked.watch.pids()) >= 3, lambda: f"{marked.watch.pids()}")
     began = time.monotonic()

@@ -23,7 +23,7 @@ MODELS = st.builds(
 
 
 @given(INPUTS, st.lists(MODELS, min_size=1, max_size=4), st.floats(-1.0, 1.0))
-def test_same_as_one_by_one(
+def test_responses_match_the_sampled_plant(
     inputs: List[Tuple[float, float]], models: List[Model], start: float
 ) -> None:
     changed_at = numpy.cumsum([0.0] + [after for after, _ in inputs[1:]])

@@ -25,18 +25,18 @@ def test_each_rule() -> None:
     assert [found[method].mode for method in METHODS] == ["PI", "PI", "PI", "PID"]
 
 
-def test_simc_takes_the_time_constant_where_it_is_short() -> None:
+def test_simc_short_time_constant_is_the_integral_time() -> None:
     found = gains_of(MODEL._replace(time_constant=1.0), PERIOD)
     assert found[SIMC].kp / found[SIMC].ki == pytest.approx(1.0)
 
 
-def test_wanted_time_constant_is_taken_by_those_that_have_one() -> None:
+def test_wanted_time_constant_changes_simc_and_lambda_only() -> None:
     found, wanted = gains_of(MODEL, PERIOD), gains_of(MODEL, PERIOD, 1.5)
     assert wanted[SIMC].kp == wanted[LAMBDA].kp == pytest.approx(1.0)
     assert wanted[ZN_PI] == found[ZN_PI]
 
 
-def test_gain_below_0_turns_all_gains_round() -> None:
+def test_negative_plant_gain_negates_all_gains() -> None:
     found = gains_of(MODEL._replace(gain=-2.0), PERIOD)
     assert found
     for gains in found.values():
@@ -45,7 +45,7 @@ def test_gain_below_0_turns_all_gains_round() -> None:
 
 @pytest.mark.parametrize("gain", [2.0, 1e-4, 3e7])
 @pytest.mark.parametrize("method", METHODS)
-def test_file_is_what_the_controller_takes(method: str, gain: float) -> None:
+def test_yaml_is_valid_for_the_controller(method: str, gain: float) -> None:
     gains = gains_of(MODEL._replace(gain=gain), PERIOD)[method]
     held = yaml.safe_load(as_yaml(gains, "a\nmodel", -0.5, 0.8))
     values = ControllerParameters(**held)

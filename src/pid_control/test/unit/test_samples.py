@@ -15,14 +15,14 @@ def times_of(stamps: List[Optional[float]], heard: List[float]) -> List[float]:
     return samples.times().tolist()
 
 
-def test_stamps_know_better_what_was_heard_late() -> None:
+def test_times_late_arrivals_use_stamps() -> None:
     assert times_of([0.0, 1.0, 2.0], [100.5, 101.25, 102.75]) == [100.25, 101.25, 102.25]
 
 
 @pytest.mark.parametrize(
     "stamps", [[0.0, 1.0, 1.0], [2.0, 1.0, 3.0], [0.0, float("nan"), 1.0], [0.0, None, 1.0]]
 )
-def test_stamps_that_do_not_increase_are_not_gone_by(stamps: List[Optional[float]]) -> None:
+def test_times_stamps_that_do_not_increase_are_ignored(stamps: List[Optional[float]]) -> None:
     assert times_of(stamps, [5.0, 6.0, 7.0]) == [5.0, 6.0, 7.0]
 
 

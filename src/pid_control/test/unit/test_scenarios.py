@@ -39,7 +39,7 @@ def test_steps_begin_at_0() -> None:
     ]
 
 
-def test_a_sine_is_one() -> None:
+def test_sine_matches_math_sin() -> None:
     found = sine(5.0, 3.0, 1.0, 0.2, 2.2)
     assert value_at(found, 0.1) == 0.0
     for time in (0.2, 0.45, 0.7, 1.33, 2.1):
@@ -81,7 +81,7 @@ def test_set_points_come_at_100_hz_and_outputs_with_each_step() -> None:
     assert sent[50].output.time == pytest.approx(1.0 + 50 * STEP_S)
 
 
-def test_a_restarted_motor_is_silent_and_begins_anew() -> None:
+def test_restarted_motor_is_silent_and_starts_at_zero() -> None:
     before, silent, after, later = sent_at(BY_NAME["restart"], 0.99, 1.05, 1.1, 1.2)
     assert before.output.time == pytest.approx(1.99)
     assert silent.output is None and silent.set_point is not None

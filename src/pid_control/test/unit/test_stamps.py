@@ -21,7 +21,7 @@ LONGEST = 0.5
         (0.0, RESTART, 0.0),
     ],
 )
-def test_stamp_is_judged_by_the_one_before(stamp: float, kind: str, interval: float) -> None:
+def test_classify_compares_with_previous_stamp(stamp: float, kind: str, interval: float) -> None:
     classifier = StampClassifier()
     assert classifier.classify(2.0, LONGEST) == (FIRST, 0.0)
     got = classifier.classify(stamp, LONGEST)
@@ -29,7 +29,7 @@ def test_stamp_is_judged_by_the_one_before(stamp: float, kind: str, interval: fl
     assert got.interval == pytest.approx(interval)
 
 
-def test_late_stamp_changes_nothing() -> None:
+def test_classify_late_stamp_keeps_state() -> None:
     classifier = StampClassifier()
     classifier.classify(2.0, LONGEST)
     classifier.classify(1.95, LONGEST)
@@ -37,7 +37,7 @@ def test_late_stamp_changes_nothing() -> None:
 
 
 @given(st.lists(st.floats(-1e6, 1e6)))
-def test_intervals_add_up_to_no_more_than_the_time_that_has_passed(stamps: list) -> None:
+def test_classify_intervals_never_exceed_elapsed_time(stamps: list) -> None:
     classifier, begun, total = StampClassifier(), 0.0, 0.0
     for stamp in stamps:
         kind, interval = classifier.classify(stamp, LONGEST)
@@ -49,7 +49,7 @@ def test_intervals_add_up_to_no_more_than_the_time_that_has_passed(stamps: list)
             assert total <= stamp - begun + 1e-6
 
 
-def test_plant_that_was_restarted_soon_is_told_from_a_late_message_however_long_one_waits() -> None:
+def test_classify_early_restart_differs_from_late_message_with_long_timeout() -> None:
     stamps = StampClassifier()
     stamps.classify(1.0, 30.0)
     assert stamps.classify(0.95, 30.0).kind == LATE

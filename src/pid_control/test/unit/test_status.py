@@ -17,5 +17,5 @@ from pid_control.plant.status import MAX_SPEED, NOT_TURNING, TURNING, status_of
         (0.0, NOT_TURNING),
     ],
 )
-def test_status_goes_by_the_speed_of_either_sign(speed: float, status: str) -> None:
+def test_status_of_depends_on_speed_magnitude(speed: float, status: str) -> None:
     assert status_of(speed, 13.0) == status

@@ -13,7 +13,7 @@ def test_plant_is_as_the_parameters_say() -> None:
     assert given.plant[:4] == (2.0, 0.3, 4.0, 0.5)
 
 
-def test_input_of_just_the_dead_zone_does_not_move_the_motor_though_it_is_rounded() -> None:
+def test_dead_zone_includes_its_float32_edge() -> None:
     plant = FirstOrderPlant(SystemParameters().plant)
     plant.hold(0.0, float(numpy.float32(0.05)))
     assert plant.output(1.0) == 0.0

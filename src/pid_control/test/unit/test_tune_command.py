@@ -19,7 +19,7 @@ from pid_control.commands import tune
         (["{bad}", "--least", "1"], "--least must be at most 0"),
     ],
 )
-def test_gains_of_no_model_are_refused(
+def test_tune_invalid_arguments_name_the_problem(
     arguments: List[str],
     why: str,
     tmp_path: pathlib.Path,

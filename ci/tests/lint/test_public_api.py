@@ -9,8 +9,8 @@ from ci.lint import public_api
 @pytest.mark.parametrize(
     "text, room",
     [
-        ("import nodekit.node.node as node", "node"),
-        ("from nodekit.node.node import Node", "node"),
+        ("import nodekit.node.ros_node as node", "node"),
+        ("from nodekit.node.ros_node import Node", "node"),
         ("from nodekit import managed", "managed"),
         ("from nodekit import Node, managed as m", "managed"),
         ("from nodekit import (\n    Node,\n    managed,\n)", "managed"),
@@ -40,7 +40,7 @@ def test_what_is_inside_is_refused_in_every_form(text: str, room: str) -> None:
         "import nodekit\nnodekit.run('talker', nodekit.Node), nodekit.__all__",
         "import nodekit_msgs.srv\nfrom nodekit_msgs.srv import SetParameters",
         "from .nodekit import node",
-        ".. automodule:: nodekit.node.node",
+        ".. automodule:: nodekit.node.ros_node",
     ],
 )
 def test_what_is_public_is_not(text: str) -> None:

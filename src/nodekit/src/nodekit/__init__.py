@@ -39,7 +39,7 @@ if TYPE_CHECKING:  # the same names for type checkers and editors
     from nodekit.node.name_rules import IllegalName as IllegalName
     from nodekit.node.name_rules import is_legal_name as is_legal_name
     from nodekit.node.names import Names as Names
-    from nodekit.node.node import Node as Node
+    from nodekit.node.ros_node import Node as Node
     from nodekit.node.node_scope import Maker as Maker
     from nodekit.node.node_scope import NodeScope as NodeScope
     from nodekit.node.parameter_client import ChangeRefused as ChangeRefused
@@ -103,7 +103,7 @@ _HOMES: Dict[str, str] = {
     "is_legal_name": "node.name_rules",
     "LEGAL_NAME": "node.name_rules",
     "Names": "node.names",
-    "Node": "node.node",
+    "Node": "node.ros_node",
     "Maker": "node.node_scope",
     "NodeScope": "node.node_scope",
     "ChangeRefused": "node.parameter_client",

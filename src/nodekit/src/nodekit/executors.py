@@ -19,7 +19,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 from nodekit.groups.callback_groups import NoGroup
 from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.node.callbacks import Callback
-from nodekit.node.node import Node
+from nodekit.node.ros_node import Node
 from nodekit.node.node_scope import NodeScope
 from nodekit.node.resource_owner import Closed
 from nodekit.node.timers import NodeTimer

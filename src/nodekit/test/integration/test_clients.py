@@ -26,7 +26,7 @@ from nodekit import (
 )
 from nodekit.node.clients import MOST_CALLS
 from nodekit.node.names import Names
-from nodekit.node.node import Node
+from nodekit.node.ros_node import Node
 from nodekit.process.run import init_node
 from nodekit.testing.processes import Process, hanging
 from nodekit.testing.running import rosrun

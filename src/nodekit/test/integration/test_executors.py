@@ -14,7 +14,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 
 from nodekit import FloatParameter, MultiThreadedExecutor, ParameterSet, SingleThreadedExecutor
 from nodekit.node.names import Names
-from nodekit.node.node import Node
+from nodekit.node.ros_node import Node
 from nodekit.process.run import init_node
 from nodekit.testing.processes import Server
 from nodekit.testing.running import rosrun

@@ -10,7 +10,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger, TriggerRequest
 
 from nodekit import CallError, SingleThreadedExecutor
-from nodekit.node.node import Node
+from nodekit.node.ros_node import Node
 from nodekit.process.run import init_node
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until

@@ -30,7 +30,7 @@ from nodekit.messaging import service
 from nodekit.node import resource_owner
 from nodekit.node.name_rules import IllegalName
 from nodekit.node.names import Names
-from nodekit.node.node import Node
+from nodekit.node.ros_node import Node
 from nodekit.node.timers import NodeTimer
 from nodekit.parameter_server import followed_parameter, live_parameters
 from nodekit.parameter_server.watcher import get_watcher

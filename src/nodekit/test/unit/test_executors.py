@@ -20,7 +20,7 @@ from nodekit.node.callbacks import (
     SubscriptionCallback,
 )
 from nodekit.node.names import Names
-from nodekit.node.node import Node
+from nodekit.node.ros_node import Node
 from nodekit.node.timers import NodeTimer
 from nodekit.testing.waiting import TIMEOUT_S, in_thread, wait_until
 from nodekit.timing.clocks import MonotonicClock

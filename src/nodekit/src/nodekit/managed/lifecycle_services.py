@@ -21,7 +21,7 @@ from nodekit.lifecycle_states import (
 )
 from nodekit.managed.lifecycle import Lifecycle, Result
 from nodekit.node.callbacks import ServiceCallback
-from nodekit.node.node import Node
+from nodekit.node.ros_node import Node
 from nodekit.node.node_scope import NodeScope
 from nodekit.rospy_internals.shutdown import ShutdownPhase, at_end
 from nodekit.timing.clocks import MonotonicClock

@@ -7,7 +7,7 @@ import rospy
 
 from nodekit.managed.lifecycle_scope import CannotManage
 from nodekit.managed.managed_node import ManagedNode
-from nodekit.node.node import Node
+from nodekit.node.ros_node import Node
 from nodekit.node.node_scope import NodeScope
 from nodekit.parameters.parameter_types import ParameterError
 

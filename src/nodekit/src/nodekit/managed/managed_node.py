@@ -11,7 +11,7 @@ from nodekit.lifecycle_states import (
 )
 from nodekit.managed.lifecycle import Result
 from nodekit.managed.lifecycle_services import LifecycleServices
-from nodekit.node.node import Node
+from nodekit.node.ros_node import Node
 from nodekit.node.node_scope import NodeScope
 
 

@@ -8,7 +8,7 @@ import rospy
 
 from nodekit.node.name_rules import IllegalName
 from nodekit.node.names import Names
-from nodekit.node.node import Node
+from nodekit.node.ros_node import Node
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.parameter_types import ParameterError
 from nodekit.process.run import NodeClass, run, selected_class

@@ -12,7 +12,7 @@ import rospy
 from nodekit.entry_point import end
 from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.node.name_rules import IllegalName
-from nodekit.node.node import Node
+from nodekit.node.ros_node import Node
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.declaration import OwnParameters
 from nodekit.parameters.parameter_types import ParameterError

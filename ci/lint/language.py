@@ -24,7 +24,7 @@ OPENING = re.compile(r"(What|Whose|Who|Where|How)\b")
 JUDGE = re.compile(r"(?i)judg")
 #: Files that are about that command, or name it.
 ABOUT_THE_JUDGE = re.compile(
-    r"src/pid_control|docs/|README|ci/(apt-packages|endurance|packages|tests)|pyproject|/tests/|judge"
+    r"src/pid_control|docs/|README|ci/(apt-packages|endurance|lint/structure|packages|tests)|pyproject|judge"
 )
 #: This module and its test, which quote the words.
 QUOTING = ("ci/lint/language.py", "ci/tests/lint/test_language.py")

@@ -24,9 +24,11 @@ def start(tmp_path: Path, python: WarmPython) -> Starter:
     outputs = map(str, itertools.count())
 
     def start(text: str, *arguments: str, goes_on: bool = False, warm: bool = True) -> Job:
-        program = tmp_path / "program.py"
-        program.write_text("#!/usr/bin/env python3\n" + text)
-        program.chmod(0o755)
+        # Replaced, not rewritten: the program before it may still have to be read.
+        written, program = tmp_path / "written.py", tmp_path / "program.py"
+        written.write_text("#!/usr/bin/env python3\n" + text)
+        written.chmod(0o755)
+        written.replace(program)
         command = " ".join(["./program.py", *arguments])
         server = python if warm else None
         return Job(command, tmp_path, ENVIRONMENT, tmp_path / next(outputs), goes_on, server)

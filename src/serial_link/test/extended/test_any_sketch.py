@@ -12,7 +12,7 @@ from std_msgs.msg import String
 from std_srvs.srv import SetBool, SetBoolResponse
 
 from nodekit.testing.graph import Graph
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Master, Process, Server
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
@@ -63,7 +63,7 @@ class AnySketch(BoardRig):
             offered(True)
 
     def test_types_that_there_are_not_are_refused_and_the_others_work(self) -> None:
-        said = Ear(self.space + "/said", String)
+        said = MessageRecorder(self.space + "/said", String)
         node = self.start()
         node.wait_for_log(
             "strange is refused: no_such_msgs/Thing is not known here: is no_such_msgs built"
@@ -95,7 +95,7 @@ class AnySketch(BoardRig):
         rospy.set_param(self.space + "/huge", "x" * 40000)
         node = self.start()
         for name in ("long", "huge"):
-            self.do(lambda device, name=name: device.ask_parameter(name))  # type: ignore[misc]
+            self.do(lambda device, name=name: device.request_parameter(name))  # type: ignore[misc]
         wait_until(lambda: len(self.sketch.parameters) == 2, lambda: str(self.sketch.parameters))
         self.assertEqual(self.sketch.parameters, [Values((), (), ()), Values((), (), ())])
         for name, size in (("long", 116), ("huge", 40016)):
@@ -124,7 +124,7 @@ class AnySketch(BoardRig):
         self.wait_until_told(*texts)
 
     def test_parameters_and_a_log_of_its_own(self) -> None:
-        log = Ear("/rosout", Log)
+        log = MessageRecorder("/rosout", Log)
         rospy.set_param(self.space + "/serial_node/gains", [1, 2.5])
         rospy.set_param(self.space + "/name", "robot")
         rospy.set_param(self.space + "/serial_node/tree", {"a": 1})
@@ -132,7 +132,7 @@ class AnySketch(BoardRig):
         wait_until(lambda: Graph().initialised(name), lambda: f"{name} does not start")
         Graph().wait_until_heard(name, "/rosout", rospy.get_name())
         for name in ("~gains", "name", "~baud", "~tree", "~missing"):
-            self.do(lambda device, name=name: device.ask_parameter(name))  # type: ignore[misc]
+            self.do(lambda device, name=name: device.request_parameter(name))  # type: ignore[misc]
         self.do(lambda device: device.log(ERROR, "it is hot"))
         wait_until(lambda: len(self.sketch.parameters) == 5, lambda: str(self.sketch.parameters))
         self.assertEqual(

@@ -14,9 +14,9 @@ from std_srvs.srv import SetBool
 
 from nodekit.testing.processes import Process
 from nodekit.testing.waiting import wait_until
-from serial_link.board.ends import PtyEnd
+from serial_link.board.transports import PtyTransport
 from serial_link.board.simulation import SimulatedBoard
-from serial_link.device.device import Declared, Device
+from serial_link.device.rosserial_device import Declared, Device
 from serial_link.endpoints.types import encode
 from serial_link.negotiation.payloads import (
     PUBLISHER,
@@ -86,7 +86,7 @@ class BoardRig(unittest.TestCase):
         self.addCleanup(shutil.rmtree, self.folder)
         self.port = os.path.join(self.folder, "board")
         self.sketch = TestSketch()
-        self.end = PtyEnd(self.port)
+        self.end = PtyTransport(self.port)
         self.buffer = BUFFER
         make = lambda now: Device(self.sketch, self.buffer, 512)  # noqa: E731
         self.board = SimulatedBoard(self.end, 115200, make)

@@ -11,11 +11,11 @@ from std_msgs.msg import Bool, String
 from std_srvs.srv import SetBool
 
 from nodekit.master import MasterClient
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, in_thread, wait_until
 from serial_link.board.simulation import Faults
-from serial_link.device.device import Device
+from serial_link.device.rosserial_device import Device
 from serial_link.endpoints.types import encode
 from serial_link.negotiation.payloads import PUBLISHER, SUBSCRIBER, TOPICS
 
@@ -59,7 +59,7 @@ class NewSketch(BoardRig):
         node.wait_for_log("the board was restarted")
 
     def test_what_a_new_sketch_has_no_more_is_told_and_taken_off_the_graph(self) -> None:
-        said = Ear(self.space + "/said", String)
+        said = MessageRecorder(self.space + "/said", String)
         node = self.start()
         wait_until(said.publishers, lambda: "nobody publishes")
         self.sketch.topics = self.sketch.topics[1:]
@@ -101,14 +101,14 @@ class NewSketch(BoardRig):
         self.sketch.loop = self.publish  # type: ignore[assignment]
         self.board.reset()
         node.wait_for_log("the board publishes said (std_msgs/Bool)")
-        Ear(self.space + "/said", Bool).wait_for(lambda heard: heard.data)
+        MessageRecorder(self.space + "/said", Bool).wait_for(lambda heard: heard.data)
         self.assertEqual(node.logged("said is refused"), [])
 
     def publish(self, device: Device, now: float) -> None:
         device.publish("said", encode(Bool(True)))
 
     def test_what_a_damaged_announcement_leaves_out_stays_on_the_graph(self) -> None:
-        said = Ear(self.space + "/said", String)
+        said = MessageRecorder(self.space + "/said", String)
         self.publisher(latch=True).publish("latched")
         node = self.start()
         self.wait_until_told("latched")

@@ -19,7 +19,7 @@ from std_srvs.srv import Trigger
 
 from nodekit.testing.changing import change
 from nodekit.testing.graph import Graph
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Master, Process, free_port
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, in_thread, wait_until
@@ -38,7 +38,7 @@ class Rig(unittest.TestCase):
         self.folder = tempfile.mkdtemp()
         self.addCleanup(shutil.rmtree, self.folder)
         self.port = os.path.join(self.folder, "by-id", "board")
-        self.outputs = Ear(self.space + "/motor_output", motor_output)
+        self.outputs = MessageRecorder(self.space + "/motor_output", motor_output)
 
     def start(self, name: str, *words: str, **parameters: Any) -> Process:
         """Start one of the nodes, to be ended after the test."""
@@ -69,14 +69,14 @@ class Rig(unittest.TestCase):
 
     def wait_until_back(self, since: float) -> None:
         """Wait for another message of the board, which must come in time."""
-        self.outputs.forget()
+        self.outputs.clear()
         self.outputs.wait_for(lambda heard: True)
         self.assertLess(time.monotonic() - since, BACK_S + BUSY_S)
 
-    def figures(self) -> Dict[str, int]:
+    def all_counters(self) -> Dict[str, int]:
         """Return the node's next figures."""
         name = self.space.lstrip("/") + "/serial_node: board"
-        ear = Ear("/diagnostics", DiagnosticArray)
+        ear = MessageRecorder("/diagnostics", DiagnosticArray)
         heard = ear.wait_for(lambda message: message.status[0].name == name)
         ear.close()
         return {entry.key: int(entry.value) for entry in heard.status[0].values}
@@ -96,8 +96,8 @@ class SerialNode(Rig):
 
     def test_what_the_board_has_is_on_the_graph_and_the_motor_turns(self) -> None:
         """Course 003-serial-1."""
-        buttons = Ear(self.space + "/button", Bool)
-        pots = Ear(self.space + "/potentiometer", UInt16)
+        buttons = MessageRecorder(self.space + "/button", Bool)
+        pots = MessageRecorder(self.space + "/potentiometer", UInt16)
         self.start_both(potentiometer=1.0)
         self.assertEqual(buttons.wait_for(lambda heard: True).data, False)
         self.set(button=True)
@@ -119,7 +119,7 @@ class SerialNode(Rig):
         self.outputs.wait_for(lambda heard: abs(heard.output - 6.0 * 128 / 255) < 0.6)
         is_over.set()
         thread.join(TIMEOUT_S)
-        self.outputs.forget()
+        self.outputs.clear()
         # The sketch stops a motor to which nobody speaks.
         self.outputs.wait_for(lambda heard: heard.output == 0.0)
         call = rospy.ServiceProxy(self.space + "/zero_encoder", Trigger)
@@ -141,13 +141,13 @@ class SerialNode(Rig):
 
         wait_until(rests, lambda: f"outputs are {self.outputs.messages()[-2:]}")
         self.assertEqual(node.interrupt(), 0)
-        self.outputs.forget()
+        self.outputs.clear()
         self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
 
     def test_judge_of_controllers_takes_the_board_for_a_plant(self) -> None:
         """The verdict may be that the machine is too busy; the motor moves and stops anyway."""
         self.start_both(gain=26.2, max_speed=26.0)
-        inputs = Ear(self.space + "/motor_input", motor_input)
+        inputs = MessageRecorder(self.space + "/motor_input", motor_input)
         package = rospkg.RosPack().get_path("pid_control")
         words = ["--real-plant", "--full-speed", "26", "--only", "ramp"]
         controller = os.path.join(package, "launch", "pid_real.launch")
@@ -166,7 +166,7 @@ class SerialNode(Rig):
             lambda: inputs.messages()[-1].input == 0.0,
             lambda: f"the last input is {inputs.messages()[-1]}",
         )
-        self.outputs.forget()
+        self.outputs.clear()
         self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
 
     def test_cable_out_and_in_under_another_number(self) -> None:
@@ -182,7 +182,7 @@ class SerialNode(Rig):
     def test_board_that_is_reset_in_the_middle_of_a_message(self) -> None:
         # Before it is heard: rospy has a publisher latch only after the master knows it.
         lamp = rospy.Publisher(self.space + "/led", Bool, queue_size=1, latch=True)
-        log = Ear("/rosout", Log)
+        log = MessageRecorder("/rosout", Log)
         lamp.publish(True)
         link = self.start_both(baud=19200, rate=20.0)
         name = self.space + "/serial_node/board"
@@ -190,7 +190,7 @@ class SerialNode(Rig):
         Graph().wait_until_heard(self.space + "/serial_node", "/rosout", rospy.get_name())
         reset = rospy.ServiceProxy(self.space + "/simulated_board/reset", Trigger)
         for _ in range(2):
-            log.forget()
+            log.clear()
             self.assertTrue(reset().success)
             self.wait_until_back(time.monotonic() + 0.2)  # it takes this long to start
             # What is latched is told to the board anew: it has forgotten it.
@@ -200,7 +200,7 @@ class SerialNode(Rig):
     def test_noise_is_counted_and_what_comes_through_is_whole(self) -> None:
         link = self.start_both()
         self.set(noise=0.01)
-        self.outputs.forget()
+        self.outputs.clear()
         self.wait_for_figure("fault: checksum", 30)
         heard = [message.status for message in self.outputs.messages()]
         self.set(noise=0.0)
@@ -214,9 +214,9 @@ class SerialNode(Rig):
         self.assertLess(len(link.lines) + len(link.error_lines), 40)
 
     def test_board_that_floods_holds_up_nothing(self) -> None:
-        buttons = Ear(self.space + "/button", Bool)
+        buttons = MessageRecorder(self.space + "/button", Bool)
         self.start_both(floods=True)
-        self.outputs.forget()
+        self.outputs.clear()
         self.outputs.wait_for(lambda heard: self.outputs.count() > 200)
         self.set(button=True)
         buttons.wait_for(lambda heard: heard.data)
@@ -225,7 +225,7 @@ class SerialNode(Rig):
         self.assertTrue(call().success)
 
     def test_another_md5sum_is_refused_in_words_and_other_topics_work(self) -> None:
-        buttons = Ear(self.space + "/button", Bool)
+        buttons = MessageRecorder(self.space + "/button", Bool)
         self.start_board(wrong_md5="motor_output")
         link = self.start_link()
         buttons.wait_for(lambda heard: True)

@@ -7,14 +7,14 @@ from typing import Any, Iterator, List, Optional, Sequence
 import pytest
 
 from nodekit.testing.waiting import wait_until
-from serial_link.board.ends import PtyEnd
+from serial_link.board.transports import PtyTransport
 from serial_link.board.simulation import Faults, SimulatedBoard
-from serial_link.device.device import Declared, Device
+from serial_link.device.rosserial_device import Declared, Device
 from serial_link.hardware.serial_port import SerialPort
-from serial_link.host.counts import Counts
-from serial_link.link.arrivals import InStep, Message, Restarted, Topics
+from serial_link.host.counters import Counters
+from serial_link.link.events import Synced, Message, Restarted, Topics
 from serial_link.link.board_link import BoardLink
-from serial_link.link.sayings import Sayings
+from serial_link.link.throttled_log import ThrottledLog
 from serial_link.negotiation.payloads import PUBLISHER, SUBSCRIBER, Values
 
 BAUD = 115200
@@ -58,10 +58,10 @@ class Rig:
     def __init__(self, folder: pathlib.Path) -> None:
         self.sketch = Talker()
         path = str(folder / "board")
-        self.end = PtyEnd(path)
+        self.end = PtyTransport(path)
         self.board = SimulatedBoard(self.end, BAUD, lambda now: Device(self.sketch), 0.05)
         self.times = iter(range(1, 10**6))
-        self.link = BoardLink(SerialPort(path, BAUD), Counts(), self.time)
+        self.link = BoardLink(SerialPort(path, BAUD), Counters(), self.time)
         self.arrived: List[Any] = []
 
     def time(self) -> "tuple[int, int]":
@@ -75,7 +75,7 @@ class Rig:
         """Fetch what has arrived up to the next of a kind."""
 
         def is_there() -> bool:
-            arrival = self.link.inbox.fetch(0.1)
+            arrival = self.link.inbox.get(0.1)
             if arrival is not None:
                 self.arrived.append(arrival)
             return isinstance(arrival, kind)
@@ -96,7 +96,8 @@ def rig(tmp_path: pathlib.Path) -> Iterator[Rig]:
 def test_reading_goes_on_while_nobody_fetches_what_arrives(rig: Rig) -> None:
     rig.start()
     wait_until(
-        lambda: rig.link.figures()["dropped for newer ones, to ROS"] > 0, lambda: "nothing waits"
+        lambda: rig.link.all_counters()["dropped for newer ones, to ROS"] > 0,
+        lambda: "nothing waits",
     )
     # The board asks for the time again 2.5 s later; it is told, though the inbox is full.
     wait_until(
@@ -116,66 +117,68 @@ def test_a_board_that_tells_of_its_topics_over_a_bad_cable_is_asked_until_all_ar
         topics = rig.fetch_until(Topics)
         return wanted <= {endpoint.name for endpoint in topics.endpoints}
 
-    wait_until(is_all, lambda: f"{rig.link.figures()}")
-    assert rig.link.figures()["asked"] > 1
+    wait_until(is_all, lambda: f"{rig.link.all_counters()}")
+    assert rig.link.all_counters()["asked"] > 1
 
 
 def test_what_the_board_says_comes_and_what_it_is_told_goes_out(rig: Rig) -> None:
     rig.start()
-    assert rig.link.trouble and not rig.link.is_in_step
+    assert rig.link.trouble and not rig.link.is_synced
     topics = rig.fetch_until(Topics)
     assert len(topics.endpoints) == len(Talker.topics)
-    rig.fetch_until(InStep)
+    rig.fetch_until(Synced)
     assert rig.fetch_until(Message).endpoint.name == "topic_0_0"
-    assert rig.link.is_in_step and rig.link.trouble == ""
+    assert rig.link.is_synced and rig.link.trouble == ""
     infos = {endpoint.name: endpoint.outgoing for endpoint in topics.endpoints}
-    assert rig.link.send_all(infos["topic_1_0"], b"all")
+    assert rig.link.send_reliable(infos["topic_1_0"], b"all")
     rig.link.send(infos["topic_1_1"], b"one")
     wait_until(lambda: rig.sketch.heard == [b"all", b"one"], lambda: f"{rig.sketch.heard}")
-    figures = rig.link.figures()
+    figures = rig.link.all_counters()
     assert figures["openings"] == 1 and figures["restarts of the board"] == 0
 
 
 def test_what_is_sent_while_there_is_no_board_is_counted_and_a_loss_is_told(rig: Rig) -> None:
     rig.start()
     info = rig.fetch_until(Topics).endpoints[-1].outgoing
-    rig.fetch_until(InStep)
+    rig.fetch_until(Synced)
     rig.board.faults = Faults(is_plugged=False)
     assert "is gone" in rig.fetch_until(Restarted).why
     wait_until(lambda: "is not there" in rig.link.trouble, lambda: rig.link.trouble)
     rig.link.send(info, b"")
-    assert not rig.link.send_all(info, b"")
-    assert rig.link.figures()["no contact"] == 1
+    assert not rig.link.send_reliable(info, b"")
+    assert rig.link.all_counters()["no contact"] == 1
     rig.board.faults = Faults()
-    rig.fetch_until(InStep)
-    assert rig.link.figures()["openings"] == 2
+    rig.fetch_until(Synced)
+    assert rig.link.all_counters()["openings"] == 2
 
 
 def test_a_board_is_asked_for_what_is_not_known_and_told_again_only_when_it_has_forgotten(
     rig: Rig,
 ) -> None:
     rig.start()
-    rig.fetch_until(InStep)
+    rig.fetch_until(Synced)
     rig.sketch.strange = True
     rig.arrived.clear()
     rig.fetch_until(Topics)
     rig.fetch_until(Message)
-    assert not any(isinstance(arrival, InStep) for arrival in rig.arrived)
-    assert rig.link.figures()["unknown id"] == 1 and rig.link.figures()["asked"] == 2
+    assert not any(isinstance(arrival, Synced) for arrival in rig.arrived)
+    assert rig.link.all_counters()["unknown id"] == 1 and rig.link.all_counters()["asked"] == 2
     rig.board.reset()
     assert "restarted" in rig.fetch_until(Restarted).why
-    rig.fetch_until(InStep)
+    rig.fetch_until(Synced)
 
 
 def test_a_missing_board_is_told_once_and_again_when_it_has_been_there(
     rig: Rig, caplog: "pytest.LogCaptureFixture"
 ) -> None:
     missing = "is not there: is the board plugged in"
-    rig.link._sayings = Sayings(math.inf)  # says nothing again only because time has passed
+    rig.link._throttled_log = ThrottledLog(
+        math.inf
+    )  # says nothing again only because time has passed
     rig.start()
     for losses in (1, 2):
         rig.board.faults = Faults()
-        rig.fetch_until(InStep)
+        rig.fetch_until(Synced)
         rig.board.faults = Faults(is_plugged=False)
         wait_until(lambda: caplog.text.count(missing) == losses, lambda: caplog.text)
 
@@ -193,14 +196,14 @@ def test_an_exception_is_logged_and_ends_no_thread(
     rig.start()
     wait_until(lambda: failures, lambda: "it was not asked for the time")
     rig.link._time_of = rig.time
-    rig.fetch_until(InStep)
+    rig.fetch_until(Synced)
     assert "RuntimeError: no time today" in caplog.text
 
 
 def test_at_the_end_the_board_is_told_to_stop(rig: Rig) -> None:
     rig.start()
-    rig.fetch_until(InStep)
-    rig.link.say_stop()
+    rig.fetch_until(Synced)
+    rig.link.send_stop()
     wait_until(
         lambda: rig.sketch.device is not None and not rig.sketch.device.is_configured,
         lambda: "it goes on",

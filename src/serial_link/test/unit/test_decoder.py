@@ -36,7 +36,7 @@ def fed_in_pieces(data: bytes, cuts: List[int]) -> "tuple[List[Frame], Decoder]"
     for cut in [*sorted(cut % (len(data) + 1) for cut in cuts), len(data)]:
         found += decoder.feed(data[start:cut])
         start = cut
-    return found + decoder.give_up(), decoder
+    return found + decoder.flush(), decoder
 
 
 @given(st.lists(frames, max_size=5), st.lists(st.integers(0, 10_000)))
@@ -128,7 +128,7 @@ def test_what_does_not_go_on_is_given_up_and_what_it_hid_comes() -> None:
     decoder, good = Decoder(), Frame(126, b"good")
     assert decoder.feed(encode(125, bytes(100))[:7] + encode(*good)) == []
     assert decoder.is_waiting
-    assert decoder.give_up() == [good]
+    assert decoder.flush() == [good]
     assert not decoder.is_waiting
     assert decoder.faults[CUT_OFF] == 1
     assert decoder.feed(START) == [] and decoder.is_waiting

@@ -251,7 +251,7 @@ class Board:
 
 @pytest.fixture(scope="module")
 def board(tmp_path_factory: "pytest.TempPathFactory") -> Board:
-    return Board(make_headers.headers_of(PACKAGES), tmp_path_factory.mktemp("board"))
+    return Board(make_headers.build_headers(PACKAGES), tmp_path_factory.mktemp("board"))
 
 
 def test_there_is_a_header_for_each_message_and_service(board: Board) -> None:
@@ -323,7 +323,7 @@ def test_the_command_writes_what_a_sketch_includes(tmp_path: pathlib.Path) -> No
 
 
 def test_the_sketch_of_the_docs_is_right_with_them(tmp_path: pathlib.Path) -> None:
-    make_headers.write(make_headers.headers_of(["pid_control"]), tmp_path)
+    make_headers.write(make_headers.build_headers(["pid_control"]), tmp_path)
     sketch = SOURCES.parent / "docs" / "examples" / "board" / "motor_board" / "motor_board.ino"
     command = ["g++", "-std=gnu++11", "-fsyntax-only", "-Wall", "-Werror", "-x", "c++", str(sketch)]
     subprocess.check_call([*command, f"-I{HERE / 'board_library'}", f"-I{tmp_path}"])

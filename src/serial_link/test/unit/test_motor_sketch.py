@@ -9,7 +9,7 @@ from std_msgs.msg import Bool, UInt16
 from std_srvs.srv import Trigger, TriggerResponse
 
 from first_order_sys_sim.first_order_plant import PlantSettings
-from serial_link.device.device import Device
+from serial_link.device.rosserial_device import Device
 from serial_link.device.motor import Motor
 from serial_link.device.motor_sketch import (
     FULL_SCALE,

@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from serial_link.endpoints.parameter_values import NotForBoards, answer_of, values_of
+from serial_link.endpoints.parameter_values import UnsupportedValue, encode_answer, to_values
 from serial_link.negotiation.payloads import decode_values
 
 
@@ -25,24 +25,24 @@ from serial_link.negotiation.payloads import decode_values
     ],
 )
 def test_numbers_and_texts(raw: Any, ints: Any, floats: Any, texts: Any) -> None:
-    found = values_of(raw)
+    found = to_values(raw)
     assert [list(part) for part in found] == [ints, floats, texts]
 
 
 @pytest.mark.parametrize("raw", [{"a": 1}, None, [1, "a"], [[1]], {}])
 def test_what_no_board_takes_is_refused(raw: Any) -> None:
-    with pytest.raises(NotForBoards, match="must be a number"):
-        values_of(raw)
+    with pytest.raises(UnsupportedValue, match="must be a number"):
+        to_values(raw)
 
 
 @pytest.mark.parametrize("raw", [1e39, float("nan"), float("inf"), [0.0, -1e39]])
 def test_what_no_float_holds_is_refused(raw: Any) -> None:
-    with pytest.raises(NotForBoards, match="32-bit"):
-        values_of(raw)
+    with pytest.raises(UnsupportedValue, match="32-bit"):
+        to_values(raw)
 
 
 def test_an_answer_fits_into_the_boards_buffer_or_both_sizes_are_told() -> None:
-    payload = answer_of("x" * 84, 100)
+    payload = encode_answer("x" * 84, 100)
     assert len(payload) == 100 and decode_values(payload).texts == ("x" * 84,)
-    with pytest.raises(NotForBoards, match="of 101 bytes is not sent: .* buffer has 100"):
-        answer_of("x" * 85, 100)
+    with pytest.raises(UnsupportedValue, match="of 101 bytes is not sent: .* buffer has 100"):
+        encode_answer("x" * 85, 100)

@@ -11,7 +11,7 @@ from typing import Iterator, Tuple
 import pytest
 
 from nodekit.testing.waiting import wait_until
-from serial_link.board.ends import PtyEnd
+from serial_link.board.transports import PtyTransport
 from serial_link.hardware import serial_port
 from serial_link.hardware.ports import PortLost, PortUnavailable
 from serial_link.hardware.serial_port import SerialPort
@@ -51,9 +51,9 @@ sys.stdin.read()
 
 
 @pytest.fixture
-def plugged(tmp_path: pathlib.Path) -> Iterator[Tuple[PtyEnd, SerialPort]]:
+def plugged(tmp_path: pathlib.Path) -> Iterator[Tuple[PtyTransport, SerialPort]]:
     """The two ends of a cable."""
-    end = PtyEnd(str(tmp_path / "by-id" / "board"))
+    end = PtyTransport(str(tmp_path / "by-id" / "board"))
     end.plug()
     port = SerialPort(str(tmp_path / "by-id" / "board"), 115200)
     yield end, port
@@ -61,7 +61,7 @@ def plugged(tmp_path: pathlib.Path) -> Iterator[Tuple[PtyEnd, SerialPort]]:
     end.unplug()
 
 
-def test_all_bytes_go_both_ways(plugged: Tuple[PtyEnd, SerialPort]) -> None:
+def test_all_bytes_go_both_ways(plugged: Tuple[PtyTransport, SerialPort]) -> None:
     end, port = plugged
     assert port.open(0.0)
     every = bytes(range(256))
@@ -73,7 +73,7 @@ def test_all_bytes_go_both_ways(plugged: Tuple[PtyEnd, SerialPort]) -> None:
 
 
 def test_what_was_sent_before_it_is_open_does_not_come_back(
-    plugged: Tuple[PtyEnd, SerialPort],
+    plugged: Tuple[PtyTransport, SerialPort],
 ) -> None:
     end, port = plugged
     end.write(b"nobody listens")
@@ -82,7 +82,7 @@ def test_what_was_sent_before_it_is_open_does_not_come_back(
 
 
 def test_a_pulled_cable_is_told_and_the_link_finds_the_next_number(
-    plugged: Tuple[PtyEnd, SerialPort],
+    plugged: Tuple[PtyTransport, SerialPort],
 ) -> None:
     end, port = plugged
     port.open(0.0)
@@ -102,7 +102,9 @@ def test_a_pulled_cable_is_told_and_the_link_finds_the_next_number(
     assert port.read(5.0) == b"back"
 
 
-def test_a_second_program_is_told_who_has_the_port(plugged: Tuple[PtyEnd, SerialPort]) -> None:
+def test_a_second_program_is_told_who_has_the_port(
+    plugged: Tuple[PtyTransport, SerialPort],
+) -> None:
     _, port = plugged
     holder = subprocess.Popen(
         [sys.executable, "-c", HOLD, port.name],
@@ -119,7 +121,7 @@ def test_a_second_program_is_told_who_has_the_port(plugged: Tuple[PtyEnd, Serial
 
 @pytest.mark.parametrize("is_pseudo", [True, False])
 def test_it_has_the_port_for_itself(
-    plugged: Tuple[PtyEnd, SerialPort], is_pseudo: bool, monkeypatch: "pytest.MonkeyPatch"
+    plugged: Tuple[PtyTransport, SerialPort], is_pseudo: bool, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     _, port = plugged
     if not is_pseudo:
@@ -138,7 +140,7 @@ def test_it_has_the_port_for_itself(
 def test_others_may_open_the_port_of_a_simulated_board_whose_node_was_killed() -> None:
     with tempfile.TemporaryDirectory(dir="/tmp") as folder:
         os.chmod(folder, 0o755)
-        end = PtyEnd(os.path.join(folder, "board"))
+        end = PtyTransport(os.path.join(folder, "board"))
         end.plug()
         name = os.path.join(folder, "board")
         os.chmod(name, 0o666)
@@ -176,7 +178,7 @@ def test_a_port_that_is_none_is_told(tmp_path: pathlib.Path) -> None:
 
 
 def test_a_board_that_takes_nothing_does_not_hold_the_writer_for_long(
-    plugged: Tuple[PtyEnd, SerialPort],
+    plugged: Tuple[PtyTransport, SerialPort],
 ) -> None:
     _, port = plugged
     port.open(0.0)

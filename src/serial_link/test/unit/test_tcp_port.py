@@ -7,14 +7,14 @@ import pytest
 
 from nodekit.testing.processes import free_port
 from nodekit.testing.waiting import wait_until
-from serial_link.board.ends import TcpEnd
+from serial_link.board.transports import TcpTransport
 from serial_link.hardware.ports import PortLost, PortStuck, PortUnavailable
 from serial_link.hardware.tcp_port import TcpPort
 
 
 def test_a_board_connects_and_bytes_go_both_ways() -> None:
     number = free_port()
-    port, end = TcpPort("localhost", number), TcpEnd("localhost", number)
+    port, end = TcpPort("localhost", number), TcpTransport("localhost", number)
     assert not port.open(0.0)
     end.plug()
     assert end.is_plugged and port.open(5.0)
@@ -32,7 +32,10 @@ def test_a_board_connects_and_bytes_go_both_ways() -> None:
 
 def test_a_board_that_connects_anew_replaces_the_one_before() -> None:
     number = free_port()
-    port, first, second = TcpPort("localhost", number), *(TcpEnd("localhost", number) for _ in "ab")
+    port, first, second = (
+        TcpPort("localhost", number),
+        *(TcpTransport("localhost", number) for _ in "ab"),
+    )
     port.open(0.0)
     first.plug()
     assert port.open(5.0)
@@ -50,7 +53,7 @@ def test_a_board_that_connects_anew_replaces_the_one_before() -> None:
 
 def test_a_message_that_a_board_takes_in_part_ends_the_connection() -> None:
     number = free_port()
-    port, end = TcpPort("localhost", number), TcpEnd("localhost", number)
+    port, end = TcpPort("localhost", number), TcpTransport("localhost", number)
     port.open(0.0)
     end.plug()
     assert port.open(5.0)

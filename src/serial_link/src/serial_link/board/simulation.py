@@ -6,9 +6,9 @@ import threading
 import time
 from typing import Callable, NamedTuple, Optional
 
-from serial_link.board.ends import End
-from serial_link.device.device import Device
-from serial_link.device.line import Line, damaged
+from serial_link.board.transports import Transport
+from serial_link.device.rosserial_device import Device
+from serial_link.device.serial_line import SerialLine, add_noise
 
 #: An Arduino's library waits with more in a message's way out than this, and reads no more at once.
 _TX_BUFFER, _RX_BUFFER = 64, 64
@@ -49,11 +49,11 @@ class SimulatedBoard:
     """
 
     def __init__(
-        self, end: End, baud: int, make_device: Factory, boot_s: float = 0.2, seed: int = 1
+        self, end: Transport, baud: int, make_device: Factory, boot_s: float = 0.2, seed: int = 1
     ) -> None:
         self.faults = Faults()
         self._end = end
-        self._in, self._out = Line(baud), Line(baud)
+        self._in, self._out = SerialLine(baud), SerialLine(baud)
         self._make_device, self.boot_s = make_device, boot_s
         self._chance = random.Random(seed)
         self._device: Optional[Device] = None
@@ -103,14 +103,14 @@ class SimulatedBoard:
             if self._device is None and now >= self._starts_at:
                 self._device = self._make_device(now)
             if self._in.waiting < _RX_BUFFER:
-                self._in.put(now, damaged(self._end.read(), faults.noise, self._chance))
+                self._in.put(now, add_noise(self._end.read(), faults.noise, self._chance))
             if self._device is None:
                 self._in.arrived(now)  # nobody listens yet
             elif self._is_free():
                 self._device.receive(now, self._in.arrived(now))
                 self._device.loop(now)
                 self._out.put(now, self._device.output())
-            self._end.write(damaged(self._out.arrived(now), faults.noise, self._chance))
+            self._end.write(add_noise(self._out.arrived(now), faults.noise, self._chance))
             self._wait(now)
 
     def _wait(self, now: float) -> None:

@@ -14,15 +14,15 @@ from serial_link.headers.cpp_class import Class, header
 from serial_link.headers.wire_header import WIRE_HEADER, WIRE_PATH
 
 
-class NoHeaders(ValueError):
+class HeaderError(ValueError):
     """A package that has none to make, or a folder that takes none; the text says why."""
 
 
-def headers_of(packages: List[str]) -> Dict[str, str]:
+def build_headers(packages: List[str]) -> Dict[str, str]:
     """Return headers by their paths: of the packages' types, and of those that these contain.
 
     :param packages: names
-    :raises NoHeaders: if one is not there, has no types, or is not built
+    :raises HeaderError: if one is not there, has no types, or is not built
     """
     found = {WIRE_PATH: WIRE_HEADER}
     for package in packages:
@@ -30,16 +30,16 @@ def headers_of(packages: List[str]) -> Dict[str, str]:
             messages = rosmsg.list_types(package, mode=".msg")
             services = rosmsg.list_types(package, mode=".srv")
         except rospkg.ResourceNotFound:
-            raise NoHeaders(f"there is no package {package} here") from None
+            raise HeaderError(f"there is no package {package} here") from None
         if not messages and not services:
-            raise NoHeaders(f"{package} has neither messages nor services")
+            raise HeaderError(f"{package} has neither messages nor services")
         try:
             for datatype in messages:
                 _add_message(found, datatype)
             for datatype in services:
                 _add_service(found, datatype)
         except TypeRefused as refusal:
-            raise NoHeaders(str(refusal)) from None
+            raise HeaderError(str(refusal)) from None
     return found
 
 
@@ -87,14 +87,14 @@ def write(headers: Dict[str, str], folder: pathlib.Path) -> None:
 
     :param headers: by their paths in the folder
     :param folder: made if it is not there
-    :raises NoHeaders: if that is not possible
+    :raises HeaderError: if that is not possible
     """
     try:
         for path, text in headers.items():
             (folder / path).parent.mkdir(parents=True, exist_ok=True)
             (folder / path).write_text(text)
     except OSError as error:
-        raise NoHeaders(f"cannot write {error.filename}: {error.strerror}") from None
+        raise HeaderError(f"cannot write {error.filename}: {error.strerror}") from None
 
 
 def main() -> None:
@@ -110,8 +110,8 @@ def main() -> None:
     )
     arguments = parser.parse_args(sys.argv[1:])
     try:
-        headers = headers_of(arguments.packages)
+        headers = build_headers(arguments.packages)
         write(headers, pathlib.Path(arguments.into))
-    except NoHeaders as reason:
+    except HeaderError as reason:
         sys.exit(f"make_headers: {reason}")
     print(f"{len(headers)} headers are in {arguments.into}")

@@ -5,7 +5,7 @@ import struct
 from typing import Optional
 
 from first_order_sys_sim.first_order_plant import PlantSettings
-from serial_link.device.device import Declared, Device
+from serial_link.device.rosserial_device import Declared, Device
 from serial_link.device.motor import PWM_STEPS, Motor
 from serial_link.negotiation.payloads import (
     INFO,

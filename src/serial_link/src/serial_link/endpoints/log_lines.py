@@ -7,7 +7,7 @@ import rospy
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Header
 
-from nodekit import Maker
+from nodekit import NodeScope
 from serial_link.negotiation.payloads import DEBUG, ERROR, FATAL, INFO, WARN
 
 _LEVELS = {
@@ -24,12 +24,12 @@ _PER_SECOND = 20
 class LogLines:
     """Has a board's lines in rosout under a name of their own, and on the console.
 
-    :param maker: makes the publisher
+    :param scope: makes the publisher
     :param name: the board's
     """
 
-    def __init__(self, maker: Maker, name: str) -> None:
-        self._publisher = maker.publisher("/rosout", Log)
+    def __init__(self, scope: NodeScope, name: str) -> None:
+        self._publisher = scope.create_publisher("/rosout", Log)
         self._name = name
         self._second = self._lines = 0
 

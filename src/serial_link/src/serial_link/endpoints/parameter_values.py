@@ -10,42 +10,42 @@ from serial_link.negotiation.payloads import Values, encode_values
 _INT32 = range(-(2**31), 2**31)
 
 
-class NotForBoards(ValueError):
+class UnsupportedValue(ValueError):
     """A parameter that no board can take; the text says why."""
 
 
-def answer_of(raw: Any, size: int) -> bytes:
+def encode_answer(raw: Any, size: int) -> bytes:
     """Return the payload that answers a board's request for a parameter.
 
     :param raw: as the parameter server holds it
     :param size: what the board's buffer holds, bytes
-    :raises NotForBoards: if it is nothing that a board takes, or too long
+    :raises UnsupportedValue: if it is nothing that a board takes, or too long
     """
-    payload = encode_values(values_of(raw))
+    payload = encode_values(to_values(raw))
     if len(payload) > size:
-        raise NotForBoards(
+        raise UnsupportedValue(
             f"an answer of {len(payload)} bytes is not sent: the board's buffer has {size}"
         )
     return payload
 
 
-def values_of(raw: Any) -> Values:
+def to_values(raw: Any) -> Values:
     """Return the value of a parameter as the answer to a board.
 
     Whole numbers are among the floats too: YAML reads ``1`` for the gain that a sketch asks for as
     a float.
 
     :param raw: as the parameter server holds it
-    :raises NotForBoards: if it is neither a number, a truth value, a text nor a list of one of them
+    :raises UnsupportedValue: if it is neither a number, a truth value, a text nor a list of one of them
     """
     values: List[Any] = list(raw) if isinstance(raw, (list, tuple)) else [raw]
     if all(isinstance(value, str) for value in values):
         return Values(texts=values)
     if not all(isinstance(value, (bool, int, float)) for value in values):
-        raise NotForBoards("it must be a number, true or false, text, or a list of one kind")
+        raise UnsupportedValue("it must be a number, true or false, text, or a list of one kind")
     floats = [_as_float32(value) for value in values]
     if not all(math.isfinite(value) for value in floats):
-        raise NotForBoards("it does not fit into a 32-bit float")
+        raise UnsupportedValue("it does not fit into a 32-bit float")
     ints = [int(value) for value in values if not isinstance(value, float) and value in _INT32]
     return Values(ints if len(ints) == len(values) else (), floats)
 

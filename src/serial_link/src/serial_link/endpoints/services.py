@@ -6,13 +6,19 @@ from typing import Any, Optional
 
 import rospy
 
-from nodekit import CallError, CallFuture, Maker
+from nodekit import (
+    CallError,
+    CallFuture,
+    MutuallyExclusiveCallbackGroup,
+    NodeScope,
+    ReentrantCallbackGroup,
+)
 from serial_link.endpoints.types import Malformed, decode, encode, md5sums_of, service_class
-from serial_link.host.counts import TOO_LARGE, Counts
+from serial_link.host.counters import TOO_LARGE, Counters
 from serial_link.link.board_link import BoardLink
-from serial_link.link.sayings import Sayings
+from serial_link.link.throttled_log import ThrottledLog
 from serial_link.negotiation.payloads import SERVICE_SERVER
-from serial_link.negotiation.topic_book import Endpoint
+from serial_link.negotiation.topic_table import Endpoint
 
 _WARN_EVERY_S = 10.0
 
@@ -22,22 +28,22 @@ class _Service:
 
     :param endpoint: of the board
     :param link: sends to the board
-    :param tally: counts what is too large
+    :param counters: counts what is too large
     :raises TypeRefused: if its type is not the one here
     """
 
-    def __init__(self, endpoint: Endpoint, name: str, link: BoardLink, tally: Counts) -> None:
-        self.adopt(endpoint)
+    def __init__(self, endpoint: Endpoint, name: str, link: BoardLink, counters: Counters) -> None:
+        self.update(endpoint)
         sums = md5sums_of(endpoint.incoming, endpoint.outgoing, endpoint.kind, SERVICE_SERVER)
         self.service_class = service_class(endpoint.type, *sums)
-        self.name, self._link, self._tally = name, link, tally
+        self.name, self._link, self._counters = name, link, counters
 
-    def adopt(self, endpoint: Endpoint) -> None:
+    def update(self, endpoint: Endpoint) -> None:
         """Have the same service under another id, or with another buffer."""
         assert endpoint.outgoing is not None
         self._info = endpoint.outgoing
 
-    def enter(self) -> None:
+    def on_sync(self) -> None:
         """Begin with a board that was started anew: of no matter here."""
 
     def send(self, message: Any) -> None:
@@ -48,12 +54,12 @@ class _Service:
         payload = encode(message)
         size = self._info.buffer_size
         if len(payload) > size:
-            self._tally.add(TOO_LARGE)
+            self._counters.add(TOO_LARGE)
             raise CallError(
                 f"{self.name}: a message of {len(payload)} bytes is not sent: the board's buffer "
                 f"has {size}"
             )
-        if not self._link.send_all(self._info, payload):
+        if not self._link.send_reliable(self._info, payload):
             why = "the board has not told of it again, or too much waits to be sent"
             raise CallError(f"{self.name}: {self._link.trouble or why}")
 
@@ -61,20 +67,27 @@ class _Service:
 class OfferedService(_Service):
     """A service that the board offers. The board answers one call after the other.
 
-    :param maker: makes the service
+    :param scope: makes the service
     :param endpoint: of the board
     :param timeout: returns how long the board may take to answer, s
     """
 
     def __init__(
-        self, maker: Maker, endpoint: Endpoint, link: BoardLink, tally: Counts, timeout: Any
+        self,
+        scope: NodeScope,
+        endpoint: Endpoint,
+        link: BoardLink,
+        counters: Counters,
+        timeout: Any,
     ) -> None:
-        super().__init__(endpoint, maker.resolve(endpoint.name), link, tally)
+        super().__init__(endpoint, scope.resolve(endpoint.name), link, counters)
         self._timeout = timeout
         self._is_done = threading.Event()
         self._response: Any = None
         self._failure = ""
-        maker.service(endpoint.name, self.service_class, self._call, group=maker.group())
+        scope.create_service(
+            endpoint.name, self.service_class, self._call, group=MutuallyExclusiveCallbackGroup()
+        )
 
     def receive(self, payload: bytes) -> None:
         """Hand over the board's response.
@@ -84,7 +97,7 @@ class OfferedService(_Service):
         self._response = decode(self.service_class._response_class, payload)
         self._is_done.set()
 
-    def fail(self, why: str) -> None:
+    def on_lost(self, why: str) -> None:
         """Have a call that is under way fail at once."""
         self._failure = why
         self._is_done.set()
@@ -106,20 +119,25 @@ class CalledService(_Service):
 
     A failure cannot be told to the board, which goes on waiting; so the log has it.
 
-    :param maker: makes the client
+    :param scope: makes the client
     :param endpoint: of the board
     :param timeout: returns how long the service may take to answer, s
     """
 
     def __init__(
-        self, maker: Maker, endpoint: Endpoint, link: BoardLink, tally: Counts, timeout: Any
+        self,
+        scope: NodeScope,
+        endpoint: Endpoint,
+        link: BoardLink,
+        counters: Counters,
+        timeout: Any,
     ) -> None:
-        super().__init__(endpoint, maker.resolve(endpoint.name), link, tally)
+        super().__init__(endpoint, scope.resolve(endpoint.name), link, counters)
         self._timeout = timeout
         self._era = 0
-        self._sayings = Sayings(_WARN_EVERY_S)
-        group = maker.group(exclusive=False)
-        self._client = maker.client(endpoint.name, self.service_class, group=group)
+        self._throttled_log = ThrottledLog(_WARN_EVERY_S)
+        group = ReentrantCallbackGroup()
+        self._client = scope.create_client(endpoint.name, self.service_class, group=group)
 
     def receive(self, payload: bytes) -> None:
         """Call the service for the board.
@@ -134,7 +152,7 @@ class CalledService(_Service):
         else:
             future.add_done_callback(partial(self._answer, self._era))
 
-    def fail(self, why: str) -> None:
+    def on_lost(self, why: str) -> None:
         """Let the answers that are under way go: who waited for them is gone."""
         self._era += 1
 
@@ -147,4 +165,4 @@ class CalledService(_Service):
             self._warn(error)
 
     def _warn(self, error: Exception) -> None:
-        self._sayings.say(rospy.logwarn, f"the board's call failed: {error}")
+        self._throttled_log.log(rospy.logwarn, f"the board's call failed: {error}")

@@ -5,12 +5,12 @@ from typing import Any
 
 import rospy
 
-from nodekit import Maker
+from nodekit import NodeScope, ReentrantCallbackGroup
 from serial_link.endpoints.types import decode, message_class
-from serial_link.host.counts import TOO_LARGE, Counts
+from serial_link.host.counters import TOO_LARGE, Counters
 from serial_link.link.board_link import BoardLink
-from serial_link.link.sayings import Sayings
-from serial_link.negotiation.topic_book import Endpoint
+from serial_link.link.throttled_log import ThrottledLog
+from serial_link.negotiation.topic_table import Endpoint
 
 _WARN_EVERY_S = 10.0
 #: rosserial's library drops a frame that is not whole by then, s.
@@ -21,17 +21,17 @@ _BITS, _OVERHEAD = 10, 8
 class PublishedTopic:
     """A topic that the board publishes.
 
-    :param maker: makes the publisher
+    :param scope: makes the publisher
     :param endpoint: of the board
     :raises TypeRefused: if its type is not the one here
     """
 
-    def __init__(self, maker: Maker, endpoint: Endpoint) -> None:
+    def __init__(self, scope: NodeScope, endpoint: Endpoint) -> None:
         assert endpoint.incoming is not None
         self._class = message_class(endpoint.type, endpoint.incoming.md5sum)
-        self._publisher = maker.publisher(endpoint.name, self._class)
+        self._publisher = scope.create_publisher(endpoint.name, self._class)
 
-    def adopt(self, endpoint: Endpoint) -> None:
+    def update(self, endpoint: Endpoint) -> None:
         """Have the same topic under other ids: of no matter here."""
 
     def receive(self, payload: bytes) -> None:
@@ -41,10 +41,10 @@ class PublishedTopic:
         """
         self._publisher.publish(decode(self._class, payload))
 
-    def enter(self) -> None:
+    def on_sync(self) -> None:
         """Begin with a board that was started anew: of no matter here."""
 
-    def fail(self, why: str) -> None:
+    def on_lost(self, why: str) -> None:
         """Do without an answer: there is none to wait for."""
 
 
@@ -53,28 +53,30 @@ class SubscribedTopic:
 
     A board that was restarted gets what a new subscriber would: what living publishers latch.
 
-    :param maker: makes the subscription
+    :param scope: makes the subscription
     :param endpoint: of the board
     :param link: sends to the board
-    :param tally: counts what is too large
+    :param counters: counts what is too large
     :raises TypeRefused: if its type is not the one here
     """
 
-    def __init__(self, maker: Maker, endpoint: Endpoint, link: BoardLink, tally: Counts) -> None:
+    def __init__(
+        self, scope: NodeScope, endpoint: Endpoint, link: BoardLink, counters: Counters
+    ) -> None:
         assert endpoint.outgoing is not None
-        self._link, self._tally, self._info = link, tally, endpoint.outgoing
-        self._sayings = Sayings(_WARN_EVERY_S)
-        self._maker, self._topic = maker, endpoint.name
-        self._name = maker.resolve(endpoint.name)
+        self._link, self._counters, self._info = link, counters, endpoint.outgoing
+        self._throttled_log = ThrottledLog(_WARN_EVERY_S)
+        self._scope, self._topic = scope, endpoint.name
+        self._name = scope.resolve(endpoint.name)
         data_class = message_class(endpoint.type, self._info.md5sum)
         kept = ("_type", "_md5sum", "_full_text", "_has_header")
         attributes = {name: getattr(data_class, name) for name in kept}
         self._raw = type("Raw", (rospy.AnyMsg,), {**attributes, "__slots__": []})
-        self._ear = maker.lifetime()
+        self._subscriptions = scope.create_scope()
         self._is_replaced = False
         self._subscribe()
 
-    def adopt(self, endpoint: Endpoint) -> None:
+    def update(self, endpoint: Endpoint) -> None:
         """Have the same topic under another id, or with another buffer."""
         assert endpoint.outgoing is not None
         self._info = endpoint.outgoing
@@ -82,32 +84,32 @@ class SubscribedTopic:
     def receive(self, payload: bytes) -> None:
         """Receive nothing: the board only listens."""
 
-    def enter(self) -> None:
+    def on_sync(self) -> None:
         """Subscribe anew for a board that was started anew; the topic stays on the graph."""
-        before, self._ear = self._ear, self._maker.lifetime()
+        before, self._subscriptions = self._subscriptions, self._scope.create_scope()
         # Meanwhile the new ear brings what is latched, and the one before all else.
         self._is_replaced = True
         self._subscribe()
         self._is_replaced = False  # first, so that in between a message comes twice, not never
         before.close()
 
-    def fail(self, why: str) -> None:
+    def on_lost(self, why: str) -> None:
         """Do without an answer: there is none to wait for."""
 
     def _subscribe(self) -> None:
-        on_message, group = partial(self._on_message, self._ear), self._maker.group(exclusive=False)
-        self._ear.subscribe(self._topic, self._raw, on_message, group=group)
+        on_message, group = partial(self._on_message, self._subscriptions), ReentrantCallbackGroup()
+        self._subscriptions.create_subscription(self._topic, self._raw, on_message, group=group)
 
-    def _on_message(self, ear: Maker, message: Any) -> None:
+    def _on_message(self, scope: NodeScope, message: Any) -> None:
         payload, info = message._buff, self._info
         is_latched = message._connection_header.get("latching") == "1"
-        is_new = ear is self._ear
+        is_new = scope is self._subscriptions
         is_due = is_new if is_latched else not (is_new and self._is_replaced)
         if not is_due or not self._fits(payload):
             return
         baud = self._link.baud
         if baud and (len(payload) + _OVERHEAD) * _BITS / baud > _LONGEST_FRAME_S:
-            self._sayings.say(
+            self._throttled_log.log(
                 rospy.logwarn,
                 f"{self._name}: {len(payload)} bytes take longer than the "
                 f"{1e3 * _LONGEST_FRAME_S:g} ms in which rosserial's library expects a message "
@@ -124,8 +126,8 @@ class SubscribedTopic:
         size = self._info.buffer_size
         if len(payload) <= size:
             return True
-        self._tally.add(TOO_LARGE)
-        self._sayings.say(
+        self._counters.add(TOO_LARGE)
+        self._throttled_log.log(
             rospy.logwarn,
             f"{self._name}: a message of {len(payload)} bytes is not sent: the board's buffer "
             f"has {size}",

@@ -54,7 +54,7 @@ class Decoder:
         self._buffer += data
         return self._extract_frames(is_over=False)
 
-    def give_up(self) -> List[Frame]:
+    def flush(self) -> List[Frame]:
         """Wait for the rest of a frame no longer, as nothing has come for too long.
 
         :returns: the frames that were hidden behind its beginning
@@ -77,7 +77,7 @@ class Decoder:
             if start < 0:
                 start = len(buffer)
             self.faults[GARBAGE] += start - position
-            what, position = self._judge(start)
+            what, position = self._classify(start)
             if what == _WAITING:
                 if not is_over or start == len(buffer):
                     position = start
@@ -94,7 +94,7 @@ class Decoder:
         del buffer[:position]
         return frames
 
-    def _judge(self, start: int) -> Tuple[str, int]:
+    def _classify(self, start: int) -> Tuple[str, int]:
         """Tell what begins at a place, and where to go on."""
         buffer = self._buffer
         if not START.startswith(buffer[start : start + len(START)]):

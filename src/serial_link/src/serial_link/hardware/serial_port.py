@@ -11,7 +11,7 @@ from typing import Optional
 
 import serial
 
-from serial_link.hardware.holders import holders_of
+from serial_link.hardware.port_users import find_port_users
 from serial_link.hardware.ports import PortLost, PortStuck, PortUnavailable
 
 #: Longest time in which the port has to take a frame, s.
@@ -107,7 +107,7 @@ class SerialPort:
 
     def _held(self) -> str:
         """Return a sentence about who has the port open, empty if nobody is seen."""
-        holders = holders_of(self.name)
+        holders = find_port_users(self.name)
         if not holders:
             return ""
         return f"{self.name} is in use by {holders[0]}: only one program can talk to a board"

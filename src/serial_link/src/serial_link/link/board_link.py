@@ -16,21 +16,21 @@ from serial_link.framing.frames import (
     encode,
 )
 from serial_link.hardware.ports import Port, PortLost, PortStuck, PortUnavailable
-from serial_link.host import contact, counts
-from serial_link.host.counts import Counts
-from serial_link.host.first_words import FirstWords
-from serial_link.host.mailbox import Mailbox
-from serial_link.host.pace import Pace
-from serial_link.host.session import Session
-from serial_link.link.arrivals import (
-    InStep,
+from serial_link.host import counters, sync_states
+from serial_link.host.counters import Counters
+from serial_link.host.connect_diagnosis import ConnectDiagnosis
+from serial_link.host.message_queue import MessageQueue
+from serial_link.host.baud_pacing import BaudPacer
+from serial_link.host.sync_monitor import SyncMonitor
+from serial_link.link.events import (
+    Synced,
     LogLine,
     Message,
-    ParameterWanted,
+    ParameterRequest,
     Restarted,
     Topics,
 )
-from serial_link.link.sayings import Sayings
+from serial_link.link.throttled_log import ThrottledLog
 from serial_link.negotiation import payloads
 from serial_link.negotiation.payloads import (
     FIRST_TOPIC,
@@ -41,12 +41,12 @@ from serial_link.negotiation.payloads import (
     TOPICS,
     TopicInfo,
 )
-from serial_link.negotiation.topic_book import TopicBook
+from serial_link.negotiation.topic_table import TopicTable
 
 #: Longest wait for bytes or for the line, s: the node may end meanwhile.
 _LONGEST_WAIT_S = 0.25
 #: Longest wait for bytes while the board tells of its topics, s.
-_SETTLING_S = 0.05
+_ROUND_POLL_S = 0.05
 #: Longest wait for something to send, s; it ends when the node does.
 _IDLE_S = 1.0
 #: Has the board publish no longer; how long that may take to be sent, s.
@@ -58,7 +58,7 @@ _LATCHED_DEPTH = 200
 #: Values of one topic that may wait for ROS: only a machine that is busy keeps them waiting.
 _INBOX_DEPTH = 200
 #: How often a port is tried that cannot be opened, s, and the same is said again.
-_OPEN_EVERY_S, _SAY_EVERY_S = 0.2, 10.0
+_OPEN_EVERY_S, _LOG_EVERY_S = 0.2, 10.0
 #: A board that does not answer for this long is told of, s, and asked in the old way as well.
 _NO_ANSWER_S = 3.0
 #: Returns the time that a board is told, as s and ns.
@@ -68,28 +68,28 @@ TimeOf = Callable[[], Tuple[int, int]]
 class BoardLink:
     """Finds a board at a port, keeps contact with it, and carries its frames.
 
-    The thread that reads does nothing that could keep it waiting: what arrives goes into a mailbox.
+    The thread that reads does nothing that could keep it waiting: what arrives goes into a queue.
     So does what is to be sent, for the thread that writes, at the pace of the line.
 
     :param port: where the board is; belongs to this from now on
-    :param tally: counts all that happens
+    :param counters: counts all that happens
     :param time_of: returns the time that the board is told
 
-    :ivar inbox: what has arrived, see :mod:`.arrivals`
+    :ivar inbox: what has arrived, see :mod:`.events`
     """
 
-    def __init__(self, port: Port, tally: Counts, time_of: TimeOf) -> None:
-        self.inbox, self._outbox = Mailbox(_INBOX_DEPTH), Mailbox()
-        self._port, self._tally, self._time_of = port, tally, time_of
-        self._decoder, self._session, self._book = Decoder(), Session(), TopicBook()
-        self._pace = Pace(port.baud)
+    def __init__(self, port: Port, counters: Counters, time_of: TimeOf) -> None:
+        self.inbox, self._outgoing_queue = MessageQueue(_INBOX_DEPTH), MessageQueue()
+        self._port, self._counters, self._time_of = port, counters, time_of
+        self._decoder, self._sync, self._topics = Decoder(), SyncMonitor(), TopicTable()
+        self._pacer = BaudPacer(port.baud)
         self._is_over, self._has_stopped = threading.Event(), threading.Event()
         self._is_open = self._is_ending = False
         #: Why the port is not open, or the board does not answer; empty where all is well.
         self._trouble = ""
-        self._sayings = Sayings(_SAY_EVERY_S)
+        self._throttled_log = ThrottledLog(_LOG_EVERY_S)
         self._arrived_at = self._opened_at = self._spoke_at = 0.0
-        self._first_words = FirstWords()
+        self._diagnosis = ConnectDiagnosis()
         #: Whether the board was started, and not all that it has to tell is known yet.
         self._is_new = True
         #: Nobody closes the port, whose number the system gives away anew, while it is written to.
@@ -107,8 +107,8 @@ class BoardLink:
     def close(self) -> None:
         """End it, and close the port."""
         self._is_over.set()
-        for mailbox in (self.inbox, self._outbox):
-            mailbox.close()
+        for queue in (self.inbox, self._outgoing_queue):
+            queue.close()
         for thread in self._threads:
             if thread.ident is not None:
                 thread.join(2.0 * _LONGEST_WAIT_S)
@@ -125,25 +125,25 @@ class BoardLink:
         return self._port.baud
 
     @property
-    def is_in_step(self) -> bool:
+    def is_synced(self) -> bool:
         """Whether the board listens."""
-        return self._session.state in (contact.IN_STEP, contact.SILENT, contact.DOUBTED)
+        return self._sync.state in (sync_states.SYNCED, sync_states.SILENT, sync_states.PROBING)
 
     @property
     def trouble(self) -> str:
         """Why there is no contact; empty where there is."""
-        return "" if self.is_in_step else self._trouble or "waiting for the board's answer"
+        return "" if self.is_synced else self._trouble or "waiting for the board's answer"
 
-    def figures(self) -> Dict[str, int]:
+    def all_counters(self) -> Dict[str, int]:
         """Return all counts by name."""
         faults = {f"fault: {kind}": count for kind, count in self._decoder.faults.items()}
         return {
-            **self._tally.all(),
+            **self._counters.to_dict(),
             **faults,
-            "restarts of the board": self._session.restarts,
-            "dropped for newer ones, to the board": self._outbox.dropped,
+            "restarts of the board": self._sync.restarts,
+            "dropped for newer ones, to the board": self._outgoing_queue.dropped,
             "dropped for newer ones, to ROS": self.inbox.dropped,
-            "not kept": self._outbox.refused + self.inbox.refused,
+            "not kept": self._outgoing_queue.refused + self.inbox.refused,
         }
 
     def send(self, info: TopicInfo, payload: bytes) -> None:
@@ -152,10 +152,10 @@ class BoardLink:
         :param info: what the board has told of the topic
         :param payload: the serialised message
         """
-        if self._takes(info):
-            self._outbox.put(info.topic_id, encode(info.topic_id, payload))
+        if self._is_accepted(info):
+            self._outgoing_queue.put(info.topic_id, encode(info.topic_id, payload))
         else:
-            self._tally.add(counts.NO_CONTACT)
+            self._counters.add(counters.NO_CONTACT)
 
     def send_latched(self, info: TopicInfo, payload: bytes) -> None:
         """Send a value that stands until the next one, and that many may come of at once.
@@ -163,20 +163,22 @@ class BoardLink:
         :param info: what the board has told of the topic
         :param payload: the serialised message
         """
-        if self._takes(info):
+        if self._is_accepted(info):
             stream = (info.topic_id, "latched")
-            self._outbox.put(stream, encode(info.topic_id, payload), _LATCHED_DEPTH)
+            self._outgoing_queue.put(stream, encode(info.topic_id, payload), _LATCHED_DEPTH)
         else:
-            self._tally.add(counts.NO_CONTACT)
+            self._counters.add(counters.NO_CONTACT)
 
-    def send_all(self, info: TopicInfo, payload: bytes) -> bool:
+    def send_reliable(self, info: TopicInfo, payload: bytes) -> bool:
         """Send a message that must not be lost.
 
         :param info: what the board has told of the half of the service
         :param payload: the serialised message
         :returns: whether it will be sent, if the contact lasts
         """
-        return self._takes(info) and self._outbox.keep(encode(info.topic_id, payload))
+        return self._is_accepted(info) and self._outgoing_queue.put_reliable(
+            encode(info.topic_id, payload)
+        )
 
     def answer(self, topic_id: int, payload: bytes) -> None:
         """Answer a board that may not be in step yet.
@@ -185,20 +187,21 @@ class BoardLink:
         :param payload: the serialised message
         """
         if self._is_open:
-            self._outbox.keep(encode(topic_id, payload))
+            self._outgoing_queue.put_reliable(encode(topic_id, payload))
 
-    def say_stop(self) -> None:
+    def send_stop(self) -> None:
         """Have the board publish no longer, as the host ends; return when that is sent."""
         self._is_ending = True
         if self._is_open:
-            self._outbox.clear()
-            self._outbox.keep(_STOP_FRAME)
+            self._outgoing_queue.clear()
+            self._outgoing_queue.put_reliable(_STOP_FRAME)
             self._has_stopped.wait(_STOP_S)
 
-    def _takes(self, info: TopicInfo) -> bool:
+    def _is_accepted(self, info: TopicInfo) -> bool:
         """Tell whether the board listens, and has told of that since it was started: with another
-        sketch, the same id is another topic's."""
-        return self.is_in_step and self._book.takes(info)
+        sketch, the same id is another topic's.
+        """
+        return self.is_synced and self._topics.accepts(info)
 
     def _guard(self, work: Callable[[], None]) -> None:
         """Do something again and again; an exception is logged, and ends nothing."""
@@ -206,7 +209,7 @@ class BoardLink:
             try:
                 work()
             except Exception:
-                self._sayings.say(rospy.logerr, traceback.format_exc(), work.__name__)
+                self._throttled_log.log(rospy.logerr, traceback.format_exc(), work.__name__)
                 self._is_over.wait(_LONGEST_WAIT_S)
 
     def _read(self) -> None:
@@ -215,9 +218,9 @@ class BoardLink:
             self._try_to_open()
             return
         now = time.monotonic()
-        due = self._session.next_due()
-        if not self._book.is_settled:
-            due = min(due, now + _SETTLING_S)
+        due = self._sync.next_due()
+        if not self._topics.is_settled:
+            due = min(due, now + _ROUND_POLL_S)
         if self._is_ending:
             due = now + _LONGEST_WAIT_S
         try:
@@ -229,7 +232,7 @@ class BoardLink:
             return
         now = time.monotonic()
         self._receive_bytes(now, data)
-        self._carry_out(now, self._session.poll(now))
+        self._execute(now, self._sync.poll(now))
         self._end_round(now)
         self._explain_silence(now)
 
@@ -238,26 +241,26 @@ class BoardLink:
             is_open = self._port.open(_OPEN_EVERY_S)
         except PortUnavailable as error:
             self._trouble = str(error)
-            self._sayings.say(rospy.logwarn, str(error))
+            self._throttled_log.log(rospy.logwarn, str(error))
             self._is_over.wait(_OPEN_EVERY_S)
             return
         if not is_open:
             self._trouble = f"{self._port.name}: no board has connected yet"
             return
         now = time.monotonic()
-        self._sayings.forget()
+        self._throttled_log.reset()
         self._trouble = ""
         self._decoder.reset()
         self._decoder.longest = LONGEST
         self._is_new = True
-        self._first_words.clear()
+        self._diagnosis.clear()
         self._opened_at = self._spoke_at = now
-        self._pace = Pace(self._port.baud)
-        self._tally.add(counts.OPENINGS)
+        self._pacer = BaudPacer(self._port.baud)
+        self._counters.add(counters.OPENINGS)
         at = f" at {self._port.baud} baud" if self._port.baud else ""
         rospy.loginfo("%s: open%s", self._port.name, at)
         self._is_open = True
-        self._carry_out(now, self._session.handle(now, contact.OPENED))
+        self._execute(now, self._sync.handle(now, sync_states.OPENED))
 
     def _close_lost_port(self, error: PortLost) -> None:
         self._is_open = False
@@ -265,23 +268,23 @@ class BoardLink:
             self._port.close()
         self._trouble = str(error)
         rospy.logwarn("%s", error)
-        self._carry_out(time.monotonic(), self._session.handle(time.monotonic(), contact.LOST))
+        self._execute(time.monotonic(), self._sync.handle(time.monotonic(), sync_states.LOST))
 
     def _receive_bytes(self, now: float, data: bytes) -> None:
         """Handle what has arrived, or that nothing has."""
         before = self._damage_count()
         if data:
             self._arrived_at = now
-            self._tally.add(counts.RECEIVED_BYTES, len(data))
+            self._counters.add(counters.RECEIVED_BYTES, len(data))
             frames = self._decoder.feed(data)
         elif self._decoder.is_waiting and now - self._arrived_at > self._port.gap:
-            frames = self._decoder.give_up()
+            frames = self._decoder.flush()
         else:
             return
-        self._first_words.add(data, bool(frames))
+        self._diagnosis.add(data, bool(frames))
         if self._damage_count() != before:
-            self._book.mark_damaged()
-        self._tally.add(counts.RECEIVED, len(frames))
+            self._topics.mark_damaged()
+        self._counters.add(counters.RECEIVED, len(frames))
         for frame in frames:
             self._spoke_at = now
             self._handle_frame(now, *frame)
@@ -289,82 +292,87 @@ class BoardLink:
     def _handle_frame(self, now: float, topic_id: int, payload: bytes) -> None:
         try:
             if topic_id in TOPICS:
-                event = contact.TOPIC
+                event = sync_states.TOPIC
                 self._add_topic(now, topic_id, payload)
             elif topic_id == TIME:
-                event = contact.TIME
+                event = sync_states.TIME
                 answer = encode(TIME, payloads.encode_time(*self._time_of()))
-                self._outbox.keep(answer)
+                self._outgoing_queue.put_reliable(answer)
             elif topic_id == PARAMETER:
-                event = contact.MESSAGE
-                self.inbox.keep(ParameterWanted(payloads.decode_name(payload)))
+                event = sync_states.MESSAGE
+                self.inbox.put_reliable(ParameterRequest(payloads.decode_name(payload)))
             elif topic_id == LOG:
-                event = contact.MESSAGE
+                event = sync_states.MESSAGE
                 self.inbox.put(LOG, LogLine(*payloads.decode_log(payload)))
             else:
                 event = self._deliver(topic_id, payload)
         except payloads.PayloadError:
-            self._tally.add(counts.MALFORMED)
-            self._book.mark_damaged()
+            self._counters.add(counters.MALFORMED)
+            self._topics.mark_damaged()
             return
-        self._carry_out(now, self._session.handle(now, event))
+        self._execute(now, self._sync.handle(now, event))
 
-    def _add_topic(self, now: float, told_by: int, payload: bytes) -> None:
+    def _add_topic(self, now: float, info_id: int, payload: bytes) -> None:
         info = payloads.decode_topic(payload)
-        if not self._book.add(now, told_by, info):
-            self._sayings.say(rospy.logwarn, f"{self._port.name}: the board has too many topics")
+        if not self._topics.add(now, info_id, info):
+            self._throttled_log.log(
+                rospy.logwarn, f"{self._port.name}: the board has too many topics"
+            )
 
     def _deliver(self, topic_id: int, payload: bytes) -> str:
-        endpoint = self._book.incoming(topic_id)
+        endpoint = self._topics.incoming(topic_id)
         if endpoint is None:
-            self._tally.add(counts.UNKNOWN_ID)
+            self._counters.add(counters.UNKNOWN_ID)
             # What no board has is no reason to ask: it was damaged, and its sum held all the same.
-            return contact.UNKNOWN if topic_id >= FIRST_TOPIC else contact.MESSAGE
+            return sync_states.UNKNOWN if topic_id >= FIRST_TOPIC else sync_states.MESSAGE
         message = Message(endpoint, payload)
         if endpoint.is_service:
-            self.inbox.keep(message)
+            self.inbox.put_reliable(message)
         else:
             self.inbox.put(topic_id, message)
-        return contact.MESSAGE
+        return sync_states.MESSAGE
 
-    def _carry_out(self, now: float, actions: List[str]) -> None:
+    def _execute(self, now: float, actions: List[str]) -> None:
         for action in actions:
-            if action == contact.ASK:
-                self._tally.add(counts.ASKED)
-                self._book.begin(now, self.is_in_step)
-                self._outbox.keep(encode(payloads.PUBLISHER, b""))
-                if self._session.state == contact.ASKING and now - self._spoke_at > _NO_ANSWER_S:
-                    self._outbox.keep(OLD_REQUEST)
-            elif action == contact.PROBE:
-                self._outbox.keep(PROBE)
+            if action == sync_states.ASK:
+                self._counters.add(counters.ASKED)
+                self._topics.begin_round(now, self.is_synced)
+                self._outgoing_queue.put_reliable(encode(payloads.PUBLISHER, b""))
+                if (
+                    self._sync.state == sync_states.NEGOTIATING
+                    and now - self._spoke_at > _NO_ANSWER_S
+                ):
+                    self._outgoing_queue.put_reliable(OLD_REQUEST)
+            elif action == sync_states.PROBE:
+                self._outgoing_queue.put_reliable(PROBE)
             else:
                 self._is_new = True
-                self._book.forget()
-                self._outbox.clear()
-                self.inbox.keep(Restarted(self._trouble or "the board was restarted"))
+                self._topics.reset()
+                self._outgoing_queue.clear()
+                self.inbox.put_reliable(Restarted(self._trouble or "the board was restarted"))
                 if self._is_open:
                     rospy.logwarn("%s: the board was restarted, or lost contact", self._port.name)
 
     def _end_round(self, now: float) -> None:
-        is_complete = self._book.settle(now)
-        if is_complete is None or not self.is_in_step:
+        is_complete = self._topics.end_round(now)
+        if is_complete is None or not self.is_synced:
             return
         if not is_complete:
-            self._carry_out(now, [contact.ASK])
-        longest = self._book.longest
+            self._execute(now, [sync_states.ASK])
+        longest = self._topics.longest
         self._decoder.longest = longest - OVERHEAD if longest > OVERHEAD else LONGEST
-        self.inbox.keep(Topics(self._book.endpoints(), self._book.has_all))
+        self.inbox.put_reliable(Topics(self._topics.endpoints(), self._topics.is_complete))
         # Not earlier: a board that is asked does not listen while it answers, and loses messages.
         if self._is_new and is_complete:
             self._is_new = False
-            self.inbox.keep(InStep())
+            self.inbox.put_reliable(Synced())
 
     def _explain_silence(self, now: float) -> None:
         """Say why there may be no answer, once there was none for long enough."""
-        if self._session.state != contact.ASKING or now - self._spoke_at < _NO_ANSWER_S:
+        if self._sync.state != sync_states.NEGOTIATING or now - self._spoke_at < _NO_ANSWER_S:
             return
-        self._trouble = self._first_words.explain(self._port.baud)
-        self._sayings.say(rospy.logwarn, f"{self._port.name}: {self._trouble}")
+        self._trouble = self._diagnosis.explain(self._port.baud)
+        self._throttled_log.log(rospy.logwarn, f"{self._port.name}: {self._trouble}")
 
     def _damage_count(self) -> int:
         return sum(self._decoder.faults.values())
@@ -372,25 +380,25 @@ class BoardLink:
     def _write(self) -> None:
         """Send the next frame when the line is free."""
         now = time.monotonic()
-        delay = self._pace.wait(now)
+        delay = self._pacer.delay(now)
         if delay > 0.0:
             self._is_over.wait(min(delay, _LONGEST_WAIT_S))
             return
-        frame: Optional[Any] = self._outbox.fetch(_IDLE_S)
+        frame: Optional[Any] = self._outgoing_queue.get(_IDLE_S)
         if frame is None or not self._is_open:
             return
         try:
             with self._port_lock:
                 self._port.write(frame)
         except PortStuck as error:
-            self._tally.add(counts.STUCK)
-            self._sayings.say(rospy.logwarn, str(error))
+            self._counters.add(counters.STUCK)
+            self._throttled_log.log(rospy.logwarn, str(error))
             return
         except PortLost:
             self._is_over.wait(_LONGEST_WAIT_S)  # the thread that reads finds out why
             return
-        self._pace.written(time.monotonic(), len(frame))
+        self._pacer.record_write(time.monotonic(), len(frame))
         if frame is _STOP_FRAME:
             self._has_stopped.set()
-        self._tally.add(counts.SENT)
-        self._tally.add(counts.SENT_BYTES, len(frame))
+        self._counters.add(counters.SENT)
+        self._counters.add(counters.SENT_BYTES, len(frame))

@@ -9,11 +9,11 @@ from std_msgs.msg import Header
 
 from nodekit import Node, run, to_wire
 from nodekit.master import MISSING, MasterClient
-from serial_link.endpoints.board_in_ros import BoardInRos
+from serial_link.endpoints.ros_side import RosSide
 from serial_link.hardware.ports import Port
 from serial_link.hardware.serial_port import SerialPort
 from serial_link.hardware.tcp_port import TcpPort
-from serial_link.host.counts import Counts
+from serial_link.host.counters import Counters
 from serial_link.link.board_link import BoardLink
 from serial_link.serial_parameters import TCP, SerialParameters
 
@@ -51,16 +51,16 @@ class SerialNode:
     """
 
     def __init__(self, node: Node, words: Sequence[str] = ()) -> None:
-        self._settings = node.parameters(SerialParameters)
+        self._settings = node.declare_parameters(SerialParameters)
         if words:
             self._settings.update(**dict(zip(("port", "tcp_port"), words)))
         self._node_name = node.name
-        self._tally = Counts()
-        self._link = BoardLink(self._port(), self._tally, _ros_time)
-        self._board = BoardInRos(
+        self._counters = Counters()
+        self._link = BoardLink(self._port(), self._counters, _ros_time)
+        self._board = RosSide(
             node,
             self._link,
-            self._tally,
+            self._counters,
             lambda: self._settings.values.service_timeout,
             self._find_parameter,
         )
@@ -68,11 +68,11 @@ class SerialNode:
         self._faults: Dict[str, int] = {}
         self._told: Dict[str, int] = {}
         self._told_at = -_LINE_EVERY_S
-        self._diagnostics = node.publisher("/diagnostics", DiagnosticArray)
+        self._diagnostics = node.create_publisher("/diagnostics", DiagnosticArray)
         node.own(self._link)
         node.own(self._board)
-        node.every(1.0, self._report, steady=True)
-        node.before_end(self._link.say_stop)
+        node.create_timer(1.0, self._report, steady=True)
+        node.on_shutdown(self._link.send_stop)
 
     def _port(self) -> Port:
         values = self._settings.values
@@ -97,7 +97,7 @@ class SerialNode:
             self._has_started = True
             self._link.start()
             self._board.start()
-        figures = self._link.figures()
+        figures = self._link.all_counters()
         faults = {name: count for name, count in figures.items() if count and name not in _USUAL}
         is_new, self._faults = faults != self._faults, faults
         trouble = self._link.trouble

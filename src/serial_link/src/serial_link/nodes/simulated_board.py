@@ -5,11 +5,11 @@ from typing import Any
 
 from std_srvs.srv import Trigger
 
-from nodekit import Node, give_up, run
-from serial_link.board.ends import End, PtyEnd, TcpEnd
+from nodekit import Node, abort, run
+from serial_link.board.transports import Transport, PtyTransport, TcpTransport
 from serial_link.board.simulation import SimulatedBoard
 from serial_link.board_parameters import BoardParameters
-from serial_link.device.device import Device
+from serial_link.device.rosserial_device import Device
 from serial_link.device.motor import Motor
 from serial_link.device.motor_sketch import MotorSketch, Panel
 
@@ -28,20 +28,20 @@ class SimulatedBoardNode:
     """
 
     def __init__(self, node: Node) -> None:
-        self._settings = node.parameters(BoardParameters, on_change=self._on_change)
+        self._settings = node.declare_parameters(BoardParameters, on_change=self._on_change)
         values = self._settings.values
         self._motor = Motor(values.plant, values.counts_per_turn, time.monotonic())
         self._panel = Panel(values.plant)
-        end: End = TcpEnd(values.tcp_address, values.tcp_port)
+        end: Transport = TcpTransport(values.tcp_address, values.tcp_port)
         if values.link:
-            end = PtyEnd(values.link)
+            end = PtyTransport(values.link)
         self._board = node.own(
             SimulatedBoard(end, values.baud, self._make_device, values.boot_time)
         )
         self._has_started = False
-        node.before_end(self._board.close)  # or the link to its port would stay
-        node.service("~reset", Trigger, self._reset)
-        node.every(1.0, self._start, steady=True)
+        node.on_shutdown(self._board.close)  # or the link to its port would stay
+        node.create_service("~reset", Trigger, self._reset)
+        node.create_timer(1.0, self._start, steady=True)
         self._on_change(values, values)
 
     def _start(self, _elapsed: float) -> None:
@@ -50,7 +50,7 @@ class SimulatedBoardNode:
             try:
                 self._board.start()
             except OSError as error:
-                give_up(f"the board's port cannot be made: {error}")
+                abort(f"the board's port cannot be made: {error}")
 
     def _make_device(self, now: float) -> Device:
         values = self._settings.values

@@ -12,7 +12,7 @@ MALFORMED, REFUSED = "malformed", "of refused topics"
 STUCK, OPENINGS, ASKED = "stuck", "openings", "asked"
 
 
-class Counts:
+class Counters:
     """Counts by name, for several threads at once."""
 
     def __init__(self) -> None:
@@ -28,7 +28,7 @@ class Counts:
         with self._lock:
             self._counts[name] += count
 
-    def all(self) -> Dict[str, int]:
+    def to_dict(self) -> Dict[str, int]:
         """Return all counts by name."""
         with self._lock:
             return dict(self._counts)

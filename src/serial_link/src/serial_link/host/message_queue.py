@@ -12,7 +12,7 @@ DEPTH = 16
 MOST_KEPT = 1000
 
 
-class Mailbox:
+class MessageQueue:
     """Holds messages until they are fetched. Many threads may add some, and one fetches them.
 
     What is kept, as calls of services are, comes first and in order. Of each stream, the newest
@@ -26,8 +26,8 @@ class Mailbox:
         self._lock = threading.Lock()
         #: Held while there is nothing new. A bare lock wakes a thread in half the time that a
         #: condition takes.
-        self._no_news = threading.Lock()
-        self._no_news.acquire()
+        self._empty = threading.Lock()
+        self._empty.acquire()
         self._kept: Deque[Any] = deque()
         self._streams: "OrderedDict[Any, Deque[Any]]" = OrderedDict()
         self._is_closed = False
@@ -56,9 +56,9 @@ class Mailbox:
                 self._dropped += len(waiting)
                 waiting.clear()
             waiting.append(message)
-            self._tell()
+            self._notify()
 
-    def keep(self, message: Any) -> bool:
+    def put_reliable(self, message: Any) -> bool:
         """Add a message that must not be lost.
 
         :param message: the message
@@ -69,14 +69,14 @@ class Mailbox:
                 self._refused += 1
                 return False
             self._kept.append(message)
-            self._tell()
+            self._notify()
             return True
 
-    def fetch(self, timeout: float) -> Optional[Any]:
+    def get(self, timeout: float) -> Optional[Any]:
         """Take out the next message.
 
         :param timeout: longest wait for one, s
-        :returns: None if there is none in time, or the mailbox is closed
+        :returns: None if there is none in time, or the queue is closed
         """
         end = time.monotonic() + timeout
         while True:
@@ -84,7 +84,7 @@ class Mailbox:
                 if self._kept or self._streams or self._is_closed:
                     return self._next()
             left = end - time.monotonic()
-            if left <= 0.0 or not self._no_news.acquire(timeout=left):
+            if left <= 0.0 or not self._empty.acquire(timeout=left):
                 return None
 
     def clear(self) -> None:
@@ -97,7 +97,7 @@ class Mailbox:
         """Have nobody wait any more."""
         with self._lock:
             self._is_closed = True
-            self._tell()
+            self._notify()
 
     def _next(self) -> Optional[Any]:
         if self._kept:
@@ -110,6 +110,6 @@ class Mailbox:
             self._streams[stream] = waiting  # behind the others
         return message
 
-    def _tell(self) -> None:
-        if self._no_news.locked():
-            self._no_news.release()
+    def _notify(self) -> None:
+        if self._empty.locked():
+            self._empty.release()

@@ -2,15 +2,15 @@
 
 from typing import Set
 
-from serial_link.host import contact
-from serial_link.host.contact import (
+from serial_link.host import sync_states
+from serial_link.host.sync_states import (
     ASK,
-    ASKING,
+    NEGOTIATING,
     CLOSED,
-    DOUBTED,
+    PROBING,
     DUE,
     EVENTS,
-    IN_STEP,
+    SYNCED,
     LOST,
     MESSAGE,
     OPENED,
@@ -54,14 +54,14 @@ def test_every_state_is_reached_and_left() -> None:
 
 def test_what_has_no_row_changes_nothing() -> None:
     assert move(CLOSED, TOPIC) == Move(CLOSED, "")
-    assert move(ASKING, MESSAGE) == Move(ASKING, "")
+    assert move(NEGOTIATING, MESSAGE) == Move(NEGOTIATING, "")
 
 
 def test_a_silent_board_is_restarted_only_if_it_answers_two_probes() -> None:
-    state = IN_STEP
-    for event, expected in ((DUE, (SILENT, PROBE)), (TIME, (DOUBTED, PROBE))):
+    state = SYNCED
+    for event, expected in ((DUE, (SILENT, PROBE)), (TIME, (PROBING, PROBE))):
         state, action = move(state, event)
         assert (state, action) == expected
-    assert move(DOUBTED, TIME) == Move(ASKING, RESTART)
-    assert move(DOUBTED, DUE) == Move(SILENT, PROBE)
-    assert move(contact.CLOSED, OPENED) == Move(ASKING, ASK)
+    assert move(PROBING, TIME) == Move(NEGOTIATING, RESTART)
+    assert move(PROBING, DUE) == Move(SILENT, PROBE)
+    assert move(sync_states.CLOSED, OPENED) == Move(NEGOTIATING, ASK)

@@ -7,7 +7,7 @@ import subprocess
 import sys
 from typing import Iterator
 
-from serial_link.hardware.holders import holders_of
+from serial_link.hardware.port_users import find_port_users
 
 HOLD = "import sys; file = open(sys.argv[1]); print(flush=True); sys.stdin.read()"
 
@@ -37,9 +37,9 @@ def test_a_holder_is_found_whatever_it_calls_the_file(tmp_path: pathlib.Path) ->
     link.symlink_to(other)
     with holder(other) as pid:
         for name in (board, other, link):
-            (found,) = holders_of(str(name))
+            (found,) = find_port_users(str(name))
             assert found.pid == pid and str(found).startswith(f"process {pid} (")
-    assert holders_of(str(board)) == []
+    assert find_port_users(str(board)) == []
 
 
 def test_who_has_another_file_of_the_same_name_is_no_holder(tmp_path: pathlib.Path) -> None:
@@ -48,11 +48,11 @@ def test_who_has_another_file_of_the_same_name_is_no_holder(tmp_path: pathlib.Pa
     with holder(board):
         board.rename(tmp_path / "before")
         board.touch()
-        assert holders_of(str(board)) == []
+        assert find_port_users(str(board)) == []
 
 
 def test_what_is_unplugged_has_no_holder(tmp_path: pathlib.Path) -> None:
-    assert holders_of(str(tmp_path / "board")) == []
+    assert find_port_users(str(tmp_path / "board")) == []
 
 
 def test_a_long_command_is_told_without_its_folders(tmp_path: pathlib.Path) -> None:
@@ -63,8 +63,8 @@ def test_a_long_command_is_told_without_its_folders(tmp_path: pathlib.Path) -> N
     script.write_text(HOLD)
     python = pathlib.Path(sys.executable).name
     with holder(board, str(script)):
-        assert holders_of(str(board))[0].command == f"{python} monitor.py board"
+        assert find_port_users(str(board))[0].command == f"{python} monitor.py board"
     with holder(board, str(script), 80 * "a"):
-        told = holders_of(str(board))[0].command
+        told = find_port_users(str(board))[0].command
         assert told.startswith(f"{python} monitor.py board aaa")
         assert told.endswith("aaa...") and len(told) == 80

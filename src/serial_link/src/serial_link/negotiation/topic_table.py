@@ -43,7 +43,7 @@ class Endpoint(NamedTuple):
         return self.kind in SERVICES
 
 
-class TopicBook:
+class TopicTable:
     """The topics of a board, as far as it has told of them.
 
     A board tells of all of them each time that it is asked: that is a round. In a round without any
@@ -55,59 +55,59 @@ class TopicBook:
 
     def __init__(self) -> None:
         #: By direction (0 for what the board sends) and id; the id that tells of it, and its info.
-        self._told: Dict[Tuple[int, int], Tuple[int, TopicInfo]] = {}
+        self._infos: Dict[Tuple[int, int], Tuple[int, TopicInfo]] = {}
         self._seen: Set[Tuple[int, int]] = set()
         #: What was told once, or otherwise the last time.
-        self._doubted: Set[Tuple[int, int]] = set()
+        self._unconfirmed: Set[Tuple[int, int]] = set()
         self._ends_at: Optional[float] = None
-        self._is_damaged = self._is_noisy = self._is_complete = False
+        self._is_damaged = self._is_noisy = self._is_final = False
         #: Since a round that was complete: damaged ones, and those that were broken off.
         self._rounds = 0
         #: Whether the board has told of all since it was started, in a round without any damage.
-        self.has_all = False
+        self.is_complete = False
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Begin with a board that was started anew, perhaps with another sketch."""
-        self._told, self.has_all = {}, False
-        self._doubted.clear()
-        self._rounds, self._is_complete = 0, False
+        self._infos, self.is_complete = {}, False
+        self._unconfirmed.clear()
+        self._rounds, self._is_final = 0, False
 
     @property
     def is_settled(self) -> bool:
         """Whether no round is under way."""
         return self._ends_at is None
 
-    def begin(self, now: float, is_answering: bool = True) -> None:
+    def begin_round(self, now: float, is_answering: bool = True) -> None:
         """Begin a round, as the board was asked.
 
         :param now: the time, s
         :param is_answering: whether the board has answered since it was started; no round counts
             before, however many a line of noise has damaged
         """
-        goes_on = is_answering and not self._is_complete
+        goes_on = is_answering and not self._is_final
         self._rounds = self._rounds + 1 if goes_on else 1
-        self._is_complete = False
+        self._is_final = False
         self._seen.clear()
         self._ends_at, self._is_damaged = now + SETTLED_S, False
 
-    def add(self, now: float, told_by: int, info: TopicInfo) -> bool:
+    def add(self, now: float, info_id: int, info: TopicInfo) -> bool:
         """Add what was told of one topic, or of one half of a service.
 
         :param now: the time, s
-        :param told_by: the id of the frame that told
+        :param info_id: the id of the frame that told
         :param info: what it told
         :returns: whether there was room for it
         """
-        key = (told_by % 2, info.topic_id)
-        if key not in self._told and len(self._told) >= MOST_TOPICS:
+        key = (info_id % 2, info.topic_id)
+        if key not in self._infos and len(self._infos) >= MOST_TOPICS:
             return False
-        told = self._told.get(key)
-        if told == (told_by, info):
-            self._doubted.discard(key)
+        told = self._infos.get(key)
+        if told == (info_id, info):
+            self._unconfirmed.discard(key)
         else:
-            if told is None or key in self._doubted or not self._is_noisy:
-                self._told[key] = (told_by, info)
-            self._doubted.add(key)
+            if told is None or key in self._unconfirmed or not self._is_noisy:
+                self._infos[key] = (info_id, info)
+            self._unconfirmed.add(key)
         self._seen.add(key)
         self._ends_at = now + SETTLED_S
         return True
@@ -116,7 +116,7 @@ class TopicBook:
         """Note that something arrived damaged: it may have told of a topic."""
         self._is_damaged = self._is_noisy = True
 
-    def settle(self, now: float) -> Optional[bool]:
+    def end_round(self, now: float) -> Optional[bool]:
         """End the round, if it is over.
 
         :param now: the time, s
@@ -127,48 +127,50 @@ class TopicBook:
             return None
         self._ends_at = None
         if self._seen and not self._is_damaged:
-            self._told = {key: told for key, told in self._told.items() if key in self._seen}
-            self._doubted &= self._seen
-            self.has_all = True
-        is_good = not (self._is_damaged or self._is_noisy and self._doubted)
-        self._is_complete = is_good or self._rounds >= MOST_ROUNDS
-        return self._is_complete
+            self._infos = {key: told for key, told in self._infos.items() if key in self._seen}
+            self._unconfirmed &= self._seen
+            self.is_complete = True
+        is_good = not (self._is_damaged or self._is_noisy and self._unconfirmed)
+        self._is_final = is_good or self._rounds >= MOST_ROUNDS
+        return self._is_final
 
     def incoming(self, topic_id: int) -> Optional[Endpoint]:
         """Return what a frame from the board is about, None if that is not known.
 
         :param topic_id: of the frame
         """
-        told = self._told.get((PUBLISHER, topic_id))
+        told = self._infos.get((PUBLISHER, topic_id))
         return self._endpoint(*told) if told else None
 
-    def takes(self, info: TopicInfo) -> bool:
+    def accepts(self, info: TopicInfo) -> bool:
         """Tell whether the board takes messages by that info: now, not before it was restarted.
 
         :param info: as it was told
         """
-        told = self._told.get((SUBSCRIBER, info.topic_id))
+        told = self._infos.get((SUBSCRIBER, info.topic_id))
         return told is not None and told[1] == info
 
     def endpoints(self) -> List[Endpoint]:
         """Return the topics, and those services of which both halves are known."""
-        found = {self._endpoint(*told): None for told in self._told.values()}
+        found = {self._endpoint(*told): None for told in self._infos.values()}
         return [one for one in found if one is not None]
 
     @property
     def longest(self) -> int:
         """The longest message that the board can send, as it tells itself, bytes; 0 if unknown."""
-        sizes = [info.buffer_size for (way, _), (_, info) in self._told.items() if way == PUBLISHER]
+        sizes = [
+            info.buffer_size for (way, _), (_, info) in self._infos.items() if way == PUBLISHER
+        ]
         return max(sizes, default=0)
 
-    def _endpoint(self, told_by: int, info: TopicInfo) -> Optional[Endpoint]:
-        if told_by == PUBLISHER:
+    def _endpoint(self, info_id: int, info: TopicInfo) -> Optional[Endpoint]:
+        if info_id == PUBLISHER:
             return Endpoint(PUBLISHER, info.name, info.type, info, None)
-        if told_by == SUBSCRIBER:
+        if info_id == SUBSCRIBER:
             return Endpoint(SUBSCRIBER, info.name, info.type, None, info)
-        if told_by in SERVICES:
-            for other, half in self._told.values():
-                is_other_half = other == told_by + SUBSCRIBER and half.name == info.name
+        if info_id in SERVICES:
+            for other, half in self._infos.values():
+                is_other_half = other == info_id + SUBSCRIBER and half.name == info.name
                 if is_other_half and half.type == info.type:
-                    return Endpoint(told_by, info.name, info.type, info, half)
+                    return Endpoint(info_id, info.name, info.type, info, half)
         return None

@@ -2,18 +2,18 @@
 
 from typing import List, NamedTuple, Union
 
-from serial_link.negotiation.topic_book import Endpoint
+from serial_link.negotiation.topic_table import Endpoint
 
 
 class Topics(NamedTuple):
     """The board has told of its topics: what is known since it was started.
 
     :param endpoints: the topics
-    :param has_all: whether there is nothing else; no part of what was told was damaged then
+    :param is_complete: whether there is nothing else; no part of what was told was damaged then
     """
 
     endpoints: List[Endpoint]
-    has_all: bool
+    is_complete: bool
 
 
 class Message(NamedTuple):
@@ -23,7 +23,7 @@ class Message(NamedTuple):
     payload: bytes
 
 
-class ParameterWanted(NamedTuple):
+class ParameterRequest(NamedTuple):
     """The board asks for a parameter."""
 
     name: str
@@ -42,8 +42,8 @@ class Restarted(NamedTuple):
     why: str
 
 
-class InStep(NamedTuple):
+class Synced(NamedTuple):
     """All that the board has to tell since it was started is known, and it listens."""
 
 
-Arrival = Union[Topics, Message, ParameterWanted, LogLine, Restarted, InStep]
+Event = Union[Topics, Message, ParameterRequest, LogLine, Restarted, Synced]

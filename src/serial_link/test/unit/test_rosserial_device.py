@@ -4,8 +4,8 @@ from typing import Any, List, Tuple
 
 import pytest
 
-from serial_link.device.configuring import CONFIGURED, WAITING
-from serial_link.device.device import FORGOTTEN_S, TIME_EVERY_S, Declared, Device
+from serial_link.device.device_states import CONFIGURED, WAITING
+from serial_link.device.rosserial_device import HOST_LOST_S, TIME_EVERY_S, Declared, Device
 from serial_link.framing.decoder import Decoder
 from serial_link.framing.frames import PROBE, Frame, encode
 from serial_link.negotiation import payloads
@@ -71,10 +71,10 @@ def test_it_tells_what_it_sends_and_then_what_it_receives() -> None:
     device.receive(0.0, encode(PUBLISHER, b""))
     first, *told = sent(device)
     assert first == (TIME, payloads.encode_time(0, 0))
-    found = [(told_by, payloads.decode_topic(payload)) for told_by, payload in told]
+    found = [(info_id, payloads.decode_topic(payload)) for info_id, payload in told]
     assert [
-        (told_by, info.topic_id, info.name, info.md5sum[0], info.buffer_size)
-        for told_by, info in found
+        (info_id, info.topic_id, info.name, info.md5sum[0], info.buffer_size)
+        for info_id, info in found
     ] == [
         (0, 125, "out", "a", 300),
         (2, 126, "offered", "d", 300),
@@ -97,7 +97,7 @@ def test_messages_go_both_ways_under_their_ids() -> None:
     assert sent(device) == [(125, b"out"), (126, b"offered"), (127, b"called")]
     device.receive(1.0, encode(PARAMETER, payloads.encode_values(Values([1], [1.0], ["a"]))))
     assert notes.heard[-1] == ("parameter", ((1,), (1.0,), ("a",)))
-    device.ask_parameter("~gain")
+    device.request_parameter("~gain")
     assert sent(device) == [(PARAMETER, payloads.encode_name("~gain"))]
 
 
@@ -116,9 +116,9 @@ def test_time_is_asked_for_and_without_an_answer_the_host_is_forgotten() -> None
     assert [frame.topic_id for frame in sent(device)] == [TIME, 125]
     device.receive(3.0, encode(TIME, payloads.encode_time(7, 500_000_000)))
     assert device.host_time == 7.5
-    device.loop(2.9 + FORGOTTEN_S)
+    device.loop(2.9 + HOST_LOST_S)
     assert device.state == CONFIGURED
-    device.loop(3.0 + FORGOTTEN_S)
+    device.loop(3.0 + HOST_LOST_S)
     assert device.state == WAITING
     assert 14.0 < device.next_due(14.0) <= 14.0 + TIME_EVERY_S
 

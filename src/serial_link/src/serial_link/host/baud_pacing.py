@@ -7,7 +7,7 @@ BITS = 10
 AHEAD_S = 0.002
 
 
-class Pace:
+class BaudPacer:
     """Tells when a line has sent what was written, so that no more waits in the system than needed.
 
     The system takes 4 KB at once, which at 57 600 baud are 0.7 s: the newest value would come after
@@ -20,14 +20,14 @@ class Pace:
         self._seconds = BITS / baud if baud else 0.0
         self._free_at = 0.0
 
-    def wait(self, now: float) -> float:
+    def delay(self, now: float) -> float:
         """Return how long to wait before the next frame is written, s.
 
         :param now: the time, s
         """
         return max(0.0, self._free_at - AHEAD_S - now)
 
-    def written(self, now: float, count: int) -> None:
+    def record_write(self, now: float, count: int) -> None:
         """Note what was written.
 
         :param now: the time, s

@@ -1,14 +1,14 @@
-"""The contact with a board in time: the table of :mod:`.contact`, and its deadlines."""
+"""The contact with a board in time: the table of :mod:`.sync_states`, and its deadlines."""
 
 import math
 from typing import List
 
-from serial_link.host.contact import (
+from serial_link.host.sync_states import (
     ASK,
-    ASKING,
+    NEGOTIATING,
     CLOSED,
     DUE,
-    IN_STEP,
+    SYNCED,
     OPENED,
     OVERDUE,
     PROBE,
@@ -26,7 +26,7 @@ ASK_EVERY_S, PROBE_EVERY_S = 0.25, 0.25
 OVERDUE_S = 6.0
 
 
-class Session:
+class SyncMonitor:
     """Tells what to do as the time passes and frames come. Time is an argument, s.
 
     :ivar state: of the table
@@ -55,8 +55,8 @@ class Session:
             self._asked_at = now
         actions = [action] if action else []
         if action == RESTART:
-            self.restarts += was not in (CLOSED, ASKING) and self.state == ASKING
-            if self.state == ASKING:
+            self.restarts += was not in (CLOSED, NEGOTIATING) and self.state == NEGOTIATING
+            if self.state == NEGOTIATING:
                 actions.append(ASK)
         if ASK in actions:
             self._asked_at = now
@@ -79,8 +79,8 @@ class Session:
         """Return when :meth:`poll` has something to do, s."""
         if self.state == CLOSED:
             return math.inf
-        if self.state == ASKING:
+        if self.state == NEGOTIATING:
             return self._asked_at + ASK_EVERY_S
-        if self.state == IN_STEP:
+        if self.state == SYNCED:
             return self._heard_at + QUIET_S
         return self._probed_at + PROBE_EVERY_S

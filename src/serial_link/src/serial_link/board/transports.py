@@ -10,7 +10,7 @@ from typing import Optional, Protocol
 _READ_AT_ONCE = 4096
 
 
-class End(Protocol):
+class Transport(Protocol):
     """Where the board is plugged in. Nothing of it raises: a board knows nothing of its cable."""
 
     @property
@@ -39,7 +39,7 @@ class End(Protocol):
         ...
 
 
-class PtyEnd:
+class PtyTransport:
     """A pseudo terminal behind a link, as /dev/serial/by-id has for an adapter: the link stays,
     and the terminal's number is another one each time.
 
@@ -91,7 +91,7 @@ class PtyEnd:
                 os.unlink(self._link)
 
     def wait(self, timeout: float) -> None:
-        """Wait for bytes; see :class:`End`."""
+        """Wait for bytes; see :class:`Transport`."""
         poll = select.poll()
         if self._fd is not None:
             poll.register(self._fd, select.POLLIN)
@@ -100,14 +100,14 @@ class PtyEnd:
             select.select([], [], [], timeout)  # nobody has it open, of which it tells at once
 
     def read(self) -> bytes:
-        """Return bytes; see :class:`End`."""
+        """Return bytes; see :class:`Transport`."""
         try:
             return os.read(self._fd, _READ_AT_ONCE) if self._fd is not None else b""
         except OSError:  # nothing there, or nobody has it open
             return b""
 
     def write(self, data: bytes) -> None:
-        """Send bytes; see :class:`End`."""
+        """Send bytes; see :class:`Transport`."""
         try:
             if self._fd is not None:
                 os.write(self._fd, data)
@@ -115,7 +115,7 @@ class PtyEnd:
             pass  # nobody reads: a serial line loses them as well
 
 
-class TcpEnd:
+class TcpTransport:
     """A connection to the port of a host, as a board with Wi-Fi has.
 
     :param address: of the host
@@ -148,11 +148,11 @@ class TcpEnd:
             connected.close()
 
     def wait(self, timeout: float) -> None:
-        """Wait for bytes; see :class:`End`."""
+        """Wait for bytes; see :class:`Transport`."""
         select.select([self._socket] if self._socket else [], [], [], timeout)
 
     def read(self) -> bytes:
-        """Return bytes; see :class:`End`. At the host's end of the connection, it is unplugged."""
+        """Return bytes; see :class:`Transport`. At the host's end of the connection, it is unplugged."""
         if self._socket is None:
             return b""
         try:
@@ -166,7 +166,7 @@ class TcpEnd:
         return data
 
     def write(self, data: bytes) -> None:
-        """Send bytes; see :class:`End`."""
+        """Send bytes; see :class:`Transport`."""
         try:
             if self._socket is not None:
                 self._socket.sendall(data)

@@ -1,21 +1,21 @@
 """Whether a board publishes, as a table."""
 
-from serial_link.device.configuring import (
+from serial_link.device.device_states import (
     ASK_TIME,
     CONFIGURED,
     DELIVER,
     EVENTS,
-    FORGOTTEN,
+    HOST_LOST,
     MESSAGE,
     NEGOTIATE,
     OTHER_VERSION,
     SET_TIME,
     STATES,
-    STOPPED,
+    STOP_RECEIVED,
     TABLE,
     TIME_DUE,
     WAITING,
-    WANTED,
+    TOPICS_REQUESTED,
     Move,
     move,
 )
@@ -30,10 +30,10 @@ def test_the_table_has_known_names_only() -> None:
 
 def test_it_is_as_the_library_for_boards_does_it() -> None:
     for state in STATES:
-        assert move(state, WANTED) == Move(CONFIGURED, (ASK_TIME, NEGOTIATE))
+        assert move(state, TOPICS_REQUESTED) == Move(CONFIGURED, (ASK_TIME, NEGOTIATE))
         assert move(state, MESSAGE) == Move(state, (DELIVER,))
     assert move(WAITING, OTHER_VERSION) == Move(WAITING, (ASK_TIME,))
     assert move(CONFIGURED, OTHER_VERSION) == Move(CONFIGURED)
     assert move(CONFIGURED, TIME_DUE) == Move(CONFIGURED, (ASK_TIME,))
     assert move(WAITING, TIME_DUE) == Move(WAITING)
-    assert move(CONFIGURED, FORGOTTEN) == move(CONFIGURED, STOPPED) == Move(WAITING)
+    assert move(CONFIGURED, HOST_LOST) == move(CONFIGURED, STOP_RECEIVED) == Move(WAITING)

@@ -8,7 +8,7 @@ MOST_KEPT = 4096
 _ENOUGH = 2
 
 
-class FirstWords:
+class ConnectDiagnosis:
     """Keeps what has arrived since the port was opened, up to the first good frame."""
 
     def __init__(self) -> None:

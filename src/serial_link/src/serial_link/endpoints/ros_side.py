@@ -7,25 +7,25 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 
 import rospy
 
-from nodekit import IllegalName, Maker
+from nodekit import IllegalName, NodeScope
 from serial_link.endpoints.log_lines import LogLines
-from serial_link.endpoints.parameter_values import NotForBoards, answer_of
-from serial_link.endpoints.refused import RefusedEndpoint
+from serial_link.endpoints.parameter_values import UnsupportedValue, encode_answer
+from serial_link.endpoints.null_endpoint import NullEndpoint
 from serial_link.endpoints.services import CalledService, OfferedService
 from serial_link.endpoints.topics import PublishedTopic, SubscribedTopic
 from serial_link.endpoints.types import Malformed, TypeRefused
 from serial_link.framing.frames import LONGEST
-from serial_link.host.counts import MALFORMED, Counts
-from serial_link.link.arrivals import (
-    InStep,
+from serial_link.host.counters import MALFORMED, Counters
+from serial_link.link.events import (
+    Synced,
     LogLine,
     Message,
-    ParameterWanted,
+    ParameterRequest,
     Restarted,
     Topics,
 )
 from serial_link.link.board_link import BoardLink
-from serial_link.link.sayings import Sayings
+from serial_link.link.throttled_log import ThrottledLog
 from serial_link.negotiation.payloads import (
     PARAMETER,
     PUBLISHER,
@@ -35,7 +35,7 @@ from serial_link.negotiation.payloads import (
     Values,
     encode_values,
 )
-from serial_link.negotiation.topic_book import SERVICES, Endpoint
+from serial_link.negotiation.topic_table import SERVICES, Endpoint
 
 _LONGEST_WAIT_S, _RETRY_S, _WARN_EVERY_S = 1.0, 1.0, 10.0
 _WORDS = {
@@ -48,12 +48,12 @@ _WORDS = {
 _Key = Tuple[Any, ...]
 
 
-class BoardInRos:
+class RosSide:
     """Has in ROS what a board has told of, in a thread of its own.
 
-    :param maker: makes topics and services
+    :param scope: makes topics and services
     :param link: to the board
-    :param tally: counts what is wrong
+    :param counters: counts what is wrong
     :param timeout: returns how long a call of a service may take, s
     :param find_parameter: returns the raw value of a parameter, given its global name; None where
         there is none
@@ -61,15 +61,15 @@ class BoardInRos:
 
     def __init__(
         self,
-        maker: Maker,
+        scope: NodeScope,
         link: BoardLink,
-        tally: Counts,
+        counters: Counters,
         timeout: Callable[[], float],
         find_parameter: Callable[[str], Any],
     ) -> None:
-        self._maker, self._link, self._tally = maker, link, tally
+        self._scope, self._link, self._counters = scope, link, counters
         self._timeout, self._find_parameter = timeout, find_parameter
-        self._log = LogLines(maker, maker.name + "/board")
+        self._log = LogLines(scope, scope.name + "/board")
         #: What the board has told of since it was started; and what there is in ROS, which may be
         #: more until it has told of all.
         self._wanted: Dict[_Key, Endpoint] = {}
@@ -79,7 +79,7 @@ class BoardInRos:
         self._is_known = False
         self._asked: List[str] = []
         self._retry_at = 0.0
-        self._sayings = Sayings(_WARN_EVERY_S)
+        self._throttled_log = ThrottledLog(_WARN_EVERY_S)
         self._is_over = threading.Event()
         self._thread = threading.Thread(target=self._run, name="board", daemon=True)
 
@@ -97,9 +97,9 @@ class BoardInRos:
     def _run(self) -> None:
         while not self._is_over.is_set():
             try:
-                self._handle(self._link.inbox.fetch(_LONGEST_WAIT_S))
+                self._handle(self._link.inbox.get(_LONGEST_WAIT_S))
             except Exception:
-                self._sayings.say(rospy.logerr, traceback.format_exc(), "exception")
+                self._throttled_log.log(rospy.logerr, traceback.format_exc(), "exception")
 
     def _handle(self, arrival: Optional[Any]) -> None:
         if isinstance(arrival, Message):
@@ -112,7 +112,7 @@ class BoardInRos:
                 self._answer(name)
         elif isinstance(arrival, LogLine):
             self._log.write(*arrival)
-        elif isinstance(arrival, ParameterWanted):
+        elif isinstance(arrival, ParameterRequest):
             if self._is_known:
                 self._answer(arrival.name)
             else:
@@ -120,11 +120,11 @@ class BoardInRos:
         elif isinstance(arrival, Restarted):
             self._is_known, self._asked = False, []
             self._wanted.clear()
-            for _, one in self._open.values():
-                one.fail(arrival.why)
-        elif isinstance(arrival, InStep):
-            for _, one in self._open.values():
-                one.enter()
+            for _, endpoint_in_ros in self._open.values():
+                endpoint_in_ros.on_lost(arrival.why)
+        elif isinstance(arrival, Synced):
+            for _, endpoint_in_ros in self._open.values():
+                endpoint_in_ros.on_sync()
         if time.monotonic() > self._retry_at and not self._wanted.keys() <= self._open.keys():
             self._retry_at = time.monotonic() + _RETRY_S
             for endpoint in list(self._wanted.values()):
@@ -132,15 +132,15 @@ class BoardInRos:
 
     def _receive(self, message: Message) -> None:
         # What a board sends right after it was asked comes before all of its topics are known.
-        one = self._opened(message.endpoint)
+        endpoint_in_ros = self._opened(message.endpoint)
         try:
-            one.receive(message.payload)
+            endpoint_in_ros.receive(message.payload)
         except Malformed:
-            self._tally.add(MALFORMED)
+            self._counters.add(MALFORMED)
 
-    def _update(self, endpoints: List[Endpoint], has_all: bool) -> None:
+    def _update(self, endpoints: List[Endpoint], is_complete: bool) -> None:
         """Have what the board has now, and until it has told of all, what it had before."""
-        before = set(self._open) if has_all else self._wanted.keys() & self._open.keys()
+        before = set(self._open) if is_complete else self._wanted.keys() & self._open.keys()
         self._wanted = {_key(endpoint): endpoint for endpoint in endpoints}
         for key in before - self._wanted.keys():
             self._close(key)
@@ -148,56 +148,56 @@ class BoardInRos:
             self._opened(endpoint)
 
     def _close(self, key: _Key) -> None:
-        lifetime, _ = self._open.pop(key)
-        lifetime.close()
+        scope, _ = self._open.pop(key)
+        scope.close()
         rospy.loginfo("the board no longer %s %s", _WORDS[key[0]], key[1])
 
     def _opened(self, endpoint: Endpoint) -> Any:
         key = _key(endpoint)
         self._wanted[key] = endpoint
         if key in self._open:
-            one = self._open[key][1]
-            one.adopt(endpoint)
-            return one
+            endpoint_in_ros = self._open[key][1]
+            endpoint_in_ros.update(endpoint)
+            return endpoint_in_ros
         for other in set(self._open) - set(self._wanted):
             is_like_it = (other[0] in SERVICES) == endpoint.is_service
             if is_like_it and other[1] == endpoint.name and other[2] != endpoint.type:
                 self._close(other)  # the sketch before had another type there
-        lifetime = self._maker.lifetime()
+        scope = self._scope.create_scope()
         try:
-            one = self._made(lifetime, endpoint)
+            endpoint_in_ros = self._create(scope, endpoint)
             words = _WORDS[endpoint.kind]
             rospy.loginfo("the board %s %s (%s)", words, endpoint.name, endpoint.type)
         except (TypeRefused, IllegalName, rospy.ROSException) as error:
-            lifetime.close()
+            scope.close()
             rospy.logerr("%s is refused: %s", endpoint.name, error)
-            one = RefusedEndpoint(self._tally)
+            endpoint_in_ros = NullEndpoint(self._counters)
         except Exception:
-            lifetime.close()
+            scope.close()
             raise
-        self._open[key] = (lifetime, one)
-        return one
+        self._open[key] = (scope, endpoint_in_ros)
+        return endpoint_in_ros
 
-    def _made(self, maker: Maker, endpoint: Endpoint) -> Any:
-        link, tally = self._link, self._tally
+    def _create(self, scope: NodeScope, endpoint: Endpoint) -> Any:
+        link, counters = self._link, self._counters
         if endpoint.kind == PUBLISHER:
-            return PublishedTopic(maker, endpoint)
+            return PublishedTopic(scope, endpoint)
         if endpoint.kind == SUBSCRIBER:
-            return SubscribedTopic(maker, endpoint, link, tally)
+            return SubscribedTopic(scope, endpoint, link, counters)
         kind = OfferedService if endpoint.kind == SERVICE_SERVER else CalledService
-        return kind(maker, endpoint, link, tally, self._timeout)
+        return kind(scope, endpoint, link, counters, self._timeout)
 
     def _answer(self, name: str) -> None:
         """Send a parameter to the board; what it cannot get as nothing, so that it goes on."""
         payload = encode_values(Values())
         try:
-            resolved = self._maker.resolve(name)
+            resolved = self._scope.resolve(name)
             raw = self._find_parameter(resolved)
             if raw is None:
                 rospy.logwarn("the board asks for %s, which is not set", resolved)
             else:
-                payload = answer_of(raw, self._buffer_size())
-        except (NotForBoards, IllegalName, ConnectionError) as error:
+                payload = encode_answer(raw, self._buffer_size())
+        except (UnsupportedValue, IllegalName, ConnectionError) as error:
             rospy.logwarn("the board asks for %s: %s", name, error)
         self._link.answer(PARAMETER, payload)
 

@@ -6,7 +6,7 @@ from typing import List, NamedTuple
 _LONGEST = 80
 
 
-class Holder(NamedTuple):
+class PortUser(NamedTuple):
     """A process that has a file open."""
 
     pid: int
@@ -16,7 +16,7 @@ class Holder(NamedTuple):
         return f"process {self.pid} ({self.command})"
 
 
-def holders_of(path: str) -> List[Holder]:
+def find_port_users(path: str) -> List[PortUser]:
     """Return the other processes that have a file open, as far as this user may see them.
 
     Files are compared, not their names: a process in a container, or with another /dev/pts, may
@@ -31,7 +31,7 @@ def holders_of(path: str) -> List[Holder]:
     found = []
     for entry in os.listdir("/proc"):
         if entry.isdecimal() and int(entry) != os.getpid() and _has_open(entry, target):
-            found.append(Holder(int(entry), _command(entry)))
+            found.append(PortUser(int(entry), _command(entry)))
     return found
 
 

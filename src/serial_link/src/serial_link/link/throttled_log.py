@@ -6,7 +6,7 @@ import time
 from typing import Callable, Dict
 
 
-class Sayings:
+class ThrottledLog:
     """Logs each thing once in a while. Of rospy's throttles there is one for a line of code: of two
     topics, one would keep the other quiet.
 
@@ -18,7 +18,7 @@ class Sayings:
         self._lock = threading.Lock()
         self._said_at: Dict[str, float] = {}
 
-    def say(self, log: Callable[[str], None], text: str, about: str = "") -> None:
+    def log(self, log: Callable[[str], None], text: str, about: str = "") -> None:
         """Log a sentence, unless it was a moment ago.
 
         :param log: logs it
@@ -32,7 +32,7 @@ class Sayings:
             self._said_at[about or text] = now
         log(text)
 
-    def forget(self) -> None:
+    def reset(self) -> None:
         """Say all of it again when it happens next."""
         with self._lock:
             self._said_at.clear()

@@ -6,16 +6,16 @@ import time
 
 import pytest
 
-from serial_link.board.ends import PtyEnd
+from serial_link.board.transports import PtyTransport
 from serial_link.board.simulation import SimulatedBoard
-from serial_link.device.device import Device
+from serial_link.device.rosserial_device import Device
 
 
 def test_each_time_that_it_is_plugged_in_there_is_a_terminal_behind_the_link(
     tmp_path: pathlib.Path,
 ) -> None:
     link = tmp_path / "by-id" / "board"
-    end = PtyEnd(str(link))
+    end = PtyTransport(str(link))
     for _ in range(2):
         assert not end.is_plugged
         end.plug()
@@ -30,7 +30,7 @@ def test_a_board_that_was_closed_before_it_started_leaves_no_link(tmp_path: path
     def never(_now: float) -> Device:
         raise AssertionError("it runs")
 
-    board = SimulatedBoard(PtyEnd(str(tmp_path / "board")), 115200, never, boot_s=0.0)
+    board = SimulatedBoard(PtyTransport(str(tmp_path / "board")), 115200, never, boot_s=0.0)
     board.close()
     board.start()
     assert not (tmp_path / "board").is_symlink()
@@ -39,14 +39,14 @@ def test_a_board_that_was_closed_before_it_started_leaves_no_link(tmp_path: path
 def test_a_link_that_a_killed_board_has_left_is_replaced(tmp_path: pathlib.Path) -> None:
     link = tmp_path / "board"
     link.symlink_to("/dev/pts/none")
-    end = PtyEnd(str(link))
+    end = PtyTransport(str(link))
     end.plug()
     assert link.exists()
     end.unplug()
 
 
 def test_what_is_somebody_elses_stays(tmp_path: pathlib.Path) -> None:
-    other, late = PtyEnd(str(tmp_path / "board")), PtyEnd(str(tmp_path / "board"))
+    other, late = PtyTransport(str(tmp_path / "board")), PtyTransport(str(tmp_path / "board"))
     other.plug()
     held = os.readlink(tmp_path / "board")
     with pytest.raises(OSError, match="there is a port already, .* then remove it: '.*/board'"):
@@ -63,14 +63,14 @@ def test_a_link_of_the_user_is_in_the_users_folder(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     monkeypatch.setenv("HOME", str(tmp_path))
-    end = PtyEnd("~/.ros/board")
+    end = PtyTransport("~/.ros/board")
     end.plug()
     assert (tmp_path / ".ros" / "board").is_symlink()
     end.unplug()
 
 
 def test_nothing_raises_where_nobody_has_the_other_end(tmp_path: pathlib.Path) -> None:
-    end = PtyEnd(str(tmp_path / "board"))
+    end = PtyTransport(str(tmp_path / "board"))
     end.write(b"lost")
     assert end.read() == b""
     end.plug()
@@ -84,7 +84,7 @@ def test_nothing_raises_where_nobody_has_the_other_end(tmp_path: pathlib.Path) -
 
 def test_waiting_ends_as_soon_as_something_has_arrived(tmp_path: pathlib.Path) -> None:
     link = tmp_path / "board"
-    end = PtyEnd(str(link))
+    end = PtyTransport(str(link))
     end.plug()
     host = os.open(str(link), os.O_RDWR | os.O_NOCTTY)
     os.write(host, b"x")

@@ -1,27 +1,27 @@
 """A topic or a service of a board that there cannot be in ROS."""
 
-from serial_link.host.counts import REFUSED, Counts
-from serial_link.negotiation.topic_book import Endpoint
+from serial_link.host.counters import REFUSED, Counters
+from serial_link.negotiation.topic_table import Endpoint
 
 
-class RefusedEndpoint:
+class NullEndpoint:
     """Takes the place of what was refused: its messages are counted, and nothing else.
 
-    :param tally: counts them
+    :param counters: counts them
     """
 
-    def __init__(self, tally: Counts) -> None:
-        self._tally = tally
+    def __init__(self, counters: Counters) -> None:
+        self._counters = counters
 
-    def adopt(self, endpoint: Endpoint) -> None:
+    def update(self, endpoint: Endpoint) -> None:
         """Have another id: of no matter."""
 
     def receive(self, payload: bytes) -> None:
         """Count a message."""
-        self._tally.add(REFUSED)
+        self._counters.add(REFUSED)
 
-    def enter(self) -> None:
+    def on_sync(self) -> None:
         """Begin with a board that was started anew: nothing is to be done."""
 
-    def fail(self, why: str) -> None:
+    def on_lost(self, why: str) -> None:
         """Do without an answer: there is none."""

@@ -2,7 +2,7 @@
 
 from typing import Dict, List, NamedTuple, Protocol, Sequence, Tuple
 
-from serial_link.device import configuring
+from serial_link.device import device_states
 from serial_link.device.receiver import Receiver
 from serial_link.framing.frames import encode
 from serial_link.negotiation import payloads
@@ -21,7 +21,7 @@ from serial_link.negotiation.payloads import (
 #: The first id of what the board receives, and of what it sends.
 _FIRST_SUBSCRIBER, _FIRST_PUBLISHER = 100, 125
 #: How often it asks for the time, and how long it goes on without, s.
-TIME_EVERY_S, FORGOTTEN_S = 2.5, 11.0
+TIME_EVERY_S, HOST_LOST_S = 2.5, 11.0
 
 
 class Declared(NamedTuple):
@@ -75,7 +75,7 @@ class Device:
     :param wrong_md5: name of a topic of which it tells another md5sum, as one does whose headers
         were made from another message
 
-    :ivar state: of :mod:`.configuring`
+    :ivar state: of :mod:`.device_states`
     :ivar host_time: the time that it was told last, s
     :ivar receiver: its end of the line
     """
@@ -83,7 +83,7 @@ class Device:
     def __init__(
         self, sketch: Sketch, input_size: int = 512, output_size: int = 512, wrong_md5: str = ""
     ) -> None:
-        self.state = configuring.WAITING
+        self.state = device_states.WAITING
         self.host_time = 0.0
         self.receiver = Receiver(input_size)
         self._sketch = sketch
@@ -99,7 +99,7 @@ class Device:
     @property
     def is_configured(self) -> bool:
         """Whether the host knows its topics, so that it may publish."""
-        return self.state == configuring.CONFIGURED
+        return self.state == device_states.CONFIGURED
 
     def publish(self, name: str, payload: bytes) -> None:
         """Send a message, a request or a response; nothing while it is not configured.
@@ -114,7 +114,7 @@ class Device:
         """Send a line of the log."""
         self._send(LOG, payloads.encode_log(level, text))
 
-    def ask_parameter(self, name: str) -> None:
+    def request_parameter(self, name: str) -> None:
         """Ask for a parameter."""
         self._send(PARAMETER, payloads.encode_name(name))
 
@@ -123,21 +123,21 @@ class Device:
         before = self.receiver.other_versions
         frames = self.receiver.receive(now, data)
         for _ in range(self.receiver.other_versions - before):
-            self._handle(now, configuring.OTHER_VERSION)
+            self._handle(now, device_states.OTHER_VERSION)
         for topic_id, payload in frames:
             event = {
-                PUBLISHER: configuring.WANTED,
-                TIME: configuring.TIME_TOLD,
-                STOP: configuring.STOPPED,
-            }.get(topic_id, configuring.MESSAGE)
+                PUBLISHER: device_states.TOPICS_REQUESTED,
+                TIME: device_states.TIME_RECEIVED,
+                STOP: device_states.STOP_RECEIVED,
+            }.get(topic_id, device_states.MESSAGE)
             self._handle(now, event, topic_id, payload)
 
     def loop(self, now: float) -> None:
         """Do what is due, as one turn of an Arduino's loop does."""
-        if now - self._told_at >= FORGOTTEN_S:
-            self._handle(now, configuring.FORGOTTEN)
+        if now - self._told_at >= HOST_LOST_S:
+            self._handle(now, device_states.HOST_LOST)
         if now - self._asked_at >= TIME_EVERY_S:
-            self._handle(now, configuring.TIME_DUE)
+            self._handle(now, device_states.TIME_DUE)
         self._sketch.loop(self, now)
 
     def next_due(self, now: float) -> float:
@@ -166,21 +166,21 @@ class Device:
             number = _FIRST_SUBSCRIBER + len(self._incoming)
             self._incoming[number] = name
             info = TopicInfo(number, name, datatype, heard, self._sizes[1])
-            told_by = SUBSCRIBER if kind == SUBSCRIBER else kind + SUBSCRIBER
-            self._told.append((told_by, info))
+            info_id = SUBSCRIBER if kind == SUBSCRIBER else kind + SUBSCRIBER
+            self._told.append((info_id, info))
 
     def _handle(self, now: float, event: str, topic_id: int = 0, payload: bytes = b"") -> None:
-        self.state, actions = configuring.move(self.state, event)
-        if event == configuring.WANTED:
+        self.state, actions = device_states.move(self.state, event)
+        if event == device_states.TOPICS_REQUESTED:
             self._told_at = now
         for action in actions:
-            if action == configuring.ASK_TIME:
+            if action == device_states.ASK_TIME:
                 self._asked_at = now
                 self._send(TIME, payloads.encode_time(0, 0))
-            elif action == configuring.NEGOTIATE:
-                for told_by, info in sorted(self._told, key=lambda told: told[0] % 2):
-                    self._send(told_by, payloads.encode_topic(info))
-            elif action == configuring.SET_TIME:
+            elif action == device_states.NEGOTIATE:
+                for info_id, info in sorted(self._told, key=lambda told: told[0] % 2):
+                    self._send(info_id, payloads.encode_topic(info))
+            elif action == device_states.SET_TIME:
                 self._told_at = now
                 seconds, nanoseconds = payloads.decode_time(payload)
                 self.host_time = seconds + 1e-9 * nanoseconds

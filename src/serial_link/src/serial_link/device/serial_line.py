@@ -9,7 +9,7 @@ from typing import Deque
 _BITS = 10
 
 
-class Line:
+class SerialLine:
     """Hands over bytes at the pace of a baud rate. Time is an argument, s.
 
     :param baud: bits a second; 0 for a line that takes no time
@@ -81,7 +81,7 @@ class _Part:
         self.data, self.begin, self.taken = data, begin, 0
 
 
-def damaged(data: bytes, rate: float, source: random.Random) -> bytes:
+def add_noise(data: bytes, rate: float, source: random.Random) -> bytes:
     """Return bytes as a bad cable hands them over: some changed, some lost, some doubled.
 
     :param data: what was sent

@@ -9,9 +9,22 @@ STATES = (WAITING, CONFIGURED)
 #: Events: frames that ask for the topics, tell the time, have it stop, or carry anything else; the
 #: beginning of a frame of another version; it is time to ask for the time, or it was not told for
 #: so long that the host is gone.
-WANTED, TIME_TOLD, STOPPED, MESSAGE = "wanted", "time told", "stopped", "message"
-OTHER_VERSION, TIME_DUE, FORGOTTEN = "other version", "time due", "forgotten"
-EVENTS = (WANTED, TIME_TOLD, STOPPED, MESSAGE, OTHER_VERSION, TIME_DUE, FORGOTTEN)
+TOPICS_REQUESTED, TIME_RECEIVED, STOP_RECEIVED, MESSAGE = (
+    "topics requested",
+    "time received",
+    "stop received",
+    "message",
+)
+OTHER_VERSION, TIME_DUE, HOST_LOST = "other version", "time due", "host lost"
+EVENTS = (
+    TOPICS_REQUESTED,
+    TIME_RECEIVED,
+    STOP_RECEIVED,
+    MESSAGE,
+    OTHER_VERSION,
+    TIME_DUE,
+    HOST_LOST,
+)
 
 #: Actions, in their order.
 ASK_TIME, NEGOTIATE, SET_TIME, DELIVER = "ask time", "negotiate", "set time", "deliver"
@@ -29,16 +42,16 @@ class Move(NamedTuple):
 
 
 TABLE: Dict[Tuple[str, str], Move] = {
-    (WAITING, WANTED): Move(CONFIGURED, (ASK_TIME, NEGOTIATE)),
+    (WAITING, TOPICS_REQUESTED): Move(CONFIGURED, (ASK_TIME, NEGOTIATE)),
     (WAITING, OTHER_VERSION): Move(WAITING, (ASK_TIME,)),
-    (WAITING, TIME_TOLD): Move(WAITING, (SET_TIME,)),
+    (WAITING, TIME_RECEIVED): Move(WAITING, (SET_TIME,)),
     (WAITING, MESSAGE): Move(WAITING, (DELIVER,)),
-    (CONFIGURED, WANTED): Move(CONFIGURED, (ASK_TIME, NEGOTIATE)),
-    (CONFIGURED, TIME_TOLD): Move(CONFIGURED, (SET_TIME,)),
+    (CONFIGURED, TOPICS_REQUESTED): Move(CONFIGURED, (ASK_TIME, NEGOTIATE)),
+    (CONFIGURED, TIME_RECEIVED): Move(CONFIGURED, (SET_TIME,)),
     (CONFIGURED, MESSAGE): Move(CONFIGURED, (DELIVER,)),
-    (CONFIGURED, STOPPED): Move(WAITING),
+    (CONFIGURED, STOP_RECEIVED): Move(WAITING),
     (CONFIGURED, TIME_DUE): Move(CONFIGURED, (ASK_TIME,)),
-    (CONFIGURED, FORGOTTEN): Move(WAITING),
+    (CONFIGURED, HOST_LOST): Move(WAITING),
 }
 
 

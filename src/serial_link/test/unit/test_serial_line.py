@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from serial_link.device.line import Line, damaged
+from serial_link.device.serial_line import SerialLine, add_noise
 
 
 def test_bytes_arrive_one_by_one_at_the_pace() -> None:
-    line = Line(1000)  # a byte takes 10 ms
+    line = SerialLine(1000)  # a byte takes 10 ms
     line.put(1.0, b"abcd")
     assert line.waiting == 4 and line.next_due() == pytest.approx(1.04)
     assert line.arrived(1.005) == b""
@@ -24,7 +24,7 @@ def test_bytes_arrive_one_by_one_at_the_pace() -> None:
 
 @given(st.lists(st.tuples(st.floats(0.0, 0.5), st.binary(max_size=30)), max_size=20))
 def test_nothing_is_lost_and_nothing_is_faster_than_the_line(steps: list) -> None:
-    line, now, sent, arrived = Line(9600), 0.0, b"", b""
+    line, now, sent, arrived = SerialLine(9600), 0.0, b"", b""
     for pause, data in steps:
         now += pause
         line.put(now, data)
@@ -36,7 +36,7 @@ def test_nothing_is_lost_and_nothing_is_faster_than_the_line(steps: list) -> Non
 
 
 def test_a_line_without_a_rate_takes_no_time_and_a_cleared_one_brings_nothing() -> None:
-    line = Line(0)
+    line = SerialLine(0)
     line.put(1.0, b"abc")
     assert line.arrived(1.0) == b"abc"
     line.put(1.0, b"abc")
@@ -46,10 +46,10 @@ def test_a_line_without_a_rate_takes_no_time_and_a_cleared_one_brings_nothing() 
 
 def test_damage_is_of_three_kinds_and_of_the_given_share() -> None:
     data = b"a" * 30_000
-    assert damaged(data, 0.0, random.Random(1)) is data
-    noisy = damaged(data, 0.01, random.Random(1))
+    assert add_noise(data, 0.0, random.Random(1)) is data
+    noisy = add_noise(data, 0.01, random.Random(1))
     assert 60 <= len(noisy) - noisy.count(b"a") <= 140  # a third of 300
     assert abs(len(noisy) - len(data)) < 60
-    assert damaged(data, 0.01, random.Random(1)) == noisy
-    kinds = {len(damaged(b"a", 1.0, random.Random(seed))) for seed in range(20)}
+    assert add_noise(data, 0.01, random.Random(1)) == noisy
+    kinds = {len(add_noise(b"a", 1.0, random.Random(seed))) for seed in range(20)}
     assert kinds == {0, 1, 2}

@@ -4,8 +4,14 @@ from typing import Dict, NamedTuple, Tuple
 
 #: States: the port is not open; it is, and the board is asked for its topics; the board answers;
 #: it has said nothing for a moment; it has asked for the time in such a moment.
-CLOSED, ASKING, IN_STEP, SILENT, DOUBTED = "closed", "asking", "in step", "silent", "doubted"
-STATES = (CLOSED, ASKING, IN_STEP, SILENT, DOUBTED)
+CLOSED, NEGOTIATING, SYNCED, SILENT, PROBING = (
+    "closed",
+    "negotiating",
+    "synced",
+    "silent",
+    "probing",
+)
+STATES = (CLOSED, NEGOTIATING, SYNCED, SILENT, PROBING)
 
 #: Events: the port was opened or lost; a frame came that tells of a topic, asks for the time, or is
 #: anything else that is known, or about a topic that is not known; it is time to do something
@@ -36,27 +42,27 @@ class Move(NamedTuple):
 #: is probed: only one that waits to be asked answers, with a request for the time. The others ask
 #: for the time every 2.5 s; hence the second probe, which those do not answer.
 TABLE: Dict[Tuple[str, str], Move] = {
-    (CLOSED, OPENED): Move(ASKING, ASK),
-    (ASKING, LOST): Move(CLOSED, RESTART),
-    (ASKING, TOPIC): Move(IN_STEP),
-    (ASKING, TIME): Move(IN_STEP),
-    (ASKING, DUE): Move(ASKING, ASK),
-    (IN_STEP, LOST): Move(CLOSED, RESTART),
-    (IN_STEP, UNKNOWN): Move(IN_STEP, ASK),
-    (IN_STEP, DUE): Move(SILENT, PROBE),
+    (CLOSED, OPENED): Move(NEGOTIATING, ASK),
+    (NEGOTIATING, LOST): Move(CLOSED, RESTART),
+    (NEGOTIATING, TOPIC): Move(SYNCED),
+    (NEGOTIATING, TIME): Move(SYNCED),
+    (NEGOTIATING, DUE): Move(NEGOTIATING, ASK),
+    (SYNCED, LOST): Move(CLOSED, RESTART),
+    (SYNCED, UNKNOWN): Move(SYNCED, ASK),
+    (SYNCED, DUE): Move(SILENT, PROBE),
     (SILENT, LOST): Move(CLOSED, RESTART),
-    (SILENT, TOPIC): Move(IN_STEP),
-    (SILENT, TIME): Move(DOUBTED, PROBE),
-    (SILENT, MESSAGE): Move(IN_STEP),
-    (SILENT, UNKNOWN): Move(IN_STEP, ASK),
+    (SILENT, TOPIC): Move(SYNCED),
+    (SILENT, TIME): Move(PROBING, PROBE),
+    (SILENT, MESSAGE): Move(SYNCED),
+    (SILENT, UNKNOWN): Move(SYNCED, ASK),
     (SILENT, DUE): Move(SILENT, PROBE),
-    (SILENT, OVERDUE): Move(ASKING, RESTART),
-    (DOUBTED, LOST): Move(CLOSED, RESTART),
-    (DOUBTED, TOPIC): Move(IN_STEP),
-    (DOUBTED, TIME): Move(ASKING, RESTART),
-    (DOUBTED, MESSAGE): Move(IN_STEP),
-    (DOUBTED, UNKNOWN): Move(IN_STEP, ASK),
-    (DOUBTED, DUE): Move(SILENT, PROBE),
+    (SILENT, OVERDUE): Move(NEGOTIATING, RESTART),
+    (PROBING, LOST): Move(CLOSED, RESTART),
+    (PROBING, TOPIC): Move(SYNCED),
+    (PROBING, TIME): Move(NEGOTIATING, RESTART),
+    (PROBING, MESSAGE): Move(SYNCED),
+    (PROBING, UNKNOWN): Move(SYNCED, ASK),
+    (PROBING, DUE): Move(SILENT, PROBE),
 }
 
 

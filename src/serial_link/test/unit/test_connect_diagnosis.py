@@ -1,13 +1,13 @@
 """What a board's first words show."""
 
 from serial_link.framing.frames import PROBE, encode
-from serial_link.host.first_words import MOST_KEPT, FirstWords
+from serial_link.host.connect_diagnosis import MOST_KEPT, ConnectDiagnosis
 
 OLD = PROBE + b"\x7d\x00\x01\x00x" + bytes([255 - (0x7D + 1 + ord("x"))])
 
 
 def test_nothing_garbage_and_the_old_protocol_are_told_apart() -> None:
-    words = FirstWords()
+    words = ConnectDiagnosis()
     assert words.explain(9600).startswith("the board says nothing") and "9600" in words.explain(
         9600
     )
@@ -22,14 +22,14 @@ def test_nothing_garbage_and_the_old_protocol_are_told_apart() -> None:
 
 
 def test_what_comes_after_a_good_frame_is_not_kept() -> None:
-    words = FirstWords()
+    words = ConnectDiagnosis()
     words.add(encode(10, b""), True)
     words.add(OLD + OLD, False)
     assert words.explain(9600).startswith("the board says nothing")
 
 
 def test_only_the_latest_words_are_kept() -> None:
-    words = FirstWords()
+    words = ConnectDiagnosis()
     words.add(OLD + OLD, False)
     words.add(bytes(MOST_KEPT), False)
     assert words.explain(9600).startswith("what arrives is no message")

@@ -1,0 +1,224 @@
+"""What a board has told of, in rounds that may be damaged."""
+
+from typing import List, Optional
+
+from serial_link.negotiation.payloads import (
+    PUBLISHER,
+    SERVICE_CLIENT,
+    SERVICE_SERVER,
+    SUBSCRIBER,
+    TopicInfo,
+)
+from serial_link.negotiation.topic_table import (
+    MOST_ROUNDS,
+    MOST_TOPICS,
+    SETTLED_S,
+    Endpoint,
+    TopicTable,
+)
+
+
+def info(number: int, name: str = "", size: int = 512) -> TopicInfo:
+    return TopicInfo(number, name or f"topic_{number}", "std_msgs/Empty", "0" * 32, size)
+
+
+def names(table: TopicTable) -> List[str]:
+    return [endpoint.name for endpoint in table.endpoints()]
+
+
+def test_topics_of_either_direction_may_have_one_id() -> None:
+    table = TopicTable()
+    table.begin_round(0.0)
+    assert table.add(0.0, PUBLISHER, info(125, "out"))
+    assert table.add(0.0, SUBSCRIBER, info(125, "in"))
+    assert table.endpoints() == [
+        Endpoint(PUBLISHER, "out", "std_msgs/Empty", info(125, "out"), None),
+        Endpoint(SUBSCRIBER, "in", "std_msgs/Empty", None, info(125, "in")),
+    ]
+    assert table.incoming(125) == table.endpoints()[0]
+    assert table.incoming(126) is None
+    assert not any(endpoint.is_service for endpoint in table.endpoints())
+
+
+def test_a_service_is_known_when_both_halves_are() -> None:
+    for kind in (SERVICE_SERVER, SERVICE_CLIENT):
+        table = TopicTable()
+        table.begin_round(0.0)
+        table.add(0.0, kind + SUBSCRIBER, info(100, "call"))
+        table.add(0.0, kind + PUBLISHER, info(126, "another"))
+        assert table.endpoints() == [] and table.incoming(126) is None
+        table.add(0.0, kind + PUBLISHER, info(125, "call"))
+        expected = Endpoint(kind, "call", "std_msgs/Empty", info(125, "call"), info(100, "call"))
+        assert table.endpoints() == [expected] and expected.is_service
+        assert table.incoming(125) == expected
+
+
+def test_a_round_is_over_when_nothing_more_comes() -> None:
+    table = TopicTable()
+    assert table.is_settled and table.end_round(9.0) is None
+    table.begin_round(1.0)
+    assert not table.is_settled
+    assert table.end_round(1.0 + 0.9 * SETTLED_S) is None
+    table.add(1.15, PUBLISHER, info(125))
+    assert table.end_round(1.25) is None
+    assert table.end_round(1.15 + SETTLED_S) is True
+    assert table.is_settled and table.end_round(9.0) is None
+
+
+def test_what_a_good_round_leaves_out_is_gone_and_what_a_damaged_one_does_stays() -> None:
+    table = TopicTable()
+    table.begin_round(0.0)
+    for number in (125, 126):
+        table.add(0.0, PUBLISHER, info(number))
+    table.end_round(1.0)
+    table.begin_round(1.0)
+    table.add(1.0, PUBLISHER, info(126))
+    table.mark_damaged()
+    assert table.end_round(2.0) is False
+    assert names(table) == ["topic_125", "topic_126"]
+    table.begin_round(2.0)
+    table.add(2.0, PUBLISHER, info(126))
+    assert table.end_round(3.0) is True
+    assert names(table) == ["topic_126"]
+
+
+def test_a_board_that_tells_nothing_loses_nothing() -> None:
+    table = TopicTable()
+    table.begin_round(0.0)
+    table.add(0.0, PUBLISHER, info(125))
+    table.end_round(1.0)
+    table.begin_round(1.0)
+    assert table.end_round(2.0) is True
+    assert names(table) == ["topic_125"]
+
+
+def test_of_a_board_that_was_started_anew_only_what_it_tells_since_then_holds() -> None:
+    table = TopicTable()
+    table.mark_damaged()  # so that what is told once replaces nothing
+    for time in (0.0, 1.0):
+        table.begin_round(time)
+        for info_id in (PUBLISHER, SUBSCRIBER):
+            table.add(time, info_id, info(100, "old"))
+        table.end_round(time + 0.5)
+    assert table.is_complete and table.accepts(info(100, "old"))
+    table.reset()
+    assert not table.is_complete and not table.accepts(info(100, "old"))
+    assert table.endpoints() == [] and table.incoming(100) is None
+    table.begin_round(2.0)
+    table.add(2.0, SUBSCRIBER, info(100, "new"))
+    assert table.accepts(info(100, "new")) and not table.accepts(info(100, "old"))
+    table.mark_damaged()
+    assert table.end_round(2.5) is False and not table.is_complete
+    table.begin_round(3.0)
+    table.add(3.0, SUBSCRIBER, info(100, "new"))
+    assert table.end_round(3.5) is True and table.is_complete
+    assert names(table) == ["new"]
+
+
+def test_an_id_that_is_told_anew_is_what_was_told_last() -> None:
+    table = TopicTable()
+    table.begin_round(0.0)
+    table.add(0.0, PUBLISHER, info(125, "motor_outqut"))
+    table.mark_damaged()
+    table.end_round(1.0)
+    table.begin_round(1.0)
+    table.add(1.0, PUBLISHER, info(125, "motor_output"))
+    assert names(table) == ["motor_output"]
+
+
+def test_where_bytes_are_damaged_each_topic_has_to_be_told_twice_alike() -> None:
+    table = TopicTable()
+    table.mark_damaged()
+    told = ["motor_outqut", "motor_output", "motor_output"]
+    for time, (name, is_complete) in enumerate(zip(told, [False, False, True])):
+        table.begin_round(float(time))
+        table.add(float(time), PUBLISHER, info(125, name))
+        assert table.end_round(time + 0.5) is is_complete
+        assert names(table) == [name]
+    table.begin_round(3.0)  # what is known is told once more
+    table.add(3.0, PUBLISHER, info(125, "motor_output"))
+    assert table.end_round(3.5) is True
+
+
+def test_where_bytes_are_damaged_what_is_told_once_replaces_nothing() -> None:
+    table = TopicTable()
+    table.mark_damaged()
+    for time, name in enumerate(["old", "old", "new", "new"]):
+        table.begin_round(float(time))
+        table.add(float(time), PUBLISHER, info(125, name))
+        assert table.end_round(time + 0.5) is (time == 1)
+        assert names(table) == ["new" if time == 3 else "old"]
+    table.begin_round(4.0)
+    table.add(4.0, PUBLISHER, info(125, "new"))
+    assert table.end_round(4.5) is True
+
+
+def test_rounds_that_never_agree_come_to_an_end() -> None:
+    table, rounds = TopicTable(), 0
+    table.mark_damaged()
+    is_complete: Optional[bool] = False
+    while not is_complete:
+        table.begin_round(float(rounds))
+        table.add(float(rounds), PUBLISHER, info(125, f"topic_{rounds}"))
+        is_complete = table.end_round(rounds + 0.5)
+        rounds += 1
+    assert rounds == MOST_ROUNDS
+
+
+def test_damaged_rounds_come_to_an_end() -> None:
+    table, rounds = TopicTable(), 1
+    table.begin_round(0.0)
+    table.mark_damaged()
+    while table.end_round(float(rounds)) is False:
+        rounds += 1
+        table.begin_round(float(rounds) - 0.5)
+        table.mark_damaged()
+    assert rounds == MOST_ROUNDS
+    table.begin_round(100.0)
+    table.mark_damaged()
+    assert table.end_round(101.0) is False
+
+
+def test_rounds_that_are_broken_off_come_to_an_end_too() -> None:
+    """As by a topic that is told wrong each time, and whose messages have the board asked anew."""
+    table, rounds = TopicTable(), 0
+    table.begin_round(0.0)
+    while not table.end_round(float(rounds)) and rounds < 2 * MOST_ROUNDS:
+        table.begin_round(float(rounds))  # by a message whose id is not known
+        table.mark_damaged()
+        rounds += 1
+    assert rounds < MOST_ROUNDS
+    table.reset()
+    table.begin_round(100.0)
+    table.mark_damaged()
+    assert table.end_round(101.0) is False  # a board that was started anew is asked as often again
+
+
+def test_rounds_before_the_board_answers_do_not_count() -> None:
+    table = TopicTable()
+    for number in range(MOST_ROUNDS - 1):
+        table.begin_round(float(number), is_answering=False)
+        table.mark_damaged()
+    table.begin_round(100.0)
+    table.mark_damaged()
+    assert table.end_round(101.0) is False
+
+
+def test_there_is_a_limit_and_what_is_known_may_change_beyond_it() -> None:
+    table = TopicTable()
+    table.begin_round(0.0)
+    for number in range(MOST_TOPICS):
+        assert table.add(0.0, PUBLISHER, info(100 + number))
+    assert not table.add(0.0, PUBLISHER, info(5000))
+    assert table.add(0.0, PUBLISHER, info(100, "other"))
+    assert len(table.endpoints()) == MOST_TOPICS
+
+
+def test_longest_message_is_that_of_what_the_board_sends() -> None:
+    table = TopicTable()
+    table.begin_round(0.0)
+    assert table.longest == 0
+    table.add(0.0, SUBSCRIBER, info(100, size=900))
+    table.add(0.0, PUBLISHER, info(125, size=300))
+    table.add(0.0, PUBLISHER, info(126, size=200))
+    assert table.longest == 300

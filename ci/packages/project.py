@@ -22,7 +22,7 @@ PLACEHOLDER = re.compile(r"\.invalid\b")
 OTHERS = (
     "ci/benchmark/peers/course/package.xml",
     "docs/examples/package.xml",
-    "src/ros2_bridge/src/ros2_bridge/types/twins.py",
+    "src/ros2_bridge/src/ros2_bridge/types/ros2_interfaces.py",
 )
 MISSING = """\
 **There is no such address yet: the owner of this repository has to fill it in**, in

@@ -29,7 +29,7 @@ def wheels(workspace: Workspace) -> pathlib.Path:
     workspace.program = "ros2-wheels"
     package = workspace.root / "modules" / "ros2_bridge" / "environment"
     package.mkdir(parents=True)
-    (package / "environment.py").write_text("PYTHONS = ((3, 11), (3, 9))\n")
+    (package / "python_environment.py").write_text("PYTHONS = ((3, 11), (3, 9))\n")
     chosen = workspace.root / "src" / "ros2_bridge" / "config" / "wheels.txt"
     chosen.parent.mkdir(parents=True)
     chosen.write_text("a==1.0\n")

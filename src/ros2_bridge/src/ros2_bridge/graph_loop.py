@@ -13,17 +13,17 @@ from nodekit.master import MISSING, MasterClient
 from ros2_bridge.action_bridge.all_actions import ActionBridge
 from ros2_bridge.node_bridge import NodeBridge
 from ros2_bridge.ros1.graph import Ros1Graph, read_graph
-from ros2_bridge.ros1.nodes import Entry, NodesInRos1
+from ros2_bridge.ros1.nodes import Entry, NodeRegistrar
 from ros2_bridge.ros2.graph import Ros2Graph, Topic
-from ros2_bridge.ros2.side import Ros2
-from ros2_bridge.rules.pairing import ROSOUT, is_never_bridged
-from ros2_bridge.rules.pairs import PairBridge
+from ros2_bridge.ros2.participant import Participant
+from ros2_bridge.rules.selection import ROSOUT, is_never_bridged
+from ros2_bridge.rules.active_pairs import PairBridge
 from ros2_bridge.rules.settings import BridgeParameters, Qualities
-from ros2_bridge.rules.skipped import SkipLog
+from ros2_bridge.rules.skip_log import SkipLog
 from ros2_bridge.services import ServiceBridge
 from ros2_bridge.topics.all_topics import TopicBridge
 from ros2_bridge.topics.rosout import Rosout
-from ros2_bridge.types.types import Types
+from ros2_bridge.types.type_registry import TypeRegistry
 
 #: Time between two ticks of the loop, s, and how many of them there are to a poll.
 _TICK_S, _TICKS = 0.1, 5
@@ -49,34 +49,41 @@ class GraphLoop:
         qos = self._master.read([node.resolve("~qos")]).values[node.resolve("~qos")]
         qualities = Qualities(parameters.values.depth, None if qos is MISSING else qos)
         self._renaming = names = parameters.values.names()
-        self._side = side = Ros2(names.in_ros2(node.name) or node.name)
-        self._graph, self._skipped, types = Ros2Graph(side, names), SkipLog(), Types()
-        self._topics = TopicBridge(node, side, types, qualities, self._skipped)
+        self._participant = participant = Participant(names.in_ros2(node.name) or node.name)
+        self._graph, self._skip_log, types = (
+            Ros2Graph(participant, names),
+            SkipLog(),
+            TypeRegistry(),
+        )
+        self._topics = TopicBridge(node, participant, types, qualities, self._skip_log)
         self._nodes = NodeBridge(
             node,
-            side,
+            participant,
             self._master,
             names,
-            self._skipped,
+            self._skip_log,
             lambda: parameters.values.integers_for_doubles,
         )
         self._services = ServiceBridge(
             node,
-            side,
+            participant,
             self._poller,
             types,
-            self._skipped,
+            self._skip_log,
             lambda: parameters.values.service_timeout,
         )
         self._actions = ActionBridge(
-            node, side, types, self._skipped, lambda: parameters.values.service_timeout
+            node, participant, types, self._skip_log, lambda: parameters.values.service_timeout
         )
-        self._rosout, self._nodes_in_ros1 = Rosout(node, side, names), NodesInRos1(node.name)
+        self._rosout, self._nodes_in_ros1 = (
+            Rosout(node, participant, names),
+            NodeRegistrar(node.name),
+        )
         self._master_pid = 0
         self._ended = threading.Event()
         self._thread = threading.Thread(target=self._run, name="graph loop", daemon=True)
         self._thread.start()
-        node.before_end(self.close)
+        node.on_shutdown(self.close)
 
     def _run(self) -> None:
         tick = 0
@@ -108,7 +115,7 @@ class GraphLoop:
 
     def _poll_graphs(self) -> None:
         ros1 = self._read_ros1()
-        if self._nodes_in_ros1.take_back_left(ros1):
+        if self._nodes_in_ros1.remove_stale(ros1):
             ros1 = self._read_ros1()
         is_restarted = self._master_pid not in (0, ros1.master_pid)
         self._master_pid = ros1.master_pid
@@ -136,7 +143,7 @@ class GraphLoop:
             return
         self._nodes_in_ros1.register(entries, ros1.nodes(), is_restarted)
         self._report_nameless({*ros1.publishers, *ros1.services, *ros1.nodes()})
-        line = self._skipped.next_line(time.monotonic())
+        line = self._skip_log.next_line(time.monotonic())
         if line is not None:
             rospy.logwarn("%s", line)
 
@@ -162,11 +169,11 @@ class GraphLoop:
     def _report_nameless(self, in_ros1: Set[str]) -> None:
         for name in in_ros1:
             if self._renaming.in_ros2(name) is None and not is_never_bridged(name):
-                self._skipped.report(f"{name} of ROS 1: ~remap gives its name in ROS 2 to another")
+                self._skip_log.report(f"{name} of ROS 1: ~remap gives its name in ROS 2 to another")
         for name in self._graph.nameless:
-            self._skipped.report(f"{name} of ROS 2: ~remap gives its name in ROS 1 to another")
+            self._skip_log.report(f"{name} of ROS 2: ~remap gives its name in ROS 1 to another")
         for name in self._graph.shared_names:
-            self._skipped.report(
+            self._skip_log.report(
                 f"several nodes of ROS 2 are called {name}, or one that was killed is still listed:"
                 " the services and actions of all but one"
             )
@@ -184,7 +191,7 @@ class GraphLoop:
         """End ROS 2's side, all at once, while ROS 1's is there; rospy then ends that."""
         self._ended.set()
         self._thread.join(0.5)
-        for end in (self._actions.end_goals, self._nodes_in_ros1.close, self._side.close):
+        for end in (self._actions.end_goals, self._nodes_in_ros1.close, self._participant.close):
             try:
                 end()
             except Exception:  # what comes next is to end all the same

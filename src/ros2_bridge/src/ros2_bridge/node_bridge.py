@@ -18,13 +18,13 @@ from ros2_bridge.parameters.ros1_parameters import (
 from ros2_bridge.parameters.to_ros1 import ParametersToRos1
 from ros2_bridge.parameters.to_ros2 import ParametersToRos2
 from ros2_bridge.ros1.graph import Ros1Graph
-from ros2_bridge.ros2.side import Ros2
-from ros2_bridge.ros2.taking import Arrived
-from ros2_bridge.rules.pairing import parameter_services, ranked
-from ros2_bridge.rules.pairs import Bridged
+from ros2_bridge.ros2.participant import Participant
+from ros2_bridge.ros2.rcl_take import ReceivedMessage
+from ros2_bridge.rules.selection import parameter_services, rank_names
+from ros2_bridge.rules.active_pairs import Bridged
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.settings import Quality
-from ros2_bridge.rules.skipped import SkipLog
+from ros2_bridge.rules.skip_log import SkipLog
 
 _EVENTS = "/parameter_events"
 #: How long a node is given to describe its parameters, s. Then it counts as one that does not, and
@@ -38,7 +38,7 @@ class NodeToRos2:
 
     It stays, with the topics and services that it has, while its parameters come and go.
 
-    :param side: the bridge in ROS 2
+    :param participant: the bridge in ROS 2
     :param other: the global name that it has in ROS 2
     :param destroy: is called with it at the end
 
@@ -46,8 +46,10 @@ class NodeToRos2:
     :ivar style: how its parameters are bridged
     """
 
-    def __init__(self, side: Ros2, other: str, destroy: Callable[[Ros2Node], None]) -> None:
-        self.node, self._destroy = side.make_node(other), destroy
+    def __init__(
+        self, participant: Participant, other: str, destroy: Callable[[Ros2Node], None]
+    ) -> None:
+        self.node, self._destroy = participant.create_node(other), destroy
         self.style = "none"
         self._parameters: Optional[ParametersToRos2] = None
 
@@ -67,23 +69,28 @@ class NodeBridge:
     """Keeps the nodes as both graphs have them; all of them are known by their names in ROS 1.
 
     :param node: the bridge in ROS 1
-    :param side: the bridge in ROS 2
+    :param participant: the bridge in ROS 2
     :param client: asks the master
     :param names: what has another name in ROS 2
-    :param skipped: is told which nodes are left out
+    :param skip_log: is told which nodes are left out
     :param is_kind: tells whether a whole number is taken for a double
     """
 
     def __init__(
         self,
         node: Node,
-        side: Ros2,
+        participant: Participant,
         client: MasterClient,
         names: Renaming,
-        skipped: SkipLog,
+        skip_log: SkipLog,
         is_kind: Callable[[], bool],
     ) -> None:
-        self._node, self._side, self._client, self._skipped = node, side, client, skipped
+        self._node, self._participant, self._client, self._skip_log = (
+            node,
+            participant,
+            client,
+            skip_log,
+        )
         self._names, self._is_kind = names, is_kind
         self._to_ros2: Bridged[str, NodeToRos2] = Bridged()
         self._to_ros1: Bridged[str, ParametersToRos1] = Bridged()
@@ -92,8 +99,12 @@ class NodeBridge:
         self._leaving: List[Ros2Node] = []
         #: When each node was first seen, s on the monotonic clock.
         self._since: Dict[str, float] = {}
-        self._events = side.publisher(side.node, ParameterEvent, _EVENTS, Quality(1000))
-        side.subscribe(ParameterEvent, _EVENTS, Quality(1000), self._forward_events)
+        self._events = participant.create_publisher(
+            participant.node, ParameterEvent, _EVENTS, Quality(1000)
+        )
+        participant.create_subscription(
+            ParameterEvent, _EVENTS, Quality(1000), self._forward_events
+        )
 
     def update_nodes(
         self,
@@ -113,7 +124,7 @@ class NodeBridge:
         :param is_restarted: whether the master has forgotten everything
         """
         while self._leaving:
-            self._side.destroy_node(self._leaving.pop())
+            self._participant.destroy_node(self._leaving.pop())
         services = set(ros1.services)
         describing = {name.rpartition("/")[0] for name in parameter_services(services)}
         wanted = self._chosen(ros1.nodes() - in_ros2, describing - in_ros2, most)
@@ -124,14 +135,16 @@ class NodeBridge:
             style = "plain" if now > self._since[name] + _DESCRIBE_S else "none"
             style = "described" if name in describing else style
             style = style if parameters else "none"
-            with self._skipped.catching(name):  # ROS 2 may refuse its name
+            with self._skip_log.catching(name):  # ROS 2 may refuse its name
                 self._update_to_ros2(name, style)
         listing = {name for name in in_ros2 if f"{name}/list_parameters" in services2}
         self._update_to_ros1(listing - ros1.nodes() if parameters else set(), most, is_restarted)
 
     def _update_to_ros2(self, name: str, style: str) -> None:
         if name not in self._to_ros2:
-            self._to_ros2[name] = NodeToRos2(self._side, self._other(name), self._leaving.append)
+            self._to_ros2[name] = NodeToRos2(
+                self._participant, self._other(name), self._leaving.append
+            )
         if self._to_ros2[name].style != style:  # a managed node has them only for a time
             self._to_ros2[name].set_parameters("none", None)
             self._to_ros2[name].set_parameters(style, self._parameters(name, style))
@@ -142,7 +155,7 @@ class NodeBridge:
 
     def _chosen(self, nodes: Set[str], describing: Set[str], most: int) -> List[str]:
         """Return the nodes that appear: nodes before parts of nodes, which describe parameters."""
-        order = ranked(self._to_ros2, nodes, describing)
+        order = rank_names(self._to_ros2, nodes, describing)
         legal = [name for name in order if _LEGAL.match(self._names.in_ros2(name) or "")]
         return self._at_most(legal, most, "nodes of ROS 1")
 
@@ -151,14 +164,16 @@ class NodeBridge:
         left = len(names) - most
         if left > 0:
             some = ", ".join(names[most : most + 3]) + (f" and {left - 3} more" if left > 3 else "")
-            self._skipped.report(f"{what} beyond ~max_nodes, {most}: {some}")
+            self._skip_log.report(f"{what} beyond ~max_nodes, {most}: {some}")
         return names[:most]
 
     def offer_own_parameters(self) -> None:
         """Offer the bridge's own parameters in ROS 2, unless they are offered already."""
         if self._own is None:
             name = self._node.name
-            self._own = self._bridged(self._side.node, DescribedParameters(self._client, name))
+            self._own = self._bridged(
+                self._participant.node, DescribedParameters(self._client, name)
+            )
 
     def _parameters(self, name: str, style: str) -> Optional[ParametersToRos2]:
         """Bridge the parameters of a node of ROS 1.
@@ -172,8 +187,8 @@ class NodeBridge:
 
     def _bridged(self, node: Ros2Node, parameters: Ros1Parameters) -> ParametersToRos2:
         return ParametersToRos2(
-            self._node.lifetime(),
-            self._side,
+            self._node.create_scope(),
+            self._participant,
             node,
             self._other(parameters.name),
             parameters,
@@ -182,23 +197,23 @@ class NodeBridge:
         )
 
     def _update_to_ros1(self, nodes: Set[str], most: int, is_restarted: bool) -> None:
-        order = ranked(self._to_ros1, nodes)
+        order = rank_names(self._to_ros1, nodes)
         wanted = self._at_most(order, most, "parameters of nodes of ROS 2")
         self._to_ros1.close_missing(wanted)
         for name in wanted:
             if name not in self._to_ros1:
-                with self._skipped.catching(name):
+                with self._skip_log.catching(name):
                     self._to_ros1[name] = ParametersToRos1(
-                        self._side, self._client, name, self._other(name), self._skipped
+                        self._participant, self._client, name, self._other(name), self._skip_log
                     )
             elif is_restarted:
                 self._to_ros1[name].write_all()
             else:
                 self._to_ros1[name].retry_write_all()
 
-    def _forward_events(self, arrived: List[Arrived]) -> None:
+    def _forward_events(self, arrived: List[ReceivedMessage]) -> None:
         for one in arrived:
-            if not self._side.is_ours(one.sender):
+            if not self._participant.is_own(one.sender):
                 event = deserialize_message(one.data, ParameterEvent)
                 parameters = self._to_ros1.get(self._names.in_ros1(event.node) or "")
                 if parameters is not None:

@@ -8,17 +8,17 @@ from rclpy.node import Node as Ros2Node
 from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
-from nodekit import CallError, Node
+from nodekit import CallError, Node, ReentrantCallbackGroup
 from nodekit.master import MasterClient
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.client import NoResponse, Ros2Client
-from ros2_bridge.ros2.side import Ros2
-from ros2_bridge.rules.pairing import OWN_WAYS, Rules, Way, parameter_services, wanted
-from ros2_bridge.rules.pairs import PairBridge
-from ros2_bridge.rules.skipped import SkipLog
-from ros2_bridge.types.instructions import ConversionError
+from ros2_bridge.ros2.participant import Participant
+from ros2_bridge.rules.selection import OWN_WAYS, Rules, Way, parameter_services, wanted
+from ros2_bridge.rules.active_pairs import PairBridge
+from ros2_bridge.rules.skip_log import SkipLog
+from ros2_bridge.types.codec_ops import ConversionError
 from ros2_bridge.types.service_types import ServiceTypes
-from ros2_bridge.types.types import ServiceType, Types
+from ros2_bridge.types.type_registry import ServiceType, TypeRegistry
 
 #: Fields that say, by convention, why a service has failed.
 _WHY = ("message", "status_message", "reason")
@@ -32,7 +32,7 @@ class ServiceToRos2:
     log.
 
     :param node: the bridge in ROS 1
-    :param side: the bridge in ROS 2
+    :param participant: the bridge in ROS 2
     :param owner: node of ROS 2 that offers it
     :param name, other: its name in ROS 1 and in ROS 2
     :param timeout: returns the longest wait, s
@@ -41,7 +41,7 @@ class ServiceToRos2:
     def __init__(
         self,
         node: Node,
-        side: Ros2,
+        participant: Participant,
         owner: Ros2Node,
         name: str,
         other: str,
@@ -50,9 +50,9 @@ class ServiceToRos2:
     ) -> None:
         self.owner = owner
         self.kind, self._timeout = kind, timeout
-        self._end = side.serve(owner, kind.cls, other, self._answer)
-        self._made = node.lifetime()
-        self._client = self._made.client(name, kind.raw, group=node.group(exclusive=False))
+        self._end = participant.create_service(owner, kind.cls, other, self._answer)
+        self._scope = node.create_scope()
+        self._client = self._scope.create_client(name, kind.raw, group=ReentrantCallbackGroup())
 
     def _answer(self, request: Any, send: Callable[[Any], None]) -> None:
         """Have the service called in a thread of its own: this one is everybody's."""
@@ -86,14 +86,14 @@ class ServiceToRos2:
     def close(self) -> None:
         """End it."""
         self._end()
-        self._made.close()
+        self._scope.close()
 
 
 class ServiceToRos1:
     """A service of ROS 2, offered in ROS 1; without a response in time the caller gets an error.
 
     :param node: the bridge in ROS 1
-    :param side: the bridge in ROS 2
+    :param participant: the bridge in ROS 2
     :param name, other: its name in ROS 1 and in ROS 2
     :param timeout: returns the longest wait, s
 
@@ -103,16 +103,16 @@ class ServiceToRos1:
     def __init__(
         self,
         node: Node,
-        side: Ros2,
+        participant: Participant,
         name: str,
         other: str,
         kind: ServiceType,
         timeout: Callable[[], float],
     ) -> None:
         self.kind, self._timeout, self.server = kind, timeout, ""
-        self._client = Ros2Client(side, kind.cls, other)
-        self._made = node.lifetime()
-        self._made.service(name, kind.raw, self._answer, group=node.group(exclusive=False))
+        self._client = Ros2Client(participant, kind.cls, other)
+        self._scope = node.create_scope()
+        self._scope.create_service(name, kind.raw, self._answer, group=ReentrantCallbackGroup())
 
     def _answer(self, request: Any) -> Any:
         try:
@@ -127,7 +127,7 @@ class ServiceToRos1:
 
     def close(self) -> None:
         """End it."""
-        self._made.close()
+        self._scope.close()
         self._client.close()
 
 
@@ -138,7 +138,7 @@ class ServiceBridge(PairBridge[_Pair]):
     """Keeps the pairs of services as both graphs want them.
 
     :param node: the bridge in ROS 1
-    :param side: the bridge in ROS 2
+    :param participant: the bridge in ROS 2
     :param client: asks the master
     :param timeout: returns the longest wait for a response, s
     """
@@ -146,14 +146,19 @@ class ServiceBridge(PairBridge[_Pair]):
     def __init__(
         self,
         node: Node,
-        side: Ros2,
+        participant: Participant,
         client: MasterClient,
-        types: Types,
-        skipped: SkipLog,
+        types: TypeRegistry,
+        skip_log: SkipLog,
         timeout: Callable[[], float],
     ) -> None:
-        super().__init__(skipped)
-        self._node, self._side, self._types, self._timeout = node, side, types, timeout
+        super().__init__(skip_log)
+        self._node, self._participant, self._types, self._timeout = (
+            node,
+            participant,
+            types,
+            timeout,
+        )
         self._types1 = ServiceTypes(client)
 
     def update_services(
@@ -201,14 +206,16 @@ class ServiceBridge(PairBridge[_Pair]):
         kind = self._type(way)
         if kind is None or kind.startswith(OWN_WAYS):
             return None
-        found, node, side = self._types.service(kind), self._node, self._side
+        found, node, participant = self._types.service(kind), self._node, self._participant
         if way.to_ros2:
-            return ServiceToRos2(node, side, self._owner(way), name, other, found, self._timeout)
-        return ServiceToRos1(node, side, name, other, found, self._timeout)
+            return ServiceToRos2(
+                node, participant, self._owner(way), name, other, found, self._timeout
+            )
+        return ServiceToRos1(node, participant, name, other, found, self._timeout)
 
     def _owner(self, way: Way) -> Ros2Node:
         """Return the node that offers a service of ROS 1 in ROS 2."""
-        return self._owners.get(self._ros1.services.get(way.name, ""), self._side.node)
+        return self._owners.get(self._ros1.services.get(way.name, ""), self._participant.node)
 
     def _type(self, way: Way) -> Optional[str]:
         """Return ROS 1's name of a service's type, None where it is not known yet."""

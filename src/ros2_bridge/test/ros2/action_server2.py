@@ -35,7 +35,7 @@ class Server:
             GoTo,
             name,
             execute_callback=self._end,
-            goal_callback=self._judge,
+            goal_callback=self._validate,
             handle_accepted_callback=self._begin,
             cancel_callback=self._cancel,
             goal_service_qos_profile=many,
@@ -48,7 +48,7 @@ class Server:
     def _what(request: GoTo.Goal) -> float:
         return request.target_pose.pose.position.y
 
-    def _judge(self, request: GoTo.Goal) -> GoalResponse:
+    def _validate(self, request: GoTo.Goal) -> GoalResponse:
         is_good = self._what(request) != REJECT
         return GoalResponse.ACCEPT if is_good else GoalResponse.REJECT
 

@@ -18,7 +18,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile
 from nodekit import Subscription
 from nodekit.testing.processes import Master, Process
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
-from ros2_bridge.types.types import Types
+from ros2_bridge.types.type_registry import TypeRegistry
 
 InvalidHandle = rclpy_implementation.InvalidHandle
 SOURCES = pathlib.Path(__file__).resolve().parents[3]
@@ -40,7 +40,7 @@ class Both:
         self.executor.add_node(self.node)
         self._thread = threading.Thread(target=self._spin, daemon=True)
         self._thread.start()
-        self.types = Types()
+        self.types = TypeRegistry()
         return self
 
     def _spin(self) -> None:

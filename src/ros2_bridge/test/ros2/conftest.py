@@ -9,7 +9,7 @@ from typing import Iterator, List
 import pytest
 from domains import own_domain
 
-from ros2_bridge.environment.side_by_side import join
+from ros2_bridge.environment.module_isolation import join
 
 # Nobody else's nodes; set before rclpy is there.
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"

@@ -16,13 +16,13 @@ import nodekit
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.action_bridge import wire
 from ros2_bridge.action_bridge.all_actions import ActionBridge
-from ros2_bridge.action_bridge.server_to_ros2 import ActionToRos2
+from ros2_bridge.action_bridge.ros1_server_in_ros2 import Ros1ServerInRos2
 from ros2_bridge.actions.goal_ids import bytes_of, text_of
-from ros2_bridge.actions.goals_of_ros2 import GONE, NO_ANSWER
+from ros2_bridge.actions.ros2_goal_tracker import GONE, NO_ANSWER
 from ros2_bridge.environment.ros1_messages import GoalID
-from ros2_bridge.ros2.side import Ros2
-from ros2_bridge.rules.pairing import Way
-from ros2_bridge.rules.skipped import SkipLog
+from ros2_bridge.ros2.participant import Participant
+from ros2_bridge.rules.selection import Way
+from ros2_bridge.rules.skip_log import SkipLog
 
 
 def test_goals_are_aborted_where_the_bridge_ends(ros: both.Both) -> None:
@@ -69,21 +69,21 @@ def test_action_that_fails_keeps_no_other_from_following() -> None:
                 raise RuntimeError(self.error)
 
     nothing: Any = None
-    skipped, pairs = SkipLog(), [Pair("it is broken"), Pair("")]
-    actions = ActionBridge(nothing, nothing, nothing, skipped, lambda: 1.0)
+    skip_log, pairs = SkipLog(), [Pair("it is broken"), Pair("")]
+    actions = ActionBridge(nothing, nothing, nothing, skip_log, lambda: 1.0)
     actions.pairs.update({Way(f"/{n}", True): cast(Any, pair) for n, pair in enumerate(pairs)})
     for _ in range(2):
         actions.follow()
     assert [pair.followed for pair in pairs] == [2, 2]
-    assert skipped.next_line(0.0) == "not bridged: /0: it is broken"
+    assert skip_log.next_line(0.0) == "not bridged: /0: it is broken"
 
 
 def test_action_whose_services_fail_is_not_taken_for_offered(ros: both.Both) -> None:
     long = f"/{'a' * 229}"  # ROS 2 takes its topics, but not its services
-    node, side = nodekit.Node(), Ros2("/offering")
+    node, participant = nodekit.Node(), Participant("/offering")
     node.start()
     kind = ros.types.action("bot_controller_demo_msgs/GoTo")
-    action = ActionToRos2(node, side, side.node, long, long, kind, lambda: 1.0)
+    action = Ros1ServerInRos2(node, participant, participant.node, long, long, kind, lambda: 1.0)
 
     def fails() -> bool:
         try:
@@ -94,8 +94,8 @@ def test_action_whose_services_fail_is_not_taken_for_offered(ros: both.Both) -> 
 
     with Server1(long):
         wait_until(fails, lambda: "it is offered, or not connected")
-        assert fails() and not [topic for topic in side.topics() if long in topic]
-    for part in (action, side, node):
+        assert fails() and not [topic for topic in participant.topics() if long in topic]
+    for part in (action, participant, node):
         part.close()
 
 

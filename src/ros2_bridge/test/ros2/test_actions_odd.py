@@ -22,7 +22,7 @@ from bot_controller_demo_msgs.action import GoTo
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.action_bridge import wire
 from ros2_bridge.actions.goal_ids import text_of
-from ros2_bridge.actions.goals_of_ros2 import NO_END, NO_RESULT
+from ros2_bridge.actions.ros2_goal_tracker import NO_END, NO_RESULT
 from ros2_bridge.actions.states import Status1
 from ros2_bridge.environment.ros1_messages import GoalID, GoalStatusArray
 

@@ -9,7 +9,7 @@ from action_msgs.msg import GoalStatus
 from action_parts import Client1, Client2, Server1, Server2
 
 from nodekit.testing.waiting import wait_until
-from ros2_bridge.actions.goals_of_ros2 import GONE
+from ros2_bridge.actions.ros2_goal_tracker import GONE
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])

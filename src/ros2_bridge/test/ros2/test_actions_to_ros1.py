@@ -11,7 +11,7 @@ from action_server2 import ABORT, PERSIST, REJECT, SUCCEED, Server
 from rclpy.node import Node
 
 from nodekit.testing.waiting import wait_until
-from ros2_bridge.actions.goals_of_ros2 import REJECTED
+from ros2_bridge.actions.ros2_goal_tracker import REJECTED
 
 
 @pytest.fixture(scope="module")

@@ -21,9 +21,9 @@ from ros2_bridge import node_bridge
 from ros2_bridge.node_bridge import NodeBridge
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.graph import Ros2Graph
-from ros2_bridge.rules.pairs import Bridged
+from ros2_bridge.rules.active_pairs import Bridged
 from ros2_bridge.rules.renaming import Renaming
-from ros2_bridge.rules.skipped import SkipLog
+from ros2_bridge.rules.skip_log import SkipLog
 
 
 def test_each_side_lists_the_other_s_nodes(ros: both.Both, bridge: both.Bridge) -> None:
@@ -147,15 +147,15 @@ class FewNodes(NodeBridge):
 
     def __init__(self) -> None:
         self.log = SkipLog()
-        side: Any = SimpleNamespace(
+        participant: Any = SimpleNamespace(
             node=None,
-            publisher=lambda *_: SimpleNamespace(publish=None),
-            subscribe=lambda *_: None,
-            make_node=lambda _: object(),
+            create_publisher=lambda *_: SimpleNamespace(publish=None),
+            create_subscription=lambda *_: None,
+            create_node=lambda _: object(),
             destroy_node=id,
         )
         nothing: Any = None
-        super().__init__(nothing, side, nothing, Renaming(), self.log, bool)
+        super().__init__(nothing, participant, nothing, Renaming(), self.log, bool)
         self._to_ros2, self._to_ros1 = Bridged(1), Bridged(1)
 
     def _parameters(self, name: str, style: str) -> None:
@@ -217,7 +217,7 @@ def test_node_that_ros2_refuses_keeps_no_other_from_appearing(
         return SimpleNamespace(retry_write_all=dict, close=dict)
 
     bridge = FewNodes()
-    bridge._side.make_node = make
+    bridge._participant.create_node = make
     for _ in range(2):
         assert bridge.shown("abc") == {"/a": "none", "/c": "none"}
     assert bridge.log.next_line(0.0) == "not bridged: /b: too long"
@@ -244,7 +244,7 @@ class ManyTopics:
         self.asked += 1
         return topic != "/t150"
 
-    def is_ours(self, gid: bytes) -> bool:
+    def is_own(self, gid: bytes) -> bool:
         return gid != b"theirs"
 
     def get_topic_names_and_types(self) -> Any:
@@ -269,10 +269,10 @@ class ManyTopics:
 
 
 def test_many_topics_of_ours_are_asked_about_in_turn() -> None:
-    side: Any = ManyTopics()
-    graph, seen = Ros2Graph(side, Renaming()), []
+    participant: Any = ManyTopics()
+    graph, seen = Ros2Graph(participant, Renaming()), []
     for _ in range(8):
         seen.append("/t150" in graph.topics())
     first = seen.index(True)
     assert first < 4 and all(seen[first:])  # whoever is no node is found, and not lost again
-    assert side.asked <= 8 * 53
+    assert participant.asked <= 8 * 53

@@ -25,8 +25,8 @@ from test_topics import publisher1
 from nodekit.testing.processes import hanging
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.graph_loop import GraphLoop
-from ros2_bridge.ros1.nodes import NodesInRos1
-from ros2_bridge.ros1.one_bridge import domain
+from ros2_bridge.ros1.nodes import NodeRegistrar
+from ros2_bridge.ros1.single_instance import domain
 
 #: How long roslaunch waits for a node to end before it kills it, s: its DEFAULT_TIMEOUT_SIGINT,
 #: which cannot be imported where messages are those of ROS 2.
@@ -154,7 +154,7 @@ def test_what_a_killed_bridge_has_left_is_taken_over(ros: both.Both) -> None:
 
 
 def test_nothing_is_registered_after_the_end(ros: both.Both) -> None:
-    nodes = NodesInRos1("/ros2_bridge")
+    nodes = NodeRegistrar("/ros2_bridge")
     nodes.register({"/early": set()}, set(), False)
     assert rospy.get_master().lookupNode("/early")[0] == 1
     nodes.close()
@@ -173,10 +173,10 @@ def test_what_fails_at_the_end_leaves_the_rest_to_end() -> None:
     loop._ended, loop._thread = threading.Event(), threading.Thread()
     loop._thread.start()
     loop._actions = SimpleNamespace(end_goals=fail)
-    for part in ("nodes_in_ros1", "side"):
+    for part in ("nodes_in_ros1", "participant"):
         setattr(loop, f"_{part}", SimpleNamespace(close=partial(ended.append, part)))
     loop.close()
-    assert loop._ended.is_set() and ended == ["nodes_in_ros1", "side"]
+    assert loop._ended.is_set() and ended == ["nodes_in_ros1", "participant"]
 
 
 def test_nothing_is_lost_and_all_is_counted(ros: both.Both) -> None:

@@ -19,8 +19,8 @@ from test_topics import RCLError
 from motor_control_msgs.srv import SetProcessBool
 from my_robot_package_interfaces.srv import AddTwoInts
 from nodekit.testing.waiting import wait_until
-from ros2_bridge.ros2.side import Ros2
-from ros2_bridge.rules.pairing import Way
+from ros2_bridge.ros2.participant import Participant
+from ros2_bridge.rules.selection import Way
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.services import ServiceBridge
 from ros2_bridge.topics.all_topics import TopicBridge
@@ -191,8 +191,8 @@ def test_what_each_ros_has_for_itself_is_not_bridged() -> None:
 
 
 def test_what_fails_in_ros2_ends_no_loop(ros: both.Both, monkeypatch: "pytest.MonkeyPatch") -> None:
-    side = Ros2("/beside_the_tests")
-    loop, sends = side.calls, []
+    participant = Participant("/beside_the_tests")
+    loop, sends = participant.calls, []
     wait, failures = loop._wait, ["of ROS 2"]
 
     def fail_once(*given: Any) -> None:
@@ -205,12 +205,12 @@ def test_what_fails_in_ros2_ends_no_loop(ros: both.Both, monkeypatch: "pytest.Mo
         send(Trigger.Response(success=True))
 
     monkeypatch.setattr(loop, "_wait", fail_once)
-    owner = side.make_node("/owner")
-    end = side.serve(owner, Trigger, "/ping", answer)
+    owner = participant.create_node("/owner")
+    end = participant.create_service(owner, Trigger, "/ping", answer)
     assert ros.call2(Trigger, "/ping").success and not failures
-    side.destroy_node(owner)  # and with it what it offers, before that is ended
-    wait_until(lambda: owner not in side._nodes, lambda: "it stays")
+    participant.destroy_node(owner)  # and with it what it offers, before that is ended
+    wait_until(lambda: owner not in participant._nodes, lambda: "it stays")
     end()
     assert not loop._waitables
     sends[0](Trigger.Response())  # as one does whose answer was not ready in time
-    side.close()
+    participant.close()

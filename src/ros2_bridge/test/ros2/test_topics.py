@@ -18,14 +18,14 @@ from basic_comms.msg import SignalMsg
 from nodekit.message_definitions import parse
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.ros1.graph import Ros1Graph
-from ros2_bridge.ros2.taking import Arrived
-from ros2_bridge.rules.pairing import Rules, Way
-from ros2_bridge.rules.pairs import MISSED_POLLS, Bridged
+from ros2_bridge.ros2.rcl_take import ReceivedMessage
+from ros2_bridge.rules.selection import Rules, Way
+from ros2_bridge.rules.active_pairs import MISSED_POLLS, Bridged
 from ros2_bridge.rules.rates import RateLimit
 from ros2_bridge.rules.settings import Qualities, Quality
-from ros2_bridge.rules.skipped import SkipLog
+from ros2_bridge.rules.skip_log import SkipLog
 from ros2_bridge.topics.all_topics import TopicBridge
-from ros2_bridge.topics.one_topic import Count, Kept, TopicToRos1, TopicToRos2
+from ros2_bridge.topics.one_topic import Count, LatchedMessage, TopicToRos1, TopicToRos2
 from ros2_bridge.topics.publishers import TopicPublishers
 from ros2_bridge.types.codec import Codec
 
@@ -192,7 +192,7 @@ class Keeping:
         self.sent: List[Tuple[str, bytes]] = []
         self.made: Dict[int, Tuple[bool, str]] = {}
 
-    def publisher(self, owner: str, _: Any, __: str, quality: Quality) -> Any:
+    def create_publisher(self, owner: str, _: Any, __: str, quality: Quality) -> Any:
         made = SimpleNamespace()
         self.made[id(made)] = quality.latched, owner
 
@@ -210,105 +210,105 @@ class Keeping:
 
 
 def keeping_pair() -> Tuple[TopicPublishers, Keeping]:
-    side: Any = Keeping()
+    participant: Any = Keeping()
     kind: Any = SimpleNamespace(cls=None)
-    pair = TopicToRos2(cast(Any, None), side, "/map", "/map", kind, Qualities(9, None))
-    return pair.publishers, side
+    pair = TopicToRos2(cast(Any, None), participant, "/map", "/map", kind, Qualities(9, None))
+    return pair.publishers, participant
 
 
 def test_what_gone_nodes_have_latched_is_forgotten() -> None:
-    publishers, side = keeping_pair()
+    publishers, participant = keeping_pair()
     publishers.publish("/first", b"0", True)
     for number in range(1, 10):  # each from a node with a name of its own
         publishers.publish(f"/rostopic_{number}", b"%d" % number, True)
         for _ in range(4):
             publishers.update_publishers({"/first", f"/rostopic_{number}"}, {}, True)
-    assert sorted(side.last.values()) == [b"0", b"9"]
+    assert sorted(participant.last.values()) == [b"0", b"9"]
     publishers.update_publishers(
         {"/first"}, {}, True
     )  # a poll that began before the other one came
     publishers.publish("/another", b"10", True)
     for _ in range(9):
         publishers.update_publishers(set(), {}, True)  # the master has been restarted
-    assert sorted(side.last.values()) == [b"0", b"10", b"9"]
+    assert sorted(participant.last.values()) == [b"0", b"10", b"9"]
     publishers.close()
-    assert not side.made
+    assert not participant.made
 
 
 def test_what_is_latched_often_leaves_what_another_node_has_latched() -> None:
-    publishers, side = keeping_pair()
+    publishers, participant = keeping_pair()
     publishers.publish("/seldom", b"a", True)
     for number in range(9):
         publishers.publish("/often", b"%d" % number, True)
-    assert sorted(side.last.values()) == [b"8", b"a"]
-    assert all(is_latched for is_latched, _ in side.made.values())
+    assert sorted(participant.last.values()) == [b"8", b"a"]
+    assert all(is_latched for is_latched, _ in participant.made.values())
 
 
 def test_what_is_not_latched_is_not_kept_where_something_is() -> None:
-    publishers, side = keeping_pair()
+    publishers, participant = keeping_pair()
     publishers.publish("/map_server", b"a", True)
     publishers.publish("/plain", b"b", False)
     publishers.publish("/another", b"c", True)
-    kept = {side.last[one]: is_latched for one, (is_latched, _) in side.made.items()}
+    kept = {participant.last[one]: is_latched for one, (is_latched, _) in participant.made.items()}
     assert kept == {b"a": True, b"b": False, b"c": True}
 
 
 def test_each_node_publishes_what_comes_from_it() -> None:
-    publishers, side = keeping_pair()
+    publishers, participant = keeping_pair()
     nodes: Any = {"/left": "left", "/right": "right"}
     publishers.update_publishers({"/left", "/hidden"}, nodes, True)
-    assert sorted(owner for _, owner in side.made.values()) == ["bridge", "left"]
+    assert sorted(owner for _, owner in participant.made.values()) == ["bridge", "left"]
     publishers.publish("/hidden", b"1", False)
     publishers.publish("/right", b"2", False)  # no poll has seen it yet
     publishers.update_publishers({"/left", "/right"}, nodes, True)
     publishers.publish("/left", b"3", False)
     publishers.publish("/right", b"4", False)
-    assert side.sent == [("bridge", b"1"), ("bridge", b"2"), ("left", b"3"), ("right", b"4")]
+    assert participant.sent == [("bridge", b"1"), ("bridge", b"2"), ("left", b"3"), ("right", b"4")]
     for _ in range(4):
         publishers.update_publishers({"/left", "/right"}, nodes, True)
-    assert sorted(owner for _, owner in side.made.values()) == ["left", "right"]
+    assert sorted(owner for _, owner in participant.made.values()) == ["left", "right"]
 
 
 def test_what_is_latched_moves_to_its_node_while_nobody_hears_it() -> None:
-    publishers, side = keeping_pair()
+    publishers, participant = keeping_pair()
     publishers.publish("/map_server", b"a", True)  # before a poll has seen it
     nodes: Any = {"/map_server": "map_server"}
     publishers.update_publishers({"/map_server"}, nodes, True)
-    assert side.sent == [("bridge", b"a")]  # or whoever hears it would get it twice
+    assert participant.sent == [("bridge", b"a")]  # or whoever hears it would get it twice
     publishers.update_publishers({"/map_server"}, nodes, False)
-    assert list(side.made.values()) == [(True, "map_server")]
-    assert list(side.last.values()) == [b"a"]
+    assert list(participant.made.values()) == [(True, "map_server")]
+    assert list(participant.last.values()) == [b"a"]
     publishers.update_publishers({"/map_server"}, {}, True)  # it does not appear any longer
-    assert list(side.made.values()) == [(True, "bridge")]
-    assert list(side.last.values()) == [b"a"]
+    assert list(participant.made.values()) == [(True, "bridge")]
+    assert list(participant.last.values()) == [b"a"]
     publishers.publish("/map_server", b"b", False)  # started anew, and latches no longer
     publishers.update_publishers({"/map_server"}, nodes, True)
-    assert list(side.made.values()) == [(False, "map_server")]
-    assert side.sent[-1] == ("bridge", b"b")
+    assert list(participant.made.values()) == [(False, "map_server")]
+    assert participant.sent[-1] == ("bridge", b"b")
 
 
 def test_a_first_latched_message_waits_for_its_publisher_to_be_known(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
-    publishers, side = keeping_pair()
+    publishers, participant = keeping_pair()
     waits: List[Any] = []
 
     def sleep(_: float) -> None:
-        waits.append((list(side.made.values()), list(side.sent)))
+        waits.append((list(participant.made.values()), list(participant.sent)))
         publishers.publish("/plain", b"meanwhile", False)
 
     monkeypatch.setattr("ros2_bridge.topics.publishers.time", SimpleNamespace(sleep=sleep))
     for data in (b"a", b"b"):
         publishers.publish("/map_server", data, True)
     assert waits == [([(True, "bridge")], [])]
-    assert [data for _, data in side.sent] == [b"meanwhile", b"a", b"b"]
+    assert [data for _, data in participant.sent] == [b"meanwhile", b"a", b"b"]
 
 
 def test_what_does_not_arrive_from_ros2_is_counted() -> None:
     pair: Any = TopicToRos1.__new__(TopicToRos1)
     pair.topic, pair.count, pair._seq, pair._last = "/quick", Count(), 0, {}
     pair._found, pair.limit = SimpleNamespace(latched=False), RateLimit()
-    pair._side = SimpleNamespace(is_ours=lambda sender: sender == b"ours")
+    pair._participant = SimpleNamespace(is_own=lambda sender: sender == b"ours")
     pair.kind = SimpleNamespace(raw=SimpleNamespace, codec=Codec("pkg/a", parse("pkg/a", "")))
     passed: List[Any] = []
     pair._publisher = SimpleNamespace(publish_all=passed.extend)
@@ -321,7 +321,7 @@ def test_what_does_not_arrive_from_ros2_is_counted() -> None:
         (good, b"b", 9),
         (good, b"ours", 1),
     ]
-    pair._forward(False, [Arrived(*one) for one in arrived])
+    pair._forward(False, [ReceivedMessage(*one) for one in arrived])
     assert vars(pair.count) == {"passed": 4, "lost": 3, "refused": 1, "thinned": 0}
     assert len(passed) == 4
 
@@ -331,7 +331,7 @@ def test_what_one_gone_node_of_ros2_has_latched_is_forgotten_and_the_others_kept
     pair._lock, pair._kept = threading.Lock(), Bridged()
     latched: List[List[str]] = []
     pair._publisher = SimpleNamespace(latch_all=lambda messages: latched.append(list(messages)))
-    pair._keep({b"gone": Kept("one"), b"here": Kept("two")})
+    pair._keep({b"gone": LatchedMessage("one"), b"here": LatchedMessage("two")})
     for _ in range(MISSED_POLLS):
         pair.forget_all_but({b"here"})
     assert latched == [["one", "two"], ["two"]]

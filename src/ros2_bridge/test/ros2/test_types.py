@@ -18,7 +18,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from unique_identifier_msgs.msg import UUID
 
 from ros2_bridge.actions.status_list import Listed, read_list, write_list
-from ros2_bridge.types.types import Types, Unbridgeable, package_folder
+from ros2_bridge.types.type_registry import TypeRegistry, Unbridgeable, package_folder
 
 PACKAGES = (
     "std_msgs std_srvs geometry_msgs nav_msgs sensor_msgs diagnostic_msgs rosgraph_msgs tf2_msgs"
@@ -102,16 +102,16 @@ def judge(codec: Any, cls: Any, name: str, genpy_class: Any = None) -> None:
 def test_message_is_the_same_in_both(name: str) -> None:
     if name in DIFFERENT:
         with pytest.raises(Unbridgeable, match="differs between ROS 1 and ROS 2: .* has field"):
-            Types().message(name)
+            TypeRegistry().message(name)
         return
-    kind = Types().message(name)
+    kind = TypeRegistry().message(name)
     classes = genpy.dynamic.generate_dynamic(name, kind.raw._full_text)
     judge(kind.codec, kind.cls, name, classes[name])
 
 
 @pytest.mark.parametrize("name", names("srv"))
 def test_service_is_the_same_in_both(name: str) -> None:
-    kind = Types().service(name)
+    kind = TypeRegistry().service(name)
     judge(kind.request, kind.cls.Request, name)
     judge(kind.response, kind.cls.Response, name)
 
@@ -124,7 +124,7 @@ def test_what_ros1_alone_has_is_said_to_be_missing_in_ros2(
     of_ros1 = SimpleNamespace(Marker=type("Marker", (), {"_md5sum": ""}))
     monkeypatch.setitem(sys.modules, "visualization_msgs.msg", of_ros1)
     with pytest.raises(Unbridgeable) as caught:
-        Types().message(name)
+        TypeRegistry().message(name)
     missing = f"{name} needs {package}/msg/{base}, which is not installed in ROS 2"
     assert str(caught.value) == missing
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from nodekit.message_definitions import Fields, parse
 from ros2_bridge.types.codec import Codec
-from ros2_bridge.types.instructions import ConversionError
+from ros2_bridge.types.codec_ops import ConversionError
 
 SEPARATOR = "\n" + "=" * 80 + "\n"
 HEADER = SEPARATOR + "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"

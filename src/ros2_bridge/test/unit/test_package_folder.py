@@ -5,19 +5,19 @@ import pathlib
 import pytest
 import rospkg
 
-from ros2_bridge.types import types
+from ros2_bridge.types import type_registry
 
 
 def test_definitions_without_a_package_are_found(
     monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path
 ) -> None:
-    monkeypatch.setattr(types, "SHARE", tmp_path)
+    monkeypatch.setattr(type_registry, "SHARE", tmp_path)
     (tmp_path / "only_text_msgs" / "srv").mkdir(parents=True)
     (tmp_path / "no_definitions").mkdir()
     packages = rospkg.RosPack()
-    assert types.package_folder(packages, "only_text_msgs") == tmp_path / "only_text_msgs"
-    assert types.package_folder(packages, "no_definitions") is None
+    assert type_registry.package_folder(packages, "only_text_msgs") == tmp_path / "only_text_msgs"
+    assert type_registry.package_folder(packages, "no_definitions") is None
     # A package that there is comes first.
     (tmp_path / "nodekit_msgs" / "srv").mkdir(parents=True)
-    found = types.package_folder(packages, "nodekit_msgs")
+    found = type_registry.package_folder(packages, "nodekit_msgs")
     assert found == pathlib.Path(packages.get_path("nodekit_msgs"))

@@ -9,7 +9,7 @@ import pytest
 
 from nodekit import ParameterError, describe
 from ros2_bridge.environment.start import find, python_path
-from ros2_bridge.rules.pairing import Rules
+from ros2_bridge.rules.selection import Rules
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.settings import BridgeParameters, Qualities, Quality
 

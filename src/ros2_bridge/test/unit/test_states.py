@@ -13,6 +13,7 @@ from ros2_bridge.actions.states import (
     TO_ROS2,
     Status1,
     Status2,
+    matches_cancel_request,
     nearest,
 )
 
@@ -83,3 +84,22 @@ def test_states_have_the_numbers_of_the_messages() -> None:
     assert numbers == set(range(10))
     assert names(Status1)[2:6] == ["PREEMPTED", "SUCCEEDED", "ABORTED", "REJECTED"]
     assert names(Status2)[1:6] == ["ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANCELED"]
+
+
+@pytest.mark.parametrize(
+    "wanted, until, meant",
+    [
+        ("", 0, ["a", "b", "c"]),
+        ("b", 0, ["b"]),
+        ("", 1, ["a"]),
+        ("", 2, ["a", "b"]),
+        ("c", 1, ["a", "c"]),
+        ("x", 0, []),
+        ("x", 2, ["a", "b"]),
+    ],
+)
+def test_goals_are_meant_by_id_and_by_time(wanted: str, until: int, meant: "list[str]") -> None:
+    stamps = {"a": 1, "b": 2, "c": 3}
+    assert [
+        one for one in stamps if matches_cancel_request(one, stamps[one], wanted, until)
+    ] == meant

@@ -6,37 +6,42 @@ from rclpy.node import Node as Ros2Node
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from nodekit import Node
-from ros2_bridge.action_bridge.server_to_ros1 import ActionToRos1
-from ros2_bridge.action_bridge.server_to_ros2 import ActionToRos2
-from ros2_bridge.actions.finding import Server, servers_in_ros1, servers_in_ros2
+from ros2_bridge.action_bridge.ros2_server_in_ros1 import Ros2ServerInRos1
+from ros2_bridge.action_bridge.ros1_server_in_ros2 import Ros1ServerInRos2
+from ros2_bridge.actions.discovery import Server, servers_in_ros1, servers_in_ros2
 from ros2_bridge.ros1.graph import Ros1Graph
-from ros2_bridge.ros2.side import Ros2
-from ros2_bridge.rules.pairing import Rules, Way, wanted
-from ros2_bridge.rules.pairs import PairBridge
-from ros2_bridge.rules.skipped import SkipLog
-from ros2_bridge.types.types import Types
+from ros2_bridge.ros2.participant import Participant
+from ros2_bridge.rules.selection import Rules, Way, wanted
+from ros2_bridge.rules.active_pairs import PairBridge
+from ros2_bridge.rules.skip_log import SkipLog
+from ros2_bridge.types.type_registry import TypeRegistry
 
-_Pair = Union[ActionToRos1, ActionToRos2]
+_Pair = Union[Ros2ServerInRos1, Ros1ServerInRos2]
 
 
 class ActionBridge(PairBridge[_Pair]):
     """Keeps the pairs of actions as both graphs want them.
 
     :param node: the bridge in ROS 1
-    :param side: the bridge in ROS 2
+    :param participant: the bridge in ROS 2
     :param timeout: returns the longest wait for a server's word, s
     """
 
     def __init__(
         self,
         node: Node,
-        side: Ros2,
-        types: Types,
-        skipped: SkipLog,
+        participant: Participant,
+        types: TypeRegistry,
+        skip_log: SkipLog,
         timeout: Callable[[], float],
     ) -> None:
-        super().__init__(skipped)
-        self._node, self._side, self._types, self._timeout = node, side, types, timeout
+        super().__init__(skip_log)
+        self._node, self._participant, self._types, self._timeout = (
+            node,
+            participant,
+            types,
+            timeout,
+        )
 
     def update_actions(
         self,
@@ -58,7 +63,7 @@ class ActionBridge(PairBridge[_Pair]):
         in_ros1, in_ros2 = set(self._ros1), set(self._ros2) - {""}
         # A name that both sides have is not served for the other.
         for name in sorted(filter(rules.allows, in_ros1 & in_ros2)):
-            self._skipped.report(
+            self._skip_log.report(
                 f"{name}: both ROSes list a server of this action; of one that was killed, ROS 2 is"
                 " rid within 20 s, and ROS 1 after `rosnode cleanup`"
             )
@@ -68,7 +73,7 @@ class ActionBridge(PairBridge[_Pair]):
     def follow(self) -> None:
         """Have each pair follow its server."""
         for way, pair in list(self.pairs.items()):
-            with self._skipped.catching(way.name):
+            with self._skip_log.catching(way.name):
                 pair.follow()
 
     def end_goals(self) -> None:
@@ -80,7 +85,7 @@ class ActionBridge(PairBridge[_Pair]):
         return self._type(way) == pair.kind.ros1
 
     def _is_as_begun(self, way: Way, pair: _Pair) -> bool:
-        return isinstance(pair, ActionToRos1) or pair.owner is self._owner(way)
+        return isinstance(pair, Ros2ServerInRos1) or pair.owner is self._owner(way)
 
     def _begin(self, way: Way) -> Optional[_Pair]:
         name, other = way.name, self._names.in_ros2(way.name) or way.name
@@ -88,12 +93,14 @@ class ActionBridge(PairBridge[_Pair]):
         kind = self._types.action(self._type(way))
         if way.to_ros2:
             owner = self._owner(way)
-            return ActionToRos2(self._node, self._side, owner, name, other, kind, self._timeout)
-        return ActionToRos1(self._node, self._side, name, other, kind, self._timeout)
+            return Ros1ServerInRos2(
+                self._node, self._participant, owner, name, other, kind, self._timeout
+            )
+        return Ros2ServerInRos1(self._node, self._participant, name, other, kind, self._timeout)
 
     def _owner(self, way: Way) -> Ros2Node:
         """Return the node that offers an action of ROS 1 in ROS 2."""
-        return self._owners.get(self._ros1[way.name].node, self._side.node)
+        return self._owners.get(self._ros1[way.name].node, self._participant.node)
 
     def _type(self, way: Way) -> str:
         """Return ROS 1's name of an action's type."""

@@ -112,3 +112,16 @@ def nearest(
             return state
         reached += [one for one in sorted(steps.get(state, ())) if one not in reached]
     return now
+
+
+def matches_cancel_request(goal_id: str, stamp: int, wanted: str, until: int) -> bool:
+    """Tell whether a cancel request is for a goal; both ROSes have the same rule.
+
+    :param goal_id, stamp: the goal's id in ROS 1, and its start time [ns]
+    :param wanted: id of the goal to cancel, empty for none
+    :param until: goals that began until then are to be cancelled too [ns]; 0 for none. Without
+        both, all goals are
+    """
+    if not wanted and not until:
+        return True
+    return goal_id == wanted or bool(until and stamp <= until)

@@ -1,7 +1,7 @@
 """ROS 1's classes that the bridge itself uses, under names that ROS 2's cannot take away.
 
 A module of its own, as it is imported after rospy and before rclpy, while these names are still ROS
-1's: see :mod:`ros2_bridge.environment.side_by_side`.
+1's: see :mod:`ros2_bridge.environment.module_isolation`.
 """
 
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray

@@ -42,7 +42,7 @@ def main(module: str) -> None:
         os.environ["PYTHONPATH"] = python_path(sys.path)
         os.execv(python, [python, *sys.argv])
     try:
-        importlib.import_module("ros2_bridge.environment.side_by_side").join()
+        importlib.import_module("ros2_bridge.environment.module_isolation").join()
         importlib.import_module(module).main()
     except KeyboardInterrupt:
         end(0)  # Ctrl-C before rospy took over the signal

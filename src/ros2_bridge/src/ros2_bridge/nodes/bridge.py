@@ -8,10 +8,10 @@ import yaml
 from nodekit import Node, run
 from ros2_bridge.environment.ros1_messages import String, Trigger
 from ros2_bridge.graph_loop import GraphLoop
-from ros2_bridge.ros1.one_bridge import marker, refuse_second
+from ros2_bridge.ros1.single_instance import marker, exit_if_second
 from ros2_bridge.rules.settings import BridgeParameters
-from ros2_bridge.rules.skipped import Unbridgeable
-from ros2_bridge.types.types import Types, shared_types
+from ros2_bridge.rules.skip_log import Unbridgeable
+from ros2_bridge.types.type_registry import TypeRegistry, shared_types
 
 
 class Bridge:
@@ -28,11 +28,11 @@ class Bridge:
     """
 
     def __init__(self, node: Node) -> None:
-        parameters = node.parameters(BridgeParameters, exempt=("qos",))
+        parameters = node.declare_parameters(BridgeParameters, exempt=("qos",))
         self._loop = GraphLoop(node, parameters)
-        self._statistics = node.publisher("~statistics", String)
-        node.every(1.0, self._publish_statistics, steady=True)
-        node.service(marker(), Trigger, lambda _: (True, node.name))
+        self._statistics = node.create_publisher("~statistics", String)
+        node.create_timer(1.0, self._publish_statistics, steady=True)
+        node.create_service(marker(), Trigger, lambda _: (True, node.name))
 
     def _publish_statistics(self, _: float) -> None:
         if self._statistics.get_num_connections():
@@ -41,7 +41,7 @@ class Bridge:
 
 def print_pairs() -> None:
     """Print each pair of types; what has the same name and differs, on standard error."""
-    types = Types()
+    types = TypeRegistry()
     finders: Dict[str, Callable[[str], Any]] = {
         "msg": types.message,
         "srv": types.service,
@@ -62,5 +62,5 @@ def main() -> None:
     if "--print-pairs" in sys.argv:
         print_pairs()
         return
-    refuse_second()
+    exit_if_second()
     run("ros2_bridge", Bridge)

@@ -26,8 +26,8 @@ from ros2_bridge.parameters.values import (
     unfit,
 )
 from ros2_bridge.ros2.client import NoResponse, Ros2Client
-from ros2_bridge.ros2.side import Ros2
-from ros2_bridge.rules.skipped import SkipLog
+from ros2_bridge.ros2.participant import Participant
+from ros2_bridge.rules.skip_log import SkipLog
 
 #: Longest wait for the node, s.
 _TIMEOUT_S = 2.0
@@ -40,15 +40,20 @@ class ParametersToRos1:
 
     All is done by one thread, one thing after the other.
 
-    :param side: the bridge in ROS 2
+    :param participant: the bridge in ROS 2
     :param client: asks the master
     :param name, other: global name of the node in ROS 1 and in ROS 2
     """
 
     def __init__(
-        self, side: Ros2, client: MasterClient, name: str, other: str, skipped: SkipLog
+        self,
+        participant: Participant,
+        client: MasterClient,
+        name: str,
+        other: str,
+        skip_log: SkipLog,
     ) -> None:
-        self._name, self._master, self._skipped = name, client, skipped
+        self._name, self._master, self._skip_log = name, client, skip_log
         #: What the node has and the server too, by ROS 2's name, and of which kind it is there.
         self._values: Dict[str, Any] = {}
         self._kinds: Dict[str, int] = {}
@@ -61,9 +66,9 @@ class ParametersToRos1:
         self._is_closed = False
         self.write_all()
         self._followed = follow_parameter(name, self._send_soon)
-        self._list = Ros2Client(side, ListParameters, f"{other}/list_parameters")
-        self._get = Ros2Client(side, GetParameters, f"{other}/get_parameters")
-        self._set = Ros2Client(side, SetParameters, f"{other}/set_parameters")
+        self._list = Ros2Client(participant, ListParameters, f"{other}/list_parameters")
+        self._get = Ros2Client(participant, GetParameters, f"{other}/get_parameters")
+        self._set = Ros2Client(participant, SetParameters, f"{other}/set_parameters")
         threading.Thread(target=self._run, name=f"parameters of {name}", daemon=True).start()
 
     def write_all(self) -> None:
@@ -122,7 +127,7 @@ class ParametersToRos1:
             value = messages.to_plain(message)
             why = "" if value is None else unfit(name, value)
             if why:
-                self._skipped.report(f"{self._name}: {why}")
+                self._skip_log.report(f"{self._name}: {why}")
             elif value is not None:
                 self._values[name], self._kinds[name] = value, message.type
                 written[self._key(name)] = value

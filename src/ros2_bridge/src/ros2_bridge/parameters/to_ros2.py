@@ -22,11 +22,11 @@ from rcl_interfaces.srv import (
 from rclpy.node import Node as Ros2Node
 from rclpy.parameter import Parameter as Ros2Parameter
 
-from nodekit import Maker
+from nodekit import NodeScope, ReentrantCallbackGroup
 from ros2_bridge.parameters import messages
 from ros2_bridge.parameters.ros1_parameters import Parameter, Ros1Parameters, Unreadable
 from ros2_bridge.parameters.values import DOUBLE_FOR, changes, differs, flat, listed, unfit
-from ros2_bridge.ros2.side import Ros2
+from ros2_bridge.ros2.participant import Participant
 
 Type = Ros2Parameter.Type
 #: How often a node is asked whether what was set is in force or put back, and the pause, s.
@@ -36,8 +36,8 @@ _MOST_READS, _PAUSE_S = 20, 0.1
 class ParametersToRos2:
     """Answers ROS 2's services of parameters for a node of ROS 1, and publishes its changes.
 
-    :param made: makes what follows them; is closed with this
-    :param side: the bridge in ROS 2
+    :param scope: makes what follows them; is closed with this
+    :param participant: the bridge in ROS 2
     :param node: the node of ROS 2 that stands for it
     :param other: the global name that it has in ROS 2
     :param parameters: its parameters
@@ -47,8 +47,8 @@ class ParametersToRos2:
 
     def __init__(
         self,
-        made: Maker,
-        side: Ros2,
+        scope: NodeScope,
+        participant: Participant,
         node: Ros2Node,
         other: str,
         parameters: Ros1Parameters,
@@ -56,7 +56,7 @@ class ParametersToRos2:
         is_kind: Callable[[], bool],
     ) -> None:
         self._is_kind = is_kind
-        self._made, self._other, self._parameters = made, other, parameters
+        self._scope, self._other, self._parameters = scope, other, parameters
         self._publish, self._clock = publish, node.get_clock()
         self._lock = threading.Lock()
         #: Held while one reads and publishes: who has read before must not publish after.
@@ -65,7 +65,7 @@ class ParametersToRos2:
         self._server: Dict[str, Any] = {}
         self._is_known = self._is_reading = self._again = False
         self._ends = [
-            side.serve(node, cls, f"{other}/{verb}", self._beside(answer))
+            participant.create_service(node, cls, f"{other}/{verb}", self._beside(answer))
             for cls, verb, answer in (
                 (ListParameters, "list_parameters", self._list),
                 (GetParameters, "get_parameters", self._get),
@@ -76,7 +76,7 @@ class ParametersToRos2:
             )
         ]
         try:
-            made.follow(parameters.name, self._publish_soon, group=made.group(exclusive=False))
+            scope.on_parameter(parameters.name, self._publish_soon, group=ReentrantCallbackGroup())
         except BaseException:
             self.close()
             raise
@@ -207,6 +207,6 @@ class ParametersToRos2:
 
     def close(self) -> None:
         """End it."""
-        self._made.close()
+        self._scope.close()
         for end in self._ends:
             end()

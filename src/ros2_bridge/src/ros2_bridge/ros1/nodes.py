@@ -44,7 +44,7 @@ class Entry(NamedTuple):
 _EVENTS = Entry("Subscriber", "/parameter_events", "rcl_interfaces/ParameterEvent")
 
 
-class NodesInRos1:
+class NodeRegistrar:
     """Registers nodes of ROS 2 with the master, and takes them back.
 
     One thread does so; another may close it meanwhile.
@@ -69,7 +69,7 @@ class NodesInRos1:
         """The names that are registered: of nodes of ROS 2, not of ROS 1."""
         return set(self._registered)
 
-    def take_back_left(self, graph: Ros1Graph) -> bool:
+    def remove_stale(self, graph: Ros1Graph) -> bool:
         """Take back what a bridge has left behind that was killed: the master goes on to list it.
 
         :param graph: of ROS 1

@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, List
 
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 
-from ros2_bridge.ros2.side import Ros2
+from ros2_bridge.ros2.participant import Participant
 
 
 class NoResponse(Exception):
@@ -15,17 +15,17 @@ class NoResponse(Exception):
 class Ros2Client:
     """Calls one service of ROS 2, from any number of threads at a time.
 
-    :param side: the bridge in ROS 2
+    :param participant: the bridge in ROS 2
     :param cls: class of the service
     :param name: of the service
     :param depth: how many responses are kept in a burst
     """
 
-    def __init__(self, side: Ros2, cls: Any, name: str, depth: int = 10) -> None:
+    def __init__(self, participant: Participant, cls: Any, name: str, depth: int = 10) -> None:
         self._cls, self._name = cls, name
         self._lock = threading.Lock()
         self._waiting: Dict[int, Callable[[Any], None]] = {}
-        self._client, self.close = side.client(cls, name, self._receive, depth)
+        self._client, self.close = participant.create_client(cls, name, self._receive, depth)
 
     def is_ready(self) -> bool:
         """Tell whether somebody offers the service."""

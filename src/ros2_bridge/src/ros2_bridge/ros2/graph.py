@@ -6,8 +6,8 @@ from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple
 from rclpy.qos import ReliabilityPolicy
 
 from nodekit import RoundRobin
-from ros2_bridge.ros2.side import Ros2, keeps
-from ros2_bridge.rules.pairing import ROSOUT, is_never_bridged
+from ros2_bridge.ros2.participant import Participant, keeps
+from ros2_bridge.rules.selection import ROSOUT, is_never_bridged
 from ros2_bridge.rules.renaming import Renaming
 
 #: Most of our own topics whose other users a poll searches for.
@@ -40,7 +40,7 @@ class Topic(NamedTuple):
 class Ros2Graph:
     """Reads the graph, with everything by its name in ROS 1.
 
-    :param side: the bridge in ROS 2, which is left out of all that is returned
+    :param participant: the bridge in ROS 2, which is left out of all that is returned
     :param names: what has another name in ROS 2
 
     :ivar nameless: what has no name in ROS 1, as it would have another's
@@ -48,8 +48,8 @@ class Ros2Graph:
         of one only
     """
 
-    def __init__(self, side: Ros2, names: Renaming) -> None:
-        self._side, self._names = side, names
+    def __init__(self, participant: Participant, names: Renaming) -> None:
+        self._participant, self._names = participant, names
         self.nameless: Set[str] = set()
         self.shared_names: Set[str] = set()
         self._turns = RoundRobin(_TOGETHER)
@@ -74,8 +74,8 @@ class Ros2Graph:
         """Return the topics that others use."""
         found = {}
         for name in self._used():
-            publishers = self._others(self._side.node.get_publishers_info_by_topic(name))
-            subscribers = self._others(self._side.node.get_subscriptions_info_by_topic(name))
+            publishers = self._others(self._participant.node.get_publishers_info_by_topic(name))
+            subscribers = self._others(self._participant.node.get_subscriptions_info_by_topic(name))
             if not publishers and not subscribers:
                 continue
             offers: Dict[bool, bool] = {}
@@ -101,7 +101,7 @@ class Ros2Graph:
         not asked about each topic of ours, which may be thousands. It is asked which topics each
         node uses. Programs that use DDS without a node are found in turn.
         """
-        node, ours = self._side.node, self._side.topics()
+        node, ours = self._participant.node, self._participant.topics()
         names = {name for name, _ in node.get_topic_names_and_types()} - ours
         names |= self._shared.union(self._turns.next(sorted(ours)))
         for other in self._all_nodes():
@@ -110,15 +110,17 @@ class Ros2Graph:
                 node.get_subscriber_names_and_types_by_node,
             ):
                 names.update(name for name, _ in _asked(ask, other))
-        used = {name for name in names if _is_of_use(name) and not self._side.is_alone_with(name)}
+        used = {
+            name for name in names if _is_of_use(name) and not self._participant.is_alone_with(name)
+        }
         self._shared = used & ours
         return used
 
     def _all_nodes(self) -> Set[str]:
         """Return the names in ROS 2 of all nodes that are not ours."""
-        names = self._side.node.get_node_names_and_namespaces()
+        names = self._participant.node.get_node_names_and_namespaces()
         found = collections.Counter(f"{space.rstrip('/')}/{name}" for name, space in names)
-        own = self._side.own_names()
+        own = self._participant.own_names()
         self.shared_names.update(
             name for name, count in found.items() if count > 1 and not _is_hidden(name)
         )
@@ -126,7 +128,7 @@ class Ros2Graph:
         return set(found) - own
 
     def _others(self, endpoints: List[Any]) -> List[Any]:
-        return [one for one in endpoints if not self._side.is_ours(bytes(one.endpoint_gid))]
+        return [one for one in endpoints if not self._participant.is_own(bytes(one.endpoint_gid))]
 
     def nodes(self) -> Set[str]:
         """Return the names of the nodes that are not ours."""
@@ -137,7 +139,7 @@ class Ros2Graph:
         """Return type and node of each service that some nodes of ROS 2 offer."""
         found = {}
         for node in sorted(nodes):  # of several servers of a name, always the same one counts
-            ask = self._side.node.get_service_names_and_types_by_node
+            ask = self._participant.node.get_service_names_and_types_by_node
             for name, types in _asked(ask, self._names.in_ros2(node) or node):
                 name_in_ros1 = self._named(name)
                 if name_in_ros1 is not None:

@@ -44,10 +44,10 @@ class WaitLoop:
         self._context = context
         self._lock = threading.Lock()
         self._waitables: Dict[int, Waitable] = {}
-        self._between: List[Callable[[], None]] = []
+        self._pending_calls: List[Callable[[], None]] = []
         self._changed, self._ended = True, False
         with context.handle:
-            self._bell = _rclpy.GuardCondition(context.handle)
+            self._wake_up = _rclpy.GuardCondition(context.handle)
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
         self._thread.start()
 
@@ -56,7 +56,7 @@ class WaitLoop:
         with self._lock:
             self._waitables[id(waitable.entity)] = waitable
             self._changed = True
-        self._ring()
+        self._trigger()
 
     def remove(self, waitable: Waitable, destroy: Callable[[], None]) -> None:
         """Wait for something no longer.
@@ -65,25 +65,25 @@ class WaitLoop:
         """
         with self._lock:
             self._waitables.pop(id(waitable.entity), None)
-        self.run_between_waits(destroy)
+        self.call_between_waits(destroy)
 
-    def run_between_waits(self, function: Callable[[], None]) -> None:
+    def call_between_waits(self, function: Callable[[], None]) -> None:
         """Call a function in the loop's thread, at a moment when that waits for nothing."""
         with self._lock:
-            self._between.append(function)
+            self._pending_calls.append(function)
             self._changed = True
-        self._ring()
+        self._trigger()
 
     def close(self) -> None:
         """End the thread, and wait for that."""
         self._ended = True
-        self._ring()
+        self._trigger()
         if threading.current_thread() is not self._thread:
             self._thread.join(1.0)
 
-    def _ring(self) -> None:
-        with self._bell:
-            self._bell.trigger_guard_condition()
+    def _trigger(self) -> None:
+        with self._wake_up:
+            self._wake_up.trigger_guard_condition()
 
     def _run(self) -> None:
         while not self._ended:
@@ -93,7 +93,7 @@ class WaitLoop:
     def _wait_until_changed(self) -> None:
         with self._lock:
             waitables = list(self._waitables.values())
-            between, self._between = self._between, []
+            between, self._pending_calls = self._pending_calls, []
             self._changed = False
         for function in between:
             _guarded(function)
@@ -108,7 +108,7 @@ class WaitLoop:
         """Build a wait set; what it waits for is held, so that nobody destroys it meanwhile."""
         by_kind = []
         held.enter_context(self._context.handle)
-        held.enter_context(self._bell)
+        held.enter_context(self._wake_up)
         for kind in _KINDS:
             mine = {}
             for waitable in waitables:
@@ -132,7 +132,7 @@ class WaitLoop:
 
     def _wait(self, wait_set: Any, by_kind: List[Tuple[str, Any, Dict[int, Waitable]]]) -> None:
         wait_set.clear_entities()
-        wait_set.add_guard_condition(self._bell)
+        wait_set.add_guard_condition(self._wake_up)
         for _, add, mine in by_kind:
             for waitable in mine.values():
                 add(waitable.entity.handle)

@@ -15,7 +15,7 @@ from nodekit import (
     read_once,
     rule,
 )
-from ros2_bridge.rules.pairing import Rules
+from ros2_bridge.rules.selection import Rules
 from ros2_bridge.rules.rates import MaxRates
 from ros2_bridge.rules.renaming import Renaming
 
@@ -138,7 +138,7 @@ class Qualities:
             if not isinstance(choice, dict) or not isinstance(choice.get("topic"), str):
                 raise ParameterError("qos", choice, "a list of mappings, each with a topic")
             for name, value in choice.items():
-                _judge(choice["topic"], name, value)
+                _validate(choice["topic"], name, value)
             self._chosen.append(choice)
 
     def of(
@@ -164,7 +164,7 @@ class Qualities:
         return Quality(int(choice.get("depth", depth)), latched, best_effort)
 
 
-def _judge(topic: str, name: str, value: Any) -> None:
+def _validate(topic: str, name: str, value: Any) -> None:
     allowed = Qualities.ALLOWED.get(name)
     if allowed is not None:
         is_good, words = value in allowed, f"one of {', '.join(allowed)}"

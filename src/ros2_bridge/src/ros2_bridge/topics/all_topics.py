@@ -7,16 +7,16 @@ from rclpy.node import Node as Ros2Node
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
 from nodekit import Node
-from ros2_bridge.actions.finding import is_of_action
+from ros2_bridge.actions.discovery import is_of_action
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.graph import Topic
-from ros2_bridge.ros2.side import Ros2
-from ros2_bridge.rules.pairing import OWN_WAYS, Rules, Way, wanted
-from ros2_bridge.rules.pairs import PairBridge, for_all
+from ros2_bridge.ros2.participant import Participant
+from ros2_bridge.rules.selection import OWN_WAYS, Rules, Way, wanted
+from ros2_bridge.rules.active_pairs import PairBridge, for_all
 from ros2_bridge.rules.settings import Qualities
-from ros2_bridge.rules.skipped import SkipLog, Unbridgeable
+from ros2_bridge.rules.skip_log import SkipLog, Unbridgeable
 from ros2_bridge.topics.one_topic import Count, TopicToRos1, TopicToRos2
-from ros2_bridge.types.types import MessageType, Types
+from ros2_bridge.types.type_registry import MessageType, TypeRegistry
 
 _Pair = Union[TopicToRos1, TopicToRos2]
 
@@ -25,14 +25,24 @@ class TopicBridge(PairBridge[_Pair]):
     """Keeps the pairs of topics as both graphs want them.
 
     :param node: the bridge in ROS 1
-    :param side: the bridge in ROS 2
+    :param participant: the bridge in ROS 2
     """
 
     def __init__(
-        self, node: Node, side: Ros2, types: Types, qualities: Qualities, skipped: SkipLog
+        self,
+        node: Node,
+        participant: Participant,
+        types: TypeRegistry,
+        qualities: Qualities,
+        skip_log: SkipLog,
     ) -> None:
-        super().__init__(skipped)
-        self._node, self._side, self._types, self._qualities = node, side, types, qualities
+        super().__init__(skip_log)
+        self._node, self._participant, self._types, self._qualities = (
+            node,
+            participant,
+            types,
+            qualities,
+        )
 
     def update_topics(
         self,
@@ -87,12 +97,12 @@ class TopicBridge(PairBridge[_Pair]):
             return None
         name, other = way.name, self._rules.names.in_ros2(way.name) or way.name
         validate_full_topic_name(other)  # /robot/1 is legal in ROS 1 only
-        node, side, qualities = self._node, self._side, self._qualities
+        node, participant, qualities = self._node, self._participant, self._qualities
         if way.to_ros2:
-            pair = TopicToRos2(node, side, name, other, kind, qualities)
+            pair = TopicToRos2(node, participant, name, other, kind, qualities)
             self._update_publishers(pair)
             return pair
-        return TopicToRos1(node, side, name, other, kind, qualities, self._ros2[name])
+        return TopicToRos1(node, participant, name, other, kind, qualities, self._ros2[name])
 
     def _update_publishers(self, pair: TopicToRos2) -> None:
         callers = self._ros1.publishers.get(pair.topic, set())

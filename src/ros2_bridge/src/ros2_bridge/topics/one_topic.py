@@ -9,16 +9,16 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Set
 import rospy
 from rclpy.node import Node as Ros2Node
 
-from nodekit import Node
+from nodekit import Node, ReentrantCallbackGroup
 from ros2_bridge.ros2.graph import Topic
-from ros2_bridge.ros2.side import Ros2
-from ros2_bridge.ros2.taking import Arrived
-from ros2_bridge.rules.pairs import Bridged
+from ros2_bridge.ros2.participant import Participant
+from ros2_bridge.ros2.rcl_take import ReceivedMessage
+from ros2_bridge.rules.active_pairs import Bridged
 from ros2_bridge.rules.rates import RateLimit
 from ros2_bridge.rules.settings import Qualities, Quality
 from ros2_bridge.topics.publishers import TopicPublishers
 from ros2_bridge.types.codec import ConversionError
-from ros2_bridge.types.types import MessageType
+from ros2_bridge.types.type_registry import MessageType
 
 #: Most senders of a topic of ROS 2 whose messages are counted, until it is begun anew.
 _MOST_SENDERS = 1000
@@ -31,7 +31,7 @@ class Count:
         self.passed = self.lost = self.refused = self.thinned = 0
 
 
-class OnDemand:
+class OnDemandSubscription:
     """A subscription that is there only while it is needed.
 
     :param subscribe: makes it, and returns what ends it
@@ -50,7 +50,7 @@ class OnDemand:
             self._unsubscribe = None
 
 
-class Kept(NamedTuple):
+class LatchedMessage(NamedTuple):
     """The latest message of a latching publisher of ROS 2, as one of ROS 1."""
 
     message: Any
@@ -66,7 +66,7 @@ class TopicToRos2:
     long as something is kept for those who come later: who does is to get what is latched by then.
 
     :param node: the bridge in ROS 1
-    :param side: the bridge in ROS 2
+    :param participant: the bridge in ROS 2
     :param topic, other: name in ROS 1 and in ROS 2
 
     :ivar publishers: whoever publishes it in ROS 2
@@ -75,29 +75,29 @@ class TopicToRos2:
     def __init__(
         self,
         node: Node,
-        side: Ros2,
+        participant: Participant,
         topic: str,
         other: str,
         kind: MessageType,
         qualities: Qualities,
     ) -> None:
-        self._node, self._side, self.topic, self.kind = node, side, topic, kind
+        self._node, self._participant, self.topic, self.kind = node, participant, topic, kind
         self._other, self._qualities = other, qualities
         self.count, self.limit = Count(), RateLimit()
-        self._subscription = OnDemand(self._subscribe)
-        self.publishers = TopicPublishers(side, self._make_publisher)
+        self._subscription = OnDemandSubscription(self._subscribe)
+        self.publishers = TopicPublishers(participant, self._make_publisher)
 
     def _make_publisher(self, owner: Ros2Node, latched: bool) -> Any:
         # Of what is latched in ROS 1 there is one message.
         quality = self._qualities.of(self.topic, latched, at_least=1 if latched else 0)
-        return self._side.publisher(owner, self.kind.cls, self._other, quality)
+        return self._participant.create_publisher(owner, self.kind.cls, self._other, quality)
 
     def _subscribe(self) -> Callable[[], None]:
-        made = self._node.lifetime()
-        made.subscribe_batches(
-            self.topic, self.kind.raw, self._forward, group=made.group(exclusive=False)
+        scope = self._node.create_scope()
+        scope.create_batch_subscription(
+            self.topic, self.kind.raw, self._forward, group=ReentrantCallbackGroup()
         )
-        return made.close
+        return scope.close
 
     def forward_while(self, is_heard: bool) -> None:
         """Subscribe to the topic, or no longer, unless something of it is kept.
@@ -143,7 +143,7 @@ class TopicToRos1:
     only they match, and one for the others.
 
     :param node: the bridge in ROS 1
-    :param side: the bridge in ROS 2
+    :param participant: the bridge in ROS 2
     :param topic, other: name in ROS 1 and in ROS 2
     :param found: how others publish it
     """
@@ -151,23 +151,23 @@ class TopicToRos1:
     def __init__(
         self,
         node: Node,
-        side: Ros2,
+        participant: Participant,
         topic: str,
         other: str,
         kind: MessageType,
         qualities: Qualities,
         found: Topic,
     ) -> None:
-        self._side, self.topic, self._other, self.kind = side, topic, other, kind
+        self._participant, self.topic, self._other, self.kind = participant, topic, other, kind
         self._qualities, self._found = qualities, found
         self._wanted = self._wanted_qualities()
         self.count, self.limit = Count(), RateLimit()
         self._seq = 0
         self._last: Dict[bytes, int] = {}
         self._lock = threading.Lock()
-        self._kept: Bridged[bytes, Kept] = Bridged()
-        self._made = node.lifetime()
-        self._publisher = self._made.publisher(topic, kind.raw, latch=found.latched)
+        self._kept: Bridged[bytes, LatchedMessage] = Bridged()
+        self._scope = node.create_scope()
+        self._publisher = self._scope.create_publisher(topic, kind.raw, latch=found.latched)
         #: What there is of the subscriptions wanted, each with what ends it.
         self._subscriptions: Dict[bool, Tuple[Quality, Callable[[], None]]] = {}
         #: Of each publisher whether it latches, as far as that was asked.
@@ -202,7 +202,9 @@ class TopicToRos1:
             if kept not in self._subscriptions:
                 self._last.clear()
                 forward = partial(self._forward, kept)
-                end = self._side.subscribe(self.kind.cls, self._other, quality, forward)
+                end = self._participant.create_subscription(
+                    self.kind.cls, self._other, quality, forward
+                )
                 self._subscriptions[kept] = quality, end
 
     def fits(self, found: Topic) -> bool:
@@ -221,18 +223,18 @@ class TopicToRos1:
 
     def _is_latched(self, sender: bytes) -> bool:
         if sender not in self._latching:
-            self._latching = self._side.latching(self._other)
+            self._latching = self._participant.latching(self._other)
         return self._latching.get(sender, False)
 
-    def _forward(self, kept: bool, arrived: List[Arrived]) -> None:
+    def _forward(self, kept: bool, arrived: List[ReceivedMessage]) -> None:
         """Publish what has come.
 
         :param kept: whether from the subscription that asks for what was before
         """
         messages = []
-        latest: Dict[bytes, Kept] = {}
+        latest: Dict[bytes, LatchedMessage] = {}
         for data, sender, number in arrived:
-            if self._side.is_ours(sender):
+            if self._participant.is_own(sender):
                 continue  # what has come from ROS 1
             is_latched = self._found.latched and (kept or self._is_latched(sender))
             if is_latched and not kept and True in self._subscriptions:
@@ -251,7 +253,7 @@ class TopicToRos1:
             self._seq += 1
             messages.append(message)
             if is_latched:
-                latest[sender] = Kept(message)
+                latest[sender] = LatchedMessage(message)
         if messages:
             if latest:
                 self._keep(latest)
@@ -261,7 +263,7 @@ class TopicToRos1:
             if self._found.latched and not latest:
                 self._keep({})  # or the last that was published would be kept
 
-    def _keep(self, latest: Mapping[bytes, Kept]) -> None:
+    def _keep(self, latest: Mapping[bytes, LatchedMessage]) -> None:
         with self._lock:
             self._kept.update(latest)
             self._publisher.latch_all([kept.message for kept in self._kept.values()])
@@ -295,4 +297,4 @@ class TopicToRos1:
     def close(self) -> None:
         """End it."""
         self._switch({})
-        self._made.close()
+        self._scope.close()

@@ -6,8 +6,8 @@ from typing import Any, Callable, Mapping, Optional, Set
 
 from rclpy.node import Node as Ros2Node
 
-from ros2_bridge.ros2.side import Ros2
-from ros2_bridge.rules.pairs import Bridged
+from ros2_bridge.ros2.participant import Participant
+from ros2_bridge.rules.active_pairs import Bridged
 
 #: How long it takes until all who subscribe know a new publisher, s.
 _KNOWN_S = 0.1
@@ -20,15 +20,17 @@ class NodePublisher:
 
     Each has its own history, which no other node's messages fill.
 
-    :param side: the bridge in ROS 2
+    :param participant: the bridge in ROS 2
     :param make: makes a publisher of a node, latched or not
     :param owner: the node of ROS 2 that publishes it
 
     :ivar is_latched: whether those get the latest message, too, who come later
     """
 
-    def __init__(self, side: Ros2, make: Callable[[Ros2Node, bool], Any], owner: Ros2Node) -> None:
-        self._side, self._make, self.owner, self.is_latched = side, make, owner, False
+    def __init__(
+        self, participant: Participant, make: Callable[[Ros2Node, bool], Any], owner: Ros2Node
+    ) -> None:
+        self._participant, self._make, self.owner, self.is_latched = participant, make, owner, False
         self._publisher, self._latest = make(owner, False), b""
 
     def latch(self, is_latched: bool) -> bool:
@@ -57,11 +59,11 @@ class NodePublisher:
     def _remake(self, owner: Ros2Node) -> None:
         before, self.owner = (self.owner, self._publisher), owner
         self._publisher = self._make(owner, self.is_latched)
-        self._side.destroy_publisher(*before)
+        self._participant.destroy_publisher(*before)
 
     def close(self) -> None:
         """Publish it no longer, and take back what is kept for those who come later."""
-        self._side.destroy_publisher(self.owner, self._publisher)
+        self._participant.destroy_publisher(self.owner, self._publisher)
 
 
 class TopicPublishers:
@@ -71,12 +73,12 @@ class TopicPublishers:
     are reliable it is sent again then. But what is latched counts as sent before for whoever asks
     for nothing that was before; so it is sent only when that is over.
 
-    :param side: the bridge in ROS 2
+    :param participant: the bridge in ROS 2
     :param make: makes a publisher of a node, latched or not
     """
 
-    def __init__(self, side: Ros2, make: Callable[[Ros2Node, bool], Any]) -> None:
-        self._side, self._make = side, make
+    def __init__(self, participant: Participant, make: Callable[[Ros2Node, bool], Any]) -> None:
+        self._participant, self._make = participant, make
         self._lock = threading.Lock()
         self._by_caller: Bridged[str, NodePublisher] = Bridged()
         self._is_closed = False
@@ -97,11 +99,11 @@ class TopicPublishers:
                 callers if owners.keys() >= callers else {*callers, _OTHERS}
             )
             for caller in sorted(callers):
-                owner = owners.get(caller, self._side.node)
+                owner = owners.get(caller, self._participant.node)
                 mine = self._by_caller.get(caller)
                 if mine is not None:
                     # Of what is latched those who hear it would get the latest once more.
-                    if not (mine.is_latched and is_heard and mine.owner is self._side.node):
+                    if not (mine.is_latched and is_heard and mine.owner is self._participant.node):
                         mine.move(owner)
                 elif caller in owners:
                     self._add(caller, owner)
@@ -109,7 +111,7 @@ class TopicPublishers:
                     self._add(_OTHERS, owner)
 
     def _add(self, caller: str, owner: Ros2Node) -> NodePublisher:
-        made = self._by_caller[caller] = NodePublisher(self._side, self._make, owner)
+        made = self._by_caller[caller] = NodePublisher(self._participant, self._make, owner)
         return made
 
     def publish(self, caller: str, data: bytes, is_latched: bool) -> None:
@@ -123,9 +125,9 @@ class TopicPublishers:
                 return
             mine = self._by_caller.get(caller)
             if mine is None and not is_latched:  # it does not appear in ROS 2, or not yet
-                mine = self._plain() or self._add(_OTHERS, self._side.node)
+                mine = self._plain() or self._add(_OTHERS, self._participant.node)
             elif mine is None:
-                mine = self._add(caller, self._side.node)
+                mine = self._add(caller, self._participant.node)
             is_unknown = mine.latch(is_latched) and is_latched
             if not is_unknown:
                 mine.publish(data)

@@ -5,14 +5,14 @@ from typing import Any, Callable, Mapping, NamedTuple
 from rcl_interfaces.msg import Log
 from rclpy.node import Node as Ros2Node
 
-from nodekit import Node
+from nodekit import Node, ReentrantCallbackGroup
 from ros2_bridge.environment.ros1_messages import Log as Ros1Log
-from ros2_bridge.ros2.side import Ros2
-from ros2_bridge.rules.pairing import ROSOUT
-from ros2_bridge.rules.pairs import Bridged
+from ros2_bridge.ros2.participant import Participant
+from ros2_bridge.rules.selection import ROSOUT
+from ros2_bridge.rules.active_pairs import Bridged
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.settings import Quality
-from ros2_bridge.topics.one_topic import OnDemand
+from ros2_bridge.topics.one_topic import OnDemandSubscription
 
 #: ROS 2's levels by ROS 1's.
 _LEVELS = {1: Log.DEBUG, 2: Log.INFO, 4: Log.WARN, 8: Log.ERROR, 16: Log.FATAL}
@@ -21,38 +21,42 @@ _LEVELS = {1: Log.DEBUG, 2: Log.INFO, 4: Log.WARN, 8: Log.ERROR, 16: Log.FATAL}
 class NodeLog(NamedTuple):
     """What publishes the lines of one node.
 
-    :param side: the bridge in ROS 2
+    :param participant: the bridge in ROS 2
     :param owner: the node of ROS 2 that publishes them
     """
 
-    side: Ros2
+    participant: Participant
     owner: Ros2Node
     publisher: Any
 
     def close(self) -> None:
         """Publish them no longer."""
-        self.side.destroy_publisher(self.owner, self.publisher)
+        self.participant.destroy_publisher(self.owner, self.publisher)
 
 
 class Rosout:
     """Forwards lines of the log, as of the nodes that they come from.
 
     :param node: the bridge in ROS 1
-    :param side: the bridge in ROS 2
+    :param participant: the bridge in ROS 2
     :param names: what has another name in ROS 2
 
     :ivar subscription: to ROS 1's log; to be switched on while ROS 2's has subscribers
     """
 
-    def __init__(self, node: Node, side: Ros2, names: Renaming) -> None:
-        self._node, self._side, self._names = node, side, names
+    def __init__(self, node: Node, participant: Participant, names: Renaming) -> None:
+        self._node, self._participant, self._names = node, participant, names
         self._logs: Bridged[str, NodeLog] = Bridged(1)
-        self._of_others = self._made_by(side.node)
-        self.subscription = OnDemand(self._subscribe)
+        self._of_others = self._made_by(participant.node)
+        self.subscription = OnDemandSubscription(self._subscribe)
 
     def _made_by(self, owner: Ros2Node) -> NodeLog:
         quality = Quality(1000, latched=True)
-        return NodeLog(self._side, owner, self._side.publisher(owner, Log, ROSOUT, quality))
+        return NodeLog(
+            self._participant,
+            owner,
+            self._participant.create_publisher(owner, Log, ROSOUT, quality),
+        )
 
     def update_nodes(self, owners: Mapping[str, Ros2Node]) -> None:
         """Have those nodes publish the log that appear in ROS 2.
@@ -67,9 +71,9 @@ class Rosout:
                 self._logs[name] = self._made_by(owner)
 
     def _subscribe(self) -> Callable[[], None]:
-        made = self._node.lifetime()
-        made.subscribe(ROSOUT, Ros1Log, self._forward, group=made.group(exclusive=False))
-        return made.close
+        scope = self._node.create_scope()
+        scope.create_subscription(ROSOUT, Ros1Log, self._forward, group=ReentrantCallbackGroup())
+        return scope.close
 
     def _forward(self, line: Any) -> None:
         log = Log(

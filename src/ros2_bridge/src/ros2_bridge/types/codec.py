@@ -11,7 +11,7 @@ import struct
 from typing import Any, Dict, List
 
 from nodekit.message_definitions import SIZES, TIMES, Field, Fields
-from ros2_bridge.types.instructions import (
+from ros2_bridge.types.codec_ops import (
     EMPTY,
     SEQ,
     ConversionError,

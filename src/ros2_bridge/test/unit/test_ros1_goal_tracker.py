@@ -7,22 +7,22 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ros2_bridge.actions.goal_ids import NO_GOAL, bytes_of, text_of
-from ros2_bridge.actions.goals_of_ros1 import (
+from ros2_bridge.actions.ros1_goal_tracker import (
     DONE,
     GOAL_IS_OVER,
     KEPT_S,
     REJECTED,
     RESULT_S,
     UNKNOWN_GOAL,
-    GivenUp,
+    TimedOutGoals,
     Goal,
-    GoalsOfRos1,
+    Ros1GoalTracker,
 )
 from ros2_bridge.actions.states import OVER1, STEPS2, Status1, Status2, nearest
 
 ONE, TWO = bytes([1]) * 16, bytes([2]) * 16
 PATIENCE_S = 5.0
-NOTHING = GivenUp([], [])
+NOTHING = TimedOutGoals([], [])
 
 
 class Clients:
@@ -30,7 +30,7 @@ class Clients:
 
     def __init__(self) -> None:
         self.patience = PATIENCE_S
-        self.goals = GoalsOfRos1(lambda: self.patience, self._publish)
+        self.goals = Ros1GoalTracker(lambda: self.patience, self._publish)
         self.accepted: Dict[bytes, List[bool]] = {}
         self.results: Dict[bytes, List[Tuple[Status2, bytes]]] = {}
         self.cancelled: List[Tuple[int, List[bytes]]] = []
@@ -61,10 +61,10 @@ class Clients:
     def list_goals(self, now: float = 0.0, **status: Status1) -> None:
         uuids = {"one": ONE, "two": TWO}
         listed = [(text_of(uuids[name]), 1, one) for name, one in status.items()]
-        self.goals.hear_status(listed, now)
+        self.goals.on_status(listed, now)
 
     def end(self, uuid: bytes, status: Status1, result: bytes = b"", now: float = 0.0) -> None:
-        self.goals.hear_result(text_of(uuid), status, result, now)
+        self.goals.on_result(text_of(uuid), status, result, now)
 
 
 @pytest.fixture
@@ -112,8 +112,8 @@ def test_rejected_goal_has_no_state(clients: Clients) -> None:
 def test_undecided_goal_is_accepted_in_time_and_may_still_be_rejected(clients: Clients) -> None:
     clients.send(ONE)
     clients.list_goals(one=Status1.PENDING)
-    assert clients.goals.end_waits(PATIENCE_S) == NOTHING and clients.accepted == {ONE: []}
-    assert clients.goals.end_waits(PATIENCE_S + 0.1) == NOTHING
+    assert clients.goals.end_timeouts(PATIENCE_S) == NOTHING and clients.accepted == {ONE: []}
+    assert clients.goals.end_timeouts(PATIENCE_S + 0.1) == NOTHING
     assert clients.accepted == {ONE: [True]} and clients.status == {ONE: Status2.ACCEPTED}
     clients.end(ONE, Status1.REJECTED)
     assert clients.status == {ONE: Status2.ABORTED}
@@ -122,7 +122,7 @@ def test_undecided_goal_is_accepted_in_time_and_may_still_be_rejected(clients: C
 def test_goal_that_the_server_never_lists_is_given_up(clients: Clients) -> None:
     clients.send(ONE)
     clients.list_goals()
-    assert clients.goals.end_waits(PATIENCE_S + 0.1) == GivenUp([text_of(ONE)], [])
+    assert clients.goals.end_timeouts(PATIENCE_S + 0.1) == TimedOutGoals([text_of(ONE)], [])
     assert clients.accepted == {ONE: [False]}
     clients.list_goals(one=Status1.RECALLING)
     clients.list_goals(one=Status1.RECALLED)
@@ -146,18 +146,18 @@ def test_result_that_never_comes_is_empty(
     clients.list_goals(one=Status1.SUCCEEDED, now=1.0)
     clients.ask(ONE)
     clients.list_goals(now=1.5)
-    assert clients.goals.end_waits(1.0 + longest) == NOTHING
+    assert clients.goals.end_timeouts(1.0 + longest) == NOTHING
     assert clients.results == {ONE: []}
-    assert clients.goals.end_waits(1.1 + longest) == GivenUp([], [text_of(ONE)])
+    assert clients.goals.end_timeouts(1.1 + longest) == TimedOutGoals([], [text_of(ONE)])
     assert clients.results == {ONE: [(Status2.SUCCEEDED, b"")]}
 
 
 def test_result_is_kept_for_a_time(clients: Clients) -> None:
     clients.send(ONE)
     clients.end(ONE, Status1.SUCCEEDED, b"far", now=10.0)
-    clients.goals.end_waits(10.0 + KEPT_S)
+    clients.goals.end_timeouts(10.0 + KEPT_S)
     assert clients.status
-    clients.goals.end_waits(10.1 + KEPT_S)
+    clients.goals.end_timeouts(10.1 + KEPT_S)
     clients.ask(ONE)
     assert clients.results == {ONE: [(Status2.UNKNOWN, b"")]} and not clients.status
 
@@ -169,12 +169,12 @@ def test_id_that_is_taken_is_rejected(clients: Clients) -> None:
 
 
 def test_goals_of_ros1_are_there_too(clients: Clients) -> None:
-    clients.goals.hear_status([("/node-1-7.5", 7, Status1.ACTIVE)], 0.0)
+    clients.goals.on_status([("/node-1-7.5", 7, Status1.ACTIVE)], 0.0)
     uuid = bytes_of("/node-1-7.5")
     assert clients.status == {uuid: Status2.EXECUTING}
     assert clients.cancel(uuid) == "/node-1-7.5"
     clients.ask(uuid)
-    clients.goals.hear_result("/node-1-7.5", Status1.PREEMPTED, b"far", 0.0)
+    clients.goals.on_result("/node-1-7.5", Status1.PREEMPTED, b"far", 0.0)
     assert clients.results == {uuid: [(Status2.CANCELED, b"far")]}
     assert clients.cancelled == [(DONE, [uuid])]
 
@@ -196,9 +196,9 @@ def test_cancellation_that_nobody_follows_is_rejected(clients: Clients) -> None:
     clients.send(ONE)
     clients.list_goals(one=Status1.ACTIVE)
     assert clients.cancel(ONE, now=1.0) == text_of(ONE)
-    clients.goals.end_waits(1.0 + PATIENCE_S)
+    clients.goals.end_timeouts(1.0 + PATIENCE_S)
     assert clients.cancelled == []
-    clients.goals.end_waits(1.1 + PATIENCE_S)
+    clients.goals.end_timeouts(1.1 + PATIENCE_S)
     assert clients.cancelled == [(REJECTED, [])]
 
 
@@ -218,7 +218,7 @@ def test_server_that_goes_takes_all_goals_with_it(clients: Clients) -> None:
     clients.ask(ONE)
     clients.cancel(ONE)
     clients.send(TWO)
-    clients.goals.lose_server(3.0)
+    clients.goals.abort_all(3.0)
     assert clients.results == {ONE: [(Status2.ABORTED, b"")]}
     assert clients.accepted == {ONE: [True], TWO: [False]}
     assert clients.cancelled == [(REJECTED, [])]
@@ -256,9 +256,9 @@ def test_whatever_a_server_says_each_question_has_one_answer(events: List[Any]) 
         elif what == "end" and one in OVER1:
             clients.end(uuid, one, b"far", now)
         else:
-            clients.goals.end_waits(now)
-    clients.goals.lose_server(now)
-    clients.goals.end_waits(now + PATIENCE_S + 0.1)
+            clients.goals.end_timeouts(now)
+    clients.goals.abort_all(now)
+    clients.goals.end_timeouts(now + PATIENCE_S + 0.1)
     assert all(len(answers) == 1 for answers in clients.accepted.values())
     assert sum(map(len, clients.results.values())) == asked
     assert len(clients.cancelled) == cancelled

@@ -1,6 +1,6 @@
 """What is bridged, and which way."""
 
-from ros2_bridge.rules.pairing import Rules, Way, parameter_services, ranked, wanted
+from ros2_bridge.rules.selection import Rules, Way, parameter_services, rank_names, wanted
 from ros2_bridge.rules.renaming import Renaming
 
 ALL = Rules(True, True, ["*"], [])
@@ -45,8 +45,8 @@ def test_patterns_are_of_names_in_ros1() -> None:
 
 def test_who_appears_already_comes_first_then_kind_by_kind() -> None:
     nodes, parts = {"/d", "/b", "/a"}, {"/c", "/b", "/aa"}
-    assert ranked([], nodes, parts) == ["/a", "/b", "/d", "/aa", "/c"]
-    assert ranked(["/gone", "/c", "/b"], nodes, parts) == ["/c", "/b", "/a", "/d", "/aa"]
+    assert rank_names([], nodes, parts) == ["/a", "/b", "/d", "/aa", "/c"]
+    assert rank_names(["/gone", "/c", "/b"], nodes, parts) == ["/c", "/b", "/a", "/d", "/aa"]
 
 
 def test_services_for_parameters_are_two_of_one_node() -> None:

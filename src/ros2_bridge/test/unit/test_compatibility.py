@@ -5,7 +5,7 @@ from typing import Dict, Optional
 import pytest
 
 from nodekit.message_definitions import parse
-from ros2_bridge.types.comparing import difference
+from ros2_bridge.types.compatibility import difference
 
 SEPARATOR = "\n" + "=" * 80 + "\n"
 HEADER = SEPARATOR + "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id\n"

@@ -11,6 +11,7 @@ import pathlib
 import sys
 
 import nodekit
+from nodekit.deprecated import OLD_NAMES
 from nodekit.entry_point import import_ros
 
 
@@ -28,7 +29,9 @@ def join() -> None:
         "ros2_bridge.environment.ros1_messages",
     ):
         importlib.import_module(name)
-    for name in nodekit.__all__:  # what is imported later would find ROS 2's std_srvs
+    for name in set(nodekit.__all__).difference(
+        OLD_NAMES
+    ):  # what is imported later would find ROS 2's std_srvs
         getattr(nodekit, name)
     index = pathlib.Path(sys.prefix, "share", "ament_index", "resource_index")
     clashing = set(os.listdir(str(index / "rosidl_interfaces")))

@@ -2,9 +2,17 @@
 
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
-from ros2_bridge.actions.cancelling import is_meant
 from ros2_bridge.actions.goal_ids import NO_GOAL, bytes_of, text_of
-from ros2_bridge.actions.states import OVER2, RESULT_S, STEPS2, TO_ROS2, Status1, Status2, nearest
+from ros2_bridge.actions.states import (
+    OVER2,
+    RESULT_S,
+    STEPS2,
+    TO_ROS2,
+    Status1,
+    Status2,
+    nearest,
+    matches_cancel_request,
+)
 
 #: For how long a result is kept, s: rclpy's ``result_timeout``.
 KEPT_S = 900.0
@@ -59,7 +67,7 @@ class _Cancellation(NamedTuple):
     since: float
 
 
-class GivenUp(NamedTuple):
+class TimedOutGoals(NamedTuple):
     """Ids of goals that have waited for long enough.
 
     :param unheard: that the server has not listed: it is to cancel them, as it may still begin
@@ -70,7 +78,7 @@ class GivenUp(NamedTuple):
     without_result: Sequence[str]
 
 
-class GoalsOfRos1:
+class Ros1GoalTracker:
     """Keeps the goals, given what either side says and the time; not for several threads at once.
 
     :param patience: returns the longest wait for the server's word on a new goal, and on a
@@ -113,7 +121,7 @@ class GoalsOfRos1:
     def request_cancel(
         self, uuid: bytes, until: int, now: float, answer: AnswerCancel
     ) -> Optional[str]:
-        """Cancel goals: see :func:`.is_meant`.
+        """Cancel goals: see :func:`.matches_cancel_request`.
 
         :param answer: called with a code of CancelGoal and the goals that are being cancelled, as
             soon as the server has said so of each
@@ -128,7 +136,7 @@ class GoalsOfRos1:
         meant = [
             one
             for one in self._goals.values()
-            if one.is_under_way and is_meant(one.text, one.stamp, wanted, until)
+            if one.is_under_way and matches_cancel_request(one.text, one.stamp, wanted, until)
         ]
         self._cancellations.append(_Cancellation(meant, answer, now))
         self._answer_cancellations(now)
@@ -140,7 +148,7 @@ class GoalsOfRos1:
             found = next((one for one in self._goals.values() if one.uuid == uuid), None)
         return found
 
-    def hear_status(self, listed: Sequence[Tuple[str, int, Optional[Status1]]], now: float) -> None:
+    def on_status(self, listed: Sequence[Tuple[str, int, Optional[Status1]]], now: float) -> None:
         """Follow the server's list.
 
         :param listed: id, stamp in ns, and status of each goal; None for an unknown one, of which
@@ -169,7 +177,7 @@ class GoalsOfRos1:
                 self._move(goal, Status1.LOST, now)
         self._report(now)
 
-    def hear_result(self, text: str, status: Status1, result: bytes, now: float) -> None:
+    def on_result(self, text: str, status: Status1, result: bytes, now: float) -> None:
         """End a goal.
 
         :param result: its result, as ROS 1 has it
@@ -180,13 +188,13 @@ class GoalsOfRos1:
             self._move(goal, status if is_last else Status1.LOST, now, result)
             self._report(now)
 
-    def lose_server(self, now: float) -> None:
+    def abort_all(self, now: float) -> None:
         """End all goals, as the server has gone."""
         for goal in list(self._goals.values()):
             self._move(goal, Status1.LOST, now)
         self._report(now)
 
-    def end_waits(self, now: float) -> GivenUp:
+    def end_timeouts(self, now: float) -> TimedOutGoals:
         """End what has waited for long enough."""
         unheard, without_result, patience = [], [], self._patience()
         for goal in list(self._goals.values()):
@@ -205,7 +213,7 @@ class GoalsOfRos1:
                 del self._goals[goal.text]
                 self._is_changed = True
         self._report(now)
-        return GivenUp(unheard, without_result)
+        return TimedOutGoals(unheard, without_result)
 
     def publish_all(self) -> None:
         """Publish the goals that ROS 2 knows."""

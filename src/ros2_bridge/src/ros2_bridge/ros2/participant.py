@@ -18,12 +18,12 @@ from rclpy.parameter import Parameter
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
-from ros2_bridge.ros2.taking import Arrived, Taker
+from ros2_bridge.ros2.rcl_take import ReceivedMessage, MessageTaker
 from ros2_bridge.ros2.wait_loop import Waitable, WaitLoop
 from ros2_bridge.rules.settings import Quality
 
 #: Of the 16 bytes that name an endpoint those that name its participant.
-_PARTICIPANT = 12
+_GUID_PREFIX_SIZE = 12
 #: How many calls of a service are kept in a burst, as by rclpy.
 _CALLS = 10
 #: Longest time for disconnecting, s: Ctrl-C ends the bridge within 2 s.
@@ -43,7 +43,7 @@ def _profile(quality: Quality) -> QoSProfile:
     )
 
 
-class Ros2:
+class Participant:
     """Makes and destroys what the bridge has in ROS 2; may be used from several threads.
 
     :param name: global name of the bridge's own node
@@ -58,13 +58,13 @@ class Ros2:
         #: How many publishers and subscriptions of each topic are ours.
         self._published: "Counter[str]" = collections.Counter()
         self._subscribed: "Counter[str]" = collections.Counter()
-        self.node = self.make_node(name)
-        self._taker = Taker()  # for the thread of this loop
+        self.node = self.create_node(name)
+        self._taker = MessageTaker()  # for the thread of this loop
         self.messages = WaitLoop(self.context, "messages from ROS 2")
         self.calls = WaitLoop(self.context, "calls from ROS 2")
-        self.participant = self._find_participant()
+        self.guid_prefix = self._find_guid_prefix()
 
-    def _find_participant(self) -> bytes:
+    def _find_guid_prefix(self) -> bytes:
         """Return what the names of all our endpoints begin with.
 
         They are read from a topic that nobody else can have: under our node's name, another bridge
@@ -74,9 +74,9 @@ class Ros2:
         publisher = self.node.create_publisher(ParameterEvent, topic, 1)
         (own,) = self.node.get_publishers_info_by_topic(publisher.topic_name)
         self.node.destroy_publisher(publisher)
-        return bytes(own.endpoint_gid)[:_PARTICIPANT]
+        return bytes(own.endpoint_gid)[:_GUID_PREFIX_SIZE]
 
-    def make_node(self, name: str) -> Node:
+    def create_node(self, name: str) -> Node:
         """Make a node without parameters, services and a log of its own."""
         namespace, _, base = name.rpartition("/")
         quiet = [Parameter("start_type_description_service", value=False)]
@@ -101,9 +101,9 @@ class Ros2:
                 node.destroy_node()
                 del self._nodes[node]
 
-        self.calls.run_between_waits(destroy)
+        self.calls.call_between_waits(destroy)
 
-    def publisher(self, node: Node, cls: Any, topic: str, quality: Quality) -> Any:
+    def create_publisher(self, node: Node, cls: Any, topic: str, quality: Quality) -> Any:
         """Publish a topic: ``publish`` of what is returned takes bytes.
 
         :param node: who publishes it
@@ -120,8 +120,12 @@ class Ros2:
             _uncount(self._published, publisher.topic_name)
             node.destroy_publisher(publisher)
 
-    def subscribe(
-        self, cls: Any, topic: str, quality: Quality, receive: Callable[[List[Arrived]], None]
+    def create_subscription(
+        self,
+        cls: Any,
+        topic: str,
+        quality: Quality,
+        receive: Callable[[List[ReceivedMessage]], None],
     ) -> Callable[[], None]:
         """Subscribe to a topic.
 
@@ -137,7 +141,7 @@ class Ros2:
         handle = subscription.handle
 
         def receive_messages(most: int) -> None:
-            messages: List[Arrived] = []
+            messages: List[ReceivedMessage] = []
             while len(messages) < most:
                 message = self._taker.take(handle)
                 if message is None:
@@ -152,7 +156,7 @@ class Ros2:
         waitable = Waitable("subscription", subscription, receive_messages)
         return self._attach(self.messages, waitable, destroy)
 
-    def serve(
+    def create_service(
         self,
         node: Node,
         cls: Any,
@@ -184,7 +188,7 @@ class Ros2:
         waitable = Waitable("service", service, receive_requests)
         return self._attach(self.calls, waitable, lambda: node.destroy_service(service))
 
-    def client(
+    def create_client(
         self, cls: Any, name: str, receive: Callable[[int], None], depth: int = _CALLS
     ) -> Tuple[Any, Callable[[], None]]:
         """Make what calls a service.
@@ -249,9 +253,9 @@ class Ros2:
         with self._lock:
             return set(self._nodes.values())
 
-    def is_ours(self, gid: bytes) -> bool:
+    def is_own(self, gid: bytes) -> bool:
         """Tell whether the endpoint of this name is one of our own."""
-        return gid.startswith(self.participant)
+        return gid.startswith(self.guid_prefix)
 
 
 def keeps(publisher: Any) -> bool:

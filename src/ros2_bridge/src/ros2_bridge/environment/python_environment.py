@@ -21,7 +21,7 @@ import yaml
 
 from nodekit.message_definitions import DefinitionError
 from ros2_bridge.environment.start import home
-from ros2_bridge.types.twins import RENAMED, TwinPackage, make_twins
+from ros2_bridge.types.ros2_interfaces import RENAMED, TwinPackage, generate_interfaces
 
 #: Versions of Python that the wheels are for.
 PYTHONS = ((3, 11), (3, 12), (3, 13), (3, 14))
@@ -43,7 +43,7 @@ def say(text: str) -> None:
     print(f"make_environment: {text}", file=sys.stderr, flush=True)
 
 
-class Environment:
+class PythonEnvironment:
     """A Python environment with ROS 2.
 
     :param folder: where it is; the sources of the twins go beside it
@@ -98,7 +98,7 @@ class Environment:
         wanted = f"{self._folder}\n{sys.version}\n{wheels.read_text('utf-8')}"
         if stamp.exists() and stamp.read_text("utf-8") == wanted:
             return
-        judge_python()
+        check_python()
         say(f"fetching ROS 2 from PyPI, once, into {self._folder}")
         self._remove()
         self._folder.parent.mkdir(parents=True, exist_ok=True)
@@ -136,7 +136,7 @@ class Environment:
         texts = {**definitions(packages), **WITHOUT_WHEEL}
         try:
             twins = {
-                name: make_twins(name, files)
+                name: generate_interfaces(name, files)
                 for name, files in texts.items()
                 if files and not self.has_wheel(name)
             }
@@ -192,7 +192,7 @@ def first_error(log: str) -> str:
     return errors[0].strip()
 
 
-def judge_python() -> None:
+def check_python() -> None:
     """Refuse a Python that there are no wheels for."""
     if sys.version_info[:2] not in PYTHONS:
         known = ", ".join("%d.%d" % version for version in PYTHONS)
@@ -265,7 +265,7 @@ def main() -> int:
     packages = companions(package)
     if options.sources:
         packages = [manifest.parent for manifest in sorted(options.sources.glob("*/package.xml"))]
-    environment = Environment(options.into.absolute())
+    environment = PythonEnvironment(options.into.absolute())
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         environment.fetch(package / "config" / "wheels.txt")

@@ -2,7 +2,6 @@
 
 from typing import Callable, Collection, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
-from ros2_bridge.actions.cancelling import is_meant
 from ros2_bridge.actions.goal_ids import NO_GOAL, bytes_of, text_of
 from ros2_bridge.actions.states import (
     OVER2,
@@ -13,6 +12,7 @@ from ros2_bridge.actions.states import (
     Status1,
     Status2,
     nearest,
+    matches_cancel_request,
 )
 
 #: For how long a goal that is over is listed, and a cancellation kept that comes before its goal,
@@ -33,17 +33,17 @@ class Goal:
     :param uuid: its id in ROS 2
     :param stamp: when it began, ns
     :param now: when it came, s on the clock of time-outs
-    :param is_ours: whether a client of ROS 1 has sent it
+    :param is_own: whether a client of ROS 1 has sent it
 
     :ivar why: text of its status
     """
 
-    def __init__(self, text: str, uuid: bytes, stamp: int, now: float, is_ours: bool) -> None:
-        self.text, self.uuid, self.stamp, self.is_ours = text, uuid, stamp, is_ours
+    def __init__(self, text: str, uuid: bytes, stamp: int, now: float, is_own: bool) -> None:
+        self.text, self.uuid, self.stamp, self.is_own = text, uuid, stamp, is_own
         self.since = now
         self.status, self.why = Status1.PENDING, ""
         #: Whether the server has accepted it, and whether it is to be cancelled as soon as it has.
-        self.is_accepted, self.is_to_be_cancelled = not is_ours, False
+        self.is_accepted, self.is_to_be_cancelled = not is_own, False
         #: Whether the server has listed it.
         self.is_listed = False
         #: Names of the publisher that has listed it, or of those that were there when it came:
@@ -61,7 +61,7 @@ class Goal:
         return self.status in STEPS1 and not self.is_awaited
 
 
-class Waited(NamedTuple):
+class TimedOutGoals(NamedTuple):
     """Goals that have waited for long enough.
 
     :param accepted: that the server lists without having answered: they are to be followed
@@ -72,7 +72,7 @@ class Waited(NamedTuple):
     without_result: Sequence[Goal]
 
 
-class GoalsOfRos2:
+class Ros2GoalTracker:
     """Keeps the goals, given what either side says and the time; not for several threads at once.
 
     :param patience: returns the longest wait for the server's answer to a goal, and for a result, s
@@ -114,7 +114,9 @@ class GoalsOfRos2:
         self._publish()
         return uuid
 
-    def hear_answer(self, uuid: bytes, is_accepted: bool, now: float, why: str = REJECTED) -> bool:
+    def on_goal_response(
+        self, uuid: bytes, is_accepted: bool, now: float, why: str = REJECTED
+    ) -> bool:
         """Follow the server's answer to a goal.
 
         :param why: it is not accepted
@@ -129,7 +131,7 @@ class GoalsOfRos2:
             self._end(goal, [Status1.REJECTED, Status1.ABORTED], now, why)
         return is_accepted and goal.is_to_be_cancelled
 
-    def hear_status(
+    def on_status(
         self, listed: Sequence[Tuple[bytes, int, Status2]], sender: bytes, now: float
     ) -> List[bytes]:
         """Follow the server's list.
@@ -152,16 +154,14 @@ class GoalsOfRos2:
             goal.senders, goal.is_listed = {sender}, True
             if status in STEPS2:
                 goal.status = nearest(STEPS1, goal.status, TO_ROS1[status])
-            elif status in OVER2 and not goal.is_ours:
+            elif status in OVER2 and not goal.is_own:
                 self._end(goal, TO_ROS1[status], now)
             elif status in OVER2 and goal.awaiting_result is None:  # of ours the result tells
                 goal.awaiting_result = (status, now)
         self._publish()
         return cancelled
 
-    def hear_result(
-        self, uuid: bytes, status: Status2, result: Optional[bytes], now: float
-    ) -> None:
+    def on_result(self, uuid: bytes, status: Status2, result: Optional[bytes], now: float) -> None:
         """End a goal of ROS 1.
 
         :param result: passed on
@@ -173,7 +173,7 @@ class GoalsOfRos2:
             self._end(goal, wanted, now, "" if is_end else NO_END, result)
 
     def request_cancel(self, wanted: str, until: int, now: float) -> List[bytes]:
-        """Cancel goals: see :func:`.is_meant`. One that is not accepted yet is, as soon as it is.
+        """Cancel goals: see :func:`.matches_cancel_request`; a pending one once it is accepted.
 
         :returns: the ids of those that are to be cancelled at once; that of no goal for all
         """
@@ -186,14 +186,16 @@ class GoalsOfRos2:
         meant = []
         for goal in self._goals.values():
             # By its id in ROS 2 too: a bridge that was started again knows no text of ROS 1's own.
-            is_it = goal.uuid == uuid or is_meant(goal.text, goal.stamp, wanted, until)
+            is_it = goal.uuid == uuid or matches_cancel_request(
+                goal.text, goal.stamp, wanted, until
+            )
             if goal.is_under_way and is_it:
                 goal.is_to_be_cancelled = True
                 if goal.is_accepted:
                     meant.append(goal.uuid)
         return meant if wanted or until else [NO_GOAL]
 
-    def lose_goals(self, senders: Collection[bytes], now: float) -> None:
+    def abort_goals(self, senders: Collection[bytes], now: float) -> None:
         """End the goals whose server has gone.
 
         :param senders: names of the publishers of the list that are there
@@ -207,7 +209,7 @@ class GoalsOfRos2:
             if goal.is_under_way and not goal.senders.intersection(senders):
                 self._end(goal, TO_ROS1[Status2.ABORTED], now, GONE)
 
-    def end_waits(self, now: float) -> Waited:
+    def end_timeouts(self, now: float) -> TimedOutGoals:
         """End the goals that the server has not answered for long enough."""
         accepted, without_result, patience = [], [], self._patience()
         for goal in self.listed():
@@ -224,7 +226,7 @@ class GoalsOfRos2:
                     accepted.append(goal)
                 else:
                     self._end(goal, [Status1.REJECTED], now, NO_ANSWER)
-        return Waited(accepted, without_result)
+        return TimedOutGoals(accepted, without_result)
 
     def is_any_under_way(self) -> bool:
         """Tell whether any goal is under way."""
@@ -235,7 +237,7 @@ class GoalsOfRos2:
         goal = self._goals.get(uuid)
         return goal if goal is not None and goal.is_under_way else None
 
-    def forget_old(self, now: float) -> None:
+    def remove_old(self, now: float) -> None:
         """Forget what was over long ago."""
         for goal in self.listed():
             if goal.ended is not None and now > goal.ended + LISTED_S:
@@ -251,7 +253,7 @@ class GoalsOfRos2:
     ) -> None:
         goal.status, goal.why = nearest(STEPS1, goal.status, wanted), why
         goal.ended = now
-        if goal.is_ours:
+        if goal.is_own:
             self._publish_result(goal, result)
         self._publish()
 

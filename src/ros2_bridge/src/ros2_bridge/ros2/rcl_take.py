@@ -14,7 +14,7 @@ _UNNUMBERED = 2**64 - 1
 _rcl, _rcutils = ctypes.PyDLL("librcl.so"), ctypes.PyDLL("librcutils.so")
 
 
-class Arrived(NamedTuple):
+class ReceivedMessage(NamedTuple):
     """A message from ROS 2.
 
     :param data: its bytes
@@ -69,7 +69,7 @@ _take.argtypes = [
 _take.restype = ctypes.c_int
 
 
-class Taker:
+class MessageTaker:
     """Takes the messages of subscriptions, for one thread.
 
     Its buffer has grown to the largest message that has come, and stays until the process ends.
@@ -80,7 +80,7 @@ class Taker:
         self._info = _Info()
         self._given = ctypes.byref(self._buffer), ctypes.byref(self._info)
 
-    def take(self, handle: Any) -> Optional[Arrived]:
+    def take(self, handle: Any) -> Optional[ReceivedMessage]:
         """Take a message, None where there is none.
 
         :param handle: of rclpy's subscription, held by the caller so that it is not destroyed
@@ -93,7 +93,7 @@ class Taker:
             _rcutils.rcutils_reset_error()
             raise RuntimeError(f"ROS 2 cannot take a message of {handle.get_topic_name()}: {code}")
         info, number = self._info, self._info.publication_sequence_number
-        return Arrived(
+        return ReceivedMessage(
             ctypes.string_at(self._buffer.buffer, self._buffer.buffer_length),
             bytes(info.publisher_gid.data),
             None if number == _UNNUMBERED else number,

@@ -15,10 +15,10 @@ import rospy
 import yaml
 
 from nodekit.message_definitions import parse
-from ros2_bridge.rules.skipped import Unbridgeable
+from ros2_bridge.rules.skip_log import Unbridgeable
 from ros2_bridge.types.codec import Codec
-from ros2_bridge.types.comparing import difference
-from ros2_bridge.types.twins import twin_type
+from ros2_bridge.types.compatibility import difference
+from ros2_bridge.types.ros2_interfaces import twin_type
 
 #: Where Debian has packages.
 SHARE = pathlib.Path("/usr/share")
@@ -78,7 +78,7 @@ class ActionType(NamedTuple):
     raw_feedback: Any
 
 
-class Types:
+class TypeRegistry:
     """Finds types and keeps them; may be used from several threads."""
 
     def __init__(self) -> None:

@@ -4,9 +4,9 @@ from typing import List, Optional
 
 import pytest
 
-from ros2_bridge.rules.pairing import Rules, Way
-from ros2_bridge.rules.pairs import MISSED_POLLS, Bridged, PairBridge
-from ros2_bridge.rules.skipped import SkipLog, Unbridgeable
+from ros2_bridge.rules.selection import Rules, Way
+from ros2_bridge.rules.active_pairs import MISSED_POLLS, Bridged, PairBridge
+from ros2_bridge.rules.skip_log import SkipLog, Unbridgeable
 
 
 class Pair:

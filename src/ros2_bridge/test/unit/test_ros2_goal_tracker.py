@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from ros2_bridge.actions.goal_ids import NO_GOAL, bytes_of, text_of
-from ros2_bridge.actions.goals_of_ros2 import (
+from ros2_bridge.actions.ros2_goal_tracker import (
     GONE,
     LISTED_S,
     NO_ANSWER,
@@ -16,8 +16,8 @@ from ros2_bridge.actions.goals_of_ros2 import (
     RECALLED,
     REJECTED,
     Goal,
-    GoalsOfRos2,
-    Waited,
+    Ros2GoalTracker,
+    TimedOutGoals,
 )
 from ros2_bridge.actions.states import (
     OVER1,
@@ -32,14 +32,14 @@ from ros2_bridge.actions.states import (
 ONE, TWO = "/node-1-7.5", "/node-2-7.5"
 PATIENCE_S = 1.5
 SENDER, OTHER = b"s" * 16, b"o" * 16
-NOTHING = Waited([], [])
+NOTHING = TimedOutGoals([], [])
 
 
 class Clients:
     """What the clients of ROS 1 are told."""
 
     def __init__(self) -> None:
-        self.goals = GoalsOfRos2(lambda: PATIENCE_S, self._end, self._publish)
+        self.goals = Ros2GoalTracker(lambda: PATIENCE_S, self._end, self._publish)
         self.status: Dict[str, Status1] = {}
         self.results: List[Tuple[str, Status1, str, Optional[bytes]]] = []
 
@@ -58,15 +58,15 @@ class Clients:
         return self.goals.request_goal(text, stamp, now)
 
     def answer(self, text: str, is_accepted: bool = True) -> bool:
-        return self.goals.hear_answer(bytes_of(text), is_accepted, 0.0)
+        return self.goals.on_goal_response(bytes_of(text), is_accepted, 0.0)
 
     def list_goals(self, sender: bytes = SENDER, **status: Status2) -> List[bytes]:
         uuids = {"one": bytes_of(ONE), "two": bytes_of(TWO), "theirs": b"t" * 16}
         listed = [(uuids[name], 1, one) for name, one in status.items()]
-        return self.goals.hear_status(listed, sender, 0.0)
+        return self.goals.on_status(listed, sender, 0.0)
 
     def end(self, text: str, status: Status2, result: bytes = b"far") -> None:
-        self.goals.hear_result(bytes_of(text), status, result, 0.0)
+        self.goals.on_result(bytes_of(text), status, result, 0.0)
 
 
 @pytest.fixture
@@ -95,7 +95,7 @@ def test_rejected_goal_says_why(clients: Clients) -> None:
     clients.send(ONE)
     clients.answer(ONE, False)
     clients.send(TWO)
-    clients.goals.hear_answer(bytes_of(TWO), False, 0.0, "not there")
+    clients.goals.on_goal_response(bytes_of(TWO), False, 0.0, "not there")
     assert clients.results == [
         (ONE, Status1.REJECTED, REJECTED, None),
         (TWO, Status1.REJECTED, "not there", None),
@@ -106,8 +106,8 @@ def test_goal_that_the_server_does_not_answer_is_rejected(clients: Clients) -> N
     clients.send(ONE)
     clients.send(TWO, now=1.0)
     clients.goals.request_cancel(ONE, 0, 0.0)
-    assert clients.goals.end_waits(PATIENCE_S) == NOTHING and not clients.results
-    assert clients.goals.end_waits(PATIENCE_S + 0.1) == NOTHING
+    assert clients.goals.end_timeouts(PATIENCE_S) == NOTHING and not clients.results
+    assert clients.goals.end_timeouts(PATIENCE_S + 0.1) == NOTHING
     assert clients.results == [(ONE, Status1.REJECTED, NO_ANSWER, None)]
     assert clients.status == {ONE: Status1.REJECTED, TWO: Status1.PENDING}
     assert clients.answer(ONE) is True  # accepted after all: it is to be cancelled
@@ -117,10 +117,10 @@ def test_goal_that_is_listed_without_an_answer_is_accepted(clients: Clients) -> 
     clients.send(ONE)
     clients.list_goals(one=Status2.EXECUTING)
     assert clients.goals.request_cancel(ONE, 0, 0.0) == []
-    assert clients.goals.end_waits(PATIENCE_S) == NOTHING
-    (goal,), _ = clients.goals.end_waits(PATIENCE_S + 0.1)
+    assert clients.goals.end_timeouts(PATIENCE_S) == NOTHING
+    (goal,), _ = clients.goals.end_timeouts(PATIENCE_S + 0.1)
     assert goal.uuid == bytes_of(ONE) and goal.is_to_be_cancelled
-    assert clients.goals.end_waits(PATIENCE_S + 0.2) == NOTHING and not clients.results
+    assert clients.goals.end_timeouts(PATIENCE_S + 0.2) == NOTHING and not clients.results
     assert clients.goals.request_cancel(ONE, 0, 0.0) == [bytes_of(ONE)]
 
 
@@ -132,12 +132,12 @@ def test_goal_that_is_over_ends_where_no_result_comes(clients: Clients, is_answe
             clients.answer(text)
     clients.list_goals(one=Status2.SUCCEEDED, two=Status2.SUCCEEDED, theirs=Status2.EXECUTING)
     clients.list_goals()  # the server keeps it for less long than we wait
-    assert clients.goals.end_waits(RESULT_S) == NOTHING and not clients.results
+    assert clients.goals.end_timeouts(RESULT_S) == NOTHING and not clients.results
     clients.end(TWO, Status2.SUCCEEDED)
-    ((goal,),) = [waited for waited in clients.goals.end_waits(RESULT_S + 0.1) if waited]
+    ((goal,),) = [waited for waited in clients.goals.end_timeouts(RESULT_S + 0.1) if waited]
     assert goal.text == ONE
     assert clients.results[1:] == [(ONE, Status1.SUCCEEDED, NO_RESULT, None)]
-    assert clients.goals.end_waits(10.0) == NOTHING
+    assert clients.goals.end_timeouts(10.0) == NOTHING
     clients.end(ONE, Status2.ABORTED)
     assert len(clients.results) == 2
 
@@ -188,7 +188,7 @@ def test_cancellation_that_overtakes_the_servers_list_is_passed_on(clients: Clie
 
 def test_cancellation_is_not_kept_for_ever(clients: Clients) -> None:
     clients.goals.request_cancel(ONE, 0, 0.0)
-    clients.goals.forget_old(LISTED_S + 0.1)
+    clients.goals.remove_old(LISTED_S + 0.1)
     clients.status.clear()
     assert clients.send(ONE) == bytes_of(ONE)
 
@@ -220,9 +220,9 @@ def test_goals_of_ros2_are_listed_too(clients: Clients) -> None:
     clients.list_goals(theirs=Status2.SUCCEEDED)
     assert clients.status == {theirs: Status1.SUCCEEDED} and not clients.results
     assert clients.goals.under_way(b"t" * 16) is None
-    clients.goals.forget_old(LISTED_S)
+    clients.goals.remove_old(LISTED_S)
     assert clients.goals.listed()
-    clients.goals.forget_old(LISTED_S + 0.1)
+    clients.goals.remove_old(LISTED_S + 0.1)
     clients.list_goals(theirs=Status2.SUCCEEDED)
     assert clients.status == {}
 
@@ -239,9 +239,9 @@ def test_goals_of_a_server_that_has_gone_are_aborted(clients: Clients) -> None:
     clients.send(TWO)
     clients.answer(ONE)
     clients.list_goals(one=Status2.EXECUTING)
-    clients.goals.lose_goals({SENDER}, 0.0)
+    clients.goals.abort_goals({SENDER}, 0.0)
     assert not clients.results and clients.goals.is_any_under_way()
-    clients.goals.lose_goals({OTHER}, 0.0)  # a new one, that knows neither
+    clients.goals.abort_goals({OTHER}, 0.0)  # a new one, that knows neither
     assert clients.results == [(one, Status1.ABORTED, GONE, None) for one in (ONE, TWO)]
     assert not clients.goals.is_any_under_way()
     assert clients.answer(TWO) is True  # accepted after all: it is to be cancelled
@@ -250,10 +250,10 @@ def test_goals_of_a_server_that_has_gone_are_aborted(clients: Clients) -> None:
 
 def test_goal_that_comes_while_its_server_is_looked_up_goes_on(clients: Clients) -> None:
     clients.send(ONE, now=1.1)
-    clients.goals.lose_goals(set(), 1.0)
+    clients.goals.abort_goals(set(), 1.0)
     assert not clients.results
-    clients.goals.lose_goals({SENDER}, 1.2)
-    clients.goals.lose_goals(set(), 1.3)
+    clients.goals.abort_goals({SENDER}, 1.2)
+    clients.goals.abort_goals(set(), 1.3)
     assert clients.results == [(ONE, Status1.ABORTED, GONE, None)]
 
 
@@ -294,11 +294,11 @@ def test_whatever_a_server_says_each_goal_has_one_result(events: List[Any]) -> N
         elif what == "end" and one in OVER2:
             clients.end(text, one)
         else:
-            clients.goals.forget_old(now)
+            clients.goals.remove_old(now)
             clients.status = {goal.text: goal.status for goal in clients.goals.listed()}
-            clients.goals.end_waits(now)
-    clients.goals.lose_goals(set(), now)
-    clients.goals.forget_old(now + LISTED_S + 0.1)
+            clients.goals.end_timeouts(now)
+    clients.goals.abort_goals(set(), now)
+    clients.goals.remove_old(now + LISTED_S + 0.1)
     assert all(status in OVER1 for _, status, _, _ in clients.results)
     assert sorted(text for text, _, _, _ in clients.results) == sorted(sent)
     assert not clients.goals.listed()

@@ -49,7 +49,7 @@ class TwinPackage(NamedTuple):
     names: Dict[str, str]
 
 
-def make_twins(package: str, definitions: Mapping[str, str]) -> TwinPackage:
+def generate_interfaces(package: str, definitions: Mapping[str, str]) -> TwinPackage:
     """Write the twins of a message package.
 
     :param package: its name

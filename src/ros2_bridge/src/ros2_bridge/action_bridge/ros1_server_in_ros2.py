@@ -13,17 +13,17 @@ from rclpy.node import Node as Ros2Node
 from rclpy.serialization import deserialize_message, serialize_message
 from unique_identifier_msgs.msg import UUID
 
-from nodekit import Node
+from nodekit import Node, ReentrantCallbackGroup
 from ros2_bridge.action_bridge import wire
 from ros2_bridge.actions.goal_ids import bytes_of
-from ros2_bridge.actions.goals_of_ros1 import Goal, GoalsOfRos1
+from ros2_bridge.actions.ros1_goal_tracker import Goal, Ros1GoalTracker
 from ros2_bridge.actions.states import NUMBERED1, OVER1, Status1, Status2
 from ros2_bridge.actions.status_list import Listed, seconds_of, write_list
 from ros2_bridge.environment.ros1_messages import GoalID, GoalStatusArray
-from ros2_bridge.ros2.side import Ros2
+from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.rules.settings import Quality
 from ros2_bridge.types.codec import ConversionError
-from ros2_bridge.types.types import ActionType
+from ros2_bridge.types.type_registry import ActionType
 
 #: How many requests, and pieces of feedback, are kept in a burst.
 DEPTH = 1000
@@ -31,11 +31,11 @@ DEPTH = 1000
 _GONE_S = 1.0
 
 
-class ActionToRos2:
+class Ros1ServerInRos2:
     """An action server of ROS 1, offered in ROS 2 as soon as all its topics are connected.
 
     :param node: the bridge in ROS 1
-    :param side: the bridge in ROS 2
+    :param participant: the bridge in ROS 2
     :param owner: node of ROS 2 that offers it
     :param name, other: its name in ROS 1 and in ROS 2
     :param timeout: returns the longest wait for the server's word on a goal or a cancellation, s
@@ -44,30 +44,36 @@ class ActionToRos2:
     def __init__(
         self,
         node: Node,
-        side: Ros2,
+        participant: Participant,
         owner: Ros2Node,
         name: str,
         other: str,
         kind: ActionType,
         timeout: Callable[[], float],
     ) -> None:
-        self._side, self.owner, self._name, self._other = side, owner, name, other
+        self._participant, self.owner, self._name, self._other = participant, owner, name, other
         self.kind = kind
         self._lock = threading.RLock()
-        self._goals = GoalsOfRos1(timeout, self._publish_status)
+        self._goals = Ros1GoalTracker(timeout, self._publish_status)
         self._offered: Optional[contextlib.ExitStack] = None
         self._connected = time.monotonic()
         self._unknown: Set[int] = set()
-        self._made = made = node.lifetime()
-        group = made.group(exclusive=False)
-        self._goal = made.publisher(f"{name}/goal", kind.raw_goal)
-        self._cancel = made.publisher(f"{name}/cancel", GoalID)
+        self._scope = scope = node.create_scope()
+        group = ReentrantCallbackGroup()
+        self._goal = scope.create_publisher(f"{name}/goal", kind.raw_goal)
+        self._cancel = scope.create_publisher(f"{name}/cancel", GoalID)
         self._links: List[Any] = [
             self._goal,
             self._cancel,
-            made.subscribe(f"{name}/status", GoalStatusArray, self._hear_status, group=group),
-            made.subscribe(f"{name}/feedback", kind.raw_feedback, self._hear_feedback, group=group),
-            made.subscribe(f"{name}/result", kind.raw_result, self._hear_result, group=group),
+            scope.create_subscription(
+                f"{name}/status", GoalStatusArray, self._on_status, group=group
+            ),
+            scope.create_subscription(
+                f"{name}/feedback", kind.raw_feedback, self._on_feedback, group=group
+            ),
+            scope.create_subscription(
+                f"{name}/result", kind.raw_result, self._on_result, group=group
+            ),
         ]
 
     def follow(self) -> None:
@@ -79,8 +85,8 @@ class ActionToRos2:
                 self._offer()
         with self._lock:
             if now > self._connected + _GONE_S:
-                self._goals.lose_server(now)
-            given_up = self._goals.end_waits(now)
+                self._goals.abort_all(now)
+            given_up = self._goals.end_timeouts(now)
         for text in given_up.without_result:
             rospy.logwarn(
                 f"{self._name} sends no result of {text}, which is over: it has an empty one"
@@ -93,21 +99,25 @@ class ActionToRos2:
         return all(link.get_num_connections() for link in self._links)
 
     def _offer(self) -> None:
-        side, owner, impl = self._side, self.owner, self.kind.cls.Impl
+        participant, owner, impl = self._participant, self.owner, self.kind.cls.Impl
         path, quality = f"{self._other}/_action", Quality(1, latched=True)
         with contextlib.ExitStack() as ends:  # all of it, or nothing
-            self._status2 = side.publisher(owner, GoalStatusArray2, f"{path}/status", quality)
-            ends.callback(side.destroy_publisher, owner, self._status2)
-            self._feedback2 = side.publisher(
+            self._status2 = participant.create_publisher(
+                owner, GoalStatusArray2, f"{path}/status", quality
+            )
+            ends.callback(participant.destroy_publisher, owner, self._status2)
+            self._feedback2 = participant.create_publisher(
                 owner, impl.FeedbackMessage, f"{path}/feedback", Quality(DEPTH)
             )
-            ends.callback(side.destroy_publisher, owner, self._feedback2)
+            ends.callback(participant.destroy_publisher, owner, self._feedback2)
             for cls, name, answer in (
                 (impl.CancelGoalService, "cancel_goal", self._answer_cancel),
                 (impl.GetResultService, "get_result", self._answer_result),
                 (impl.SendGoalService, "send_goal", self._answer_goal),
             ):
-                ends.callback(side.serve(owner, cls, f"{path}/{name}", answer, DEPTH))
+                ends.callback(
+                    participant.create_service(owner, cls, f"{path}/{name}", answer, DEPTH)
+                )
             self._offered = ends.pop_all()
         with self._lock:
             self._goals.publish_all()
@@ -164,13 +174,13 @@ class ActionToRos2:
         if text is not None:
             self._cancel.publish(wire.goal_id(text, until))
 
-    def _hear_status(self, message: Any) -> None:
+    def _on_status(self, message: Any) -> None:
         listed = [
             (text, stamp, self._known(text, number))
             for text, stamp, number in wire.read_statuses(message)
         ]
         with self._lock:
-            self._goals.hear_status(listed, time.monotonic())
+            self._goals.on_status(listed, time.monotonic())
 
     def _known(self, text: str, number: int) -> Optional[Status1]:
         """Return the status of a number; where it is unknown, none, and it is told once."""
@@ -179,7 +189,7 @@ class ActionToRos2:
             rospy.logwarn(f"{self._name} lists {text} with the unknown status {number}")
         return NUMBERED1.get(number)
 
-    def _hear_result(self, message: Any) -> None:
+    def _on_result(self, message: Any) -> None:
         try:
             report = wire.read_report(message._buff)
         except ConversionError as error:
@@ -194,9 +204,9 @@ class ActionToRos2:
             rospy.logwarn(f"{self._name}: {report.text} is aborted, its result refused: {error}")
             status, content = Status1.LOST, b""
         with self._lock:
-            self._goals.hear_result(report.text, status, content, time.monotonic())
+            self._goals.on_result(report.text, status, content, time.monotonic())
 
-    def _hear_feedback(self, message: Any) -> None:
+    def _on_feedback(self, message: Any) -> None:
         if self._offered is None:
             return
         try:
@@ -216,14 +226,14 @@ class ActionToRos2:
     def end_goals(self) -> None:
         """Have all goals end as aborted."""
         with self._lock:
-            self._goals.lose_server(time.monotonic())
+            self._goals.abort_all(time.monotonic())
 
     def close(self) -> None:
         """End it."""
         self.end_goals()
         with self._lock:
             offered, self._offered = self._offered, None
-        self._made.close()
+        self._scope.close()
         if offered is not None:
             offered.close()
 

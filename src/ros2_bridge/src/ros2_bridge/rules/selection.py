@@ -90,7 +90,7 @@ def wanted(rules: Rules, in_ros1: Set[str], in_ros2: Set[str]) -> List[Way]:
     return sorted(filter(rules.opens, ways))
 
 
-def ranked(there: Iterable[str], *kinds: Set[str]) -> List[str]:
+def rank_names(there: Iterable[str], *kinds: Set[str]) -> List[str]:
     """Return names, the first of which appear where not all may.
 
     :param there: those that appear already, and stay as long as they are wanted

@@ -1,6 +1,6 @@
 """What is not bridged is logged once, and not too often."""
 
-from ros2_bridge.rules.skipped import SkipLog, Unbridgeable
+from ros2_bridge.rules.skip_log import SkipLog, Unbridgeable
 
 
 def test_each_reason_is_logged_once() -> None:

@@ -15,19 +15,19 @@ from action_msgs.srv import CancelGoal
 from rclpy.serialization import deserialize_message, serialize_message
 from unique_identifier_msgs.msg import UUID
 
-from nodekit import Node
+from nodekit import Node, ReentrantCallbackGroup
 from ros2_bridge.action_bridge import wire
 from ros2_bridge.actions.goal_ids import NO_GOAL, text_of
-from ros2_bridge.actions.goals_of_ros2 import Goal, GoalsOfRos2
+from ros2_bridge.actions.ros2_goal_tracker import Goal, Ros2GoalTracker
 from ros2_bridge.actions.states import NUMBERED2, Status2
 from ros2_bridge.actions.status_list import read_list
 from ros2_bridge.environment.ros1_messages import GoalID, GoalStatusArray
 from ros2_bridge.ros2.client import NoResponse, Ros2Client
-from ros2_bridge.ros2.side import Ros2
-from ros2_bridge.ros2.taking import Arrived
+from ros2_bridge.ros2.participant import Participant
+from ros2_bridge.ros2.rcl_take import ReceivedMessage
 from ros2_bridge.rules.settings import Quality
 from ros2_bridge.types.codec import ConversionError
-from ros2_bridge.types.types import ActionType
+from ros2_bridge.types.type_registry import ActionType
 
 #: How many responses, and pieces of feedback, are kept in a burst.
 DEPTH = 1000
@@ -35,11 +35,11 @@ DEPTH = 1000
 _RATE_HZ = 5.0
 
 
-class ActionToRos1:
+class Ros2ServerInRos1:
     """An action server of ROS 2, offered in ROS 1 as soon as all its services are there.
 
     :param node: the bridge in ROS 1
-    :param side: the bridge in ROS 2
+    :param participant: the bridge in ROS 2
     :param name, other: its name in ROS 1 and in ROS 2
     :param timeout: returns the longest wait for the server's answer to a goal, and for a result, s
     """
@@ -47,35 +47,37 @@ class ActionToRos1:
     def __init__(
         self,
         node: Node,
-        side: Ros2,
+        participant: Participant,
         name: str,
         other: str,
         kind: ActionType,
         timeout: Callable[[], float],
     ) -> None:
-        self._node, self._side, self._name, self.kind = node, side, name, kind
+        self._node, self._participant, self._name, self.kind = node, participant, name, kind
         self._lock = threading.RLock()
-        self._goals = GoalsOfRos2(timeout, self._publish_result, self._publish_status)
+        self._goals = Ros2GoalTracker(timeout, self._publish_result, self._publish_status)
         self._numbers = itertools.count(1)
         #: The latest calls of send_goal. Their answers are waited for beyond the time-out: what is
         #: accepted later is to be cancelled.
         self._calls: Deque[int] = collections.deque()
         self._unknown: Set[int] = set()
-        self._made = node.lifetime()
+        self._scope = node.create_scope()
         self._is_offered = False
         impl, path = kind.cls.Impl, f"{other}/_action"
         self._send_type, self._get_type = impl.SendGoalService, impl.GetResultService
-        self._send = Ros2Client(side, self._send_type, f"{path}/send_goal", DEPTH)
-        self._get = Ros2Client(side, self._get_type, f"{path}/get_result", DEPTH)
-        self._cancel = Ros2Client(side, CancelGoal, f"{path}/cancel_goal", DEPTH)
+        self._send = Ros2Client(participant, self._send_type, f"{path}/send_goal", DEPTH)
+        self._get = Ros2Client(participant, self._get_type, f"{path}/get_result", DEPTH)
+        self._cancel = Ros2Client(participant, CancelGoal, f"{path}/cancel_goal", DEPTH)
         self._clients = (self._send, self._get, self._cancel)
         self._nothing = kind.result.to_ros1(serialize_message(kind.cls.Result()))
         self._status2 = f"{path}/status"
         quality = Quality(1, latched=True)
         self._ends = [
-            side.subscribe(GoalStatusArray2, self._status2, quality, self._hear_status),
-            side.subscribe(
-                impl.FeedbackMessage, f"{path}/feedback", Quality(DEPTH), self._hear_feedback
+            participant.create_subscription(
+                GoalStatusArray2, self._status2, quality, self._on_status
+            ),
+            participant.create_subscription(
+                impl.FeedbackMessage, f"{path}/feedback", Quality(DEPTH), self._on_feedback
             ),
         ]
 
@@ -88,9 +90,9 @@ class ActionToRos1:
             is_needed = self._goals.is_any_under_way()
         senders = self._senders() if is_needed else set()
         with self._lock:
-            self._goals.lose_goals(senders if is_there else set(), now)
-            self._goals.forget_old(now)
-            waited = self._goals.end_waits(now)
+            self._goals.abort_goals(senders if is_there else set(), now)
+            self._goals.remove_old(now)
+            waited = self._goals.end_timeouts(now)
             accepted = [(one.uuid, one.is_to_be_cancelled) for one in waited.accepted]
         for uuid, is_cancelled in accepted:
             self._follow_goal(uuid, is_cancelled)
@@ -101,21 +103,21 @@ class ActionToRos1:
 
     def _senders(self) -> Set[bytes]:
         """Return the names of those who list the goals in ROS 2."""
-        found = self._side.node.get_publishers_info_by_topic(self._status2)
+        found = self._participant.node.get_publishers_info_by_topic(self._status2)
         return {bytes(one.endpoint_gid) for one in found}
 
     def _offer(self) -> None:
-        name, kind, made = self._name, self.kind, self._made
-        self._status1 = made.publisher(f"{name}/status", GoalStatusArray, latch=True)
-        self._feedback1 = made.publisher(f"{name}/feedback", kind.raw_feedback)
-        self._result1 = made.publisher(f"{name}/result", kind.raw_result)
+        name, kind, scope = self._name, self.kind, self._scope
+        self._status1 = scope.create_publisher(f"{name}/status", GoalStatusArray, latch=True)
+        self._feedback1 = scope.create_publisher(f"{name}/feedback", kind.raw_feedback)
+        self._result1 = scope.create_publisher(f"{name}/result", kind.raw_result)
         self._is_offered = True
-        group = made.group(exclusive=False)
-        made.subscribe(f"{name}/cancel", GoalID, self._hear_cancel, group=group)
-        made.subscribe(f"{name}/goal", kind.raw_goal, self._hear_goal, group=group)
-        made.every(_RATE_HZ, self._list_goals, steady=True, group=group)
+        group = ReentrantCallbackGroup()
+        scope.create_subscription(f"{name}/cancel", GoalID, self._on_cancel, group=group)
+        scope.create_subscription(f"{name}/goal", kind.raw_goal, self._on_goal, group=group)
+        scope.create_timer(_RATE_HZ, self._list_goals, steady=True, group=group)
 
-    def _hear_goal(self, message: Any) -> None:
+    def _on_goal(self, message: Any) -> None:
         try:
             text, stamp, content = wire.read_goal(message._buff)
         except ConversionError as error:
@@ -130,19 +132,19 @@ class ActionToRos1:
         try:
             goal = deserialize_message(self.kind.goal.to_cdr(content), self.kind.cls.Goal)
             request = self._send_type.Request(goal_id=UUID(uuid=list(uuid)), goal=goal)
-            number = self._send.send(request, partial(self._hear_answer, uuid))
+            number = self._send.send(request, partial(self._on_goal_response, uuid))
         except (NoResponse, ConversionError) as error:
             with self._lock:
-                self._goals.hear_answer(uuid, False, time.monotonic(), str(error))
+                self._goals.on_goal_response(uuid, False, time.monotonic(), str(error))
             return
         with self._lock:
             self._calls.append(number)
             if len(self._calls) > DEPTH:
                 self._send.forget(self._calls.popleft())
 
-    def _hear_answer(self, uuid: bytes, response: Any) -> None:
+    def _on_goal_response(self, uuid: bytes, response: Any) -> None:
         with self._lock:
-            is_cancelled = self._goals.hear_answer(uuid, response.accepted, time.monotonic())
+            is_cancelled = self._goals.on_goal_response(uuid, response.accepted, time.monotonic())
         if response.accepted:
             self._follow_goal(uuid, is_cancelled)
 
@@ -153,14 +155,14 @@ class ActionToRos1:
         """
         with contextlib.suppress(NoResponse):  # it has just gone, which is noticed soon
             request = self._get_type.Request(goal_id=UUID(uuid=list(uuid)))
-            self._get.send(request, partial(self._hear_result, uuid))
+            self._get.send(request, partial(self._on_result, uuid))
         if is_cancelled:
             self._cancel_goal(uuid)
 
-    def _hear_result(self, uuid: bytes, response: Any) -> None:
+    def _on_result(self, uuid: bytes, response: Any) -> None:
         content = self.kind.result.to_ros1(serialize_message(response.result))
         with self._lock:
-            self._goals.hear_result(uuid, self._known(response.status), content, time.monotonic())
+            self._goals.on_result(uuid, self._known(response.status), content, time.monotonic())
 
     def _known(self, number: int) -> Status2:
         """Return the status of a number; where it has none, that is told once."""
@@ -169,7 +171,7 @@ class ActionToRos1:
             rospy.logwarn(f"{self._name}: the server in ROS 2 sends the unknown status {number}")
         return NUMBERED2.get(number, Status2.UNKNOWN)
 
-    def _hear_cancel(self, message: Any) -> None:
+    def _on_cancel(self, message: Any) -> None:
         until = message.stamp.to_nsec()
         with self._lock:
             goals = self._goals.request_cancel(message.id, until, time.monotonic())
@@ -187,7 +189,7 @@ class ActionToRos1:
         with contextlib.suppress(NoResponse):
             self._cancel.send(CancelGoal.Request(goal_info=info), hear)
 
-    def _hear_status(self, arrived: List[Arrived]) -> None:
+    def _on_status(self, arrived: List[ReceivedMessage]) -> None:
         for one in arrived:
             try:
                 goals = read_list(one.data)
@@ -197,11 +199,11 @@ class ActionToRos1:
             # ROS 1 has no times below 0.
             listed = [(uuid, max(0, stamp), self._known(status)) for uuid, stamp, status in goals]
             with self._lock:
-                cancelled = self._goals.hear_status(listed, one.sender, time.monotonic())
+                cancelled = self._goals.on_status(listed, one.sender, time.monotonic())
             for uuid in cancelled:
                 self._cancel_goal(uuid)
 
-    def _hear_feedback(self, arrived: List[Arrived]) -> None:
+    def _on_feedback(self, arrived: List[ReceivedMessage]) -> None:
         for one in arrived:
             with self._lock:
                 goal = self._goals.under_way(one.data[4:20])
@@ -230,12 +232,12 @@ class ActionToRos1:
     def end_goals(self) -> None:
         """Have all goals end as aborted."""
         with self._lock:
-            self._goals.lose_goals(set(), time.monotonic())
+            self._goals.abort_goals(set(), time.monotonic())
 
     def close(self) -> None:
         """End it."""
         self.end_goals()
-        self._made.close()
+        self._scope.close()
         for end in (*self._ends, *(client.close for client in self._clients)):
             end()
 

@@ -5,7 +5,7 @@ from typing import Dict
 import pytest
 
 from nodekit.message_definitions import DefinitionError
-from ros2_bridge.types.twins import make_twins, twin_type
+from ros2_bridge.types.ros2_interfaces import generate_interfaces, twin_type
 
 
 @pytest.mark.parametrize(
@@ -34,7 +34,7 @@ def test_definition_is_written_as_ros2_wants_it() -> None:
         "inner_one[] inner\n"
         "geometry_msgs/Point place\n"
     )
-    twin = make_twins("pkg", {"msg/outer_one.msg": text, "msg/inner_one.msg": "int8 x\n"})
+    twin = generate_interfaces("pkg", {"msg/outer_one.msg": text, "msg/inner_one.msg": "int8 x\n"})
     assert twin.files["msg/OuterOne.msg"] == (
         "# What it is.\n"
         "uint8 SMALL=3\n"
@@ -54,7 +54,7 @@ def test_definition_is_written_as_ros2_wants_it() -> None:
 
 
 def test_service_keeps_the_line_between_request_and_answer() -> None:
-    twin = make_twins("pkg", {"srv/Ask.srv": "bool enable\n---\nstring message\n"})
+    twin = generate_interfaces("pkg", {"srv/Ask.srv": "bool enable\n---\nstring message\n"})
     assert twin.files["srv/Ask.srv"] == "bool enable\n---\nstring message\n"
 
 
@@ -68,12 +68,12 @@ def test_service_keeps_the_line_between_request_and_answer() -> None:
 )
 def test_what_has_no_twin_is_refused(definitions: Dict[str, str], words: str) -> None:
     with pytest.raises(DefinitionError, match=words.replace("/", ".")):
-        make_twins("pkg", definitions)
+        generate_interfaces("pkg", definitions)
 
 
 def test_action_has_three_parts_and_what_ros2_needs_for_them() -> None:
     text = "float64 Far\n---\nstd_msgs/Header header\n---\nfloat64 left\n"
-    twin = make_twins("pkg", {"action/go_to.action": text})
+    twin = generate_interfaces("pkg", {"action/go_to.action": text})
     assert twin.files["action/GoTo.action"] == (
         "float64 far\n---\nstd_msgs/Header header\n---\nfloat64 left\n"
     )

@@ -14,8 +14,8 @@ from typing import (
     TypeVar,
 )
 
-from ros2_bridge.rules.pairing import Rules, Way
-from ros2_bridge.rules.skipped import SkipLog
+from ros2_bridge.rules.selection import Rules, Way
+from ros2_bridge.rules.skip_log import SkipLog
 
 #: How many polls of both graphs, one after the other, must miss something until it is closed: a
 #: master that was restarted learns of its nodes only within a second.
@@ -76,13 +76,13 @@ class Bridged(Dict[Key, Part]):
 class PairBridge(Generic[Part]):
     """Keeps the pairs of topics, or of services, as both graphs want them.
 
-    :param skipped: is told what cannot be bridged
+    :param skip_log: is told what cannot be bridged
 
     :ivar pairs: what is bridged, by way
     """
 
-    def __init__(self, skipped: SkipLog) -> None:
-        self._skipped = skipped
+    def __init__(self, skip_log: SkipLog) -> None:
+        self._skip_log = skip_log
         self.pairs: Bridged[Way, Part] = Bridged()
 
     def update_pairs(self, ways: Sequence[Way]) -> None:
@@ -103,7 +103,7 @@ class PairBridge(Generic[Part]):
         if pair is not None and not self._is_as_begun(way, pair):
             self.pairs.close_one(way)
         if way not in self.pairs:
-            with self._skipped.catching(way.name):
+            with self._skip_log.catching(way.name):
                 begun = self._begin(way)
                 if begun is not None:
                     self.pairs[way] = begun

@@ -34,7 +34,7 @@ def marker() -> str:
     return f"/ros2_bridge_of_domain_{domain()}"
 
 
-def refuse_second() -> None:
+def exit_if_second() -> None:
     """End where there is such a bridge already: two would forward to each other for ever."""
     try:
         name = marker()

@@ -6,9 +6,9 @@ from typing import List, Sequence
 
 import pytest
 
-from ros2_bridge.environment import environment
-from ros2_bridge.environment.environment import Environment, Unavailable
-from ros2_bridge.types.twins import make_twins
+from ros2_bridge.environment import python_environment
+from ros2_bridge.environment.python_environment import PythonEnvironment, Unavailable
+from ros2_bridge.types.ros2_interfaces import generate_interfaces
 
 
 def test_another_python_is_refused(
@@ -16,15 +16,15 @@ def test_another_python_is_refused(
     capsys: "pytest.CaptureFixture[str]",
     tmp_path: pathlib.Path,
 ) -> None:
-    monkeypatch.setattr(environment, "PYTHONS", ((3, 2),))
+    monkeypatch.setattr(python_environment, "PYTHONS", ((3, 2),))
     monkeypatch.setattr(sys, "argv", ["make_environment", "--into", str(tmp_path / "ros2")])
-    assert environment.main() == 125
+    assert python_environment.main() == 125
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("make_environment: PyPI has ROS 2 for Python 3.2 only, and this is 3.")
 
 
 def test_first_error_of_a_command_is_the_reason(tmp_path: pathlib.Path) -> None:
-    ours = Environment(tmp_path / "ros2")
+    ours = PythonEnvironment(tmp_path / "ros2")
     noise = "echo collecting; echo 'ERROR: No matching distribution found'; echo bye; exit 1"
     with pytest.raises(Unavailable, match="no wheels: ERROR: No matching"):
         ours.run(["sh", "-c", noise], 10.0, "no wheels")
@@ -37,17 +37,17 @@ def test_first_error_of_a_command_is_the_reason(tmp_path: pathlib.Path) -> None:
 def test_without_a_network_that_is_the_reason() -> None:
     retry = "WARNING: Retrying after connection broken by 'NewConnectionError(…)': /simple/x/"
     log = f"{retry}\nERROR: No matching distribution found for x==1.0\n"
-    assert environment.first_error(log) == "no connection"
+    assert python_environment.first_error(log) == "no connection"
 
 
 @pytest.mark.parametrize("script", ["exit 1", "kill -INT $PPID; sleep 9"])
 def test_nothing_half_made_stays(
     script: str, monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path
 ) -> None:
-    monkeypatch.setattr(environment, "PYTHONS", (sys.version_info[:2],))
+    monkeypatch.setattr(python_environment, "PYTHONS", (sys.version_info[:2],))
     wheels = tmp_path / "wheels.txt"
     wheels.write_text("x==1.0\n")
-    ours = Environment(tmp_path / "ros2")
+    ours = PythonEnvironment(tmp_path / "ros2")
 
     def install(_: pathlib.Path) -> None:
         (tmp_path / "ros2").mkdir()
@@ -67,19 +67,19 @@ def test_commands_run_without_ros_1(
 ) -> None:
     monkeypatch.setenv("PYTHONPATH", "/somewhere")
     command = ["sh", "-c", 'test -z "$PYTHONPATH$ROS_DISTRO"']
-    Environment(tmp_path / "ros2").run(command, 10.0, "it sees ROS 1")
+    PythonEnvironment(tmp_path / "ros2").run(command, 10.0, "it sees ROS 1")
 
 
 def test_what_another_package_needs_comes_first() -> None:
     uses = {"a": "b/X x\n", "b": "c/X x\n", "c": "uint8 x\n"}
-    twins = {name: make_twins(name, {"msg/X.msg": text}) for name, text in uses.items()}
-    assert environment.in_order(twins) == ["c", "b", "a"]
+    twins = {name: generate_interfaces(name, {"msg/X.msg": text}) for name, text in uses.items()}
+    assert python_environment.in_order(twins) == ["c", "b", "a"]
 
 
 def test_twins_are_built_once_and_again_where_they_are_new_or_use_what_has_changed(
     monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path
 ) -> None:
-    ours, built = Environment(tmp_path / "ros2"), []
+    ours, built = PythonEnvironment(tmp_path / "ros2"), []
 
     def run(command: Sequence[str], *_: object) -> None:
         built.append([word.partition(":")[0] for word in command[3:]])
@@ -87,7 +87,9 @@ def test_twins_are_built_once_and_again_where_they_are_new_or_use_what_has_chang
     def build(**definitions: str) -> List[str]:
         """Return the packages whose twins are built, of types X."""
         built.clear()
-        ours._build({one: make_twins(one, {"msg/X.msg": it}) for one, it in definitions.items()})
+        ours._build(
+            {one: generate_interfaces(one, {"msg/X.msg": it}) for one, it in definitions.items()}
+        )
         return built[0] if built else []
 
     monkeypatch.setattr(ours, "run", run)
@@ -104,6 +106,6 @@ def test_packages_of_one_maintainer_belong_together(tmp_path: pathlib.Path) -> N
         (tmp_path / name / "package.xml").write_text(
             f"<package><maintainer>{maintainer}</maintainer></package>"
         )
-    found = environment.companions(tmp_path / "bridge")
+    found = python_environment.companions(tmp_path / "bridge")
     assert [folder.name for folder in found] == ["a_msgs", "bridge"]
-    assert environment.definitions(found)["a_msgs"] == {"msg/X.msg": "uint8 x\n"}
+    assert python_environment.definitions(found)["a_msgs"] == {"msg/X.msg": "uint8 x\n"}

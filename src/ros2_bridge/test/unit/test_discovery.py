@@ -4,7 +4,7 @@ from typing import Dict, Set
 
 import pytest
 
-from ros2_bridge.actions.finding import Server, is_of_action, servers_in_ros1, servers_in_ros2
+from ros2_bridge.actions.discovery import Server, is_of_action, servers_in_ros1, servers_in_ros2
 
 TYPES = {
     "/arm/reach/status": "actionlib_msgs/GoalStatusArray",

@@ -95,7 +95,7 @@ class NodeBridge:
         self._to_ros2: Bridged[str, NodeToRos2] = Bridged()
         self._to_ros1: Bridged[str, ParametersToRos1] = Bridged()
         self._own: Optional[ParametersToRos2] = None
-        #: What has ended, until other nodes have its topics and services, or nobody has.
+        #: What has ended, until other nodes have its topics and services.
         self._leaving: List[Ros2Node] = []
         #: When each node was first seen, s on the monotonic clock.
         self._since: Dict[str, float] = {}

@@ -31,7 +31,7 @@ _STATES = {
 class ActionAnswers:
     """Asks for the actions that a node sees.
 
-    :param node: spun by somebody else
+    :param node: spun by its owner
     :param nodes: returns the names of the nodes that are asked
     """
 

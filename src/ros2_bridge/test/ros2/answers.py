@@ -66,7 +66,7 @@ class Answers:
                     self._executor.spin()
 
     def close(self) -> None:
-        """Ask nobody any more."""
+        """End the clients."""
         rclpy.shutdown(context=self._context)
         self._thread.join(5.0)
 

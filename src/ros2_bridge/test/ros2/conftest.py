@@ -11,7 +11,7 @@ from domains import own_domain
 
 from ros2_bridge.environment.module_isolation import join
 
-# Nobody else's nodes; set before rclpy is there.
+# No other user's nodes; set before rclpy is there.
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 os.environ["ROS_DOMAIN_ID"] = str(own_domain())
 join()

@@ -1,4 +1,4 @@
-"""Domains of ROS 2 that nobody else on this machine has."""
+"""Domains of ROS 2 that no other process on this machine has."""
 
 import contextlib
 import random

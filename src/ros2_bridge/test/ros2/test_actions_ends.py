@@ -43,7 +43,7 @@ def test_goals_are_aborted_where_the_bridge_ends(ros: both.Both) -> None:
 
 def test_goal_that_the_server_does_not_answer_is_rejected(ros: both.Both) -> None:
     node = Node("late")
-    Server(node, "/foot/rest")  # which has nobody to spin it
+    Server(node, "/foot/rest")  # a node that is not spun
     with both.Bridge("_service_timeout:=0.5"), Client1("/foot/rest") as client:
         client.tell("send on 60.0")
         assert client.end_of("on") == f"REJECTED - {NO_ANSWER}"

@@ -55,7 +55,7 @@ class Server1:
         return wire.Reported(text, stamp, status, "why", content)
 
     def list_goal(self, status: int, stamp: int = 0) -> None:
-        """Tell of the goal, and of one that somebody else began at a moment, ns, if given."""
+        """List the goal, and another client's, if its start time [ns] is given."""
         listed = [self._report(status, b"")]
         if stamp:
             listed.append(wire.Reported("theirs", stamp, Status1.ACTIVE, "", b""))
@@ -75,7 +75,7 @@ class Server1:
         self._result.publish(message)
 
     def publish_nonsense(self) -> None:
-        """Publish a result that is none."""
+        """Publish a malformed result."""
         message = self._kind.raw_result()
         message._buff = b"nonsense" * 2
         self._result.publish(message)

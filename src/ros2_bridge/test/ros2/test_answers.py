@@ -1,4 +1,4 @@
-"""What the ``ros2`` command line prints of a node of ROS 1, and of the same node in rclpy.
+"""Output of the ``ros2`` command line for a node of ROS 1, and for the same node in rclpy.
 
 docs/ros2_answers.md shows both, and names each difference.
 """
@@ -24,7 +24,7 @@ TWINS = pathlib.Path(__file__).with_name("twins_in_rclpy.py")
 
 @pytest.fixture(scope="module")
 def of_rclpy() -> Iterator[Dict[str, List[str]]]:
-    """What the twins answer, which have a domain of their own."""
+    """Return the answers of the twins, which have a domain of their own."""
     domain = own_domain()
     # Without ROS 1's packages, whose messages it would find.
     twins = Process(str(TWINS), [], {"ROS_DOMAIN_ID": str(domain), "PYTHONPATH": ""})
@@ -39,7 +39,7 @@ def of_rclpy() -> Iterator[Dict[str, List[str]]]:
 
 @pytest.fixture(scope="module")
 def of_bridge(bridge: both.Bridge) -> Iterator[Dict[str, List[str]]]:
-    """What the same nodes of ROS 1 answer."""
+    """Return the answers of the same nodes of ROS 1."""
     answers = Answers(int(os.environ["ROS_DOMAIN_ID"]))
     with both.Running("basic_comms", "signal_generator.py") as generator:
         with both.Running("basic_comms", "process.py", "__name:=managed", "_managed:=true") as one:

@@ -1,4 +1,4 @@
-"""What each command of the ROS 2 courses asks, asked of nodes of ROS 1: docs/ros2_course.md."""
+"""The commands of the ROS 2 courses, for nodes of ROS 1: docs/ros2_course.md."""
 
 import statistics
 import sys

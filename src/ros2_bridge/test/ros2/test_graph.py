@@ -274,5 +274,5 @@ def test_many_topics_of_ours_are_asked_about_in_turn() -> None:
     for _ in range(8):
         seen.append("/t150" in graph.topics())
     first = seen.index(True)
-    assert first < 4 and all(seen[first:])  # whoever is no node is found, and not lost again
+    assert first < 4 and all(seen[first:])  # a program without a node is found, and stays
     assert participant.asked <= 8 * 53

@@ -1,4 +1,4 @@
-"""What several nodes latch: whoever comes later gets the latest of each, also of a new bridge.
+"""Topics that several nodes latch: a late subscriber gets the latest of each.
 
 As of a robot: its description, and the static transforms of two nodes.
 """

@@ -1,4 +1,4 @@
-"""How the bridge begins and ends, and what it outlives."""
+"""Start and end of the bridge, and what it outlives."""
 
 import contextlib
 import os

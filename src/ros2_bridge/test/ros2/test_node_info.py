@@ -1,4 +1,4 @@
-"""What a node of one ROS has in the other: ``ros2 node info`` and ``rosnode info``."""
+"""Nodes of one ROS in the other: ``ros2 node info`` and ``rosnode info``."""
 
 import struct
 import subprocess
@@ -27,7 +27,7 @@ def generator(bridge: both.Bridge) -> Iterator[both.Running]:
 
 @pytest.fixture
 def lidar(ros: both.Both) -> Iterator[Node]:
-    """A node of ROS 2 with a topic and a service of its own, that subscribes to two more."""
+    """Return a node of ROS 2 with a topic and a service, that subscribes to two more."""
     node = Node("lidar", namespace="/front")
     node.create_publisher(Float32, "range", 10)
     node.create_subscription(SignalMsg, "/signal", lambda message: None, 10)

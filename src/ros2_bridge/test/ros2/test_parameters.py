@@ -102,7 +102,7 @@ def test_a_whole_number_for_a_double_is_refused_as_by_rclpy(
     bridge.wait_for_log("integers_for_doubles: True -> False")
 
 
-def test_each_is_judged_by_itself(ros: both.Both, generator: both.Running) -> None:
+def test_each_is_checked_by_itself(ros: both.Both, generator: both.Running) -> None:
     given = [value("offset", 0.5), value("amplitude", -2.0), value("frequency", 3.0)]
     answer = ros.call2(SetParameters, f"{GENERATOR}/set_parameters", parameters=given)
     assert [result.successful for result in answer.results] == [True, False, True]
@@ -137,7 +137,10 @@ def test_describe(ros: both.Both, generator: both.Running) -> None:
 
 def test_events(ros: both.Both, generator: both.Running) -> None:
     ear = ros.hear2("/parameter_events", ParameterEvent)
-    wait_until(lambda: ros.node.count_publishers("/parameter_events") > 1, lambda: "nobody tells")
+    wait_until(
+        lambda: ros.node.count_publishers("/parameter_events") > 1,
+        lambda: "no events are published",
+    )
     wait_until(lambda: get(ros, "amplitude"), lambda: "it is not in ROS 2")
 
     def told(name: str) -> List[Any]:
@@ -151,7 +154,7 @@ def test_events(ros: both.Both, generator: both.Running) -> None:
 
     set_one(ros, "amplitude", 4.5)
     wait_until(lambda: 4.5 in told("amplitude"), lambda: str(ear.heard))
-    set_one(ros, "amplitude", -4.5)  # refused: of this nobody is told
+    set_one(ros, "amplitude", -4.5)  # refused: there is no event
     rospy.set_param(f"{GENERATOR}/amplitude", 5.5)
     wait_until(lambda: 5.5 in told("amplitude"), lambda: str(ear.heard))
     assert told("amplitude") == [4.5, 5.5]
@@ -189,13 +192,13 @@ def test_plain_node_has_what_is_on_the_server(ros: both.Both, bridge: both.Bridg
     out.unregister()
 
 
-def test_node_that_judges_itself_since_a_moment_is_not_passed_over() -> None:
+def test_node_that_has_just_begun_to_check_is_not_passed_over() -> None:
     written: List[Any] = []
     client: Any = SimpleNamespace(write=written.append)
     for uri in ("rosrpc://localhost:1", None):
         client.lookup_service = {"/generator/describe": uri}.get
         why = ServerParameters(client, "/generator").change({"pid.p": 2})
-        assert ("/generator has just begun to judge" in why) is (uri is not None)
+        assert ("/generator has just begun to check" in why) is (uri is not None)
     assert written == [{"/generator/pid/p": 2}]
 
 
@@ -207,14 +210,14 @@ def test_node_of_ros2_is_on_the_server(ros: both.Both, bridge: both.Bridge) -> N
     node.declare_parameter("limits", [1.5, 2.5])
     node.declare_parameter("mask", [b"a", b"b"])
 
-    judged: List[str] = []
+    checked: List[str] = []
 
-    def judge(parameters: List[Any]) -> SetParametersResult:
-        judged.extend(one.name for one in parameters)
+    def check(parameters: List[Any]) -> SetParametersResult:
+        checked.extend(one.name for one in parameters)
         bad = [one for one in parameters if one.name == "sample_time" and one.value <= 0.0]
         return SetParametersResult(successful=not bad, reason="must be above 0" if bad else "")
 
-    node.add_on_set_parameters_callback(judge)
+    node.add_on_set_parameters_callback(check)
     ros.executor.add_node(node)
     key = "/motor_of_ros2/sample_time"
     wait_until(lambda: rospy.get_param(key, None) == 0.02, lambda: "not on the server")
@@ -233,7 +236,7 @@ def test_node_of_ros2_is_on_the_server(ros: both.Both, bridge: both.Bridge) -> N
     node.set_parameters([Value("sample_time", value=0.5)])
     wait_until(lambda: rospy.get_param(key) == 0.5, lambda: "its own change is not told")
     assert math.isnan(rospy.get_param("/motor_of_ros2/drift"))
-    assert "drift" not in judged  # what does not equal itself is not set again and again
+    assert "drift" not in checked  # what does not equal itself is not set again and again
     ros.executor.remove_node(node)
     node.destroy_node()
     wait_until(lambda: not rospy.has_param("/motor_of_ros2/pid/p"), lambda: "it stays there")

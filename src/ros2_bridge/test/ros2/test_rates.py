@@ -36,9 +36,9 @@ def test_what_comes_too_often_is_left_out_both_ways(ros: both.Both) -> None:
             ros.hear2("/quick_latched1", Float32, latched=True),
         ]
         for made in (out1, latched1):
-            wait_until(made.get_num_connections, lambda: "nobody listens in ROS 1")
+            wait_until(made.get_num_connections, lambda: "no subscribers in ROS 1")
         for made in (out2, latched2):
-            wait_until(made.get_subscription_count, lambda: "nobody listens in ROS 2")
+            wait_until(made.get_subscription_count, lambda: "no subscribers in ROS 2")
 
         def send(number: float) -> None:
             for made in (out1, latched1):

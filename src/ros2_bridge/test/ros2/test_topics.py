@@ -106,8 +106,8 @@ def test_a_topic_of_both_sides_has_no_echo(ros: both.Both, bridge: both.Bridge) 
     out1 = publisher1(ros, "/both", "std_msgs/Float32")
     out2 = ros.node.create_publisher(Float32, "/both", 100)
     ear1, ear2 = ros.hear1("/both", "std_msgs/Float32"), ros.hear2("/both", Float32)
-    wait_until(lambda: out1.get_num_connections() == 2, lambda: "nobody listens in ROS 1")
-    wait_until(lambda: out2.get_subscription_count() == 2, lambda: "nobody listens in ROS 2")
+    wait_until(lambda: out1.get_num_connections() == 2, lambda: "no subscribers in ROS 1")
+    wait_until(lambda: out2.get_subscription_count() == 2, lambda: "no subscribers in ROS 2")
     for number in range(10):
         out1.send(struct.pack("<f", number))
         out2.publish(Float32(data=100.0 + number))
@@ -171,7 +171,7 @@ def test_one_of_many_topics(ros: both.Both, bridge: both.Bridge) -> None:
     ear = ros.hear2("/many/last", SignalMsg, latched=True)
     assert ear.wait()[0].signal_y == -1.5
     ear.end()
-    assert not bridge.logged("truncated")  # of a type's failures that are none
+    assert not bridge.logged("truncated")  # of harmless failures of type support
     bridge.wait_for_log("not bridged: /1/number", "token that starts with a number")
     out.unregister()
     illegal.unregister()
@@ -274,14 +274,14 @@ def test_what_is_latched_moves_to_its_node_while_nobody_hears_it() -> None:
     publishers.publish("/map_server", b"a", True)  # before a poll has seen it
     nodes: Any = {"/map_server": "map_server"}
     publishers.update_publishers({"/map_server"}, nodes, True)
-    assert participant.sent == [("bridge", b"a")]  # or whoever hears it would get it twice
+    assert participant.sent == [("bridge", b"a")]  # or its subscribers would get it twice
     publishers.update_publishers({"/map_server"}, nodes, False)
     assert list(participant.made.values()) == [(True, "map_server")]
     assert list(participant.last.values()) == [b"a"]
     publishers.update_publishers({"/map_server"}, {}, True)  # it does not appear any longer
     assert list(participant.made.values()) == [(True, "bridge")]
     assert list(participant.last.values()) == [b"a"]
-    publishers.publish("/map_server", b"b", False)  # started anew, and latches no longer
+    publishers.publish("/map_server", b"b", False)  # started again, and latches no longer
     publishers.update_publishers({"/map_server"}, nodes, True)
     assert list(participant.made.values()) == [(False, "map_server")]
     assert participant.sent[-1] == ("bridge", b"b")

@@ -84,7 +84,7 @@ def several(kind: str, count: int, chance: random.Random) -> Any:
     return [value(kind, chance) for _ in range(count)]
 
 
-def judge(codec: Any, cls: Any, name: str, genpy_class: Any = None) -> None:
+def check(codec: Any, cls: Any, name: str, genpy_class: Any = None) -> None:
     chance = random.Random(name)
     for _ in range(4):
         message = fill(cls(), chance)
@@ -106,14 +106,14 @@ def test_message_is_the_same_in_both(name: str) -> None:
         return
     kind = TypeRegistry().message(name)
     classes = genpy.dynamic.generate_dynamic(name, kind.raw._full_text)
-    judge(kind.codec, kind.cls, name, classes[name])
+    check(kind.codec, kind.cls, name, classes[name])
 
 
 @pytest.mark.parametrize("name", names("srv"))
 def test_service_is_the_same_in_both(name: str) -> None:
     kind = TypeRegistry().service(name)
-    judge(kind.request, kind.cls.Request, name)
-    judge(kind.response, kind.cls.Response, name)
+    check(kind.request, kind.cls.Request, name)
+    check(kind.response, kind.cls.Response, name)
 
 
 @pytest.mark.parametrize("name", ["visualization_msgs/Marker", "bot_controller_demo_msgs/GoToGoal"])

@@ -1,4 +1,4 @@
-"""What is bridged at the moment, and until when."""
+"""Active pairs, and when they are closed."""
 
 from typing import List, Optional
 
@@ -28,7 +28,7 @@ def test_what_is_missing_poll_after_poll_is_closed() -> None:
     kept, gone = parts["a"], parts["b"] = Pair("", 0), Pair("", 0)
     parts.close_missing(["a"])
     parts.close_missing(["a"])
-    parts.close_missing(["a", "b"])  # it was back: counted anew
+    parts.close_missing(["a", "b"])  # it was back: counted again
     for _ in range(2):
         parts.close_missing(["a"])
         assert parts == {"a": kept, "b": gone}
@@ -36,7 +36,7 @@ def test_what_is_missing_poll_after_poll_is_closed() -> None:
     assert parts == {"a": kept} and gone.is_closed and not kept.is_closed
     parts.close_missing(["a", "b"])
     parts["b"] = again = Pair("", 0)
-    parts.close_missing(["a"])  # counted anew
+    parts.close_missing(["a"])  # counted again
     assert parts["b"] is again
 
 
@@ -91,7 +91,7 @@ def test_another_quality_is_bridged_at_once_and_another_type_a_poll_later() -> N
 
 def test_what_cannot_be_bridged_is_tried_again() -> None:
     pairs = Pairs()
-    pairs.kind = None  # nobody tells it yet
+    pairs.kind = None  # it is not known yet
     assert pairs.polled("/a") == [None] and pairs.log.next_line(0.0) is None
     pairs.kind, pairs.problem = "text", "/a has several types"
     assert pairs.polled("/a") == pairs.polled("/a") == [None]
@@ -123,7 +123,7 @@ def test_what_fails_for_one_is_done_for_all_others() -> None:
         pairs.polled("/a", "/b", "/c", "/d")
     assert all(pair and pair.is_closed for pair in before)
     assert [way.name for way in pairs.pairs] == ["/c", "/d"]
-    assert None not in pairs.polled("/a", "/b")  # begun anew
+    assert None not in pairs.polled("/a", "/b")  # created again
     for pair in pairs.pairs.values():
         pair.fails = True
     for _ in range(MISSED_POLLS - 2):

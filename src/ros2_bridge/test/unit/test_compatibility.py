@@ -1,4 +1,4 @@
-"""What is said where a type differs from its twin."""
+"""Messages about a type that differs from its twin."""
 
 from typing import Dict, Optional
 
@@ -16,7 +16,7 @@ ROS2 = {
 }
 
 
-def judged(text: str, other: Dict[str, str]) -> Optional[str]:
+def difference_of(text: str, other: Dict[str, str]) -> Optional[str]:
     fields = parse("pkg/a", text + HEADER + SEPARATOR + "MSG: pkg/Inner\nfloat64 x\n")
     return difference("pkg/a", fields, "pkg/A", lambda name: {"pkg/A": other, **ROS2}[name])
 
@@ -38,7 +38,7 @@ def judged(text: str, other: Dict[str, str]) -> Optional[str]:
     ],
 )
 def test_the_same(text: str, other: Dict[str, str]) -> None:
-    assert judged(text, other) is None
+    assert difference_of(text, other) is None
 
 
 @pytest.mark.parametrize(
@@ -60,4 +60,4 @@ def test_the_same(text: str, other: Dict[str, str]) -> None:
     ],
 )
 def test_the_first_difference_is_named(text: str, other: Dict[str, str], sentence: str) -> None:
-    assert sentence in str(judged(text, other))
+    assert sentence in str(difference_of(text, other))

@@ -1,4 +1,4 @@
-"""What the middleware of ROS 2 is told."""
+"""Environment variables of the ROS 2 middleware."""
 
 import pathlib
 from typing import Dict

@@ -1,4 +1,4 @@
-"""make_environment says in one sentence why there can be none, and builds twins in order."""
+"""make_environment says in one sentence why it fails, and builds twins in order."""
 
 import pathlib
 import sys

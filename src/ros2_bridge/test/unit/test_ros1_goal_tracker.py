@@ -26,7 +26,7 @@ NOTHING = TimedOutGoals([], [])
 
 
 class Clients:
-    """What the clients of ROS 2 are told."""
+    """Recorder of the calls to the clients of ROS 2."""
 
     def __init__(self) -> None:
         self.patience = PATIENCE_S

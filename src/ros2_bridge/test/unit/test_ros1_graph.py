@@ -1,4 +1,4 @@
-"""What the master's answers show."""
+"""The graph of ROS 1 from the master's answers."""
 
 from typing import Any, List
 

@@ -36,7 +36,7 @@ NOTHING = TimedOutGoals([], [])
 
 
 class Clients:
-    """What the clients of ROS 1 are told."""
+    """Recorder of the messages to the clients of ROS 1."""
 
     def __init__(self) -> None:
         self.goals = Ros2GoalTracker(lambda: PATIENCE_S, self._end, self._publish)

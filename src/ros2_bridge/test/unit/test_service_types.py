@@ -56,7 +56,7 @@ def test_the_silent_are_asked_again_in_turn(servers: Servers) -> None:
         poll(types, silent)
     assert set(servers.asked.values()) == {2}  # two in each poll, and each of them once
     poll(types, [*silent, "/good"])
-    assert types.of("/good") == "std_srvs/Trigger"  # nobody waits for those
+    assert types.of("/good") == "std_srvs/Trigger"  # no request waits for those
     assert sum(servers.asked.values()) == 8 + 8 + 2 + 1
 
 

@@ -87,13 +87,13 @@ def test_direction() -> None:
     assert (rules.to_ros2, rules.to_ros1) == (False, True)
 
 
-def test_rules_for_names_are_judged() -> None:
+def test_rules_for_names_are_validated() -> None:
     assert BridgeParameters(remap=["/robot1=/"]).names().in_ros2("/robot1/scan") == "/scan"
     with pytest.raises(ParameterError, match="each rule must be NAME=NAME"):
         BridgeParameters(remap=["/robot1:/"])
 
 
-def test_rules_for_rates_are_judged() -> None:
+def test_rules_for_rates_are_validated() -> None:
     rules = BridgeParameters(max_rate=["/camera/*=10"]).bridged(Renaming())
     assert rules.max_rates.of("/camera/left") == 10.0
     with pytest.raises(ParameterError, match="each rule must be PATTERN=HZ"):

@@ -1,4 +1,4 @@
-"""What is not bridged is logged once, and not too often."""
+"""Reasons of what is not bridged are logged once, and not too often."""
 
 from ros2_bridge.rules.skip_log import SkipLog, Unbridgeable
 

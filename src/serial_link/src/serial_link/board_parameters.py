@@ -13,7 +13,7 @@ from serial_link.board.simulation import Faults
 
 
 class BoardParameters(ParameterSet):
-    """Where the board is plugged in, its motor, what is done at it, and what is wrong with it."""
+    """Parameters of the board's connection, motor, panel and faults."""
 
     link = read_once(
         StringParameter(
@@ -66,10 +66,10 @@ class BoardParameters(ParameterSet):
 
     @property
     def plant(self) -> PlantSettings:
-        """What the motor is like."""
+        """Settings of the motor."""
         return PlantSettings(self.gain, self.time_constant, self.max_speed, self.dead_zone)
 
     @property
     def faults(self) -> Faults:
-        """What is wrong."""
+        """Faults of the board and its cable."""
         return Faults(self.noise, self.stalled, self.plugged)

@@ -7,7 +7,7 @@ TCP = "tcp"
 
 
 class SerialParameters(ParameterSet):
-    """Where the board is; names and defaults are those of rosserial_python."""
+    """Parameters of the link; names and defaults are those of rosserial_python."""
 
     port = read_once(
         StringParameter(

@@ -36,7 +36,7 @@ class DamagedOnce(Device):
 
 
 class NewSketch(BoardRig):
-    """Boards that begin anew."""
+    """Boards that are restarted."""
 
     def test_call_under_way_fails_when_the_board_is_restarted(self) -> None:
         self.sketch.answers = False
@@ -61,7 +61,7 @@ class NewSketch(BoardRig):
     def test_what_a_new_sketch_has_no_more_is_told_and_taken_off_the_graph(self) -> None:
         said = MessageRecorder(self.space + "/said", String)
         node = self.start()
-        wait_until(said.publishers, lambda: "nobody publishes")
+        wait_until(said.publishers, lambda: "no publisher")
         self.sketch.topics = self.sketch.topics[1:]
         self.board.reset()
         node.wait_for_log("the board no longer publishes said")

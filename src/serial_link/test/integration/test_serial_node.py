@@ -26,7 +26,7 @@ from nodekit.testing.waiting import TIMEOUT_S, in_thread, wait_until
 
 SCRIPTS = os.path.join(rospkg.RosPack().get_path("serial_link"), "scripts")
 #: How soon the board's messages come again, s, and what a busy machine may take on top: together
-#: less than the 11 s after which a board notices by itself that nobody is there.
+#: less than the 11 s after which a board notices by itself that the host is gone.
 BACK_S, BUSY_S = 1.0, 6.0
 
 
@@ -104,7 +104,7 @@ class SerialNode(Rig):
         buttons.wait_for(lambda heard: heard.data)
         pots.wait_for(lambda heard: heard.data == 1023)
         publisher = rospy.Publisher(self.space + "/motor_input", motor_input, queue_size=1)
-        wait_until(lambda: publisher.get_num_connections(), lambda: "nobody drives the motor")
+        wait_until(lambda: publisher.get_num_connections(), lambda: "no subscriber of motor_input")
         is_over = threading.Event()
 
         def drive() -> None:
@@ -120,7 +120,7 @@ class SerialNode(Rig):
         is_over.set()
         thread.join(TIMEOUT_S)
         self.outputs.clear()
-        # The sketch stops a motor to which nobody speaks.
+        # The sketch stops a motor that gets no input.
         self.outputs.wait_for(lambda heard: heard.output == 0.0)
         call = rospy.ServiceProxy(self.space + "/zero_encoder", Trigger)
         call.wait_for_service(TIMEOUT_S)
@@ -144,16 +144,16 @@ class SerialNode(Rig):
         self.outputs.clear()
         self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
 
-    def test_judge_of_controllers_takes_the_board_for_a_plant(self) -> None:
+    def test_controller_check_takes_the_board_for_a_plant(self) -> None:
         """The verdict may be that the machine is too busy; the motor moves and stops anyway."""
         self.start_both(gain=26.2, max_speed=26.0)
         inputs = MessageRecorder(self.space + "/motor_input", motor_input)
         package = rospkg.RosPack().get_path("pid_control")
         words = ["--real-plant", "--full-speed", "26", "--only", "ramp"]
         controller = os.path.join(package, "launch", "pid_real.launch")
-        judge = os.path.join(package, "scripts", "judge")
+        command = os.path.join(package, "scripts", "judge")  # of pid_control
         for _ in range(3):
-            node = Process(judge, [*words, controller], {"ROS_NAMESPACE": self.space})
+            node = Process(command, [*words, controller], {"ROS_NAMESPACE": self.space})
             self.addCleanup(node.end)
             node.popen.wait(4 * TIMEOUT_S)  # it has a limit of its own
             if not node.logged("the plant is silent"):  # as a board is on a busy machine
@@ -193,7 +193,7 @@ class SerialNode(Rig):
             log.clear()
             self.assertTrue(reset().success)
             self.wait_until_back(time.monotonic() + 0.2)  # it takes this long to start
-            # What is latched is told to the board anew: it has forgotten it.
+            # The board gets latched messages again: it has forgotten them.
             log.wait_for(lambda line: (line.name, line.msg) == (name, "led on"))
         self.wait_for_figure("restarts of the board", 2)
 
@@ -233,7 +233,7 @@ class SerialNode(Rig):
             "motor_output is refused: pid_control/motor_output is another one on the board",
             motor_output._md5sum[::-1],
             motor_output._md5sum,
-            "make its header for the sketch anew",
+            "make its header for the sketch again",
         )
         self.wait_for_figure("of refused topics")
         self.assertEqual(self.outputs.count(), 0)

@@ -1,4 +1,4 @@
-"""How fast a line takes what is written."""
+"""Pacing of frames by the baud rate."""
 
 import pytest
 

@@ -86,7 +86,7 @@ class Rig:
 
 @pytest.fixture
 def rig(tmp_path: pathlib.Path) -> Iterator[Rig]:
-    """A link and a board, to be started."""
+    """Return a link and a board, to be started."""
     made = Rig(tmp_path)
     yield made
     made.link.close()

@@ -1,4 +1,4 @@
-"""What a board's first words show."""
+"""Diagnosis of a board that does not answer."""
 
 from serial_link.framing.frames import PROBE, encode
 from serial_link.host.connect_diagnosis import MOST_KEPT, ConnectDiagnosis

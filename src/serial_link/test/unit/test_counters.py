@@ -1,4 +1,4 @@
-"""What is counted."""
+"""Counters."""
 
 from serial_link.host.counters import RECEIVED, SENT, Counters
 

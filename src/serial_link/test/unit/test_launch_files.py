@@ -1,4 +1,4 @@
-"""What the launch file hands to the nodes; nothing is started here."""
+"""Arguments of the nodes in the launch file; nothing is started here."""
 
 import functools
 

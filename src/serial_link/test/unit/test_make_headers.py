@@ -142,7 +142,7 @@ def constants(name: str, generated: Any) -> List[str]:
 
 
 class Answer(NamedTuple):
-    """What the program says of one message."""
+    """Return the output of the program for one message."""
 
     datatype: str
     md5sum: str
@@ -332,7 +332,7 @@ def test_the_sketch_of_the_docs_is_right_with_them(tmp_path: pathlib.Path) -> No
 @pytest.mark.parametrize(
     "arguments, why",
     [
-        (["nobody"], "there is no package nobody here"),
+        (["missing"], "there is no package missing here"),
         (["nodekit"], "nodekit has neither messages nor services"),
         (["std_srvs", "--into", "/dev/null/x"], "cannot write /dev/null/x/serial_link: "),
     ],

@@ -1,4 +1,4 @@
-"""What waits: nothing that is kept is lost, and of streams the newest values come."""
+"""Queue: reliable messages are never lost, and of streams the newest values come."""
 
 import threading
 from typing import Any, List

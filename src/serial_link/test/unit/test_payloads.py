@@ -1,4 +1,4 @@
-"""What the special frames carry: there and back, and nothing that no board would send."""
+"""Payloads of the special frames: encoded, decoded, and rejected if implausible."""
 
 import struct
 from typing import Any, Callable

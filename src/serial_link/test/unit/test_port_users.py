@@ -1,4 +1,4 @@
-"""Who has a file open, by whatever name."""
+"""Processes that have a file open, by whatever name."""
 
 import contextlib
 import os

@@ -1,4 +1,4 @@
-"""How a board reads frames."""
+"""Frame receiver of a board."""
 
 from typing import List
 

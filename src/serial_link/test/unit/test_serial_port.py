@@ -52,7 +52,7 @@ sys.stdin.read()
 
 @pytest.fixture
 def plugged(tmp_path: pathlib.Path) -> Iterator[Tuple[PtyTransport, SerialPort]]:
-    """The two ends of a cable."""
+    """Return the two ends of a cable."""
     end = PtyTransport(str(tmp_path / "by-id" / "board"))
     end.plug()
     port = SerialPort(str(tmp_path / "by-id" / "board"), 115200)
@@ -76,7 +76,7 @@ def test_what_was_sent_before_it_is_open_does_not_come_back(
     plugged: Tuple[PtyTransport, SerialPort],
 ) -> None:
     end, port = plugged
-    end.write(b"nobody listens")
+    end.write(b"no host reads")
     assert end.read() == b""
     assert port.open(0.0) and port.read(0.0) == b""
 

@@ -1,4 +1,4 @@
-"""What is said now and then."""
+"""Throttled log."""
 
 from typing import List
 

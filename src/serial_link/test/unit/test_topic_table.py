@@ -1,4 +1,4 @@
-"""What a board has told of, in rounds that may be damaged."""
+"""Table of a board's topics, filled in rounds that may be damaged."""
 
 from typing import List, Optional
 
@@ -180,7 +180,7 @@ def test_damaged_rounds_come_to_an_end() -> None:
 
 
 def test_rounds_that_are_broken_off_come_to_an_end_too() -> None:
-    """As by a topic that is told wrong each time, and whose messages have the board asked anew."""
+    """Board whose topic is told wrong each time, so that it is asked again."""
     table, rounds = TopicTable(), 0
     table.begin_round(0.0)
     while not table.end_round(float(rounds)) and rounds < 2 * MOST_ROUNDS:
@@ -191,7 +191,7 @@ def test_rounds_that_are_broken_off_come_to_an_end_too() -> None:
     table.reset()
     table.begin_round(100.0)
     table.mark_damaged()
-    assert table.end_round(101.0) is False  # a board that was started anew is asked as often again
+    assert table.end_round(101.0) is False  # a restarted board is asked as often again
 
 
 def test_rounds_before_the_board_answers_do_not_count() -> None:

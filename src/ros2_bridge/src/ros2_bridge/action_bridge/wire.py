@@ -39,7 +39,7 @@ def goal_id(text: str, stamp: int) -> Any:
 def read_goal(data: bytes) -> Tuple[str, int, bytes]:
     """Return a goal's id, when it began, ns, and the goal.
 
-    :raises ConversionError: if it is none
+    :raises ConversionError: if it is invalid
     """
     try:
         text, stamp, at = _goal_id(data)
@@ -59,7 +59,7 @@ def write_goal(raw: Any, text: str, stamp: int, content: bytes) -> Any:
 def read_report(data: bytes) -> Reported:
     """Return what a message with feedback or with a result says.
 
-    :raises ConversionError: if it is none
+    :raises ConversionError: if it is invalid
     """
     try:
         text, stamp, at = _goal_id(data)

@@ -77,7 +77,7 @@ class Ros2GoalTracker:
 
     :param patience: returns the longest wait for the server's answer to a goal, and for a result, s
     :param publish_result: called with a goal of ROS 1 that is over, and its result in ROS 2: None
-        where there is none
+        if missing
     :param publish_status: called with the goals after a change
     """
 
@@ -124,7 +124,7 @@ class Ros2GoalTracker:
         """
         goal = self._goals.get(uuid)
         if goal is None or not goal.is_under_way:
-            return is_accepted  # whoever wanted it was told that it is over
+            return is_accepted  # its client was told that it is over
         goal.is_accepted = is_accepted
         if not is_accepted:
             # The server may have listed it before.
@@ -233,7 +233,7 @@ class Ros2GoalTracker:
         return any(goal.is_under_way for goal in self._goals.values())
 
     def under_way(self, uuid: bytes) -> Optional[Goal]:
-        """Return a goal under way, None where there is none."""
+        """Return a goal under way, or None."""
         goal = self._goals.get(uuid)
         return goal if goal is not None and goal.is_under_way else None
 

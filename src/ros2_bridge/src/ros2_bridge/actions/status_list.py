@@ -41,7 +41,7 @@ def write_list(goals: Iterable[Listed]) -> bytes:
 def read_list(data: bytes) -> List[Listed]:
     """Return the goals that a message has.
 
-    :raises ValueError: if it is none
+    :raises ValueError: if it is malformed
     """
     try:
         (count,) = _COUNT.unpack_from(data, len(_CDR))

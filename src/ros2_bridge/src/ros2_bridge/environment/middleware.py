@@ -1,4 +1,4 @@
-"""How the bridge's process reaches others in ROS 2."""
+"""Environment variables of the ROS 2 middleware."""
 
 import pathlib
 from typing import Dict, Mapping
@@ -12,7 +12,7 @@ def middleware(environ: Mapping[str, str], loopback: pathlib.Path) -> Dict[str, 
 
     It sends by UDP, not through shared memory. There, who takes the port of a process that was
     killed removes what that has left, while others may go on writing into it: a bridge that was
-    killed and started again could hear nobody any more (eProsima/Fast-DDS#5053).
+    killed and started again could receive nothing (eProsima/Fast-DDS#5053).
 
     :param environ: variables of now; what is chosen in them stays
     :param loopback: file with the profile for nodes of this machine. rmw_fastrtps has its own for

@@ -9,9 +9,9 @@ import importlib
 import os
 import pathlib
 import sys
+import warnings
 
 import nodekit
-from nodekit.deprecated import OLD_NAMES
 from nodekit.entry_point import import_ros
 
 
@@ -29,10 +29,10 @@ def join() -> None:
         "ros2_bridge.environment.ros1_messages",
     ):
         importlib.import_module(name)
-    for name in set(nodekit.__all__).difference(
-        OLD_NAMES
-    ):  # what is imported later would find ROS 2's std_srvs
-        getattr(nodekit, name)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", DeprecationWarning)  # old names of nodekit are among them
+        for name in nodekit.__all__:  # what is imported later would find ROS 2's std_srvs
+            getattr(nodekit, name)
     index = pathlib.Path(sys.prefix, "share", "ament_index", "resource_index")
     clashing = set(os.listdir(str(index / "rosidl_interfaces")))
     for name in list(sys.modules):

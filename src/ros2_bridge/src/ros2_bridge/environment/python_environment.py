@@ -53,7 +53,7 @@ class PythonEnvironment:
         self._folder = folder
         self._python = folder / "bin" / "python"
         self._twins = folder.with_name(f"{folder.name}_twins")
-        #: Written last: without it, nobody takes the environment for one.
+        #: Written last: without it, the environment is incomplete.
         self._names = folder / "share" / "ros2_bridge" / "names.yaml"
 
     def run(self, command: Sequence[str], limit: float, what: str) -> None:
@@ -175,7 +175,7 @@ class PythonEnvironment:
         say(f"built the ROS 2 twins of {', '.join(stale)} in {took:.0f} s")
 
     def _write_source(self, name: str, twin: TwinPackage) -> None:
-        """Write the definitions of a package of twins anew."""
+        """Replace the definitions of a package of twins."""
         shutil.rmtree(str(self._twins / name), ignore_errors=True)
         for path, text in twin.files.items():
             target = self._twins / name / "source" / path

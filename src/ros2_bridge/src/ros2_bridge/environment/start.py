@@ -15,7 +15,7 @@ from ros2_bridge.environment.middleware import middleware
 #: make_environment in the user's folder.
 VARIABLE = "ROS2_BRIDGE_ENVIRONMENT"
 #: What an environment has once it is made. For another Python than this one, as before an upgrade
-#: of Debian, it has to be made anew.
+#: of Debian, it has to be made again.
 PARTS = ("share/ros2_bridge/names.yaml", f"lib/python{sys.version_info[0]}.{sys.version_info[1]}")
 #: Where Debian has ROS 1's Python packages, which a virtual environment does not see.
 DEBIAN = "/usr/lib/python3/dist-packages"
@@ -49,7 +49,7 @@ def main(module: str) -> None:
 
 
 def find(environ: Mapping[str, str], here: pathlib.Path) -> Optional[pathlib.Path]:
-    """Return the folder of the environment, None where there is none.
+    """Return the folder of the environment, or None.
 
     :param environ: variables
     :param here: path of this file

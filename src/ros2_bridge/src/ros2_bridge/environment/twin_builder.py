@@ -3,7 +3,7 @@
 Run with the environment's Python: ``twin_builder.py TWINS PACKAGE[:NEEDED,…]…``. The definitions
 lie in TWINS/PACKAGE/source; a package stands behind those that it needs. ROS 2's own generators are
 called here, and what they write is compiled for rclpy and fastrtps, which asks for introspection
-too: its CMake files start ten programs for each package, and build classes for C++, which nobody
+too: its CMake files start ten programs for each package, and build classes for C++, which no code
 uses here.
 """
 
@@ -164,7 +164,7 @@ def run(*command: object) -> None:
 
 def main(twins: pathlib.Path, given: List[str]) -> None:
     """Build packages, given as on the command line."""
-    # The parser takes most of the generators' time, and each of them would parse all files anew.
+    # The parser takes most of the generators' time, and each of them would parse all files again.
     parser.get_ast_from_idl_string = functools.lru_cache(None)(parser.get_ast_from_idl_string)
     packages = []
     for name, _, needed in (one.partition(":") for one in given):

@@ -1,4 +1,4 @@
-"""What ``bridge --help`` prints, also where there is no environment with ROS 2 yet."""
+"""Help of ``bridge --help``, also without an environment with ROS 2."""
 
 import textwrap
 

@@ -1,4 +1,4 @@
-"""The parameters of a node of ROS 1: where they are, and who judges a change of them."""
+"""The parameters of a node of ROS 1: where they are, and what checks their changes."""
 
 from typing import Any, Dict, Mapping, NamedTuple, Optional
 
@@ -12,7 +12,7 @@ from nodekit import (
 from nodekit.master import MasterClient
 from ros2_bridge.parameters.values import BOOL, declared_kind, flat, kind_of, ros1_key
 
-#: How long a node may take to describe its parameters, or to judge a change, s.
+#: How long a node may take to describe its parameters, or to check a change [s].
 TIMEOUT_S = 2.0
 #: In ROS 2 each node has it; in ROS 1 it is one parameter for all nodes, so it is not set here.
 _SIM_TIME, _SIM_TIME_IN_ROS1 = "use_sim_time", "/use_sim_time"
@@ -78,7 +78,7 @@ class Ros1Parameters:
 
 
 class DescribedParameters(Ros1Parameters):
-    """Those of a node made with nodekit, which describes them and judges changes itself."""
+    """Those of a node made with nodekit, which describes them and checks changes itself."""
 
     def _read(self) -> Dict[str, Parameter]:
         entries = ParameterClient(self.name, TIMEOUT_S).describe()
@@ -107,6 +107,6 @@ class ServerParameters(Ros1Parameters):
     def _change(self, values: Mapping[str, Any]) -> str:
         # A managed one that was configured since the last poll?
         if self._client.lookup_service(f"{self.name}/describe"):
-            return f"{self.name} has just begun to judge its parameters itself: try again"
+            return f"{self.name} has just begun to check its parameters itself; try again"
         self._client.write({f"{self.name}/{key}": value for key, value in values.items()})
         return ""

@@ -176,13 +176,13 @@ class ParametersToRos2:
                 in_force = self._publish_changes()
                 reads += 1
                 with self._lock:
-                    # The node judges what was set on the server in its own time.
+                    # The node checks what was set on the server in its own time.
                     behind = reads < _MOST_READS and differs(self._server, in_force)
                     if not (behind or self._again):
                         self._is_reading = False
                         return
                 time.sleep(_PAUSE_S)
-        except Exception:  # or nobody would ever read again
+        except Exception:  # or they would never be read again
             with self._lock:
                 self._is_reading = False
             raise

@@ -68,7 +68,7 @@ def as_kind(value: Any, kind: int) -> Any:
 def fitting_kind(value: Any, kind: int) -> int:
     """Return as which kind a value of ROS 1 is given to a parameter of a kind.
 
-    ROS 1 has whole numbers for bytes, and of an empty list nobody knows what it is a list of.
+    ROS 1 has whole numbers for bytes, and an empty list has no type of elements.
     """
     found = kind_of(value)
     if (kind, found) == (BYTES, INTEGERS) or (kind >= BYTES and value == []):
@@ -105,7 +105,7 @@ def ros1_key(name: str) -> str:
 
 
 class Range(NamedTuple):
-    """What numbers are allowed: from, to and step, 0 for any."""
+    """Range of numbers: from, to and step, 0 for any."""
 
     low: Any
     high: Any

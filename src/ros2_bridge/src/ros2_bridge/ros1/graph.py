@@ -1,4 +1,4 @@
-"""What others have in ROS 1: nodes, topics and services."""
+"""The graph of ROS 1 without the bridge: nodes, topics and services."""
 
 from typing import Dict, NamedTuple, Set
 

@@ -1,12 +1,12 @@
 """The nodes of ROS 2 in ROS 1's graph: their names, and what they have there.
 
-The master lists whoever has registered something. Each node of ROS 2 is registered as a subscriber
-of /parameter_events, which it is in ROS 2 too, and for what it publishes, hears and offers itself.
-Whoever subscribes to a topic asks for it at the address of each publisher, and is refused at the
-one of these nodes: it is the bridge that sends. A service has one node only in ROS 1, here the one
-of ROS 2; calls go to the bridge.
+The master lists the nodes that have registered something. Each node of ROS 2 is registered as a
+subscriber of /parameter_events, which it is in ROS 2 too, and for its publishers, subscriptions and
+services. A subscriber of a topic requests it at the address of each publisher; these nodes refuse,
+as the bridge sends it. A service has only one node in ROS 1, here the one of ROS 2; calls go to the
+bridge.
 
-They do not have the bridge's own address: the master ends whoever is at the address of a name that
+They do not have the bridge's own address: the master ends the node at the address of a name that
 another node takes, and a node of ROS 1 may have the name of one of ROS 2.
 """
 
@@ -28,7 +28,7 @@ _TIMEOUT_S = 1.0
 
 
 class Entry(NamedTuple):
-    """What a node has, as the master registers it.
+    """A registration of a node with the master.
 
     :param kind: Publisher, Subscriber or Service
     :param name: of the topic or service
@@ -154,7 +154,7 @@ class NodeRegistrar:
         self._server.shutdown("")
 
     def _address_of(self, name: str) -> str:
-        """Return the address of a node, empty where there is none."""
+        """Return the address of a node, empty if it has none."""
         with self._master(name) as master:
             return master.lookup_node(name) or ""
 
@@ -170,7 +170,7 @@ class NodeRegistrar:
 
 
 def _refuses(address: str) -> bool:
-    """Tell whether nobody is at the address of a node any longer."""
+    """Tell whether the address of a node refuses connections."""
     parts = urllib.parse.urlsplit(address)
     try:
         with socket.create_connection((parts.hostname or "", parts.port or 0), _TIMEOUT_S):
@@ -197,7 +197,7 @@ class _Address(rosgraph.xmlrpc.XmlRpcHandler):
 
     @property
     def uri(self) -> str:
-        """Where it is."""
+        """Address of these nodes."""
         if not self._is_ready.wait(_TIMEOUT_S):
             raise ConnectionError("the nodes of ROS 2 have no address in ROS 1")
         return self._uri

@@ -10,7 +10,7 @@ import rosgraph
 from nodekit import CallError, probe_service
 from nodekit.entry_point import end
 
-#: The highest number of a domain: ports follow from it, and there is none for the next one.
+#: The highest number of a domain: its ports are the last ones.
 _LAST_DOMAIN = 232
 #: Its name only one process of a machine can have at a time, until it ends, in whatever way.
 _held = socket.socket(socket.AF_UNIX)

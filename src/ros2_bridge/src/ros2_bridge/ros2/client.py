@@ -28,7 +28,7 @@ class Ros2Client:
         self._client, self.close = participant.create_client(cls, name, self._receive, depth)
 
     def is_ready(self) -> bool:
-        """Tell whether somebody offers the service."""
+        """Tell whether the service is offered."""
         try:
             return bool(self._client.service_is_ready())
         except _rclpy.InvalidHandle:
@@ -39,7 +39,7 @@ class Ros2Client:
 
         :param receive: called with the response, in the loop's thread
         :returns: number of the call, for :meth:`forget`
-        :raises NoResponse: if nobody offers it
+        :raises NoResponse: if it is not offered
         """
         try:
             if not self._client.service_is_ready():
@@ -62,7 +62,7 @@ class Ros2Client:
         """Call the service and wait for the response.
 
         :param timeout: longest wait, s
-        :raises NoResponse: if nobody offers it, or nobody responds in time
+        :raises NoResponse: if it is not offered, or there is no response in time
         """
         responses: List[Any] = []
         came = threading.Event()

@@ -1,4 +1,4 @@
-"""What others have in ROS 2: nodes, topics and services."""
+"""The graph of ROS 2 without the bridge: nodes, topics and services."""
 
 import collections
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple

@@ -67,7 +67,7 @@ class Participant:
     def _find_guid_prefix(self) -> bytes:
         """Return what the names of all our endpoints begin with.
 
-        They are read from a topic that nobody else can have: under our node's name, another bridge
+        They are read from a topic that no other node has: under our node's name, another bridge
         may still be listed that was killed.
         """
         topic = f"_{uuid.uuid4().hex}"
@@ -209,7 +209,7 @@ class Participant:
     ) -> Callable[[], None]:
         """Have a loop wait for something.
 
-        :param destroy: destroys it; called with the lock, once nobody waits for it
+        :param destroy: destroys it; called with the lock, once no loop waits for it
         :returns: what ends it
         """
         loop.add(waitable)
@@ -237,7 +237,7 @@ class Participant:
             return {*self._published, *self._subscribed}
 
     def is_alone_with(self, topic: str) -> bool:
-        """Tell quickly whether nobody else has anything to do with a topic."""
+        """Tell quickly whether all publishers and subscriptions of a topic are ours."""
         return bool(
             self.node.count_publishers(topic) == self._published[topic]
             and self.node.count_subscribers(topic) == self._subscribed[topic]

@@ -6,7 +6,7 @@ The structures are those of ``rmw/types.h`` and ``rcutils/types/uint8_array.h``.
 import ctypes
 from typing import Any, NamedTuple, Optional
 
-#: rcl's own: that it has taken one, and that there was none.
+#: rcl's own: a message was taken, and no message waited.
 _TAKEN, _NONE = 0, 401
 #: The number of a message that has none.
 _UNNUMBERED = 2**64 - 1
@@ -81,7 +81,7 @@ class MessageTaker:
         self._given = ctypes.byref(self._buffer), ctypes.byref(self._info)
 
     def take(self, handle: Any) -> Optional[ReceivedMessage]:
-        """Take a message, None where there is none.
+        """Take a message; None if none waits.
 
         :param handle: of rclpy's subscription, held by the caller so that it is not destroyed
         :raises RuntimeError: if ROS 2 cannot

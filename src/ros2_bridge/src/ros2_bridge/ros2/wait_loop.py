@@ -21,7 +21,7 @@ _PAUSE_S = 0.2
 
 
 class Waitable(NamedTuple):
-    """What a wait set can wait for.
+    """An entity that a wait set can wait for.
 
     :param kind: subscription, client or service
     :param entity: rclpy's object
@@ -61,7 +61,7 @@ class WaitLoop:
     def remove(self, waitable: Waitable, destroy: Callable[[], None]) -> None:
         """Wait for something no longer.
 
-        :param destroy: called once nobody waits for it
+        :param destroy: called once no loop waits for it
         """
         with self._lock:
             self._waitables.pop(id(waitable.entity), None)
@@ -105,7 +105,7 @@ class WaitLoop:
     def _fill(
         self, waitables: List[Waitable], held: contextlib.ExitStack
     ) -> Tuple[Any, List[Tuple[str, Any, Dict[int, Waitable]]]]:
-        """Build a wait set; what it waits for is held, so that nobody destroys it meanwhile."""
+        """Build a wait set; its entities are held, so that they are not destroyed."""
         by_kind = []
         held.enter_context(self._context.handle)
         held.enter_context(self._wake_up)

@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""What is bridged, under which name, in which direction, until when; what is not, and why."""
+"""Selection of what is bridged: names, directions, rates; and reasons for what is not."""

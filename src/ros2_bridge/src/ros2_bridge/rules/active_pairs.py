@@ -1,4 +1,4 @@
-"""What is bridged at the moment: begun, kept, replaced and closed. Knows neither ROS."""
+"""Active pairs: created, kept, replaced and closed. Knows neither ROS."""
 
 from typing import (
     Any,
@@ -23,7 +23,7 @@ MISSED_POLLS = 4
 
 
 class Closable(Protocol):
-    """What can be bridged and then be bridged no longer."""
+    """A bridged resource."""
 
     def close(self) -> None:
         """Bridge it no longer."""
@@ -49,7 +49,7 @@ def for_all(items: Iterable[Any], function: Callable[[Any], None]) -> None:
 
 
 class Bridged(Dict[Key, Part]):
-    """What is bridged, by name or by way. It is closed once it has gone for good.
+    """Active pairs by key; each is closed once it has been missing for several polls.
 
     :param polls: how many polls, one after the other, must miss it
     """

@@ -1,4 +1,4 @@
-"""How often a topic is passed on at most. Knows neither ROS."""
+"""Maximum rates of topics. Knows neither ROS."""
 
 import fnmatch
 import math

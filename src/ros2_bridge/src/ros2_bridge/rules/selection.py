@@ -28,7 +28,7 @@ OWN_WAYS = ("dynamic_reconfigure/", "roscpp/", "rcl_interfaces/", "type_descript
 
 
 class Rules(NamedTuple):
-    """What the user allows.
+    """Rules of the user for what is bridged.
 
     :param to_ros2, to_ros1: the ways that are open
     :param allow, deny: patterns of names in ROS 1, such as ``/robot/*``; what is denied is not

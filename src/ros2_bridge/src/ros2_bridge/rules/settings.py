@@ -1,4 +1,4 @@
-"""What the user can choose: parameters, and qualities of service."""
+"""Settings of the user: parameters, and qualities of service."""
 
 import fnmatch
 from typing import Any, List, Mapping, NamedTuple

@@ -1,4 +1,4 @@
-"""What is not bridged, and why: each reason once, and at most one line of the log a second."""
+"""Log of what is not bridged: each reason once, at most one line a second."""
 
 import contextlib
 import threading

@@ -20,12 +20,12 @@ from ros2_bridge.topics.publishers import TopicPublishers
 from ros2_bridge.types.codec import ConversionError
 from ros2_bridge.types.type_registry import MessageType
 
-#: Most senders of a topic of ROS 2 whose messages are counted, until it is begun anew.
+#: Most senders of a topic of ROS 2 whose messages are counted, until it is subscribed again.
 _MOST_SENDERS = 1000
 
 
 class Count:
-    """How much went through a pair, what was lost, and what was left out as it came too often."""
+    """Counters of a pair: messages passed, lost, refused, and dropped by the maximum rate."""
 
     def __init__(self) -> None:
         self.passed = self.lost = self.refused = self.thinned = 0
@@ -69,7 +69,7 @@ class TopicToRos2:
     :param participant: the bridge in ROS 2
     :param topic, other: name in ROS 1 and in ROS 2
 
-    :ivar publishers: whoever publishes it in ROS 2
+    :ivar publishers: its publishers in ROS 2
     """
 
     def __init__(

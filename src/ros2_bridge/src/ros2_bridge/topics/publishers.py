@@ -16,7 +16,7 @@ _OTHERS = ""
 
 
 class NodePublisher:
-    """What one node of ROS 1 publishes of a topic, and the latest of it where that is latched.
+    """Publisher of a topic for one node of ROS 1, with its latest message if that is latched.
 
     Each has its own history, which no other node's messages fill.
 
@@ -70,8 +70,8 @@ class TopicPublishers:
     """Publishes a topic in ROS 2, each message as of the node that it comes from.
 
     Who subscribes may not know a new publisher yet when that sends for the first time. Where both
-    are reliable it is sent again then. But what is latched counts as sent before for whoever asks
-    for nothing that was before; so it is sent only when that is over.
+    are reliable it is sent again then. But what is latched counts as sent before for a
+    subscriber that asks for no earlier messages; so it is sent only when that is over.
 
     :param participant: the bridge in ROS 2
     :param make: makes a publisher of a node, latched or not

@@ -19,7 +19,7 @@ _LEVELS = {1: Log.DEBUG, 2: Log.INFO, 4: Log.WARN, 8: Log.ERROR, 16: Log.FATAL}
 
 
 class NodeLog(NamedTuple):
-    """What publishes the lines of one node.
+    """Publisher of the lines of one node.
 
     :param participant: the bridge in ROS 2
     :param owner: the node of ROS 2 that publishes them

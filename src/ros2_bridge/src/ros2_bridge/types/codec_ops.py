@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""How pieces of a message are converted: see :mod:`ros2_bridge.types.codec`.
+"""Operations that convert pieces of a message: see :mod:`ros2_bridge.types.codec`.
 
 An instruction knows where it reads and how much was written before, and nothing else.
 """
@@ -142,14 +142,14 @@ def array(element: Tuple[Instruction, Instruction], least: int) -> Tuple[Instruc
     """
     element_down, element_up = element
 
-    def judge(count: int, left: int, least: int) -> None:
+    def check(count: int, left: int, least: int) -> None:
         if count * least > left or (not least and count > _MOST_EMPTY):
             raise ConversionError(f"{count} elements announced, {left} bytes left")
 
     def down(source: Any, at: int, out: bytearray) -> int:
         count = _count_down(source, at, out)
         at += 4
-        judge(count, len(source) - at, least)
+        check(count, len(source) - at, least)
         for _ in range(count):
             at = element_down(source, at, out)
         return at
@@ -159,7 +159,7 @@ def array(element: Tuple[Instruction, Instruction], least: int) -> Tuple[Instruc
         (count,) = _LENGTH.unpack_from(source, at)
         out += source[at : at + 4]
         at += 4
-        judge(count, len(source) - at, 1)
+        check(count, len(source) - at, 1)
         for _ in range(count):
             at = element_up(source, at, out)
         return at

@@ -22,7 +22,7 @@ _ARRAY = re.compile(r"(.*)\[(\d+)\]\Z")
 
 
 def difference(datatype: str, fields: Fields, other: str, describe: Describe) -> Optional[str]:
-    """Return a sentence about the first difference, None where there is none.
+    """Return a sentence about the first difference, or None.
 
     :param datatype: ROS 1's type
     :param fields: its definition

@@ -183,7 +183,7 @@ class TypeRegistry:
             md5sum = genmsg.gentools.compute_md5(context, spec)
             text = genmsg.gentools.compute_full_text(context, spec)
         attributes = {"_type": name, "_md5sum": md5sum, "_full_text": text, "_has_header": False}
-        # Pickled by nobody, so its module does not matter.
+        # It is never pickled, so its module does not matter.
         return type("Raw", (rospy.AnyMsg,), {**attributes, "__slots__": ["_buff"]})
 
     def _part(self, context: Any, spec: Any, name: str, cls: Any) -> Tuple[Codec, Any]:
@@ -217,7 +217,7 @@ class TypeRegistry:
 
 
 def package_folder(packages: rospkg.RosPack, name: str) -> Optional[pathlib.Path]:
-    """Return the folder that has the definitions of a package, None where there is none.
+    """Return the folder that has the definitions of a package, or None.
 
     :param packages: what ROS 1 finds; Debian has definitions that come without a package.xml
     """

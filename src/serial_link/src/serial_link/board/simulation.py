@@ -19,7 +19,7 @@ _PLUG_EVERY_S = 0.2
 
 
 class Faults(NamedTuple):
-    """What is wrong with a board and its cable.
+    """Faults of a board and its cable.
 
     :param noise: share of the bytes that are damaged, either way
     :param stalls: whether the sketch stands still
@@ -69,7 +69,7 @@ class SimulatedBoard:
         return self._device
 
     def start(self) -> None:
-        """Switch it on, unless it was closed meanwhile: nobody would unplug it any more.
+        """Switch it on, unless it was closed meanwhile: it would stay plugged in.
 
         :raises OSError: if it cannot be plugged in
         """
@@ -105,7 +105,7 @@ class SimulatedBoard:
             if self._in.waiting < _RX_BUFFER:
                 self._in.put(now, add_noise(self._end.read(), faults.noise, self._chance))
             if self._device is None:
-                self._in.arrived(now)  # nobody listens yet
+                self._in.arrived(now)  # it does not read yet
             elif self._is_free():
                 self._device.receive(now, self._in.arrived(now))
                 self._device.loop(now)
@@ -138,7 +138,7 @@ class SimulatedBoard:
             self._end.unplug()
 
     def _restart(self, now: float) -> None:
-        """Have half of what is on its way out arrive, and everything begin anew."""
+        """Deliver what has left the board so far, and boot again."""
         self._end.write(self._out.arrived(now))
         self._out.clear()
         self._in.clear()

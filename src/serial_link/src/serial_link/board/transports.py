@@ -11,7 +11,7 @@ _READ_AT_ONCE = 4096
 
 
 class Transport(Protocol):
-    """Where the board is plugged in. Nothing of it raises: a board knows nothing of its cable."""
+    """Connection of a board to its host. No method but :meth:`plug` raises."""
 
     @property
     def is_plugged(self) -> bool:
@@ -35,13 +35,14 @@ class Transport(Protocol):
         ...
 
     def write(self, data: bytes) -> None:
-        """Send bytes; lost where nobody takes them."""
+        """Send bytes; lost if they are not read."""
         ...
 
 
 class PtyTransport:
-    """A pseudo terminal behind a link, as /dev/serial/by-id has for an adapter: the link stays,
-    and the terminal's number is another one each time.
+    """Pseudo terminal behind a link that stays, as /dev/serial/by-id has for an adapter.
+
+    The terminal's number is another one each time.
 
     :param link: path of the link; ``~`` is the user's own folder
     """
@@ -97,13 +98,13 @@ class PtyTransport:
             poll.register(self._fd, select.POLLIN)
         found = poll.poll(1000.0 * timeout)
         if found and not found[0][1] & select.POLLIN:
-            select.select([], [], [], timeout)  # nobody has it open, of which it tells at once
+            select.select([], [], [], timeout)  # no process has it open: poll returns at once
 
     def read(self) -> bytes:
         """Return bytes; see :class:`Transport`."""
         try:
             return os.read(self._fd, _READ_AT_ONCE) if self._fd is not None else b""
-        except OSError:  # nothing there, or nobody has it open
+        except OSError:  # no data, or no process has it open
             return b""
 
     def write(self, data: bytes) -> None:
@@ -112,7 +113,7 @@ class PtyTransport:
             if self._fd is not None:
                 os.write(self._fd, data)
         except (OSError, termios.error):
-            pass  # nobody reads: a serial line loses them as well
+            pass  # not read: a serial line loses them as well
 
 
 class TcpTransport:
@@ -132,7 +133,7 @@ class TcpTransport:
         return self._socket is not None
 
     def plug(self) -> None:
-        """Connect, if somebody listens."""
+        """Connect, if the host listens."""
         try:
             connected = socket.create_connection(self._address, 0.2)
             connected.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -152,7 +153,7 @@ class TcpTransport:
         select.select([self._socket] if self._socket else [], [], [], timeout)
 
     def read(self) -> bytes:
-        """Return bytes; see :class:`Transport`. At the host's end of the connection, it is unplugged."""
+        """Return bytes; see :class:`Transport`. It is unplugged if the host disconnects."""
         if self._socket is None:
             return b""
         try:

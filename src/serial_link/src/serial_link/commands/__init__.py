@@ -1,1 +1,1 @@
-"""What is typed after rosrun, besides the nodes."""
+"""Commands for rosrun, besides the nodes."""

@@ -31,7 +31,7 @@ ASK_TIME, NEGOTIATE, SET_TIME, DELIVER = "ask time", "negotiate", "set time", "d
 
 
 class Move(NamedTuple):
-    """What follows from an event.
+    """Reaction to an event.
 
     :param state: the next state
     :param actions: what to do, in order

@@ -7,7 +7,7 @@ from first_order_sys_sim.first_order_plant import FirstOrderPlant, PlantSettings
 #: Steps of the pulse width: of an 8-bit timer, as Arduino's analogWrite has it.
 PWM_STEPS = 255
 #: The angle is integrated by the trapezoidal rule in steps of this length, s; in longer ones where
-#: nobody has asked for so long that these were too many.
+#: the time since the last call is too long for that.
 _STEP_S, _MOST_STEPS = 0.001, 1000
 
 

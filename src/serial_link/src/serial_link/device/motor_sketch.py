@@ -47,7 +47,7 @@ TOPICS = (
 
 
 class Panel:
-    """What a person does at the board.
+    """Controls of the board that a person uses.
 
     :param plant: the motor that is connected
 

@@ -1,4 +1,4 @@
-"""How a board reads frames: byte by byte, by a table of what each byte may be."""
+"""Frame receiver of a board: byte by byte, by a table of the expected bytes."""
 
 from typing import Dict, List, NamedTuple
 
@@ -13,7 +13,7 @@ TIMEOUT_S = 0.02
 
 
 class Expected(NamedTuple):
-    """What follows a byte.
+    """States that follow a byte.
 
     :param if_good: what the next byte is then
     :param if_bad: and what, where the byte is not what it must be

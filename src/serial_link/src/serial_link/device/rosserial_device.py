@@ -42,7 +42,7 @@ class Declared(NamedTuple):
 
 
 class Sketch(Protocol):
-    """What runs on a board. Times are the board's, s."""
+    """Sketch that runs on a board. Times are the board's [s]."""
 
     @property
     def topics(self) -> Sequence[Declared]:

@@ -1,1 +1,1 @@
-"""What the topics, services, parameters and logs of a board are in ROS."""
+"""Topics, services, parameters and logs of a board in ROS."""

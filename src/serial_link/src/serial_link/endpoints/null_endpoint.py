@@ -14,14 +14,14 @@ class NullEndpoint:
         self._counters = counters
 
     def update(self, endpoint: Endpoint) -> None:
-        """Have another id: of no matter."""
+        """ID changed: nothing to do."""
 
     def receive(self, payload: bytes) -> None:
         """Count a message."""
         self._counters.add(REFUSED)
 
     def on_sync(self) -> None:
-        """Begin with a board that was started anew: nothing is to be done."""
+        """Board synchronized: nothing to do."""
 
     def on_lost(self, why: str) -> None:
-        """Do without an answer: there is none."""
+        """Board lost: nothing to do."""

@@ -36,7 +36,7 @@ def to_values(raw: Any) -> Values:
     a float.
 
     :param raw: as the parameter server holds it
-    :raises UnsupportedValue: if it is neither a number, a truth value, a text nor a list of one of them
+    :raises UnsupportedValue: if it is neither a number, a Boolean, a text nor a list of these
     """
     values: List[Any] = list(raw) if isinstance(raw, (list, tuple)) else [raw]
     if all(isinstance(value, str) for value in values):

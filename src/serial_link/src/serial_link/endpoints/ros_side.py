@@ -55,8 +55,8 @@ class RosSide:
     :param link: to the board
     :param counters: counts what is wrong
     :param timeout: returns how long a call of a service may take, s
-    :param find_parameter: returns the raw value of a parameter, given its global name; None where
-        there is none
+    :param find_parameter: returns the raw value of a parameter, given its global name; None if it
+        is unset
     """
 
     def __init__(

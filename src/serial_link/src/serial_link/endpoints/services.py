@@ -24,7 +24,7 @@ _WARN_EVERY_S = 10.0
 
 
 class _Service:
-    """What both kinds of service have in common.
+    """Base of both kinds of service.
 
     :param endpoint: of the board
     :param link: sends to the board
@@ -44,7 +44,7 @@ class _Service:
         self._info = endpoint.outgoing
 
     def on_sync(self) -> None:
-        """Begin with a board that was started anew: of no matter here."""
+        """Board synchronized: nothing to do."""
 
     def send(self, message: Any) -> None:
         """Send a request or a response to the board.
@@ -92,7 +92,7 @@ class OfferedService(_Service):
     def receive(self, payload: bytes) -> None:
         """Hand over the board's response.
 
-        :raises Malformed: if it is none
+        :raises Malformed: if it is malformed
         """
         self._response = decode(self.service_class._response_class, payload)
         self._is_done.set()
@@ -142,7 +142,7 @@ class CalledService(_Service):
     def receive(self, payload: bytes) -> None:
         """Call the service for the board.
 
-        :raises Malformed: if the request is none
+        :raises Malformed: if the request is malformed
         """
         request = decode(self.service_class._request_class, payload)
         try:

@@ -32,20 +32,20 @@ class PublishedTopic:
         self._publisher = scope.create_publisher(endpoint.name, self._class)
 
     def update(self, endpoint: Endpoint) -> None:
-        """Have the same topic under other ids: of no matter here."""
+        """IDs changed: nothing to do."""
 
     def receive(self, payload: bytes) -> None:
         """Publish a message of the board.
 
-        :raises Malformed: if it is none
+        :raises Malformed: if it is malformed
         """
         self._publisher.publish(decode(self._class, payload))
 
     def on_sync(self) -> None:
-        """Begin with a board that was started anew: of no matter here."""
+        """Board synchronized: nothing to do."""
 
     def on_lost(self, why: str) -> None:
-        """Do without an answer: there is none to wait for."""
+        """Board lost: nothing to do."""
 
 
 class SubscribedTopic:
@@ -85,7 +85,7 @@ class SubscribedTopic:
         """Receive nothing: the board only listens."""
 
     def on_sync(self) -> None:
-        """Subscribe anew for a board that was started anew; the topic stays on the graph."""
+        """Subscribe again for a restarted board; the topic stays on the graph."""
         before, self._subscriptions = self._subscriptions, self._scope.create_scope()
         # Meanwhile the new ear brings what is latched, and the one before all else.
         self._is_replaced = True
@@ -94,7 +94,7 @@ class SubscribedTopic:
         before.close()
 
     def on_lost(self, why: str) -> None:
-        """Do without an answer: there is none to wait for."""
+        """Board lost: nothing to do."""
 
     def _subscribe(self) -> None:
         on_message, group = partial(self._on_message, self._subscriptions), ReentrantCallbackGroup()

@@ -20,7 +20,7 @@ def message_class(datatype: str, md5sum: str) -> Any:
 
     :param datatype: ``package/Name``
     :param md5sum: what the board has of it; ``*`` for any
-    :raises TypeRefused: if there is none, or it is another one
+    :raises TypeRefused: if it is unknown, or has another md5sum
     """
     found = _found(roslib.message.get_message_class, datatype)
     _compare(datatype, md5sum, found)
@@ -33,7 +33,7 @@ def service_class(datatype: str, request_md5sum: str, response_md5sum: str) -> A
     :param datatype: ``package/Name``
     :param request_md5sum: what the board has of its request
     :param response_md5sum: and of its response
-    :raises TypeRefused: if there is none, or it is another one
+    :raises TypeRefused: if it is unknown, or has another md5sum
     """
     found = _found(roslib.message.get_service_class, datatype)
     _compare(f"the request of {datatype}", request_md5sum, found._request_class)
@@ -101,7 +101,7 @@ def _compare(what: str, md5sum: str, found: Any) -> None:
     if md5sum not in (found._md5sum, "*"):
         raise TypeRefused(
             f"{what} is another one on the board (md5sum {md5sum}) than here "
-            f"({found._md5sum}): make its header for the sketch anew"
+            f"({found._md5sum}): make its header for the sketch again"
         )
 
 

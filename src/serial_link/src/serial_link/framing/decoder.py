@@ -1,4 +1,4 @@
-"""Find frames in whatever arrives: cut anywhere, damaged, mixed with noise."""
+"""Decoder of frames in bytes that may be cut, damaged or mixed with noise."""
 
 from typing import Counter, List, Tuple
 

@@ -23,7 +23,7 @@ _OLD_HEADER = 4
 
 
 class Frame(NamedTuple):
-    """What a frame carries.
+    """Content of a frame.
 
     :param topic_id: what it is about
     :param payload: a serialised message
@@ -67,7 +67,7 @@ def count_old_frames(data: bytes, longest: int = 512) -> int:
     """Count frames of the protocol of before ROS Hydro: version 0xff, and no checksum of a length.
 
     :param data: what a board has sent
-    :param longest: a payload longer than this is none, bytes
+    :param longest: longest payload that counts as one [bytes]
     """
     count, start = 0, data.find(PROBE)
     while start >= 0:
@@ -78,7 +78,7 @@ def count_old_frames(data: bytes, longest: int = 512) -> int:
 
 
 def _end_of_old_frame(data: bytes, body: int, longest: int) -> int:
-    """Return where a frame of the old protocol ends, given where its id begins; 0 if it is none."""
+    """Return where a frame of the old protocol ends, given where its id begins; 0 if malformed."""
     if body + _OLD_HEADER > len(data):
         return 0
     size = _LENGTH.unpack_from(data, body + _ID.size)[0]

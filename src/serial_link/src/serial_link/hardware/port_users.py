@@ -1,4 +1,4 @@
-"""Who has a file open."""
+"""Processes that have a port open."""
 
 import os
 from typing import List, NamedTuple

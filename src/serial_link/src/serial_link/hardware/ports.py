@@ -1,4 +1,4 @@
-"""What a board may be at, in general."""
+"""Interface of ports."""
 
 from typing import Protocol
 
@@ -16,11 +16,11 @@ class PortStuck(OSError):
 
 
 class Port(Protocol):
-    """Where a board is. One thread reads, another one writes."""
+    """Port of a board. One thread reads, another one writes."""
 
     #: What it is called.
     name: str
-    #: Bits a second of its line; 0 where there is none.
+    #: Bits a second of its line; 0 for a network connection.
     baud: int
     #: A frame whose bytes stop coming for this long will not go on, s.
     gap: float
@@ -29,7 +29,7 @@ class Port(Protocol):
         """Open it.
 
         :param timeout: longest wait, s
-        :returns: whether it is open; False where nobody has come yet
+        :returns: whether it is open; False if no board has connected yet
         :raises PortUnavailable: if it cannot be
         """
         ...

@@ -106,7 +106,7 @@ class SerialPort:
         return port
 
     def _held(self) -> str:
-        """Return a sentence about who has the port open, empty if nobody is seen."""
+        """Return a sentence about the process that has the port open, empty if not found."""
         holders = find_port_users(self.name)
         if not holders:
             return ""

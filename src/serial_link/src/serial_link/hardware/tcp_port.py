@@ -16,7 +16,7 @@ _GAP_S = 5.0
 class TcpPort:
     """Listens for one board; a new connection replaces the one before.
 
-    A board that was reset leaves a connection behind that nobody closes, and connects anew.
+    A board that was reset leaves an open connection behind, and connects again.
 
     :param address: where to listen: ``localhost``, or an address that others reach too
     :param number: TCP port

@@ -31,7 +31,7 @@ _WORDS = frozenset(
 
 
 class Class(NamedTuple):
-    """What a class is made of.
+    """Parts of a C++ class.
 
     :param name: of the class
     :param datatype: what it calls itself, such as ``std_msgs/Header``

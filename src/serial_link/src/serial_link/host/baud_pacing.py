@@ -1,4 +1,4 @@
-"""How fast a line takes what is written."""
+"""Pacing of frames by the baud rate."""
 
 #: Bits on the line for a byte: one to start, eight, one to stop.
 BITS = 10

@@ -1,4 +1,4 @@
-"""What a board has sent before its first good frame, and what that shows."""
+"""Diagnosis of a board that does not answer, from the bytes before its first good frame."""
 
 from serial_link.framing.frames import count_old_frames
 
@@ -27,14 +27,14 @@ class ConnectDiagnosis:
             del self._unread[:-MOST_KEPT]
 
     def clear(self) -> None:
-        """Begin anew, as the port was opened."""
+        """Reset, as the port was opened."""
         self._unread.clear()
         self._is_understood = False
 
     def explain(self, baud: int) -> str:
         """Return a sentence that says why a board may not answer, and what to look at.
 
-        :param baud: bits a second of the line; 0 where there is none
+        :param baud: bits a second of the line; 0 for a network connection
         """
         if count_old_frames(self._unread) >= _ENOUGH:
             return (

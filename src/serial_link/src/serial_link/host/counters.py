@@ -1,4 +1,4 @@
-"""What is counted of a board."""
+"""Counters of a board's traffic and faults."""
 
 import threading
 from typing import Counter, Dict

@@ -1,4 +1,4 @@
-"""What waits for a line, or for a thread, that may be slower than what comes."""
+"""Queue for a line, or for a thread, that may be slower than its messages."""
 
 import threading
 import time
@@ -8,7 +8,7 @@ from typing import Any, Deque, Optional
 #: Values of one stream that may wait, so that those that come together all go out. One more, and
 #: the line has fallen behind: only the newest is of use then.
 DEPTH = 16
-#: Most messages that are kept, come what may: beyond, whoever sends them has gone mad.
+#: Most messages that are kept, whatever they are; more are a defect of their sender.
 MOST_KEPT = 1000
 
 
@@ -35,12 +35,12 @@ class MessageQueue:
 
     @property
     def dropped(self) -> int:
-        """How many values of streams were dropped for newer ones."""
+        """Number of stream values that were dropped for newer ones."""
         return self._dropped
 
     @property
     def refused(self) -> int:
-        """How many messages were not kept, as far too many wait."""
+        """Number of messages that were refused by a full queue."""
         return self._refused
 
     def put(self, stream: Any, message: Any, depth: int = 0) -> None:
@@ -76,7 +76,7 @@ class MessageQueue:
         """Take out the next message.
 
         :param timeout: longest wait for one, s
-        :returns: None if there is none in time, or the queue is closed
+        :returns: None after the time-out, or if the queue is closed
         """
         end = time.monotonic() + timeout
         while True:
@@ -94,7 +94,7 @@ class MessageQueue:
             self._streams.clear()
 
     def close(self) -> None:
-        """Have nobody wait any more."""
+        """End all waits."""
         with self._lock:
             self._is_closed = True
             self._notify()

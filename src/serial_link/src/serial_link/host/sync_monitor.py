@@ -30,7 +30,7 @@ class SyncMonitor:
     """Tells what to do as the time passes and frames come. Time is an argument, s.
 
     :ivar state: of the table
-    :ivar restarts: how often the board began anew
+    :ivar restarts: number of restarts of the board
     """
 
     def __init__(self) -> None:

@@ -27,7 +27,7 @@ ASK, PROBE, RESTART = "ask", "probe", "restart"
 
 
 class Move(NamedTuple):
-    """What follows from an event.
+    """Reaction to an event.
 
     :param state: the next state
     :param action: what to do, empty for nothing

@@ -8,13 +8,7 @@ from typing import Any, Callable, Dict, List, Optional, Tuple
 import rospy
 
 from serial_link.framing.decoder import Decoder
-from serial_link.framing.frames import (
-    LONGEST,
-    OLD_REQUEST,
-    OVERHEAD,
-    PROBE,
-    encode,
-)
+from serial_link.framing.frames import LONGEST, OLD_REQUEST, OVERHEAD, PROBE, encode
 from serial_link.hardware.ports import Port, PortLost, PortStuck, PortUnavailable
 from serial_link.host import counters, sync_states
 from serial_link.host.counters import Counters
@@ -92,7 +86,7 @@ class BoardLink:
         self._diagnosis = ConnectDiagnosis()
         #: Whether the board was started, and not all that it has to tell is known yet.
         self._is_new = True
-        #: Nobody closes the port, whose number the system gives away anew, while it is written to.
+        #: Held while writing: a closed port's number may be another file's next.
         self._port_lock = threading.Lock()
         self._threads = [
             threading.Thread(target=self._guard, args=(work,), name=name, daemon=True)
@@ -116,12 +110,12 @@ class BoardLink:
 
     @property
     def port_name(self) -> str:
-        """Where the board is."""
+        """Name of the port."""
         return self._port.name
 
     @property
     def baud(self) -> int:
-        """Bits a second of the line; 0 where there is none."""
+        """Bits a second of the line; 0 for a network connection."""
         return self._port.baud
 
     @property
@@ -198,8 +192,9 @@ class BoardLink:
             self._has_stopped.wait(_STOP_S)
 
     def _is_accepted(self, info: TopicInfo) -> bool:
-        """Tell whether the board listens, and has told of that since it was started: with another
-        sketch, the same id is another topic's.
+        """Tell whether the board subscribes to a topic since its last start.
+
+        With another sketch, the same id is another topic's.
         """
         return self.is_synced and self._topics.accepts(info)
 
@@ -368,7 +363,7 @@ class BoardLink:
             self.inbox.put_reliable(Synced())
 
     def _explain_silence(self, now: float) -> None:
-        """Say why there may be no answer, once there was none for long enough."""
+        """Log a diagnosis if the board has not answered for long enough."""
         if self._sync.state != sync_states.NEGOTIATING or now - self._spoke_at < _NO_ANSWER_S:
             return
         self._trouble = self._diagnosis.explain(self._port.baud)

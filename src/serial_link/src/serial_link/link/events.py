@@ -1,4 +1,4 @@
-"""What a board's frames come to, for whoever makes messages of ROS of them."""
+"""Events of a board, made of its frames for the ROS side."""
 
 from typing import List, NamedTuple, Union
 
@@ -37,7 +37,7 @@ class LogLine(NamedTuple):
 
 
 class Restarted(NamedTuple):
-    """What was under way will not be answered: the board was restarted, or is gone."""
+    """The board was restarted, or is gone: pending requests will not be answered."""
 
     why: str
 

@@ -1,4 +1,4 @@
-"""What is said in the log now and then, however often it happens."""
+"""Throttled log, one limit per key."""
 
 import math
 import threading
@@ -7,8 +7,9 @@ from typing import Callable, Dict
 
 
 class ThrottledLog:
-    """Logs each thing once in a while. Of rospy's throttles there is one for a line of code: of two
-    topics, one would keep the other quiet.
+    """Throttled log with one limit per key.
+
+    rospy's throttles are per line of code: of two topics, one would keep the other quiet.
 
     :param period: least time between two lines about one thing, s
     """

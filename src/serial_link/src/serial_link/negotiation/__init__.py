@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""What board and host tell each other of topics, services, parameters and logs. Pure."""
+"""Negotiation of topics and services, and payloads of special frames. Pure."""

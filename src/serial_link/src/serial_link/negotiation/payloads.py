@@ -1,4 +1,4 @@
-"""What the frames below id 100 carry, as ros-drivers/rosserial defines it in rosserial_msgs.
+"""Payloads of the frames below id 100, as ros-drivers/rosserial defines them in rosserial_msgs.
 
 A text is its length as 32 bits, then its bytes, as in any message of ROS. What does not fit, and
 what no board would send, is refused: an 8-bit checksum lets one damaged frame in 256 pass.
@@ -34,7 +34,7 @@ class PayloadError(ValueError):
 
 
 class TopicInfo(NamedTuple):
-    """What a board tells of a topic, or of one half of a service.
+    """A board's description of a topic, or of one half of a service.
 
     :param topic_id: the id of its messages' frames
     :param name: of the topic or the service

@@ -1,4 +1,4 @@
-"""What a board has told of its topics and services, round by round."""
+"""Table of a board's topics and services, filled round by round."""
 
 from typing import Dict, List, NamedTuple, Optional, Set, Tuple
 
@@ -67,7 +67,7 @@ class TopicTable:
         self.is_complete = False
 
     def reset(self) -> None:
-        """Begin with a board that was started anew, perhaps with another sketch."""
+        """Forget the topics: the board was restarted, perhaps with another sketch."""
         self._infos, self.is_complete = {}, False
         self._unconfirmed.clear()
         self._rounds, self._is_final = 0, False

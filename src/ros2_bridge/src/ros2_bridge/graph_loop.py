@@ -1,4 +1,4 @@
-"""Polls both graphs, and has each part of the bridge follow them."""
+"""Loop that polls both graphs and updates each part of the bridge."""
 
 import contextlib
 import threading
@@ -25,11 +25,11 @@ from ros2_bridge.topics.all_topics import TopicBridge
 from ros2_bridge.topics.rosout import Rosout
 from ros2_bridge.types.type_registry import TypeRegistry
 
-#: Time between two ticks of the loop, s, and how many of them there are to a poll.
+#: Time between two ticks of the loop [s], and how many of them there are to a poll.
 _TICK_S, _TICKS = 0.1, 5
 #: How many polls come one each tick at first: ROS 2 discovers what there is bit by bit.
 _FIRST_POLLS = 10
-#: Longest wait for the master, s.
+#: Longest wait for the master [s].
 _MASTER_S = 2.0
 
 

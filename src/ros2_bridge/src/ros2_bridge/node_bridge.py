@@ -27,7 +27,7 @@ from ros2_bridge.rules.settings import Quality
 from ros2_bridge.rules.skip_log import SkipLog
 
 _EVENTS = "/parameter_events"
-#: How long a node is given to describe its parameters, s. Then it counts as one that does not, and
+#: How long a node is given to describe its parameters [s]. Then it counts as one that does not, and
 #: every value is accepted for it; before, it may be one that would refuse some, and is starting.
 _DESCRIBE_S = 5.0
 _LEGAL = re.compile(r"(/[A-Za-z][A-Za-z0-9_]*)+\Z")
@@ -60,7 +60,7 @@ class NodeToRos2:
         self.style, self._parameters = style, parameters
 
     def close(self) -> None:
-        """End it."""
+        """Close it."""
         self.set_parameters("none", None)
         self._destroy(self.node)
 

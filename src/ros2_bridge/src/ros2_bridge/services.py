@@ -35,7 +35,7 @@ class ServiceToRos2:
     :param participant: the bridge in ROS 2
     :param owner: node of ROS 2 that offers it
     :param name, other: its name in ROS 1 and in ROS 2
-    :param timeout: returns the longest wait, s
+    :param timeout: returns the longest wait [s]
     """
 
     def __init__(
@@ -84,7 +84,7 @@ class ServiceToRos2:
             rospy.logwarn_throttle(1.0, f"a caller in ROS 2 gets no response: {why}")
 
     def close(self) -> None:
-        """End it."""
+        """Close it."""
         self._end()
         self._scope.close()
 
@@ -95,7 +95,7 @@ class ServiceToRos1:
     :param node: the bridge in ROS 1
     :param participant: the bridge in ROS 2
     :param name, other: its name in ROS 1 and in ROS 2
-    :param timeout: returns the longest wait, s
+    :param timeout: returns the longest wait [s]
 
     :ivar server: name in ROS 1 of the node that offers it, as far as is known
     """
@@ -126,7 +126,7 @@ class ServiceToRos1:
         return raw
 
     def close(self) -> None:
-        """End it."""
+        """Close it."""
         self._scope.close()
         self._client.close()
 
@@ -135,12 +135,12 @@ _Pair = Union[ServiceToRos1, ServiceToRos2]
 
 
 class ServiceBridge(PairBridge[_Pair]):
-    """Keeps the pairs of services as both graphs want them.
+    """Pairs of services, created and closed as both graphs require.
 
     :param node: the bridge in ROS 1
     :param participant: the bridge in ROS 2
     :param client: asks the master
-    :param timeout: returns the longest wait for a response, s
+    :param timeout: returns the longest wait for a response [s]
     """
 
     def __init__(

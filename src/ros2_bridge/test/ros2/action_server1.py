@@ -1,9 +1,9 @@
 """An action server of ROS 1 for the tests, with any number of goals at once.
 
-A goal is a pose: x is how long it takes, s, and y what becomes of it: it is accepted and succeeds
+A goal is a pose: x is how long it takes [s], and y what becomes of it: it is accepted and succeeds
 (0), or is aborted (1), it is rejected (2), or remains pending until it is cancelled (3), or it is
 accepted and goes on however often it is cancelled (4). The result has the goal's frame_id,
-and so has the feedback, beside how much time is left and when it was sent, s.
+and so has the feedback, beside how much time is left and when it was sent [s].
 """
 
 import sys

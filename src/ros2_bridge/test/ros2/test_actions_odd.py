@@ -27,7 +27,7 @@ from ros2_bridge.actions.states import Status1
 from ros2_bridge.environment.ros1_messages import GoalID, GoalStatusArray
 
 _UNKNOWN = 42
-#: Later than ROS 2's time, s.
+#: Later than ROS 2's time [s].
 _LATE_S = 2**32 - 1
 
 
@@ -219,7 +219,7 @@ class Server2:
         await Future()
 
     def list_goal(self, status: int, sec: int, uuid: bytes = bytes([7] * 16)) -> None:
-        """Tell of a goal that began at a moment, s."""
+        """Tell of a goal that began at a moment [s]."""
         info = GoalInfo(goal_id=UUID(uuid=list(uuid)), stamp=Time(sec=sec))
         self._status.publish(Statuses2(status_list=[Status2(goal_info=info, status=status)]))
 

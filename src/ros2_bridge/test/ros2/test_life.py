@@ -28,7 +28,7 @@ from ros2_bridge.graph_loop import GraphLoop
 from ros2_bridge.ros1.nodes import NodeRegistrar
 from ros2_bridge.ros1.single_instance import domain
 
-#: How long roslaunch waits for a node to end before it kills it, s: its DEFAULT_TIMEOUT_SIGINT,
+#: How long roslaunch waits for a node to end before it kills it [s]: its DEFAULT_TIMEOUT_SIGINT,
 #: which cannot be imported where messages are those of ROS 2.
 ROSLAUNCH_PATIENCE_S = 15.0
 

@@ -25,7 +25,7 @@ from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, in_thread, wait_until
 
 SCRIPTS = os.path.join(rospkg.RosPack().get_path("serial_link"), "scripts")
-#: How soon the board's messages come again, s, and what a busy machine may take on top: together
+#: How soon the board's messages come again [s], and what a busy machine may take on top: together
 #: less than the 11 s after which a board notices by itself that the host is gone.
 BACK_S, BUSY_S = 1.0, 6.0
 

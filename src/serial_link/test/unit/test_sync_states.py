@@ -1,4 +1,4 @@
-"""The host's contact with a board, as a table."""
+"""States of the synchronization with a board, as a table."""
 
 from typing import Set
 

@@ -20,11 +20,11 @@ _Pair = Union[Ros2ServerInRos1, Ros1ServerInRos2]
 
 
 class ActionBridge(PairBridge[_Pair]):
-    """Keeps the pairs of actions as both graphs want them.
+    """Pairs of actions, created and closed as both graphs require.
 
     :param node: the bridge in ROS 1
     :param participant: the bridge in ROS 2
-    :param timeout: returns the longest wait for a server's word, s
+    :param timeout: returns the longest wait for a server's word [s]
     """
 
     def __init__(
@@ -71,13 +71,13 @@ class ActionBridge(PairBridge[_Pair]):
         self.follow()
 
     def follow(self) -> None:
-        """Have each pair follow its server."""
+        """Update each pair from its server's state."""
         for way, pair in list(self.pairs.items()):
             with self._skip_log.catching(way.name):
                 pair.follow()
 
     def end_goals(self) -> None:
-        """Have the goals of all clients on the other side end as aborted."""
+        """Abort the goals of all clients on the other side."""
         for pair in list(self.pairs.values()):
             pair.end_goals()
 

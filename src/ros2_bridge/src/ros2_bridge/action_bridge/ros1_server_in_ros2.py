@@ -27,7 +27,7 @@ from ros2_bridge.types.type_registry import ActionType
 
 #: How many requests, and pieces of feedback, are kept in a burst.
 DEPTH = 1000
-#: How long a server may be without a connection until its goals are lost, s.
+#: How long a server may be without a connection until its goals are lost [s].
 _GONE_S = 1.0
 
 
@@ -38,7 +38,7 @@ class Ros1ServerInRos2:
     :param participant: the bridge in ROS 2
     :param owner: node of ROS 2 that offers it
     :param name, other: its name in ROS 1 and in ROS 2
-    :param timeout: returns the longest wait for the server's word on a goal or a cancellation, s
+    :param timeout: returns the longest wait for the server's word on a goal or a cancellation [s]
     """
 
     def __init__(
@@ -224,12 +224,12 @@ class Ros1ServerInRos2:
             self._status2.publish(write_list(listed))
 
     def end_goals(self) -> None:
-        """Have all goals end as aborted."""
+        """Abort all goals."""
         with self._lock:
             self._goals.abort_all(time.monotonic())
 
     def close(self) -> None:
-        """End it."""
+        """Close it."""
         self.end_goals()
         with self._lock:
             offered, self._offered = self._offered, None

@@ -31,7 +31,7 @@ from ros2_bridge.types.type_registry import ActionType
 
 #: How many responses, and pieces of feedback, are kept in a burst.
 DEPTH = 1000
-#: How often all goals are listed, Hz: actionlib's server does so by default.
+#: How often all goals are listed [Hz]: actionlib's server does so by default.
 _RATE_HZ = 5.0
 
 
@@ -41,7 +41,7 @@ class Ros2ServerInRos1:
     :param node: the bridge in ROS 1
     :param participant: the bridge in ROS 2
     :param name, other: its name in ROS 1 and in ROS 2
-    :param timeout: returns the longest wait for the server's answer to a goal, and for a result, s
+    :param timeout: returns the longest wait for the server's answer to a goal, and for a result [s]
     """
 
     def __init__(
@@ -230,12 +230,12 @@ class Ros2ServerInRos1:
             self._publish_status(self._goals.listed())
 
     def end_goals(self) -> None:
-        """Have all goals end as aborted."""
+        """Abort all goals."""
         with self._lock:
             self._goals.abort_goals(set(), time.monotonic())
 
     def close(self) -> None:
-        """End it."""
+        """Close it."""
         self.end_goals()
         self._scope.close()
         for end in (*self._ends, *(client.close for client in self._clients)):

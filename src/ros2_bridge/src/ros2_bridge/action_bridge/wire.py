@@ -18,7 +18,7 @@ class Reported(NamedTuple):
     """A message of a server about a goal.
 
     :param text: the goal's id
-    :param stamp: when the goal began, ns
+    :param stamp: when the goal began [ns]
     :param status: its number, which may be an unknown one
     :param why: text of its status
     :param content: feedback or result
@@ -32,12 +32,12 @@ class Reported(NamedTuple):
 
 
 def goal_id(text: str, stamp: int) -> Any:
-    """Return an id, with when the goal began, ns."""
+    """Return an id, with when the goal began [ns]."""
     return GoalID(rospy.Time(*divmod(stamp, 10**9)), text)
 
 
 def read_goal(data: bytes) -> Tuple[str, int, bytes]:
-    """Return a goal's id, when it began, ns, and the goal.
+    """Return a goal's id, when it began [ns], and the goal.
 
     :raises ConversionError: if it is invalid
     """

@@ -14,7 +14,7 @@ from ros2_bridge.actions.states import (
     matches_cancel_request,
 )
 
-#: For how long a result is kept, s: rclpy's ``result_timeout``.
+#: For how long a result is kept [s]: rclpy's ``result_timeout``.
 KEPT_S = 900.0
 #: action_msgs/CancelGoal's answers.
 DONE, REJECTED, UNKNOWN_GOAL, GOAL_IS_OVER = range(4)
@@ -82,7 +82,7 @@ class Ros1GoalTracker:
     """Keeps the goals, given what either side says and the time; not for several threads at once.
 
     :param patience: returns the longest wait for the server's word on a new goal, and on a
-        cancellation, and for a result, s
+        cancellation, and for a result [s]
     :param publish_status: called with the goals that ROS 2 knows whenever one has changed
     """
 
@@ -97,7 +97,7 @@ class Ros1GoalTracker:
     def request_goal(self, uuid: bytes, stamp: int, now: float, answer: AnswerGoal) -> str:
         """Begin a goal of ROS 2.
 
-        :param stamp: that the server is given, ns
+        :param stamp: that the server is given [ns]
         :param answer: called with whether it is accepted
         :returns: the id by which it is to be sent; empty where it is not, as there is such a goal
         """

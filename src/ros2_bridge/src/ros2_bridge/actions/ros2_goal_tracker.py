@@ -31,7 +31,7 @@ class Goal:
 
     :param text: its id in ROS 1
     :param uuid: its id in ROS 2
-    :param stamp: when it began, ns
+    :param stamp: when it began [ns]
     :param now: when it came, s on the clock of time-outs
     :param is_own: whether a client of ROS 1 has sent it
 
@@ -75,7 +75,7 @@ class TimedOutGoals(NamedTuple):
 class Ros2GoalTracker:
     """Keeps the goals, given what either side says and the time; not for several threads at once.
 
-    :param patience: returns the longest wait for the server's answer to a goal, and for a result, s
+    :param patience: returns the longest wait for an answer, and for a result [s]
     :param publish_result: called with a goal of ROS 1 that is over, and its result in ROS 2: None
         if missing
     :param publish_status: called with the goals after a change
@@ -99,7 +99,7 @@ class Ros2GoalTracker:
     def request_goal(self, text: str, stamp: int, now: float) -> Optional[bytes]:
         """Begin a goal of ROS 1.
 
-        :param stamp: when it began, ns
+        :param stamp: when it began [ns]
         :returns: the id by which it is to be sent, None where it is not
         """
         uuid = bytes_of(text)
@@ -199,7 +199,7 @@ class Ros2GoalTracker:
         """End the goals whose server has gone.
 
         :param senders: names of the publishers of the list that are there
-        :param now: when these were looked up, s: goals that have come since are left
+        :param now: when these were looked up [s]: goals that have come since are left
         """
         for goal in self.listed():
             if goal.since > now:

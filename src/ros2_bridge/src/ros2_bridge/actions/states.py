@@ -31,7 +31,7 @@ class Status2(enum.IntEnum):
     ABORTED = 6
 
 
-#: Least wait for the result of a goal whose status says that it is over, s: they come by different
+#: Least wait for the result of a goal whose status says that it is over [s]: they come by different
 #: connections.
 RESULT_S = 2.0
 

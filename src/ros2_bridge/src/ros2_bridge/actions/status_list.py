@@ -22,7 +22,7 @@ class Listed(NamedTuple):
     """A goal of the list.
 
     :param uuid: its id in ROS 2
-    :param stamp: when it began, ns
+    :param stamp: when it began [ns]
     :param status: number of its status, which may be an unknown one
     """
 
@@ -59,6 +59,6 @@ def read_list(data: bytes) -> List[Listed]:
 
 
 def seconds_of(stamp: int) -> Tuple[int, int]:
-    """Return a time, ns, in seconds and the rest, ns, as ROS 2 has it: ROS 1's ends later."""
+    """Return a time [ns], in seconds and the rest [ns], as ROS 2 has it: ROS 1's ends later."""
     seconds, rest = divmod(stamp, 10**9)
     return min(seconds, _LAST_S), rest

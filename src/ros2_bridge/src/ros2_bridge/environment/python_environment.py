@@ -30,7 +30,7 @@ WITHOUT_WHEEL = {
     "tf2_msgs": {"msg/TFMessage.msg": "geometry_msgs/TransformStamped[] transforms\n"},
 }
 #: Longest time for the empty environment, for what is fetched from PyPI, and for building all
-#: packages, s: on a busy machine each takes ten times as long.
+#: packages [s]: on a busy machine each takes ten times as long.
 VENV_LIMIT_S, FETCH_LIMIT_S, BUILD_LIMIT_S = 300.0, 900.0, 900.0
 BUILDER = pathlib.Path(__file__).with_name("twin_builder.py")
 
@@ -59,7 +59,7 @@ class PythonEnvironment:
     def run(self, command: Sequence[str], limit: float, what: str) -> None:
         """Run a command of the environment, without ROS 1, and with its output in a log.
 
-        :param limit: longest time, s
+        :param limit: longest time [s]
         :param what: what it does, for the sentence if it fails
         :raises Unavailable: if it fails
         """

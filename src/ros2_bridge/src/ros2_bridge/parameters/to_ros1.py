@@ -29,9 +29,9 @@ from ros2_bridge.ros2.client import NoResponse, Ros2Client
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.rules.skip_log import SkipLog
 
-#: Longest wait for the node, s.
+#: Longest wait for the node [s].
 _TIMEOUT_S = 2.0
-#: Least time between two warnings that a node does not answer, s: one may never spin.
+#: Least time between two warnings that a node does not answer [s]: one may never spin.
 _SELDOM_S = 600.0
 
 

@@ -29,7 +29,7 @@ from ros2_bridge.parameters.values import DOUBLE_FOR, changes, differs, flat, li
 from ros2_bridge.ros2.participant import Participant
 
 Type = Ros2Parameter.Type
-#: How often a node is asked whether what was set is in force or put back, and the pause, s.
+#: How often a node is asked whether what was set is in force or put back, and the pause [s].
 _MOST_READS, _PAUSE_S = 20, 0.1
 
 
@@ -206,7 +206,7 @@ class ParametersToRos2:
             return {name: one.value for name, one in read.items()}
 
     def close(self) -> None:
-        """End it."""
+        """Close it."""
         self._scope.close()
         for end in self._ends:
             end()

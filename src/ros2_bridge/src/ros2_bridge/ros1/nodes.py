@@ -23,7 +23,7 @@ import rosgraph.xmlrpc
 from nodekit.master import Call, MasterClient
 from ros2_bridge.ros1.graph import Ros1Graph
 
-#: Longest wait for the address, for the master and for another node, s.
+#: Longest wait for the address, for the master and for another node [s].
 _TIMEOUT_S = 1.0
 
 

@@ -1,4 +1,4 @@
-"""No second bridge between the same master and the same domain."""
+"""Single instance: no second bridge between the same master and the same domain."""
 
 import contextlib
 import os

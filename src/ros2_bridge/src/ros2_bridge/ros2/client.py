@@ -1,4 +1,4 @@
-"""Calls services of ROS 2, with a time-out."""
+"""Clients of services of ROS 2, with a time-out."""
 
 import threading
 from typing import Any, Callable, Dict, List
@@ -13,7 +13,7 @@ class NoResponse(Exception):
 
 
 class Ros2Client:
-    """Calls one service of ROS 2, from any number of threads at a time.
+    """Client of one service of ROS 2, for any number of threads at a time.
 
     :param participant: the bridge in ROS 2
     :param cls: class of the service
@@ -61,7 +61,7 @@ class Ros2Client:
     def call(self, request: Any, timeout: float) -> Any:
         """Call the service and wait for the response.
 
-        :param timeout: longest wait, s
+        :param timeout: longest wait [s]
         :raises NoResponse: if it is not offered, or there is no response in time
         """
         responses: List[Any] = []

@@ -1,4 +1,4 @@
-"""The bridge as ROS 2 sees it: one participant with many nodes."""
+"""DDS participant of the bridge, with many nodes."""
 
 import collections
 import contextlib
@@ -26,7 +26,7 @@ from ros2_bridge.rules.settings import Quality
 _GUID_PREFIX_SIZE = 12
 #: How many calls of a service are kept in a burst, as by rclpy.
 _CALLS = 10
-#: Longest time for disconnecting, s: Ctrl-C ends the bridge within 2 s.
+#: Longest time for disconnecting [s]: Ctrl-C ends the bridge within 2 s.
 _DISCONNECT_S = 0.7
 #: Has ROS 2 forget what has failed in this thread. It tries kinds of type support that twins do not
 #: have, collects the failures, and would log for each endpoint that they were truncated.
@@ -44,7 +44,7 @@ def _profile(quality: Quality) -> QoSProfile:
 
 
 class Participant:
-    """Makes and destroys what the bridge has in ROS 2; may be used from several threads.
+    """DDS participant of the bridge, with its nodes; may be used from several threads.
 
     :param name: global name of the bridge's own node
     """

@@ -1,4 +1,4 @@
-"""Takes messages as rcl has them: with who has sent them, which Jazzy's rclpy does not tell.
+"""rcl's take with the sender of each message, which Jazzy's rclpy does not return.
 
 The structures are those of ``rmw/types.h`` and ``rcutils/types/uint8_array.h``.
 """
@@ -70,7 +70,7 @@ _take.restype = ctypes.c_int
 
 
 class MessageTaker:
-    """Takes the messages of subscriptions, for one thread.
+    """Taker of serialized messages of subscriptions, for one thread.
 
     Its buffer has grown to the largest message that has come, and stays until the process ends.
     """

@@ -1,4 +1,4 @@
-"""Waits for what arrives from ROS 2, in a thread of its own.
+"""Wait loop for messages, requests and responses from ROS 2, in a thread of its own.
 
 One wait set is built and then refilled, and what is ready is taken until there is no more: rclpy's
 executors take eight times as much of the processor for the same.
@@ -16,7 +16,7 @@ from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 #: Most messages, requests or responses that are taken from one waitable before the others' turn.
 _MOST = 1000
 _KINDS = ("subscription", "client", "service")
-#: Pause before it is waited again where that has failed, s.
+#: Pause before it is waited again where that has failed [s].
 _PAUSE_S = 0.2
 
 
@@ -34,7 +34,7 @@ class Waitable(NamedTuple):
 
 
 class WaitLoop:
-    """Calls what takes messages, requests and responses, as soon as there are any.
+    """Loop that receives messages, requests and responses as soon as they arrive.
 
     :param context: rclpy's
     :param name: of the thread

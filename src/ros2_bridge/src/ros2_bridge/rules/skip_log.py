@@ -4,7 +4,7 @@ import contextlib
 import threading
 from typing import Iterator, List, Optional, Set
 
-#: Least time between two lines, s.
+#: Least time between two lines [s].
 _PAUSE_S = 1.0
 #: Most reasons in one line; the others come in the next.
 _MOST = 5
@@ -15,7 +15,7 @@ class Unbridgeable(Exception):
 
 
 class SkipLog:
-    """Collects reasons, from any thread, and puts them into lines of the log."""
+    """Log of reasons, from any thread, joined into lines."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()

@@ -22,7 +22,7 @@ _Pair = Union[TopicToRos1, TopicToRos2]
 
 
 class TopicBridge(PairBridge[_Pair]):
-    """Keeps the pairs of topics as both graphs want them.
+    """Pairs of topics, created and closed as both graphs require.
 
     :param node: the bridge in ROS 1
     :param participant: the bridge in ROS 2

@@ -1,4 +1,4 @@
-"""One topic, one way. What has no subscribers on the other side is not fetched."""
+"""One topic, one way. It is only subscribed to if the other side has subscribers."""
 
 import contextlib
 import threading
@@ -128,7 +128,7 @@ class TopicToRos2:
             self.count.passed += 1
 
     def close(self) -> None:
-        """End it."""
+        """Close it."""
         self._subscription.switch(False)
         self.publishers.close()
 
@@ -295,6 +295,6 @@ class TopicToRos1:
         self._last[sender] = number
 
     def close(self) -> None:
-        """End it."""
+        """Close it."""
         self._switch({})
         self._scope.close()

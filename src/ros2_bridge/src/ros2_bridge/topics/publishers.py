@@ -9,7 +9,7 @@ from rclpy.node import Node as Ros2Node
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.rules.active_pairs import Bridged
 
-#: How long it takes until all who subscribe know a new publisher, s.
+#: How long it takes until all who subscribe know a new publisher [s].
 _KNOWN_S = 0.1
 #: Stands for all nodes that do not appear in ROS 2, as far as they do not latch.
 _OTHERS = ""

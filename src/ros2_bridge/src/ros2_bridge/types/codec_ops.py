@@ -109,7 +109,7 @@ def text_up(source: Any, at: int, out: bytearray) -> int:
 def block(size: int, numbers: int) -> Tuple[Instruction, Instruction]:
     """Compile an array of numbers, or of messages that hold such of one size only.
 
-    :param size: of a number, bytes
+    :param size: of a number [bytes]
     :param numbers: in one element
     """
 

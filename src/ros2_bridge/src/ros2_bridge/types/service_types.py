@@ -7,7 +7,7 @@ from typing import Dict, Optional, Sequence, Set
 from nodekit import CallError, MasterUnreachable, RoundRobin, probe_service
 from nodekit.master import MasterClient
 
-#: Longest wait for a server, s, and most servers that are asked at once.
+#: Longest wait for a server [s], and most servers that are asked at once.
 _TIMEOUT_S, _MOST = 2.0, 8
 #: Most servers that are asked again in a poll: the master lists all of those that were killed.
 _AGAIN = 2

@@ -79,7 +79,7 @@ class ActionType(NamedTuple):
 
 
 class TypeRegistry:
-    """Finds types and keeps them; may be used from several threads."""
+    """Registry of types; may be used from several threads."""
 
     def __init__(self) -> None:
         names = pathlib.Path(sys.prefix, "share", "ros2_bridge", "names.yaml")

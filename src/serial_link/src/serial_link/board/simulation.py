@@ -12,9 +12,9 @@ from serial_link.device.serial_line import SerialLine, add_noise
 
 #: An Arduino's library waits with more in a message's way out than this, and reads no more at once.
 _TX_BUFFER, _RX_BUFFER = 64, 64
-#: Longest wait for anything, s: faults are changed meanwhile.
+#: Longest wait for anything [s]: faults are changed meanwhile.
 _LONGEST_WAIT_S = 0.02
-#: How often a connection is tried, s.
+#: How often a connection is tried [s].
 _PLUG_EVERY_S = 0.2
 
 
@@ -31,7 +31,7 @@ class Faults(NamedTuple):
     is_plugged: bool = True
 
 
-#: Makes the device of a board that is switched on at a time, s.
+#: Makes the device of a board that is switched on at a time [s].
 Factory = Callable[[float], Device]
 
 
@@ -41,7 +41,7 @@ class SimulatedBoard:
     :param end: where it is plugged in
     :param baud: bits a second of its line; 0 where that takes no time
     :param make_device: makes the device at each start
-    :param boot_s: how long it takes from a reset until the sketch runs, s
+    :param boot_s: how long it takes from a reset until the sketch runs [s]
     :param seed: of the noise
 
     :ivar faults: what is wrong now; to be replaced as a whole

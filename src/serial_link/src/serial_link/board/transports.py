@@ -27,7 +27,7 @@ class Transport(Protocol):
         ...
 
     def wait(self, timeout: float) -> None:
-        """Wait until something has arrived, for at most a time, s."""
+        """Wait until something has arrived, for at most a time [s]."""
         ...
 
     def read(self) -> bytes:

@@ -1,4 +1,4 @@
-"""Writes the C++ headers of messages and services, which the sketch of a board includes."""
+"""Writer of C++ headers of messages and services, which the sketch of a board includes."""
 
 import argparse
 import pathlib

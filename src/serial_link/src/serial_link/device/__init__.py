@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""The side of a board: what a microcontroller with rosserial does. Pure."""
+"""Device side of the protocol: a microcontroller with rosserial's library. Pure."""

@@ -6,7 +6,7 @@ from first_order_sys_sim.first_order_plant import FirstOrderPlant, PlantSettings
 
 #: Steps of the pulse width: of an 8-bit timer, as Arduino's analogWrite has it.
 PWM_STEPS = 255
-#: The angle is integrated by the trapezoidal rule in steps of this length, s; in longer ones where
+#: The angle is integrated by the trapezoidal rule in steps of this length [s]; in longer ones where
 #: the time since the last call is too long for that.
 _STEP_S, _MOST_STEPS = 0.001, 1000
 
@@ -14,11 +14,11 @@ _STEP_S, _MOST_STEPS = 0.001, 1000
 class Motor:
     """A motor whose driver takes a pulse width and a direction, and whose encoder counts.
 
-    Time is an argument, s, and never decreases.
+    Time is an argument [s], and never decreases.
 
     :param settings: what the motor is like; its dead zone is the driver's
     :param counts_per_turn: of the encoder
-    :param began_at: when it begins to stand there, s
+    :param began_at: when it begins to stand there [s]
     """
 
     def __init__(
@@ -35,7 +35,7 @@ class Motor:
     def drive(self, now: float, share: float) -> None:
         """Set the pulse width.
 
-        :param now: the time, s
+        :param now: the time [s]
         :param share: of the full voltage, with the direction as its sign; beyond 1 it is 1
         """
         self._advance(now)
@@ -57,7 +57,7 @@ class Motor:
         self._zero += self.counts(now)
 
     def speed_of(self, counts: int, seconds: float) -> float:
-        """Return the speed that a difference of counts shows, rad/s: in steps of one count.
+        """Return the speed that a difference of counts shows [rad/s]: in steps of one count.
 
         :param counts: the difference
         :param seconds: the time in which it came

@@ -15,11 +15,11 @@ from serial_link.negotiation.payloads import (
     Values,
 )
 
-#: The motor is stopped when nothing was said to it for this long, s: a host may be gone.
+#: The motor is stopped when nothing was said to it for this long [s]: a host may be gone.
 INPUT_TIMEOUT_S = 0.5
-#: How often the button is told of though nothing has changed, s: who comes later wants to know.
+#: How often the button is told of though nothing has changed [s]: who comes later wants to know.
 BUTTON_EVERY_S = 1.0
-#: How often the potentiometer is read, Hz, and its largest value: 10 bits.
+#: How often the potentiometer is read [Hz], and its largest value: 10 bits.
 POTENTIOMETER_HZ, FULL_SCALE = 10.0, 1023
 NOT_TURNING, TURNING, MAX_SPEED = "Motor Not Turning", "Motor Turning", "Motor Max Speed"
 
@@ -63,14 +63,14 @@ class Panel:
 
 
 class MotorSketch:
-    """Publishes the motor's speed and what the panel shows; drives the motor as it is told.
+    """Sketch that publishes the motor's speed and the panel's values, and drives the motor.
 
     Times in messages are 32-bit floats in 64: more an 8-bit Arduino does not have.
 
     :param motor: the motor, which goes on turning while the board is reset
     :param panel: button and potentiometer
-    :param rate: how often the speed is published, Hz
-    :param began_at: when the board was started, s
+    :param rate: how often the speed is published [Hz]
+    :param began_at: when the board was started [s]
     :param floods: whether the speed is published as often as the line takes it
     """
 
@@ -128,7 +128,7 @@ class MotorSketch:
                 device.publish("motor_output", self._measure(now))
 
     def next_due(self, now: float) -> float:
-        """Return when something is due, s."""
+        """Return when something is due [s]."""
         if self._floods:
             return now
         return min(self._next_at, self._turn_at)

@@ -8,7 +8,7 @@ from serial_link.framing.frames import SYNC, VERSION, Frame
 SYNC_BYTE, VERSION_BYTE = "sync", "version"
 SIZE_LOW, SIZE_HIGH, SIZE_SUM = "size low", "size high", "size sum"
 TOPIC_LOW, TOPIC_HIGH, MESSAGE, SUM = "topic low", "topic high", "message", "sum"
-#: A frame that is not whole by then is dropped, s.
+#: A frame that is not whole by then is dropped [s].
 TIMEOUT_S = 0.02
 
 
@@ -39,7 +39,7 @@ TABLE: Dict[str, Expected] = {
 class Receiver:
     """A board's end of the line.
 
-    :param input_size: a longer message does not fit, bytes; a real board would overwrite what lies
+    :param input_size: a longer message does not fit [bytes]; a real board would overwrite what lies
         behind its buffer, this one drops and counts it
 
     :ivar mode: what the next byte is
@@ -58,7 +58,7 @@ class Receiver:
     def receive(self, now: float, data: bytes) -> List[Frame]:
         """Return the frames that are whole now.
 
-        :param now: the time, s
+        :param now: the time [s]
         :param data: bytes from the line
         """
         if self.mode != SYNC_BYTE and now > self._began_at + TIMEOUT_S:

@@ -20,7 +20,7 @@ from serial_link.negotiation.payloads import (
 
 #: The first id of what the board receives, and of what it sends.
 _FIRST_SUBSCRIBER, _FIRST_PUBLISHER = 100, 125
-#: How often it asks for the time, and how long it goes on without, s.
+#: How often it asks for the time, and how long it goes on without [s].
 TIME_EVERY_S, HOST_LOST_S = 2.5, 11.0
 
 
@@ -62,21 +62,21 @@ class Sketch(Protocol):
         ...
 
     def next_due(self, now: float) -> float:
-        """Return when :meth:`loop` has something to do, s."""
+        """Return when :meth:`loop` has something to do [s]."""
         ...
 
 
 class Device:
-    """The device's side of the protocol. Time is an argument, s.
+    """The device's side of the protocol. Time is an argument [s].
 
     :param sketch: what runs on it
-    :param input_size: the largest message that it takes, bytes
-    :param output_size: the longest frame that it sends, bytes
+    :param input_size: the largest message that it takes [bytes]
+    :param output_size: the longest frame that it sends [bytes]
     :param wrong_md5: name of a topic of which it tells another md5sum, as one does whose headers
         were made from another message
 
     :ivar state: of :mod:`.device_states`
-    :ivar host_time: the time that it was told last, s
+    :ivar host_time: the time that it was told last [s]
     :ivar receiver: its end of the line
     """
 
@@ -141,7 +141,7 @@ class Device:
         self._sketch.loop(self, now)
 
     def next_due(self, now: float) -> float:
-        """Return when :meth:`loop` has something to do, s."""
+        """Return when :meth:`loop` has something to do [s]."""
         return min(self._sketch.next_due(now), max(now, self._asked_at) + TIME_EVERY_S)
 
     def output(self) -> bytes:

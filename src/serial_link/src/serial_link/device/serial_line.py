@@ -10,7 +10,7 @@ _BITS = 10
 
 
 class SerialLine:
-    """Hands over bytes at the pace of a baud rate. Time is an argument, s.
+    """Serial line at a baud rate. Time is an argument [s].
 
     :param baud: bits a second; 0 for a line that takes no time
     """
@@ -25,7 +25,7 @@ class SerialLine:
     def put(self, now: float, data: bytes) -> None:
         """Begin to send bytes, behind those that are under way.
 
-        :param now: the time, s
+        :param now: the time [s]
         :param data: the bytes
         """
         if data:
@@ -37,7 +37,7 @@ class SerialLine:
     def arrived(self, now: float) -> bytes:
         """Return what has arrived.
 
-        :param now: the time, s
+        :param now: the time [s]
         """
         arrived = bytearray()
         while self._parts:
@@ -57,7 +57,7 @@ class SerialLine:
         return bytes(arrived)
 
     def next_due(self) -> float:
-        """Return when the first of what is under way has arrived as a whole, s."""
+        """Return when the first of what is under way has arrived as a whole [s]."""
         if not self._parts:
             return math.inf
         part = self._parts[0]

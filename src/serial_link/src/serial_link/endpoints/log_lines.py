@@ -22,7 +22,7 @@ _PER_SECOND = 20
 
 
 class LogLines:
-    """Has a board's lines in rosout under a name of their own, and on the console.
+    """Log of a board, in rosout under a name of its own, and on the console.
 
     :param scope: makes the publisher
     :param name: the board's

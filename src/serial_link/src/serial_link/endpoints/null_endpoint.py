@@ -1,11 +1,11 @@
-"""A topic or a service of a board that there cannot be in ROS."""
+"""Null object for a topic or service of a board that ROS cannot have."""
 
 from serial_link.host.counters import REFUSED, Counters
 from serial_link.negotiation.topic_table import Endpoint
 
 
 class NullEndpoint:
-    """Takes the place of what was refused: its messages are counted, and nothing else.
+    """Null object for a refused topic or service: counts its messages.
 
     :param counters: counts them
     """

@@ -18,7 +18,7 @@ def encode_answer(raw: Any, size: int) -> bytes:
     """Return the payload that answers a board's request for a parameter.
 
     :param raw: as the parameter server holds it
-    :param size: what the board's buffer holds, bytes
+    :param size: what the board's buffer holds [bytes]
     :raises UnsupportedValue: if it is nothing that a board takes, or too long
     """
     payload = encode_values(to_values(raw))

@@ -1,4 +1,4 @@
-"""A board in ROS: what it has told of, and what it says."""
+"""ROS side of a board: opens its topics and services, and handles its events."""
 
 import threading
 import time
@@ -49,12 +49,12 @@ _Key = Tuple[Any, ...]
 
 
 class RosSide:
-    """Has in ROS what a board has told of, in a thread of its own.
+    """ROS side of a board: its topics, services, parameters and log, in a thread of its own.
 
     :param scope: makes topics and services
     :param link: to the board
     :param counters: counts what is wrong
-    :param timeout: returns how long a call of a service may take, s
+    :param timeout: returns how long a call of a service may take [s]
     :param find_parameter: returns the raw value of a parameter, given its global name; None if it
         is unset
     """
@@ -84,11 +84,11 @@ class RosSide:
         self._thread = threading.Thread(target=self._run, name="board", daemon=True)
 
     def start(self) -> None:
-        """Begin."""
+        """Start the threads."""
         self._thread.start()
 
     def close(self) -> None:
-        """End it."""
+        """Close it."""
         self._is_over.set()
         self._link.inbox.close()
         if self._thread.ident is not None:
@@ -202,7 +202,7 @@ class RosSide:
         self._link.answer(PARAMETER, payload)
 
     def _buffer_size(self) -> int:
-        """Return the longest payload that the board takes as far as it has told, bytes."""
+        """Return the longest payload that the board takes as far as it has told [bytes]."""
         infos = [endpoint.outgoing for endpoint in self._wanted.values()]
         return min([LONGEST, *(info.buffer_size for info in infos if info is not None)])
 

@@ -39,7 +39,7 @@ class _Service:
         self.name, self._link, self._counters = name, link, counters
 
     def update(self, endpoint: Endpoint) -> None:
-        """Have the same service under another id, or with another buffer."""
+        """Update the service's id and buffer size."""
         assert endpoint.outgoing is not None
         self._info = endpoint.outgoing
 
@@ -69,7 +69,7 @@ class OfferedService(_Service):
 
     :param scope: makes the service
     :param endpoint: of the board
-    :param timeout: returns how long the board may take to answer, s
+    :param timeout: returns how long the board may take to answer [s]
     """
 
     def __init__(
@@ -98,7 +98,7 @@ class OfferedService(_Service):
         self._is_done.set()
 
     def on_lost(self, why: str) -> None:
-        """Have a call that is under way fail at once."""
+        """Board lost: fail a running call at once."""
         self._failure = why
         self._is_done.set()
 
@@ -121,7 +121,7 @@ class CalledService(_Service):
 
     :param scope: makes the client
     :param endpoint: of the board
-    :param timeout: returns how long the service may take to answer, s
+    :param timeout: returns how long the service may take to answer [s]
     """
 
     def __init__(
@@ -153,7 +153,7 @@ class CalledService(_Service):
             future.add_done_callback(partial(self._answer, self._era))
 
     def on_lost(self, why: str) -> None:
-        """Let the answers that are under way go: who waited for them is gone."""
+        """Board lost: drop the answers of running calls."""
         self._era += 1
 
     def _answer(self, era: int, future: CallFuture) -> None:

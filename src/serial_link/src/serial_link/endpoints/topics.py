@@ -13,7 +13,7 @@ from serial_link.link.throttled_log import ThrottledLog
 from serial_link.negotiation.topic_table import Endpoint
 
 _WARN_EVERY_S = 10.0
-#: rosserial's library drops a frame that is not whole by then, s.
+#: rosserial's library drops a frame that is not whole by then [s].
 _LONGEST_FRAME_S = 0.02
 _BITS, _OVERHEAD = 10, 8
 
@@ -77,7 +77,7 @@ class SubscribedTopic:
         self._subscribe()
 
     def update(self, endpoint: Endpoint) -> None:
-        """Have the same topic under another id, or with another buffer."""
+        """Update the topic's id and buffer size."""
         assert endpoint.outgoing is not None
         self._info = endpoint.outgoing
 

@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""Frames of the wire: made, and found again in whatever arrives. Pure."""
+"""Frames of the wire: encoded and decoded. Pure."""

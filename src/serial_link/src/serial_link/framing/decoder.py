@@ -22,7 +22,7 @@ _GOOD, _WAITING = "good", "waiting"
 
 
 class Decoder:
-    """Turns bytes into frames. It raises nothing, and hands out no frame whose sums do not hold.
+    """Decoder of frames. It raises nothing, and returns no frame with a wrong checksum.
 
     After a fault it goes on right behind the two bytes that began the bad frame, not behind its
     end: what the length says may be the very thing that is wrong. Where a length lies, what follows
@@ -33,7 +33,7 @@ class Decoder:
     How the bytes are cut into pieces makes no difference.
 
     :ivar faults: how often each kind of fault was seen, and how many bytes were garbage
-    :ivar longest: a longer payload is a fault, bytes
+    :ivar longest: a longer payload is a fault [bytes]
     """
 
     def __init__(self, longest: int = LONGEST) -> None:
@@ -55,7 +55,7 @@ class Decoder:
         return self._extract_frames(is_over=False)
 
     def flush(self) -> List[Frame]:
-        """Wait for the rest of a frame no longer, as nothing has come for too long.
+        """Stop waiting for the rest of a frame, as nothing has come for too long.
 
         :returns: the frames that were hidden behind its beginning
         """

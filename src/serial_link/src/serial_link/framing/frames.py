@@ -14,11 +14,11 @@ SYNC, VERSION, OLD_VERSION = 0xFF, 0xFE, 0xFF
 START = bytes((SYNC, VERSION))
 #: Bytes before the topic's id, before the payload, and of a frame without a payload.
 HEADER, BEFORE_PAYLOAD, OVERHEAD = 5, 7, 8
-#: The longest payload that the length can tell of, bytes.
+#: The longest payload that the length can tell of [bytes].
 LONGEST = 0x7FFF
 
 _LENGTH, _ID = struct.Struct("<H"), struct.Struct("<H")
-#: Of the old protocol: id and length, bytes.
+#: Of the old protocol: id and length [bytes].
 _OLD_HEADER = 4
 
 

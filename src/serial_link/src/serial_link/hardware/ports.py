@@ -22,13 +22,13 @@ class Port(Protocol):
     name: str
     #: Bits a second of its line; 0 for a network connection.
     baud: int
-    #: A frame whose bytes stop coming for this long will not go on, s.
+    #: A frame whose bytes stop coming for this long will not go on [s].
     gap: float
 
     def open(self, timeout: float) -> bool:
         """Open it.
 
-        :param timeout: longest wait, s
+        :param timeout: longest wait [s]
         :returns: whether it is open; False if no board has connected yet
         :raises PortUnavailable: if it cannot be
         """
@@ -37,7 +37,7 @@ class Port(Protocol):
     def read(self, timeout: float) -> bytes:
         """Return what has arrived.
 
-        :param timeout: longest wait for something, s
+        :param timeout: longest wait for something [s]
         :returns: nothing if nothing came
         :raises PortLost: if it is gone
         """

@@ -14,10 +14,10 @@ import serial
 from serial_link.hardware.port_users import find_port_users
 from serial_link.hardware.ports import PortLost, PortStuck, PortUnavailable
 
-#: Longest time in which the port has to take a frame, s.
+#: Longest time in which the port has to take a frame [s].
 _WRITE_S = 0.5
 _READ_AT_ONCE = 4096
-#: Between the bytes of a frame there are no pauses but those of the adapter, s.
+#: Between the bytes of a frame there are no pauses but those of the adapter [s].
 _GAP_S = 0.1
 #: Where pseudo terminals are. One lives on after a kill -9, and would stay shut to other users.
 _PSEUDO = "/dev/pts/"

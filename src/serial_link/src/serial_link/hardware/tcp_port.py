@@ -9,7 +9,7 @@ from serial_link.hardware.ports import PortLost, PortStuck, PortUnavailable
 
 _WRITE_S = 0.5
 _READ_AT_ONCE = 4096
-#: TCP sends again what is lost on the way: a pause may be long, s, and nothing is damaged.
+#: TCP sends again what is lost on the way: a pause may be long [s], and nothing is damaged.
 _GAP_S = 5.0
 
 

@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""The side of the host: when to ask, what to send first, how fast. Pure."""
+"""Host side of the protocol: synchronization, queueing, pacing. Pure."""

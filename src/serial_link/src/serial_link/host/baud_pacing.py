@@ -2,16 +2,16 @@
 
 #: Bits on the line for a byte: one to start, eight, one to stop.
 BITS = 10
-#: So much earlier than the line is free the next frame is written, s: a thread that wakes up late
+#: So much earlier than the line is free the next frame is written [s]: a thread that wakes up late
 #: leaves no gap. What is written cannot be replaced by a newer value any more.
 AHEAD_S = 0.002
 
 
 class BaudPacer:
-    """Tells when a line has sent what was written, so that no more waits in the system than needed.
+    """Pacer of frames, so that as few as possible wait in the system's buffer.
 
     The system takes 4 KB at once, which at 57 600 baud are 0.7 s: the newest value would come after
-    all of them. Time is an argument, s.
+    all of them. Time is an argument [s].
 
     :param baud: bits a second; 0 for a line that is not paced
     """
@@ -21,16 +21,16 @@ class BaudPacer:
         self._free_at = 0.0
 
     def delay(self, now: float) -> float:
-        """Return how long to wait before the next frame is written, s.
+        """Return how long to wait before the next frame is written [s].
 
-        :param now: the time, s
+        :param now: the time [s]
         """
         return max(0.0, self._free_at - AHEAD_S - now)
 
     def record_write(self, now: float, count: int) -> None:
-        """Note what was written.
+        """Record a write.
 
-        :param now: the time, s
+        :param now: the time [s]
         :param count: bytes
         """
         self._free_at = max(now, self._free_at) + count * self._seconds

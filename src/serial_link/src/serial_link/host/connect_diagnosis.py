@@ -2,14 +2,14 @@
 
 from serial_link.framing.frames import count_old_frames
 
-#: How much is kept, bytes.
+#: How much is kept [bytes].
 MOST_KEPT = 4096
 #: So many frames of the old protocol are no accident.
 _ENOUGH = 2
 
 
 class ConnectDiagnosis:
-    """Keeps what has arrived since the port was opened, up to the first good frame."""
+    """Diagnosis from the bytes since the port was opened, up to the first good frame."""
 
     def __init__(self) -> None:
         self._unread = bytearray()

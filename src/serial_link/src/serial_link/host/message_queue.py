@@ -13,7 +13,7 @@ MOST_KEPT = 1000
 
 
 class MessageQueue:
-    """Holds messages until they are fetched. Many threads may add some, and one fetches them.
+    """Queue of messages. Many threads may add messages, and one gets them.
 
     What is kept, as calls of services are, comes first and in order. Of each stream, the newest
     values come; when too many wait all but the newest are dropped, and counted. Streams take turns.
@@ -75,7 +75,7 @@ class MessageQueue:
     def get(self, timeout: float) -> Optional[Any]:
         """Take out the next message.
 
-        :param timeout: longest wait for one, s
+        :param timeout: longest wait for one [s]
         :returns: None after the time-out, or if the queue is closed
         """
         end = time.monotonic() + timeout

@@ -1,4 +1,4 @@
-"""The contact with a board in time: the table of :mod:`.sync_states`, and its deadlines."""
+"""Synchronization with a board: the table of :mod:`.sync_states`, and its deadlines."""
 
 import math
 from typing import List
@@ -18,16 +18,16 @@ from serial_link.host.sync_states import (
     move,
 )
 
-#: A board that has said nothing for this long is silent, s.
+#: A board that has said nothing for this long is silent [s].
 QUIET_S = 0.3
-#: How often a board is asked that does not answer, and probed while it is silent, s.
+#: How often a board is asked that does not answer, and probed while it is silent [s].
 ASK_EVERY_S, PROBE_EVERY_S = 0.25, 0.25
-#: A board asks for the time every 2.5 s; one that has not for this long is not in contact, s.
+#: A board asks for the time every 2.5 s; one that has not for this long is not synchronized [s].
 OVERDUE_S = 6.0
 
 
 class SyncMonitor:
-    """Tells what to do as the time passes and frames come. Time is an argument, s.
+    """Monitor of the synchronization with a board. Time is an argument [s].
 
     :ivar state: of the table
     :ivar restarts: number of restarts of the board
@@ -41,7 +41,7 @@ class SyncMonitor:
     def handle(self, now: float, event: str) -> List[str]:
         """Follow an event.
 
-        :param now: the time, s
+        :param now: the time [s]
         :param event: of the table
         :returns: actions of the table, in order
         """
@@ -67,7 +67,7 @@ class SyncMonitor:
     def poll(self, now: float) -> List[str]:
         """Do what is due.
 
-        :param now: the time, s
+        :param now: the time [s]
         :returns: actions of the table, in order
         """
         if now < self.next_due():
@@ -76,7 +76,7 @@ class SyncMonitor:
         return self.handle(now, OVERDUE if is_overdue else DUE)
 
     def next_due(self) -> float:
-        """Return when :meth:`poll` has something to do, s."""
+        """Return when :meth:`poll` has something to do [s]."""
         if self.state == CLOSED:
             return math.inf
         if self.state == NEGOTIATING:

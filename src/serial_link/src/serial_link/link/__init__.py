@@ -1,1 +1,1 @@
-"""A board at a port: threads that read and write, and the contact with it."""
+"""Link to a board at a port: threads that read and write, and synchronization."""

@@ -1,4 +1,4 @@
-"""The link to one board: a thread that reads and keeps contact, and one that writes."""
+"""Link to one board: a thread that reads and stays synchronized, and one that writes."""
 
 import threading
 import time
@@ -37,13 +37,13 @@ from serial_link.negotiation.payloads import (
 )
 from serial_link.negotiation.topic_table import TopicTable
 
-#: Longest wait for bytes or for the line, s: the node may end meanwhile.
+#: Longest wait for bytes or for the line [s]: the node may end meanwhile.
 _LONGEST_WAIT_S = 0.25
-#: Longest wait for bytes while the board tells of its topics, s.
+#: Longest wait for bytes while the board tells of its topics [s].
 _ROUND_POLL_S = 0.05
-#: Longest wait for something to send, s; it ends when the node does.
+#: Longest wait for something to send [s]; it ends when the node does.
 _IDLE_S = 1.0
-#: Has the board publish no longer; how long that may take to be sent, s.
+#: Has the board publish no longer; how long that may take to be sent [s].
 _STOP_FRAME = encode(STOP, b"")
 _STOP_S = 1.0
 #: Values of one topic that may wait for the line where they are latched: hardly ever they come as a
@@ -51,16 +51,16 @@ _STOP_S = 1.0
 _LATCHED_DEPTH = 200
 #: Values of one topic that may wait for ROS: only a machine that is busy keeps them waiting.
 _INBOX_DEPTH = 200
-#: How often a port is tried that cannot be opened, s, and the same is said again.
+#: How often a port is tried that cannot be opened [s], and the same is said again.
 _OPEN_EVERY_S, _LOG_EVERY_S = 0.2, 10.0
-#: A board that does not answer for this long is told of, s, and asked in the old way as well.
+#: A board that does not answer for this long is told of [s], and asked in the old way as well.
 _NO_ANSWER_S = 3.0
 #: Returns the time that a board is told, as s and ns.
 TimeOf = Callable[[], Tuple[int, int]]
 
 
 class BoardLink:
-    """Finds a board at a port, keeps contact with it, and carries its frames.
+    """Link to a board at a port: stays synchronized with it, and carries its frames.
 
     The thread that reads does nothing that could keep it waiting: what arrives goes into a queue.
     So does what is to be sent, for the thread that writes, at the pace of the line.
@@ -94,12 +94,12 @@ class BoardLink:
         ]
 
     def start(self) -> None:
-        """Begin."""
+        """Start the threads."""
         for thread in self._threads:
             thread.start()
 
     def close(self) -> None:
-        """End it, and close the port."""
+        """Stop the threads, and close the port."""
         self._is_over.set()
         for queue in (self.inbox, self._outgoing_queue):
             queue.close()

@@ -6,7 +6,7 @@ from serial_link.negotiation.topic_table import Endpoint
 
 
 class Topics(NamedTuple):
-    """The board has told of its topics: what is known since it was started.
+    """Topics of the board that are known since its start.
 
     :param endpoints: the topics
     :param is_complete: whether there is nothing else; no part of what was told was damaged then
@@ -43,7 +43,7 @@ class Restarted(NamedTuple):
 
 
 class Synced(NamedTuple):
-    """All that the board has to tell since it was started is known, and it listens."""
+    """All topics of the board are known since its start, and it receives messages."""
 
 
 Event = Union[Topics, Message, ParameterRequest, LogLine, Restarted, Synced]

@@ -11,7 +11,7 @@ class ThrottledLog:
 
     rospy's throttles are per line of code: of two topics, one would keep the other quiet.
 
-    :param period: least time between two lines about one thing, s
+    :param period: least time between two lines about one thing [s]
     """
 
     def __init__(self, period: float) -> None:
@@ -20,7 +20,7 @@ class ThrottledLog:
         self._said_at: Dict[str, float] = {}
 
     def log(self, log: Callable[[str], None], text: str, about: str = "") -> None:
-        """Log a sentence, unless it was a moment ago.
+        """Log a text, unless its key was logged within the period.
 
         :param log: logs it
         :param text: the sentence
@@ -34,6 +34,6 @@ class ThrottledLog:
         log(text)
 
     def reset(self) -> None:
-        """Say all of it again when it happens next."""
+        """Reset all limits."""
         with self._lock:
             self._said_at.clear()

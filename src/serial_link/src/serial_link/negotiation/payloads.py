@@ -40,7 +40,7 @@ class TopicInfo(NamedTuple):
     :param name: of the topic or the service
     :param type: of the message or the service, ``package/Name``
     :param md5sum: of the message; of a service, of this half of it
-    :param buffer_size: what the board's buffer holds, bytes
+    :param buffer_size: what the board's buffer holds [bytes]
     """
 
     topic_id: int

@@ -10,7 +10,7 @@ from serial_link.negotiation.payloads import (
     TopicInfo,
 )
 
-#: A round is over when nothing has been told for this long, s.
+#: A round is over when nothing has been told for this long [s].
 SETTLED_S = 0.2
 #: A damaged round is followed by another, but by no more than this many.
 MOST_ROUNDS = 20
@@ -50,7 +50,7 @@ class TopicTable:
     damage, what it does not tell of is gone. Where something was damaged, what is known stays, and
     another round fills the gaps. On a line that damages one byte in a hundred, one topic in 900 is
     told wrong by a frame whose sums hold. So where anything was damaged ever, each has to be told
-    twice alike, and is not replaced by what is told once. Time is an argument, s.
+    twice alike, and is not replaced by what is told once. Time is an argument [s].
     """
 
     def __init__(self) -> None:
@@ -80,7 +80,7 @@ class TopicTable:
     def begin_round(self, now: float, is_answering: bool = True) -> None:
         """Begin a round, as the board was asked.
 
-        :param now: the time, s
+        :param now: the time [s]
         :param is_answering: whether the board has answered since it was started; no round counts
             before, however many a line of noise has damaged
         """
@@ -93,7 +93,7 @@ class TopicTable:
     def add(self, now: float, info_id: int, info: TopicInfo) -> bool:
         """Add what was told of one topic, or of one half of a service.
 
-        :param now: the time, s
+        :param now: the time [s]
         :param info_id: the id of the frame that told
         :param info: what it told
         :returns: whether there was room for it
@@ -113,13 +113,13 @@ class TopicTable:
         return True
 
     def mark_damaged(self) -> None:
-        """Note that something arrived damaged: it may have told of a topic."""
+        """Mark the round as damaged: a topic may have been lost."""
         self._is_damaged = self._is_noisy = True
 
     def end_round(self, now: float) -> Optional[bool]:
         """End the round, if it is over.
 
-        :param now: the time, s
+        :param now: the time [s]
         :returns: None if it is not over, or ended before; else whether all is known now, or another
             round is needed
         """
@@ -157,7 +157,7 @@ class TopicTable:
 
     @property
     def longest(self) -> int:
-        """The longest message that the board can send, as it tells itself, bytes; 0 if unknown."""
+        """The longest message that the board can send, as it tells itself [bytes]; 0 if unknown."""
         sizes = [
             info.buffer_size for (way, _), (_, info) in self._infos.items() if way == PUBLISHER
         ]

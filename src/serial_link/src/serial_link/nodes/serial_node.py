@@ -17,16 +17,16 @@ from serial_link.host.counters import Counters
 from serial_link.link.board_link import BoardLink
 from serial_link.serial_parameters import TCP, SerialParameters
 
-#: Longest wait for the master where a board asks for a parameter, s.
+#: Longest wait for the master where a board asks for a parameter [s].
 _MASTER_S = 0.5
-#: Least time between two lines about faults, s.
+#: Least time between two lines about faults [s].
 _LINE_EVERY_S = 10.0
 #: What is no fault: it is on /diagnostics alone.
 _USUAL = {"received", "received bytes", "sent", "sent bytes", "openings", "asked"}
 
 
 class SerialNode:
-    """Has the topics, services, parameters and logs of a board on the graph.
+    """Link that has the topics, services, parameters and logs of a board on the graph.
 
     Which there are the board tells: it is asked when the port opens, and after each of its
     restarts. In place of rosserial_python's node of this name.

@@ -15,7 +15,7 @@ from serial_link.device.motor_sketch import MotorSketch, Panel
 
 
 class SimulatedBoardNode:
-    """Is a board behind a serial port or a TCP connection; all its topics come over that.
+    """Simulated board behind a serial port or a TCP connection, which carries its topics.
 
     On the graph it only has what a person does at a board: the button and the potentiometer, the
     cable, the reset, and faults, as parameters and a service.

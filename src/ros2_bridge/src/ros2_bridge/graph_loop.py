@@ -8,7 +8,7 @@ from typing import Any, Dict, Iterator, Set, Tuple
 
 import rospy
 
-from nodekit import LiveParameters, MasterUnreachable, Node
+from nodekit import LiveParameters, MasterUnreachable, Node, Throttle
 from nodekit.master import MISSING, MasterClient
 from ros2_bridge.action_bridge.all_actions import ActionBridge
 from ros2_bridge.node_bridge import NodeBridge
@@ -31,6 +31,8 @@ _TICK_S, _TICKS = 0.1, 5
 _FIRST_POLLS = 10
 #: Longest wait for the master [s].
 _MASTER_S = 2.0
+#: Shortest time between two log lines of one kind [s].
+_LOG_PERIOD_S = 10.0
 
 
 class GraphLoop:
@@ -42,6 +44,7 @@ class GraphLoop:
     """
 
     def __init__(self, node: Node, parameters: "LiveParameters[BridgeParameters]") -> None:
+        self._throttle = Throttle(_LOG_PERIOD_S)
         self._node, self._parameters = node, parameters
         self._master = MasterClient(node.name)
         # Of its own: it remembers the latest replies.
@@ -100,7 +103,8 @@ class GraphLoop:
                             self._topics.follow_subscribers1()
                         self._actions.follow()
             except MasterUnreachable as error:  # all stays as it is until it is back
-                rospy.logwarn_throttle(10.0, f"nothing new is bridged: {error}")
+                if self._throttle.is_due("master"):
+                    rospy.logwarn(f"nothing new is bridged: {error}")
 
     @contextlib.contextmanager
     def _guarded(self) -> Iterator[None]:
@@ -111,7 +115,8 @@ class GraphLoop:
             raise
         except Exception:
             if not self._ended.is_set():
-                rospy.logerr_throttle(10.0, traceback.format_exc())
+                if self._throttle.is_due("exception"):
+                    rospy.logerr(traceback.format_exc())
 
     def _poll_graphs(self) -> None:
         ros1 = self._read_ros1()

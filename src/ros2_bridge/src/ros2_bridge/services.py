@@ -8,7 +8,7 @@ from rclpy.node import Node as Ros2Node
 from rclpy.serialization import deserialize_message, serialize_message
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
-from nodekit import CallError, Node, ReentrantCallbackGroup
+from nodekit import CallError, Node, ReentrantCallbackGroup, Throttle
 from nodekit.master import MasterClient
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.client import NoResponse, Ros2Client
@@ -22,6 +22,8 @@ from ros2_bridge.types.type_registry import ServiceType, TypeRegistry
 
 #: Fields that say, by convention, why a service has failed.
 _WHY = ("message", "status_message", "reason")
+#: Shortest time between two log lines of one kind [s].
+_LOG_PERIOD_S = 1.0
 
 
 class ServiceToRos2:
@@ -48,6 +50,7 @@ class ServiceToRos2:
         kind: ServiceType,
         timeout: Callable[[], float],
     ) -> None:
+        self._throttle = Throttle(_LOG_PERIOD_S)
         self.owner = owner
         self.kind, self._timeout = kind, timeout
         self._end = participant.create_service(owner, kind.cls, other, self._answer)
@@ -81,7 +84,8 @@ class ServiceToRos2:
             setattr(response, reason[0], why)
             send(response)
         else:
-            rospy.logwarn_throttle(1.0, f"a caller in ROS 2 gets no response: {why}")
+            if self._throttle.is_due():
+                rospy.logwarn(f"a caller in ROS 2 gets no response: {why}")
 
     def close(self) -> None:
         """Close it."""

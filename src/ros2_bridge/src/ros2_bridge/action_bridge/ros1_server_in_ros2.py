@@ -13,7 +13,7 @@ from rclpy.node import Node as Ros2Node
 from rclpy.serialization import deserialize_message, serialize_message
 from unique_identifier_msgs.msg import UUID
 
-from nodekit import Node, ReentrantCallbackGroup
+from nodekit import Node, ReentrantCallbackGroup, Throttle
 from ros2_bridge.action_bridge import wire
 from ros2_bridge.actions.goal_ids import bytes_of
 from ros2_bridge.actions.ros1_goal_tracker import Goal, Ros1GoalTracker
@@ -29,6 +29,8 @@ from ros2_bridge.types.type_registry import ActionType
 DEPTH = 1000
 #: How long a server may be without a connection until its goals are lost [s].
 _GONE_S = 1.0
+#: Shortest time between two log lines of one kind [s].
+_LOG_PERIOD_S = 1.0
 
 
 class Ros1ServerInRos2:
@@ -51,6 +53,7 @@ class Ros1ServerInRos2:
         kind: ActionType,
         timeout: Callable[[], float],
     ) -> None:
+        self._throttle = Throttle(_LOG_PERIOD_S)
         self._participant, self.owner, self._name, self._other = participant, owner, name, other
         self.kind = kind
         self._lock = threading.RLock()
@@ -213,7 +216,8 @@ class Ros1ServerInRos2:
             report = wire.read_report(message._buff)
             cdr = self.kind.feedback.to_cdr(report.content)
         except ConversionError as error:
-            rospy.logwarn_throttle(1.0, f"{self._name}: feedback to ROS 2: {error}")
+            if self._throttle.is_due():
+                rospy.logwarn(f"{self._name}: feedback to ROS 2: {error}")
             return
         # An id of 16 bytes moves nothing: what is behind it is aligned as it was.
         self._feedback2.publish(cdr[:4] + bytes_of(report.text) + cdr[4:])

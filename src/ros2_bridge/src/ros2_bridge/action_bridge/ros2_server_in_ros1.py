@@ -15,7 +15,7 @@ from action_msgs.srv import CancelGoal
 from rclpy.serialization import deserialize_message, serialize_message
 from unique_identifier_msgs.msg import UUID
 
-from nodekit import Node, ReentrantCallbackGroup
+from nodekit import Node, ReentrantCallbackGroup, Throttle
 from ros2_bridge.action_bridge import wire
 from ros2_bridge.actions.goal_ids import NO_GOAL, text_of
 from ros2_bridge.actions.ros2_goal_tracker import Goal, Ros2GoalTracker
@@ -33,6 +33,8 @@ from ros2_bridge.types.type_registry import ActionType
 DEPTH = 1000
 #: How often all goals are listed [Hz]: actionlib's server does so by default.
 _RATE_HZ = 5.0
+#: Shortest time between two log lines of one kind [s].
+_LOG_PERIOD_S = 1.0
 
 
 class Ros2ServerInRos1:
@@ -53,6 +55,7 @@ class Ros2ServerInRos1:
         kind: ActionType,
         timeout: Callable[[], float],
     ) -> None:
+        self._throttle = Throttle(_LOG_PERIOD_S)
         self._node, self._participant, self._name, self.kind = node, participant, name, kind
         self._lock = threading.RLock()
         self._goals = Ros2GoalTracker(timeout, self._publish_result, self._publish_status)
@@ -194,7 +197,8 @@ class Ros2ServerInRos1:
             try:
                 goals = read_list(one.data)
             except ValueError as error:
-                rospy.logwarn_throttle(1.0, f"{self._name}: a list of goals of ROS 2: {error}")
+                if self._throttle.is_due("list"):
+                    rospy.logwarn(f"{self._name}: a list of goals of ROS 2: {error}")
                 continue
             # ROS 1 has no times below 0.
             listed = [(uuid, max(0, stamp), self._known(status)) for uuid, stamp, status in goals]
@@ -212,7 +216,8 @@ class Ros2ServerInRos1:
             try:
                 content = self.kind.feedback.to_ros1(one.data[:4] + one.data[20:])
             except ConversionError as error:
-                rospy.logwarn_throttle(1.0, f"{self._name}: feedback to ROS 1: {error}")
+                if self._throttle.is_due("feedback"):
+                    rospy.logwarn(f"{self._name}: feedback to ROS 1: {error}")
                 continue
             report = _report(goal, content)
             self._feedback1.publish(wire.write_report(self.kind.raw_feedback, report))

@@ -11,7 +11,7 @@ import rospy
 from rcl_interfaces.msg import Parameter
 from rcl_interfaces.srv import GetParameters, ListParameters, SetParameters
 
-from nodekit import MasterUnreachable, follow_parameter
+from nodekit import MasterUnreachable, Throttle, follow_parameter
 from nodekit.master import MasterClient
 from ros2_bridge.parameters import messages
 from ros2_bridge.parameters.values import (
@@ -33,6 +33,8 @@ from ros2_bridge.rules.skip_log import SkipLog
 _TIMEOUT_S = 2.0
 #: Least time between two warnings that a node does not answer [s]: one may never spin.
 _SELDOM_S = 600.0
+#: Shortest time between two log lines of one kind [s].
+_LOG_PERIOD_S = 10.0
 
 
 class ParametersToRos1:
@@ -53,6 +55,7 @@ class ParametersToRos1:
         other: str,
         skip_log: SkipLog,
     ) -> None:
+        self._throttle = Throttle(_LOG_PERIOD_S)
         self._name, self._master, self._skip_log = name, client, skip_log
         #: What the node has and the server too, by ROS 2's name, and of which kind it is there.
         self._values: Dict[str, Any] = {}
@@ -107,7 +110,8 @@ class ParametersToRos1:
                 self._is_written = False  # the server may lack something
                 self._warn_seldom(f"parameters of {self._name} in ROS 2: {error}")
             except Exception:  # of a node that sends malformed responses
-                rospy.logerr_throttle(10.0, traceback.format_exc())
+                if self._throttle.is_due():
+                    rospy.logerr(traceback.format_exc())
 
     def _warn_seldom(self, text: str) -> None:
         now = time.monotonic()

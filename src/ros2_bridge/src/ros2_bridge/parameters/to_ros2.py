@@ -22,7 +22,7 @@ from rcl_interfaces.srv import (
 from rclpy.node import Node as Ros2Node
 from rclpy.parameter import Parameter as Ros2Parameter
 
-from nodekit import NodeScope, ReentrantCallbackGroup
+from nodekit import NodeScope, ReentrantCallbackGroup, Throttle
 from ros2_bridge.parameters import messages
 from ros2_bridge.parameters.ros1_parameters import Parameter, Ros1Parameters, Unreadable
 from ros2_bridge.parameters.values import DOUBLE_FOR, changes, differs, flat, listed, unfit
@@ -31,6 +31,8 @@ from ros2_bridge.ros2.participant import Participant
 Type = Ros2Parameter.Type
 #: How often a node is asked whether what was set is in force or put back, and the pause [s].
 _MOST_READS, _PAUSE_S = 20, 0.1
+#: Shortest time between two log lines of one kind [s].
+_LOG_PERIOD_S = 1.0
 
 
 class ParametersToRos2:
@@ -55,6 +57,7 @@ class ParametersToRos2:
         publish: Callable[[Any], None],
         is_kind: Callable[[], bool],
     ) -> None:
+        self._throttle = Throttle(_LOG_PERIOD_S)
         self._is_kind = is_kind
         self._scope, self._other, self._parameters = scope, other, parameters
         self._publish, self._clock = publish, node.get_clock()
@@ -88,9 +91,8 @@ class ParametersToRos2:
             try:
                 send(answer(request))
             except Unreadable as error:  # ROS 2 has no errors of services: there is no response
-                rospy.logwarn_throttle(
-                    1.0, f"cannot read the parameters of {self._parameters.name}: {error}"
-                )
+                if self._throttle.is_due():
+                    rospy.logwarn(f"cannot read the parameters of {self._parameters.name}: {error}")
 
         return lambda *given: threading.Thread(target=work, args=given, daemon=True).start()
 

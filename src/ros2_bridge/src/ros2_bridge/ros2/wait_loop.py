@@ -13,11 +13,15 @@ from typing import Any, Callable, Dict, List, NamedTuple, Tuple
 import rospy
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 
+from nodekit import Throttle
+
 #: Most messages, requests or responses that are taken from one waitable before the others' turn.
 _MOST = 1000
 _KINDS = ("subscription", "client", "service")
 #: Pause before it is waited again where that has failed [s].
 _PAUSE_S = 0.2
+#: Limits the log of exceptions, one function at a time.
+_THROTTLE = Throttle(1.0)
 
 
 class Waitable(NamedTuple):
@@ -152,6 +156,8 @@ def _guarded(function: Callable[..., None], *arguments: Any) -> bool:
         function(*arguments)
     except Exception:
         if not rospy.is_shutdown():
-            rospy.logerr_throttle(1.0, traceback.format_exc())
+            name = getattr(function, "__qualname__", repr(function))
+            if _THROTTLE.is_due(name):
+                rospy.logerr(traceback.format_exc())
         return False
     return True

@@ -9,7 +9,7 @@ from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Set
 import rospy
 from rclpy.node import Node as Ros2Node
 
-from nodekit import Node, ReentrantCallbackGroup
+from nodekit import Node, ReentrantCallbackGroup, Throttle
 from ros2_bridge.ros2.graph import Topic
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.ros2.rcl_take import ReceivedMessage
@@ -22,6 +22,8 @@ from ros2_bridge.types.type_registry import MessageType
 
 #: Most senders of a topic of ROS 2 whose messages are counted, until it is subscribed again.
 _MOST_SENDERS = 1000
+#: Shortest time between two log lines of one kind [s].
+_LOG_PERIOD_S = 1.0
 
 
 class Count:
@@ -81,6 +83,7 @@ class TopicToRos2:
         kind: MessageType,
         qualities: Qualities,
     ) -> None:
+        self._throttle = Throttle(_LOG_PERIOD_S)
         self._node, self._participant, self.topic, self.kind = node, participant, topic, kind
         self._other, self._qualities = other, qualities
         self.count, self.limit = Count(), RateLimit()
@@ -122,7 +125,8 @@ class TopicToRos2:
                 data = self.kind.codec.to_cdr(message._buff)
             except ConversionError as error:
                 self.count.refused += 1
-                rospy.logwarn_throttle(1.0, f"{self.topic} to ROS 2: {error}")
+                if self._throttle.is_due():
+                    rospy.logwarn(f"{self.topic} to ROS 2: {error}")
                 continue
             self.publishers.publish(header.get("callerid", ""), data, is_latched)
             self.count.passed += 1
@@ -158,6 +162,7 @@ class TopicToRos1:
         qualities: Qualities,
         found: Topic,
     ) -> None:
+        self._throttle = Throttle(_LOG_PERIOD_S)
         self._participant, self.topic, self._other, self.kind = participant, topic, other, kind
         self._qualities, self._found = qualities, found
         self._wanted = self._wanted_qualities()
@@ -248,7 +253,8 @@ class TopicToRos1:
                 message._buff = self.kind.codec.to_ros1(data, self._seq)
             except ConversionError as error:
                 self.count.refused += 1
-                rospy.logwarn_throttle(1.0, f"{self.topic} to ROS 1: {error}")
+                if self._throttle.is_due("conversion"):
+                    rospy.logwarn(f"{self.topic} to ROS 1: {error}")
                 continue
             self._seq += 1
             messages.append(message)
@@ -287,9 +293,8 @@ class TopicToRos1:
         if before is not None and number > before + 1:
             lost = number - before - 1
             self.count.lost += lost
-            rospy.logwarn_throttle(
-                1.0, f"{self.topic}: {lost} messages were lost on the way from ROS 2"
-            )
+            if self._throttle.is_due("lost"):
+                rospy.logwarn(f"{self.topic}: {lost} messages were lost on the way from ROS 2")
         if len(self._last) >= _MOST_SENDERS:
             self._last.clear()
         self._last[sender] = number

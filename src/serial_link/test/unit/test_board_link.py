@@ -172,9 +172,7 @@ def test_a_missing_board_is_told_once_and_again_when_it_has_been_there(
     rig: Rig, caplog: "pytest.LogCaptureFixture"
 ) -> None:
     missing = "is not there: is the board plugged in"
-    rig.link._throttled_log = ThrottledLog(
-        math.inf
-    )  # says nothing again only because time has passed
+    rig.link._throttled_log = ThrottledLog(math.inf)  # time alone lifts no limit
     rig.start()
     for losses in (1, 2):
         rig.board.faults = Faults()

@@ -335,7 +335,9 @@ class Loop(unittest.TestCase):
             f" {self.space}/system/system_max_speed: 6.0 is set; to use it at the next start:"
             f" rosparam delete {self.space}/system/system_max_speed"
         )
-        self.assertFalse([line for line in node.logged() if "system_param_K: 5.0 is ignored" in line])
+        self.assertFalse(
+            [line for line in node.logged() if "system_param_K: 5.0 is ignored" in line]
+        )
 
 
 if __name__ == "__main__":

@@ -73,7 +73,7 @@ class Rig(unittest.TestCase):
         self.outputs.wait_for(lambda heard: True)
         self.assertLess(time.monotonic() - since, BACK_S + BUSY_S)
 
-    def all_counters(self) -> Dict[str, int]:
+    def figures(self) -> Dict[str, int]:
         """Return the node's next figures."""
         name = self.space.lstrip("/") + "/serial_node: board"
         ear = MessageRecorder("/diagnostics", DiagnosticArray)

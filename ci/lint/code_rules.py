@@ -37,7 +37,7 @@ def modules() -> Iterator[Tuple[str, pathlib.Path]]:
         for path in sorted(library.rglob("*.py")):
             parts = path.relative_to(library).with_suffix("").parts
             yield ".".join(part for part in parts if part != "__init__"), path
-    for path in sorted(SOURCES.glob("*/scripts/*")):
+    for path in sorted(filter(pathlib.Path.is_file, SOURCES.glob("*/scripts/*"))):
         yield f"{path.parts[-3]}.scripts.{path.stem}", path
 
 

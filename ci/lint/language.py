@@ -64,7 +64,8 @@ def breaches() -> Iterator[str]:
         for file in sorted(path.rglob("*")) if path.name in ("src", "ci", "docs") else [path]:
             place = file.relative_to(WORKSPACE).as_posix()
             is_text = file.suffix in SUFFIXES or "/scripts/" in place or file.parent.name == "ci"
-            if not (is_text and file.is_file()) or place in QUOTING or "/_build/" in place:
+            is_generated = "/_build/" in place or "__pycache__" in place
+            if not (is_text and file.is_file()) or place in QUOTING or is_generated:
                 continue
             text = file.read_text("utf-8")
             found = list(words(text))

@@ -15,6 +15,7 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
 from std_msgs.msg import Float32, String
 
 from basic_comms.msg import SignalMsg
+from nodekit import Throttle
 from nodekit.message_definitions import parse
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.ros1.graph import Ros1Graph
@@ -307,6 +308,7 @@ def test_a_first_latched_message_waits_for_its_publisher_to_be_known(
 def test_what_does_not_arrive_from_ros2_is_counted() -> None:
     pair: Any = TopicToRos1.__new__(TopicToRos1)
     pair.topic, pair.count, pair._seq, pair._last = "/quick", Count(), 0, {}
+    pair._throttle = Throttle(1.0)
     pair._found, pair.limit = SimpleNamespace(latched=False), RateLimit()
     pair._participant = SimpleNamespace(is_own=lambda sender: sender == b"ours")
     pair.kind = SimpleNamespace(raw=SimpleNamespace, codec=Codec("pkg/a", parse("pkg/a", "")))

@@ -20,7 +20,7 @@ from std_srvs.srv import Trigger
 
 from basic_comms.msg import signal_msg
 from nodekit.testing.graph import Graph
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
@@ -50,7 +50,7 @@ class HostilePeers(unittest.TestCase):
         wait_until(lambda: cls.graph.initialised(*NODES), lambda: str(cls.graph.nodes()))
         cls.uri = rosgraph.Master("/test").lookupNode(GENERATOR)
         cls.where = address(cls.uri)
-        Ear(TOPIC, signal_msg).wait_for(lambda sample: True)
+        MessageRecorder(TOPIC, signal_msg).wait_for(lambda sample: True)
         Tap(cls.uri, TOPIC, signal_msg).close()
 
     @contextmanager
@@ -89,7 +89,7 @@ class HostilePeers(unittest.TestCase):
 
     def test_subscriber_that_never_reads(self) -> None:
         talker = rosgraph.Master("/test").lookupNode("/talker")
-        log = Ear("/rosout", Log)
+        log = MessageRecorder("/rosout", Log)
         self.addCleanup(log.close)
         self.graph.wait_until_heard("/talker", "/rosout", rospy.get_name())
         rospy.set_param("/talker/rate", 20.0)  # the master stays connected to tell of changes

@@ -11,7 +11,7 @@ from helpers.machine_lag import measured_lag
 from rosgraph_msgs.msg import Log
 
 from basic_comms.msg import signal_msg
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.launching import Launched, launched
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S
@@ -45,8 +45,8 @@ class Respawn(unittest.TestCase):
         """Count what is heard on a topic from now on."""
         return self.ear(topic, rospy.AnyMsg).count
 
-    def ear(self, topic: str, kind: type) -> Ear:
-        ear = Ear(topic, kind)
+    def ear(self, topic: str, kind: type) -> MessageRecorder:
+        ear = MessageRecorder(topic, kind)
         self.addCleanup(ear.close)
         ear.wait_for(lambda message: True)
         return ear

@@ -15,7 +15,7 @@ from std_msgs.msg import Float32, String
 
 from basic_comms.msg import signal_msg
 from nodekit.testing.graph import Graph
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
@@ -73,12 +73,12 @@ class Surroundings(unittest.TestCase):
             self.assertNotIn("Traceback", texts[-1])
         return texts
 
-    def ear(self, topic: str, kind: Any) -> Ear:
-        ear = Ear(topic, kind)
+    def ear(self, topic: str, kind: Any) -> MessageRecorder:
+        ear = MessageRecorder(topic, kind)
         self.addCleanup(ear.close)
         return ear
 
-    def hear(self, ear: Ear, count: int) -> None:
+    def hear(self, ear: MessageRecorder, count: int) -> None:
         """Wait for some more messages."""
         last = ear.count() + count
         wait_until(lambda: ear.count() >= last, lambda: f"heard {ear.count()} of {last}")
@@ -157,7 +157,7 @@ class Surroundings(unittest.TestCase):
         self.hear(samples, 3)
         back, ahead = signal.SIGUSR1, signal.SIGUSR2
         for number, shift in ((back, -HOUR), (ahead, 0.0), (ahead, HOUR)):
-            chatter.forget()
+            chatter.clear()
             for process, _ in (talker, generator):
                 process.send_signal(number)
             chatter.wait_for(lambda message: abs(late(message) - shift) < HOUR / 10.0)

@@ -15,7 +15,7 @@ from std_srvs.srv import Trigger
 from basic_comms.conditioning.process_parameters import ProcessParameters
 from basic_comms.signals.signal_parameters import SignalParameters
 from nodekit.testing.graph import Graph
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
@@ -93,14 +93,14 @@ class Description(unittest.TestCase):
 
     def test_reconfigure_refuses_what_rosparam_refuses(self) -> None:
         client = Client("/generator", timeout=30.0)
-        log = Ear("/rosout", Log)
+        log = MessageRecorder("/rosout", Log)
         Graph().wait_until_heard("/generator", "/rosout", rospy.get_name())
         before = rospy.get_param("/generator")
         for name, bad in (("duty", math.nan), ("duty", 1.0), ("waveform", "triangel")):
             after = client.update_configuration({name: bad})
             self.assertEqual(after[name], before[name])
             log.wait_for(lambda line: f"/generator/{name}: " in line.msg and "refused" in line.msg)
-            log.forget()
+            log.clear()
         self.assertEqual(rospy.get_param("/generator"), before)
         client.close()
 

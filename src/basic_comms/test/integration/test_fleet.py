@@ -14,7 +14,7 @@ from basic_comms.conditioning.process_parameters import ProcessParameters
 from basic_comms.msg import signal_msg
 from basic_comms.signals.signal_parameters import SignalParameters
 from nodekit.testing.graph import Graph
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
@@ -50,7 +50,7 @@ class FleetOfThree(unittest.TestCase):
             self.assertEqual(set(process), set(ProcessParameters.declared))
 
     def test_members_hear_each_other_without_connections(self) -> None:
-        ear = Ear("/Robot1/proc_signal", Float32)
+        ear = MessageRecorder("/Robot1/proc_signal", Float32)
         ear.wait_for(lambda answer: True)
         ear.close()
         with xmlrpc.client.ServerProxy(rosgraph.Master("/test_fleet").lookupNode("/fleet")) as node:
@@ -62,16 +62,18 @@ class FleetOfThree(unittest.TestCase):
         self.assertNotIn("/Robot2/proc_signal", self.graph.topics())
         self.assertIn("/Robot2/signal", self.graph.topics())
         for group in ("/Robot1", "/Robot3"):
-            ear = Ear(group + "/proc_signal", Float32)
+            ear = MessageRecorder(group + "/proc_signal", Float32)
             ear.wait_for(lambda answer: True)
             ear.close()
 
     def test_each_member_has_parameters_of_its_own(self) -> None:
-        ears = {name: Ear(f"/{name}/signal", signal_msg) for name in ("Robot1", "Robot3")}
+        ears = {
+            name: MessageRecorder(f"/{name}/signal", signal_msg) for name in ("Robot1", "Robot3")
+        }
         ears["Robot3"].wait_for(lambda sample: sample.amplitude == 3.0)
         self.graph.set_parameter("/Robot1/signal_generator/amplitude", 7.0)
         ears["Robot1"].wait_for(lambda sample: sample.amplitude == 7.0)
-        ears["Robot3"].forget()
+        ears["Robot3"].clear()
         ears["Robot3"].wait_for(lambda sample: sample.amplitude == 3.0)
         self.graph.set_parameter("/Robot1/signal_generator/amplitude", -1.0)
         wait_until(
@@ -82,7 +84,7 @@ class FleetOfThree(unittest.TestCase):
             ear.close()
 
     def test_lines_of_the_log_do_not_carry_the_names_of_all_topics(self) -> None:
-        log = Ear("/rosout", Log)
+        log = MessageRecorder("/rosout", Log)
         self.graph.wait_until_heard("/fleet", "/rosout", rospy.get_name())
         self.graph.set_parameter("/Robot3/process/offset", 0.25)
         line = log.wait_for(lambda heard: heard.msg == "/Robot3/process/offset: 0 -> 0.25")
@@ -91,7 +93,10 @@ class FleetOfThree(unittest.TestCase):
 
     def test_services_reach_one_member_only(self) -> None:
         rospy.ServiceProxy("/Robot1/signal_generator/enable", SetBool)(False)
-        stopped, running = Ear("/Robot1/signal", signal_msg), Ear("/Robot3/signal", signal_msg)
+        stopped, running = (
+            MessageRecorder("/Robot1/signal", signal_msg),
+            MessageRecorder("/Robot3/signal", signal_msg),
+        )
         stopped.wait_for(lambda sample: sample.amplitude == 0.0)
         running.wait_for(lambda sample: sample.amplitude > 0.0)
         rospy.ServiceProxy("/Robot1/signal_generator/enable", SetBool)(True)

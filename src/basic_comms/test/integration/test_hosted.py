@@ -7,7 +7,7 @@ import unittest
 import rospy
 from std_msgs.msg import String
 
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
@@ -22,7 +22,7 @@ class Hosted(unittest.TestCase):
         rospy.set_param("/lab/Message", "from the group")
         process = Process(HELPER)
         self.addCleanup(process.end)
-        ear = Ear("/lab/chatter", String)
+        ear = MessageRecorder("/lab/chatter", String)
         self.addCleanup(ear.close)
         ear.wait_for(lambda message: message.data.startswith("from the group "))
         rospy.set_param("/lab/talker/Message", "my own")

@@ -12,7 +12,7 @@ from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32
 
 from basic_comms.msg import signal_msg
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
@@ -38,16 +38,16 @@ class Stopwatch:
 class ProcessNode(unittest.TestCase):
     """A process node that answers at once, and one that repeats itself at 50 Hz."""
 
-    answers: Ear
-    steady_answers: Ear
-    log: Ear
+    answers: MessageRecorder
+    steady_answers: MessageRecorder
+    log: MessageRecorder
 
     @classmethod
     def setUpClass(cls) -> None:
         rospy.init_node("test_process")
-        cls.log = Ear("/rosout", Log)
-        cls.answers = Ear("proc_signal", Float32)
-        cls.steady_answers = Ear("steady/proc_signal", Float32)
+        cls.log = MessageRecorder("/rosout", Log)
+        cls.answers = MessageRecorder("proc_signal", Float32)
+        cls.steady_answers = MessageRecorder("steady/proc_signal", Float32)
         cls.publisher = rospy.Publisher("signal", signal_msg, queue_size=100)
         wait_until(
             lambda: cls.publisher.get_num_connections() == 2,
@@ -64,7 +64,7 @@ class ProcessNode(unittest.TestCase):
     @classmethod
     def listen_for_ten_periods(cls) -> List[Float32]:
         """Return what the nodes publish while ten periods of the one with a rate go by."""
-        beats = Ear("/beats", Float32)
+        beats = MessageRecorder("/beats", Float32)
         metronome = rospy.Publisher("/beats", Float32, queue_size=10)
         timer = rospy.Timer(rospy.Duration(1.0 / RATE), lambda event: metronome.publish(0.0))
         wait_until(lambda: len(beats.messages()) >= 10, lambda: "no beats")
@@ -90,7 +90,7 @@ class ProcessNode(unittest.TestCase):
 
     def ask(self, time_x: float, y: Optional[float] = None, amplitude: float = 2.0) -> float:
         """Publish a sample and return the answer to it."""
-        self.answers.forget()
+        self.answers.clear()
         self.send(time_x, y, amplitude)
         return float(self.answers.wait_for(lambda answer: True).data)
 
@@ -169,7 +169,7 @@ class ProcessNode(unittest.TestCase):
     def test_at_a_rate_it_repeats_the_latest_output(self) -> None:
         self.ask(self.time, 0.5)
         type(self).time += 1.0
-        self.steady_answers.forget()
+        self.steady_answers.clear()
         wait_until(
             lambda: len(self.steady_answers.messages()) >= 20,
             lambda: f"only {len(self.steady_answers.messages())} answers",

@@ -14,7 +14,7 @@ from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
 from basic_comms.msg import signal_msg
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
@@ -29,14 +29,14 @@ def is_running(sample: signal_msg) -> bool:
 class SignalGeneratorNode(unittest.TestCase):
     """One generator at 500 Hz, reset before each test."""
 
-    samples: Ear
-    log: Ear
+    samples: MessageRecorder
+    log: MessageRecorder
 
     @classmethod
     def setUpClass(cls) -> None:
         rospy.init_node("test_signal_generator")
-        cls.log = Ear("/rosout", Log)
-        cls.samples = Ear("signal", signal_msg)
+        cls.log = MessageRecorder("/rosout", Log)
+        cls.samples = MessageRecorder("signal", signal_msg)
         rospy.wait_for_service("generator/reset", 30.0)
         cls.enable = rospy.ServiceProxy("generator/enable", SetBool)
         cls.reset = rospy.ServiceProxy("generator/reset", Trigger)
@@ -44,15 +44,15 @@ class SignalGeneratorNode(unittest.TestCase):
     def setUp(self) -> None:
         self.set(waveform="sine", frequency=2.0 * math.pi * 10.0, amplitude=2.0, duration=0.0)
         self.enable(True)
-        self.samples.forget()
+        self.samples.clear()
         self.samples.wait_for(
             lambda sample: sample.amplitude == 2.0 and abs(sample.frequency - 62.83185) < 1e-3
         )
-        self.samples.forget()
+        self.samples.clear()
         self.reset()
         self.samples.wait_for(lambda sample: sample.time_x == 0.0)
-        self.log.forget()
-        self.samples.forget()
+        self.log.clear()
+        self.samples.clear()
 
     def set(self, **values: object) -> None:
         """Set parameters of the generator."""
@@ -61,7 +61,7 @@ class SignalGeneratorNode(unittest.TestCase):
 
     def record(self, count: int) -> List[signal_msg]:
         """Return so many consecutive samples."""
-        self.samples.forget()
+        self.samples.clear()
         wait_until(
             lambda: len(self.samples.messages()) >= count,
             lambda: f"only {len(self.samples.messages())} samples",
@@ -111,24 +111,24 @@ class SignalGeneratorNode(unittest.TestCase):
         self.assertEqual(self.enable(False).message, "stopped already")
         idle = self.samples.wait_for(lambda sample: sample.signal_y == 0.25)
         self.assertEqual((idle.amplitude, idle.frequency), (0.0, 0.0))
-        late_joiner = Ear("generator/status", String)
+        late_joiner = MessageRecorder("generator/status", String)
         status = late_joiner.wait_for(lambda heard: heard.data.startswith("idle "))
         self.assertEqual(status.data, f"idle {idle.time_x:.3f}")
         late_joiner.close()
-        self.samples.forget()
+        self.samples.clear()
         self.assertEqual(self.enable(True).message, "enabled")
         running = self.samples.wait_for(is_running)
         self.assertAlmostEqual(running.time_x, idle.time_x, delta=0.5 / RATE)
 
     def test_reset_starts_time_and_phase_again(self) -> None:
         self.samples.wait_for(lambda sample: sample.time_x > 0.2)
-        self.samples.forget()
+        self.samples.clear()
         self.assertTrue(self.reset().success)
         first = self.samples.wait_for(lambda sample: sample.time_x == 0.0)
         self.assertEqual(first.signal_y, 0.0)
 
     def test_it_finishes_after_its_duration(self) -> None:
-        status = Ear("generator/status", String)
+        status = MessageRecorder("generator/status", String)
         self.enable(False)
         self.set(duration=0.1, stop_value=0.5)
         self.samples.wait_for(lambda sample: sample.signal_y == 0.5)
@@ -148,7 +148,7 @@ class SignalGeneratorNode(unittest.TestCase):
             line = self.log.wait_for(lambda heard: "broken.csv" in heard.msg).msg
         self.assertIn("/generator/file", line)
         self.assertIn("line 3", line)
-        self.samples.forget()
+        self.samples.clear()
         self.samples.wait_for(is_running)
         self.assertEqual(rospy.get_param("generator/file"), "")
 

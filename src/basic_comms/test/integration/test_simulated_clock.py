@@ -18,7 +18,7 @@ from std_msgs.msg import Float32, String
 
 from basic_comms.msg import signal_msg
 from nodekit.testing.graph import Graph
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
@@ -50,8 +50,8 @@ class OnSimulatedClock(unittest.TestCase):
         self.assertEqual({node: self.graph.pid(node) for node in NODES}, self.pids)
         self.assertEqual([line.msg for line in self.log.messages() if "raceback" in line.msg], [])
 
-    def ear(self, topic: str, kind: type) -> Ear:
-        ear = Ear(topic, kind)
+    def ear(self, topic: str, kind: type) -> MessageRecorder:
+        ear = MessageRecorder(topic, kind)
         self.addCleanup(ear.close)
         return ear
 

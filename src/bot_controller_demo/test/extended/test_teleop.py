@@ -13,7 +13,7 @@ import rospy
 from geometry_msgs.msg import Twist
 
 from nodekit.testing.graph import Graph
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
@@ -91,7 +91,7 @@ class Teleop(unittest.TestCase):
 
     def test_keys_drive_within_limits_and_each_release_is_one_zero(self) -> None:
         """Course 001-robot-7."""
-        ear = Ear("/one/cmd_vel", Twist)
+        ear = MessageRecorder("/one/cmd_vel", Twist)
         terminal = self.terminal("__ns:=one", "_speed:=0.22", "_first_timeout:=1.0")
 
         def heard() -> List[Any]:
@@ -130,7 +130,7 @@ class Teleop(unittest.TestCase):
         self.assertEqual([mode[6][key] for key in (termios.VQUIT, termios.VSUSP)], [b"\0"] * 2)
         self.assertEqual(mode[0] & termios.IXON, 0)
         for key in ("\x1a", "\x13", "\x1c"):
-            ear.forget()
+            ear.clear()
             terminal.type("i")
             wait_until(heard, lambda: "it stays")
             terminal.type(key)
@@ -174,7 +174,7 @@ class Teleop(unittest.TestCase):
             )
 
     def test_terminal_that_is_closed_stops_the_robot_and_ends_the_node(self) -> None:
-        ear = Ear("/two/cmd_vel", Twist)
+        ear = MessageRecorder("/two/cmd_vel", Twist)
         terminal = self.terminal("__ns:=two", "_first_timeout:=10.0", "_controller_type:=rviz")
         terminal.wait_for("turn 1 rad/s")
         self.wait_for_ear("/two")

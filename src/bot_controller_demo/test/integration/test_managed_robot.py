@@ -14,7 +14,7 @@ from std_srvs.srv import Trigger
 from bot_controller_demo_msgs.msg import GoToActionGoal, GoToActionResult
 from bot_controller_demo_msgs.srv import SetGoal
 from lifecycle_msgs.msg import State
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.launching import launched
 from nodekit.testing.processes import hanging
 from nodekit.testing.running import rosrun
@@ -40,8 +40,8 @@ class ManagedRobot(unittest.TestCase):
         self.goals = rospy.Publisher("/go_to/goal", GoToActionGoal, queue_size=1)
         self.addCleanup(self.goals.unregister)
 
-    def ear(self, topic: str, kind: type) -> Ear:
-        made = Ear(topic, kind)
+    def ear(self, topic: str, kind: type) -> MessageRecorder:
+        made = MessageRecorder(topic, kind)
         self.addCleanup(made.close)
         return made
 
@@ -55,12 +55,12 @@ class ManagedRobot(unittest.TestCase):
                 return False  # it is just coming up
 
         wait_until(is_active, lambda: f"not active: {self.state.messages()[-3:]}")
-        self.odometry.forget()
+        self.odometry.clear()
         self.odometry.wait_for(lambda message: message.twist.twist.linear.x > 0.0)
-        self.commands.forget()
+        self.commands.clear()
         self.commands.wait_for(lambda command: command.linear.x > 0.0)
         for ear in (self.state, self.commands):
-            ear.forget()
+            ear.clear()
 
     def wait_until_it_is_down(self) -> None:
         """Wait until the controller has been cleaned up, and has stopped the robot before."""
@@ -70,8 +70,8 @@ class ManagedRobot(unittest.TestCase):
     def assert_it_stands(self) -> None:
         """See that the controller, which is active again, leaves the robot where it is."""
         self.state.wait_for(lambda state: state.label == "active")
-        self.odometry.forget()
-        self.commands.forget()
+        self.odometry.clear()
+        self.commands.clear()
         wait_until(lambda: self.odometry.count() >= A_SECOND, lambda: "no odometry")
         self.assertEqual(self.commands.messages(), [])
         self.assertEqual(self.odometry.messages()[-1].twist.twist, Twist())
@@ -96,7 +96,7 @@ class ManagedRobot(unittest.TestCase):
             )
 
         self.status.wait_for(is_pursued)
-        self.status.forget()
+        self.status.clear()
         wait_until(lambda: self.status.count() >= SOME, lambda: "no state of the action")
         # One server tells of it: a second one, left behind, would not pursue it.
         for array in self.status.messages():

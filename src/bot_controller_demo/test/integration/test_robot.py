@@ -30,7 +30,7 @@ from bot_controller_demo_msgs.srv import SetGoal
 from nodekit import Names, Node
 from nodekit.testing.changing import change as change_parameters
 from nodekit.testing.graph import Graph
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process, hanging
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
@@ -72,15 +72,15 @@ class Robots(unittest.TestCase):
         clock.subscribe(PROGRESS, Progress, FRESH_HZ)
         clock.subscribe(WAY_ODOM, Odometry, 30.0)
         clock.subscribe(WAY_PROGRESS, Progress, FRESH_HZ)
-        cls.arrived = Ear(CONTROLLER + "/arrived", Bool)
-        cls.current = Ear(CONTROLLER + "/current_goal", PoseStamped)
-        cls.log = Ear("/rosout", Log)
+        cls.arrived = MessageRecorder(CONTROLLER + "/arrived", Bool)
+        cls.current = MessageRecorder(CONTROLLER + "/current_goal", PoseStamped)
+        cls.log = MessageRecorder("/rosout", Log)
         cls.goals = rospy.Publisher(CONTROLLER + "/goal", PoseStamped, queue_size=10)
         cls.odometries = rospy.Publisher(ODOM, Odometry, queue_size=10)
         cls.actions = rospy.Publisher("/lab/go_to/goal", GoToActionGoal, queue_size=10)
         cls.cancel = rospy.Publisher("/lab/go_to/cancel", GoalID, queue_size=10)
-        cls.result = Ear("/lab/go_to/result", GoToActionResult)
-        cls.feedback = Ear("/lab/go_to/feedback", GoToActionFeedback)
+        cls.result = MessageRecorder("/lab/go_to/result", GoToActionResult)
+        cls.feedback = MessageRecorder("/lab/go_to/feedback", GoToActionFeedback)
         cls.set_goal = rospy.ServiceProxy(CONTROLLER + "/set_goal", SetGoal)
         cls.reset = rospy.ServiceProxy("/lab/diff_drive/reset", Trigger)
         clock.begin()
@@ -98,7 +98,7 @@ class Robots(unittest.TestCase):
         self.until(self.is_at_home, "not at home", 10.0, PROGRESS)
         self.clock.forget()
         for ear in (self.log, self.result, self.feedback, self.arrived):
-            ear.forget()
+            ear.clear()
 
     def is_at_home(self) -> bool:
         """Tell whether the last that was heard, which alone is kept, is of a robot at rest."""
@@ -175,7 +175,7 @@ class Robots(unittest.TestCase):
         self.until(lambda: self.odometry().header.frame_id == "lab/odom", "no prefix")
         told = self.current.wait_for(lambda goal: goal.header.frame_id == "lab/odom")
         # Who comes later is told, too.
-        late = Ear(CONTROLLER + "/current_goal", PoseStamped)
+        late = MessageRecorder(CONTROLLER + "/current_goal", PoseStamped)
         late.wait_for(lambda goal: goal.header.frame_id == "lab/odom")
         late.close()
         self.assertAlmostEqual(told.pose.orientation.z, math.sin(0.25))
@@ -347,7 +347,7 @@ class Robots(unittest.TestCase):
         self.assertEqual(len(told), 1)
 
     def test_waypoints_are_gone_through_again_and_a_kill_stops_the_robot(self) -> None:
-        commands = Ear("/way/cmd_vel", Twist)
+        commands = MessageRecorder("/way/cmd_vel", Twist)
         heard = self.clock.heard
 
         def has_arrived() -> bool:

@@ -18,7 +18,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from diff_drive_sim.simulation.kinematics import Pose, wrapped
 from nodekit.testing.changing import change
 from nodekit.testing.graph import Graph
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
@@ -44,8 +44,8 @@ class DiffDrive(unittest.TestCase):
 
     graph: Graph
     clock: rospy.Publisher
-    log: Ear
-    odometry: Dict[str, Ear]
+    log: MessageRecorder
+    odometry: Dict[str, MessageRecorder]
     commands: Dict[Tuple[str, type], rospy.Publisher] = {}
     now = 1000.0
 
@@ -54,8 +54,8 @@ class DiffDrive(unittest.TestCase):
         rospy.init_node("test_diff_drive")
         cls.graph = Graph()
         cls.clock = rospy.Publisher("/clock", Clock, queue_size=10)
-        cls.log = Ear("/rosout", Log)
-        cls.odometry = {robot: Ear(robot + "/odom", Odometry) for robot in ROBOTS}
+        cls.log = MessageRecorder("/rosout", Log)
+        cls.odometry = {robot: MessageRecorder(robot + "/odom", Odometry) for robot in ROBOTS}
         robots = [node_of(robot) for robot in ROBOTS]
         cls.graph.wait_until_heard(rospy.get_name(), "/clock", *robots)
         for robot in ROBOTS:
@@ -76,7 +76,7 @@ class DiffDrive(unittest.TestCase):
         for robot in ROBOTS:
             self.reset(robot)
         self.advance(STEP)
-        self.log.forget()
+        self.log.clear()
 
     def reset(self, robot: str) -> str:
         """Put a robot back to where it starts, and return what it says."""
@@ -89,7 +89,7 @@ class DiffDrive(unittest.TestCase):
         DiffDrive.now += seconds
         stamp = rospy.Time.from_sec(self.now)
         for ear in self.odometry.values():
-            ear.forget()
+            ear.clear()
         self.clock.publish(Clock(stamp))
         for ear in self.odometry.values():
             ear.wait_for(lambda message: message.header.stamp == stamp)
@@ -153,7 +153,10 @@ class DiffDrive(unittest.TestCase):
 
     def test_frames_and_the_order_of_the_wheels_are_too(self) -> None:
         """And angular.z is counter-clockwise. Course 001-robot-3."""
-        transforms, joints = Ear("/tf", TFMessage), Ear("/joint_states", JointState)
+        transforms, joints = (
+            MessageRecorder("/tf", TFMessage),
+            MessageRecorder("/joint_states", JointState),
+        )
         self.wait_for_ear("", "/joint_states")
         for robot in ROBOTS:
             self.wait_for_ear(robot, "/tf")
@@ -252,13 +255,13 @@ class DiffDrive(unittest.TestCase):
         self.assertEqual(len(told), 1)
 
     def test_transforms_are_left_to_others_where_that_is_wanted(self) -> None:
-        transforms = Ear("/tf", TFMessage)
+        transforms = MessageRecorder("/tf", TFMessage)
         self.addCleanup(transforms.close)
         for robot in ROBOTS:
             self.wait_for_ear(robot, "/tf")
         self.addCleanup(change, "/diff_drive", publish_tf=True)
         change("/diff_drive", publish_tf=False)
-        transforms.forget()
+        transforms.clear()
         for _ in range(2):
             self.advance(STEP)
         transforms.wait_for(lambda heard: heard.transforms[0].header.frame_id == "robot3/odom")
@@ -281,7 +284,7 @@ class DiffDrive(unittest.TestCase):
             self.advance(1.0)
             self.assertEqual(self.at(robot), start)
             self.hush(robot, sent)
-            self.log.forget()
+            self.log.clear()
 
     def test_the_type_can_be_changed_while_it_runs(self) -> None:
         change("/diff_drive", controller_type="gazebo")
@@ -300,7 +303,7 @@ class DiffDrive(unittest.TestCase):
         self.drive(0.2, 0.0)
 
     def test_odometry_with_noise_says_how_far_it_may_be_off(self) -> None:
-        truth = Ear("/lab/ground_truth", Odometry)
+        truth = MessageRecorder("/lab/ground_truth", Odometry)
         self.wait_for_ear("/lab", "/ground_truth")
         self.drive(0.2, 0.3, "/lab", TwistStamped)
         self.advance(2.0)
@@ -344,7 +347,10 @@ class DiffDrive(unittest.TestCase):
 
     def test_the_laser_of_a_robot_of_a_fleet_is_in_its_own_tree(self) -> None:
         robot = "/robot2"
-        scans, transforms = Ear(robot + "/scan", LaserScan), Ear("/tf", TFMessage)
+        scans, transforms = (
+            MessageRecorder(robot + "/scan", LaserScan),
+            MessageRecorder("/tf", TFMessage),
+        )
         for ear, topic in ((scans, "/scan"), (transforms, "/tf")):
             self.addCleanup(ear.close)
             self.wait_for_ear(robot, topic)
@@ -360,19 +366,19 @@ class DiffDrive(unittest.TestCase):
         self.assertEqual(told.transforms[0].header.frame_id, "robot2/odom")
 
     def test_who_comes_late_is_told_that_a_robot_touches_nothing(self) -> None:
-        contact = Ear("/robot3/contact", Bool)
+        contact = MessageRecorder("/robot3/contact", Bool)
         self.addCleanup(contact.close)
         self.assertFalse(contact.wait_for(lambda heard: True).data)
 
     def test_a_wall_stops_it_where_it_touches(self) -> None:
-        contact = Ear("/contact", Bool)
+        contact = MessageRecorder("/contact", Bool)
         self.wait_for_ear("", "/contact")
         change("/diff_drive", command_timeout=0.0)
         self.drive(0.2, 0.0)
         self.advance(60.0)
         self.assert_at(Pose(3.0 - 0.105, 0.0, 0.0), delta=1e-6)
         contact.wait_for(lambda heard: heard.data)
-        contact.forget()
+        contact.clear()
         self.send(-0.2, 0.0)  # pressed against the wall it may move by a rounding before this comes
         wait_until(
             lambda: (self.advance(STEP), not all(heard.data for heard in contact.messages()))[1],
@@ -384,7 +390,7 @@ class DiffDrive(unittest.TestCase):
         self.assertEqual(self.odometry[""].messages()[-1].twist.twist, Twist(), "it drives on")
 
     def test_the_laser_sees_the_walls_where_they_are(self) -> None:
-        scans = Ear("/scan", LaserScan)
+        scans = MessageRecorder("/scan", LaserScan)
         self.wait_for_ear("", "/scan")
         self.advance(0.2)
         scan = scans.wait_for(lambda heard: heard.header.stamp.to_sec() >= self.now - 1e-6)
@@ -399,7 +405,7 @@ class DiffDrive(unittest.TestCase):
         self.assertLess(scan.ranges[45], 2.3)  # a box
 
     def test_what_the_laser_is_like_can_be_changed_while_it_scans(self) -> None:
-        scans = Ear("/scan", LaserScan)
+        scans = MessageRecorder("/scan", LaserScan)
         self.wait_for_ear("", "/scan")
         self.addCleanup(scans.close)
         self.addCleanup(change, "/diff_drive", scan_rays=360, scan_range=3.5, laser_x=-0.032)
@@ -411,7 +417,7 @@ class DiffDrive(unittest.TestCase):
         self.assertTrue(math.isinf(scan.ranges[2]))  # that wall is 3.5 m away
 
     def test_whoever_comes_late_gets_the_world_and_each_change_of_it(self) -> None:
-        worlds = Ear("/world", MarkerArray)
+        worlds = MessageRecorder("/world", MarkerArray)
         world = worlds.wait_for(lambda heard: True)
         self.assertEqual(world.markers[0].action, Marker.DELETEALL)
         self.assertEqual({marker.header.frame_id for marker in world.markers}, {"odom"})
@@ -421,7 +427,7 @@ class DiffDrive(unittest.TestCase):
         boxes = rospy.get_param("/diff_drive/boxes")
         rospy.set_param("/diff_drive/boxes", boxes[:1])
         worlds.wait_for(lambda heard: len(heard.markers) == 3)
-        worlds.forget()
+        worlds.clear()
         rospy.set_param("/diff_drive/boxes", boxes)
         worlds.wait_for(lambda heard: len(heard.markers) == 5)
         worlds.close()

@@ -14,7 +14,7 @@ from std_srvs.srv import Trigger, TriggerResponse
 from diff_drive_sim.nodes.diff_drive import DiffDrive
 from nodekit import Names, Node, ParameterClient, init_node
 from nodekit.testing.graph import Graph
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
@@ -41,7 +41,10 @@ class Moments(unittest.TestCase):
         self.addCleanup(self.node.close)
         DiffDrive(self.node)
         self.node.create_service("~idle", Trigger, lambda _: TriggerResponse(True, ""))
-        self.odometry, self.scans = Ear("/here/odom", Odometry), Ear("/here/scan", LaserScan)
+        self.odometry, self.scans = (
+            MessageRecorder("/here/odom", Odometry),
+            MessageRecorder("/here/scan", LaserScan),
+        )
         driver = Node(Names.hosted("/here", "driver"))
         self.addCleanup(driver.close)
         self.commands = driver.create_publisher("cmd_vel", Twist)
@@ -62,7 +65,7 @@ class Moments(unittest.TestCase):
         self.clock.publish(Clock(stamp))
         wait_until(lambda: rospy.get_rostime() == stamp, lambda: f"{rospy.get_rostime()}")
 
-    def told_now(self, ear: Ear) -> Any:
+    def told_now(self, ear: MessageRecorder) -> Any:
         """Return the message of this moment."""
         return ear.wait_for(lambda heard: abs(heard.header.stamp.to_sec() - self.now) < 1e-6)
 

@@ -10,7 +10,7 @@ from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32
 
 from nodekit.testing.changing import change
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
@@ -24,15 +24,15 @@ class FirstOrderSys(unittest.TestCase):
     """The system with the course's values, at rest before each test."""
 
     input: rospy.Publisher
-    output: Ear
-    log: Ear
+    output: MessageRecorder
+    log: MessageRecorder
 
     @classmethod
     def setUpClass(cls) -> None:
         rospy.init_node("test_first_order_sys")
         cls.input = rospy.Publisher("/lab/input", Float32, queue_size=10)
-        cls.output = Ear("/lab/output", Float32)
-        cls.log = Ear("/rosout", Log)
+        cls.output = MessageRecorder("/lab/output", Float32)
+        cls.log = MessageRecorder("/rosout", Log)
         wait_until(cls.input.get_num_connections, lambda: "no node subscribes to /lab/input")
 
     def setUp(self) -> None:
@@ -40,8 +40,8 @@ class FirstOrderSys(unittest.TestCase):
         # Left alone, it would take 5 s to decay to what is 0 in a float32.
         almost_zero = 1e-300 if rospy.get_param(NODE + "/system_initial_conditions") == 0.0 else 0.0
         change(NODE, system_param_K=13.2, system_initial_conditions=almost_zero)
-        self.log.forget()
-        self.output.forget()
+        self.log.clear()
+        self.output.clear()
         wait_until(self.rests, lambda: f"the output is {self.latest()}")
 
     def send(self, value: float) -> None:
@@ -103,7 +103,7 @@ class FirstOrderSys(unittest.TestCase):
         self.assert_response(values[held:], 6.6, COARSE_ROUNDING)
 
     def test_input_in_the_dead_zone_acts_as_zero(self) -> None:
-        self.output.forget()
+        self.output.clear()
         self.send(0.2)
         self.send(-0.2)
         self.send(0.2)
@@ -115,7 +115,7 @@ class FirstOrderSys(unittest.TestCase):
     def test_change_of_gain_makes_no_jump(self) -> None:
         self.send(0.5)
         self.settle(6.6)
-        self.output.forget()
+        self.output.clear()
         rospy.set_param(NODE + "/system_param_K", 26.0)
         values = self.settle(13.0)
         # The change comes between two outputs, the first after it within a period of where y was.
@@ -147,10 +147,10 @@ class FirstOrderSys(unittest.TestCase):
         self.settle(6.6)
 
     def test_it_works_behind_process_by_a_remap(self) -> None:
-        output = Ear("/output", Float32)
+        output = MessageRecorder("/output", Float32)
         # proc_signal swings from 0 to 2, which takes the output from 0 to its limit and back.
         output.wait_for(lambda heard: heard.data == 13.0)
-        output.forget()
+        output.clear()
         output.wait_for(lambda heard: heard.data < 1.0)
         output.close()
 

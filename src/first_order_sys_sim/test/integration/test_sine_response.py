@@ -13,7 +13,7 @@ from std_msgs.msg import Float32
 
 from nodekit import to_float32
 from nodekit.testing.graph import Graph
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
@@ -43,7 +43,7 @@ class SineResponse(unittest.TestCase):
         rospy.init_node("test_sine_response")
         self.clock = rospy.Publisher("/clock", Clock, queue_size=10)
         self.input = rospy.Publisher("input", Float32, queue_size=10)
-        self.output = Ear("output", Float32)
+        self.output = MessageRecorder("output", Float32)
         self.sent = 0
         wait_until(lambda: self.input.get_num_connections(), lambda: "the node does not listen")
         graph = Graph()

@@ -10,7 +10,7 @@ from rosgraph_msgs.msg import Log
 
 from bot_controller_demo_msgs.srv import SetGoal
 from nodekit.testing.graph import Graph
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
@@ -21,7 +21,7 @@ SCRIPT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../scripts
 class Bringup(unittest.TestCase):
     def test_robot_is_sent_and_the_script_ends_when_it_is_there(self) -> None:
         """Course 002-pkg-16."""
-        odometry = Ear("/odom", Odometry)
+        odometry = MessageRecorder("/odom", Odometry)
         script = Process(SCRIPT, ["_x:=0.3", "_y:=0"])
         self.addCleanup(script.end)
         self.assertEqual(script.wait(), 0)
@@ -52,7 +52,7 @@ class Bringup(unittest.TestCase):
 
     def test_what_it_sees_is_processed_as_it_is_configured(self) -> None:
         """Course 002-pkg-14."""
-        log = Ear("/rosout", Log)
+        log = MessageRecorder("/rosout", Log)
         seen = log.wait_for(lambda line: "brightness" in line.msg and "nearest" in line.msg)
         self.assertEqual(seen.name, "/processing_demo")
         for line in ("frame from: head_camera", "scan from: chest_lidar (OS2)"):

@@ -13,7 +13,7 @@ from sensor_msgs.msg import Image, LaserScan, Temperature
 
 from launch_files_demo.nodes.lidar_demo_node import SCANNER
 from launch_files_demo.temperature import VARIANCE, true_temperature
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.launching import launched
 from nodekit.testing.running import rosrun
 from parameters_demo.picture import HEIGHT, WIDTH, Picture
@@ -24,12 +24,12 @@ class LaunchFilesDemo(unittest.TestCase):
     """demo5 and demo4 run; what the others would start, a unit test asks."""
 
     stack = ExitStack()
-    log: Ear
+    log: MessageRecorder
 
     @classmethod
     def setUpClass(cls) -> None:
         rospy.init_node("test_launch_files_demo")
-        cls.log = Ear("/rosout", Log)
+        cls.log = MessageRecorder("/rosout", Log)
         files = ("demo5.launch", "demo4.launch talker_arg:=true")
         launch = cls.stack.enter_context(launched(*(f"launch_files_demo {one}" for one in files)))
         launch.wait_until_up()
@@ -39,7 +39,7 @@ class LaunchFilesDemo(unittest.TestCase):
         cls.stack.close()
 
     def message(self, topic: str, kind: type) -> Any:
-        ear = Ear(topic, kind)
+        ear = MessageRecorder(topic, kind)
         self.addCleanup(ear.close)
         return ear.wait_for(lambda one: True)
 

@@ -12,7 +12,7 @@ from std_msgs.msg import Float32, String
 from basic_comms.msg import signal_msg
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetState
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.launching import launched
 from nodekit.testing.processes import Process, Server
 from nodekit.testing.running import rosrun
@@ -57,10 +57,11 @@ class ManagedNodes(unittest.TestCase):
         ) as launch:
             self.graph = launch.graph
             self.ears = {
-                node: Ear(f"{SPACE}/{topic}", kind) for node, (topic, kind) in OUTPUTS.items()
+                node: MessageRecorder(f"{SPACE}/{topic}", kind)
+                for node, (topic, kind) in OUTPUTS.items()
             }
-            self.motor_state = Ear(f"{SPACE}/motor_state", String)
-            self.log = Ear("/rosout", Log)
+            self.motor_state = MessageRecorder(f"{SPACE}/motor_state", String)
+            self.log = MessageRecorder("/rosout", Log)
             for node in (*OUTPUTS, "lifecycle_aware_node"):
                 rospy.wait_for_service(f"{SPACE}/{node}/change_state", TIMEOUT_S)
             self.check_demos()
@@ -134,7 +135,7 @@ class ManagedNodes(unittest.TestCase):
         self.change_all("deactivate")
         self.wait_until_silent()
         for ear in self.ears.values():
-            ear.forget()
+            ear.clear()
         self.change_all("cleanup")
         wait_until(
             lambda: not any(ear.publishers() for ear in self.ears.values()),

@@ -10,7 +10,7 @@ from std_msgs.msg import Float32
 from std_srvs.srv import Trigger
 
 from lifecycle_msgs.srv import GetState
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.launching import launched
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
@@ -33,7 +33,7 @@ class ManagedSystem(unittest.TestCase):
 
     def test_survives_kill_9_of_any(self) -> None:
         """Each is ended the hard way, and the manager too."""
-        ear = Ear("/proc_signal", Float32)
+        ear = MessageRecorder("/proc_signal", Float32)
         self.addCleanup(ear.close)
         with launched("lifecycle_demo managed_system.launch autostart:=ON") as launch:
             for node in NODES:
@@ -45,7 +45,7 @@ class ManagedSystem(unittest.TestCase):
                     launch.wait_for_new_process(node, before)
                     told = NODES[0] if node == "/manager" else node
                     wait_until(lambda: self.is_up(told), lambda: f"{node} is not back")
-                    ear.forget()
+                    ear.clear()
                     ear.wait_for(lambda message: True)
 
 

@@ -24,7 +24,7 @@ from nodekit import (
     ParameterError,
     init_node,
 )
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process, Server, hanging
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
@@ -138,7 +138,7 @@ class Here(Managing):
     def test_commands(self) -> None:
         """All are configured in order, then activated; down in reverse."""
         self.drivers(*ABC)
-        ear = Ear("/diagnostics", DiagnosticArray)
+        ear = MessageRecorder("/diagnostics", DiagnosticArray)
         self.addCleanup(ear.close)
         self.manager()
         ear.wait_for(lambda message: True)
@@ -175,7 +175,7 @@ class Here(Managing):
     def test_what_fails_comes_down_in_order(self) -> None:
         self.drivers(*ABC)
         self.plan["c activate"] = lambda: False
-        ear = Ear("/diagnostics", DiagnosticArray)
+        ear = MessageRecorder("/diagnostics", DiagnosticArray)
         self.addCleanup(ear.close)
         self.manager()
         failure = f"{self.space}/c: activate failed: it is inactive; its log says why"

@@ -16,7 +16,7 @@ from std_msgs.msg import Float32, String
 
 from motor_control_msgs.srv import SetProcessBool, SetProcessBoolResponse
 from nodekit.testing.changing import change
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
@@ -28,10 +28,10 @@ class EnableSequence(unittest.TestCase):
 
     def setUp(self) -> None:
         self.space = "/" + self.id().rsplit(".", 1)[-1]
-        self.inputs = Ear(self.space + "/motor_input_u", Float32)
-        self.speeds = Ear(self.space + "/motor_speed_y", Float32)
-        self.states = Ear(self.space + "/motor_state", String)
-        self.log = Ear("/rosout", Log)
+        self.inputs = MessageRecorder(self.space + "/motor_input_u", Float32)
+        self.speeds = MessageRecorder(self.space + "/motor_speed_y", Float32)
+        self.states = MessageRecorder(self.space + "/motor_state", String)
+        self.log = MessageRecorder("/rosout", Log)
         self.enable = rospy.ServiceProxy(self.space + "/EnableProcess", SetProcessBool)
         self.nodes: Dict[str, "subprocess.Popen[bytes]"] = {}
 
@@ -56,7 +56,7 @@ class EnableSequence(unittest.TestCase):
 
     def start_motor(self) -> "subprocess.Popen[bytes]":
         """Start a motor, and wait until it can be enabled."""
-        self.states.forget()
+        self.states.clear()
         motor = self.start("dc_motor.py", "motor_sys")
         self.wait_for_state("waiting")
         return motor
@@ -81,13 +81,13 @@ class EnableSequence(unittest.TestCase):
 
     def assert_both_run(self) -> None:
         for ear in (self.inputs, self.speeds):
-            ear.forget()
+            ear.clear()
             ear.wait_for(lambda heard: heard.data != 0.0)
 
     def assert_both_are_silent(self) -> None:
         """Listen for some periods of each that is there."""
         for ear in (self.inputs, self.speeds):
-            ear.forget()
+            ear.clear()
         for name in self.alive():
             wait_for_put_backs(f"{self.space}/{name}", 5)
         self.assertEqual(self.inputs.messages() + self.speeds.messages(), [])
@@ -98,7 +98,7 @@ class EnableSequence(unittest.TestCase):
             self.wait_for_line(
                 f"waiting for the motor: {self.space}/EnableProcess cannot be called: "
             )
-            self.log.forget()
+            self.log.clear()
         self.assertEqual(self.inputs.messages(), [])
         self.start("dc_motor.py", "motor_sys")
         self.wait_for_state("enabled")
@@ -135,7 +135,7 @@ class EnableSequence(unittest.TestCase):
         wait_until(lambda: self.inputs.messages()[-1].data == 0.0, lambda: "there is no last 0")
         self.assert_both_are_silent()
         self.wait_for_line(f"waiting for the motor: {self.space}/EnableProcess ")
-        self.states.forget()
+        self.states.clear()
         self.start("dc_motor.py", "motor_sys")
         self.wait_for_state("enabled")
         self.assert_both_run()
@@ -223,7 +223,7 @@ class EnableSequence(unittest.TestCase):
             self.manage_set_point("deactivate")
             self.inputs.wait_for(lambda heard: heard.data == 0.25)
             self.assertEqual(self.inputs.messages()[-1].data, 0.25)
-        self.inputs.forget()
+        self.inputs.clear()
         self.assertEqual(self.end(set_point, signal.SIGINT), 0)
         self.assertEqual(self.inputs.messages(), [])
 

@@ -14,7 +14,7 @@ from std_msgs.msg import Float32, String
 
 from motor_control_msgs.srv import SetProcessBool
 from nodekit.testing.changing import change
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
@@ -34,9 +34,9 @@ class DcMotor(unittest.TestCase):
     def setUpClass(cls) -> None:
         rospy.init_node("test_dc_motor")
         cls.input = rospy.Publisher("/lab/motor_input_u", Float32, queue_size=10)
-        cls.speed = Ear("/lab/motor_speed_y", Float32)
-        cls.state = Ear("/lab/motor_state", String)
-        cls.log = Ear("/rosout", Log)
+        cls.speed = MessageRecorder("/lab/motor_speed_y", Float32)
+        cls.state = MessageRecorder("/lab/motor_state", String)
+        cls.log = MessageRecorder("/rosout", Log)
         rospy.wait_for_service("/lab/EnableProcess", 30.0)
         cls.enable = rospy.ServiceProxy("/lab/EnableProcess", SetProcessBool)
         wait_until(cls.input.get_num_connections, lambda: "the motor has not subscribed")
@@ -45,10 +45,10 @@ class DcMotor(unittest.TestCase):
         assert not cls.speed.messages()
 
     def setUp(self) -> None:
-        self.state.forget()
+        self.state.clear()
         self.enable(False)
-        self.speed.forget()
-        self.log.forget()
+        self.speed.clear()
+        self.log.clear()
         self.assertEqual(self.enable(True).message, "enabled")
         self.state.wait_for(lambda state: state.data == "enabled")
 
@@ -146,7 +146,7 @@ class DcMotor(unittest.TestCase):
         self.speed.wait_for(lambda heard: -1.5 < heard.data < 0.0)  # from where it goes on
         self.enable(False)
         wait_until(lambda: self.values()[-1] == 0.0, lambda: "it does not stop")
-        self.speed.forget()
+        self.speed.clear()
         self.enable(True)
         self.speed.wait_for(lambda heard: True)
         self.assertEqual(self.values()[0], -1.5)
@@ -154,12 +154,12 @@ class DcMotor(unittest.TestCase):
     def test_disabled_it_stands_still_and_is_silent(self) -> None:
         self.input.publish(Float32(2.0))
         self.settle(3.5)
-        self.state.forget()
+        self.state.clear()
         answer = self.enable(False)
         self.assertEqual((answer.success, answer.message), (True, "disabled"))
         self.state.wait_for(lambda state: state.data == "disabled")
         wait_until(lambda: self.values()[-1] == 0.0, lambda: "it does not stop")
-        self.speed.forget()
+        self.speed.clear()
         answer = self.enable(False)
         self.assertEqual((answer.success, answer.message), (True, "disabled already"))
         wait_for_put_backs(NODE, 10)
@@ -173,7 +173,7 @@ class DcMotor(unittest.TestCase):
     def test_second_enable_changes_nothing(self) -> None:
         self.input.publish(Float32(2.0))
         self.settle(3.5)
-        self.speed.forget()
+        self.speed.clear()
         answer = self.enable(True)
         self.assertEqual((answer.success, answer.message), (True, "enabled already"))
         wait_until(lambda: len(self.values()) > 5, lambda: "it does not go on")

@@ -12,7 +12,7 @@ import rospy
 from std_msgs.msg import Float32
 
 from nodekit.testing.graph import Graph
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
@@ -35,8 +35,8 @@ class Hosted(unittest.TestCase):
             rospy.set_param(pair + "/sp_gen/rate", 500.0)
         cls.process = subprocess.Popen([sys.executable, os.path.join(HELPER, "hosted_motors.py")])
 
-    def ear(self, topic: str, kind: Any) -> Ear:
-        ear = Ear(topic, kind)
+    def ear(self, topic: str, kind: Any) -> MessageRecorder:
+        ear = MessageRecorder(topic, kind)
         self.addCleanup(ear.close)
         return ear
 
@@ -44,7 +44,7 @@ class Hosted(unittest.TestCase):
         speeds = [self.ear(pair + "/motor_speed_y", Float32) for pair in PAIRS]
         for round_ in range(3):
             for speed in speeds:
-                speed.forget()
+                speed.clear()
                 speed.wait_for(lambda message: abs(message.data) > 0.01)
                 wait_until(lambda: speed.count() > 300, lambda: f"{speed.count()} speeds")
             for pair in PAIRS:

@@ -8,7 +8,7 @@ import rospy
 from std_msgs.msg import Float32
 
 from motor_control_msgs.srv import SetProcessBool
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
@@ -25,7 +25,7 @@ class Motors(unittest.TestCase):
         rospy.init_node("test_motors")
 
     def test_all_ten_run_and_only_their_own_topics_connect_them(self) -> None:
-        ears = [Ear(group + "/motor_speed_y", Float32) for group in GROUPS]
+        ears = [MessageRecorder(group + "/motor_speed_y", Float32) for group in GROUPS]
         for ear in ears:
             ear.wait_for(lambda heard: heard.data != 0.0, TIMEOUT)
             ear.close()
@@ -36,12 +36,12 @@ class Motors(unittest.TestCase):
         self.assertNotIn("/motor_input_u", dict(publishers))
 
     def test_disabling_one_leaves_the_others_alone(self) -> None:
-        one, other = (Ear(group + "/motor_speed_y", Float32) for group in GROUPS[:2])
+        one, other = (MessageRecorder(group + "/motor_speed_y", Float32) for group in GROUPS[:2])
         one.wait_for(lambda heard: heard.data != 0.0, TIMEOUT)
         rospy.ServiceProxy(GROUPS[0] + "/EnableProcess", SetProcessBool)(False)
         wait_until(lambda: one.messages()[-1].data == 0.0, lambda: "it does not stop")
-        one.forget()
-        other.forget()
+        one.clear()
+        other.clear()
         wait_until(lambda: len(other.messages()) > 20, lambda: "the other one stopped too")
         self.assertEqual(one.messages(), [])
         rospy.ServiceProxy(GROUPS[0] + "/EnableProcess", SetProcessBool)(True)
@@ -55,7 +55,9 @@ class Motors(unittest.TestCase):
             self.assertEqual(rospy.get_param(motor + "/sys_gain_K"), gain)
             self.assertEqual(rospy.get_param(motor + "/sys_tau_T"), tau)
         # The set points say the same sine of 2, so one speed gets past 3.5 and the other never.
-        strong, weak = (Ear(f"/lab/group{number}/motor_speed_y", Float32) for number in (1, 2))
+        strong, weak = (
+            MessageRecorder(f"/lab/group{number}/motor_speed_y", Float32) for number in (1, 2)
+        )
         strong.wait_for(lambda heard: abs(heard.data) > 3.6, TIMEOUT)
         weak.wait_for(lambda heard: abs(heard.data) > 1.0, TIMEOUT)
         self.assertLess(max(abs(heard.data) for heard in weak.messages()), 3.5)

@@ -13,7 +13,7 @@ from std_srvs.srv import Trigger
 from my_robot_package.nodes.my_node import MyRobotNode
 from my_robot_package.nodes.service_client_node import ServiceClientNode
 from nodekit import Node, init_node
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S
 
@@ -45,7 +45,7 @@ class TestMyRobotNode(unittest.TestCase):
             self.assertTrue(rospy.has_param("~" + name), name)
 
     def test_it_says_hello(self) -> None:
-        ear = Ear("topic_name", String)
+        ear = MessageRecorder("topic_name", String)
         self.addCleanup(ear.close)
         ear.wait_for(lambda message: message.data == "Hello from my_robot_node")
 

@@ -19,7 +19,7 @@ from std_srvs.srv import Trigger
 from my_robot_package.nodes.add_two_ints_server import INT64_MAX, INT64_MIN
 from my_robot_package_interfaces.msg import RobotCommand
 from my_robot_package_interfaces.srv import AddTwoInts, AddTwoIntsRequest, AddTwoIntsResponse
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.launching import launched
 from nodekit.testing.processes import Process, Server
 from nodekit.testing.running import rosrun
@@ -85,7 +85,7 @@ class Nodes(unittest.TestCase):
 
     def test_my_node_says_hello_and_hears(self) -> None:
         """Course 002-pkg-1."""
-        node, ear = self.nodes["my_node"], Ear("/topic_name", String)
+        node, ear = self.nodes["my_node"], MessageRecorder("/topic_name", String)
         node.wait_for_log("MyRobotNode initialized")
         ear.wait_for(lambda message: message.data == "Hello from my_robot_node")
         publisher = rospy.Publisher("words", String, queue_size=10, latch=True)
@@ -109,7 +109,7 @@ class Nodes(unittest.TestCase):
 
     def test_command_node_sends_what_its_parameters_say(self) -> None:
         """Course 002-pkg-3."""
-        ear = Ear("/robot_command", RobotCommand)
+        ear = MessageRecorder("/robot_command", RobotCommand)
         first = ear.wait_for(lambda command: True)
         self.assertEqual((first.command_type, first.velocity), ("move_to", 0.25))
         Server().set("/command_node/target_position", [1.0, 2.0, 3])
@@ -119,7 +119,7 @@ class Nodes(unittest.TestCase):
 
     def test_launch_file_hands_over_arguments_and_renames_topics(self) -> None:
         """Course 002-pkg-4."""
-        ear = Ear("/launched/remapped_output_topic", String)
+        ear = MessageRecorder("/launched/remapped_output_topic", String)
         arguments = "robot_name:=my_robot max_velocity:=0.5 safety_mode:=No __ns:=launched"
         with launched(f"my_robot_package my_launch_file.launch {arguments}") as launch:
             ear.wait_for(lambda message: message.data == "Hello from my_robot_node")
@@ -271,7 +271,7 @@ class Nodes(unittest.TestCase):
 
     def test_efficient_node_takes_the_newest_image_only(self) -> None:
         """Course 002-pkg-10."""
-        ear = Ear("/mean_brightness", Float32)
+        ear = MessageRecorder("/mean_brightness", Float32)
         publisher = rospy.Publisher("image_topic", Image, queue_size=100)
         wait_until(
             lambda: publisher.get_num_connections() == 1 and ear.publishers() == 1,

@@ -20,7 +20,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from nodekit.testing.graph import Graph
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.launching import launched
 from nodekit.testing.processes import Process, Server
 from nodekit.testing.running import rosrun
@@ -107,14 +107,14 @@ class ParametersDemo(unittest.TestCase):
 
     stack = ExitStack()
     server = Server()
-    log: Ear
+    log: MessageRecorder
     graph: Graph
     processes: Dict[str, Process] = {}
 
     @classmethod
     def setUpClass(cls) -> None:
         rospy.init_node("test_parameters_demo")
-        cls.log = Ear("/rosout", Log)
+        cls.log = MessageRecorder("/rosout", Log)
         cls.server.set("/configurable_node/robot_name", "marvin")
         starts: List[Tuple[str, str]] = [
             ("configurable_node", "_update_rate:=20"),
@@ -133,8 +133,8 @@ class ParametersDemo(unittest.TestCase):
             process.end()
         cls.stack.close()
 
-    def ear(self, topic: str, kind: type) -> Ear:
-        ear = Ear(topic, kind)
+    def ear(self, topic: str, kind: type) -> MessageRecorder:
+        ear = MessageRecorder(topic, kind)
         self.addCleanup(ear.close)
         return ear
 

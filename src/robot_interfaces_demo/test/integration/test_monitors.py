@@ -13,7 +13,7 @@ from std_msgs.msg import Header
 from std_srvs.srv import Trigger, TriggerResponse
 
 from nodekit.testing.graph import Graph
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.launching import launched
 from nodekit.testing.processes import Process, hanging
 from nodekit.testing.running import rosrun
@@ -141,7 +141,7 @@ class Monitors(unittest.TestCase):
             self.assertEqual(len(self.monitor.logged("one: ", text)), 1, text)
 
     def test_diagnostics_are_what_ros_s_tool_shows(self) -> None:
-        ear = Ear("/diagnostics", DiagnosticArray)
+        ear = MessageRecorder("/diagnostics", DiagnosticArray)
         self.addCleanup(ear.close)
 
         def complete(array: DiagnosticArray) -> bool:

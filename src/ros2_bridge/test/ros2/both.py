@@ -79,13 +79,13 @@ class Both:
         answer: bytes = rospy.ServiceProxy(name, raw)(message)._buff
         return answer
 
-    def hear1(self, topic: str, kind: str) -> "Ear":
+    def hear1(self, topic: str, kind: str) -> "MessageRecorder":
         """Subscribe to a topic in ROS 1.
 
         Not by rospy's own subscriber: on a busy machine that connects twice to a publisher of
         which it is told twice, and hears all of it twice.
         """
-        ear = Ear()
+        ear = MessageRecorder()
         raw = self.types.message(kind).raw
         subscription = Subscription(topic, raw, lambda messages, _: ear.heard.extend(messages))
         subscription.open()
@@ -93,9 +93,11 @@ class Both:
         ear.end = subscription.close
         return ear
 
-    def hear2(self, topic: str, cls: Any, latched: bool = False, depth: int = 1000) -> "Ear":
+    def hear2(
+        self, topic: str, cls: Any, latched: bool = False, depth: int = 1000
+    ) -> "MessageRecorder":
         """Subscribe to a topic in ROS 2."""
-        ear = Ear()
+        ear = MessageRecorder()
         kept = DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
         qos = QoSProfile(depth=depth, durability=kept)
         subscription = self.node.create_subscription(cls, topic, ear.heard.append, qos)
@@ -103,7 +105,7 @@ class Both:
         return ear
 
 
-class Ear:
+class MessageRecorder:
     """Keeps what a subscription receives."""
 
     def __init__(self) -> None:

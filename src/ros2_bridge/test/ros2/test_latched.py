@@ -35,7 +35,7 @@ def tf2(child: str) -> Any:
     return TFMessage(transforms=[TransformStamped(child_frame_id=child)])
 
 
-def frames(ros: both.Both, ear: both.Ear) -> List[str]:
+def frames(ros: both.Both, ear: both.MessageRecorder) -> List[str]:
     """Return the frames that were heard, in either ROS."""
     codec = ros.types.message(TF1).codec
     found = [
@@ -53,7 +53,7 @@ def publishers1(topic: str) -> List[str]:
     return dict(published).get(topic, [])
 
 
-def wait_for(ros: both.Both, ear: both.Ear, *names: str) -> None:
+def wait_for(ros: both.Both, ear: both.MessageRecorder, *names: str) -> None:
     wait_until(lambda: {*names} <= {*frames(ros, ear)}, lambda: str(frames(ros, ear)))
 
 

@@ -12,7 +12,7 @@ from test_topics import publisher1
 from nodekit.testing.waiting import wait_until
 
 
-def heard(ear: both.Ear) -> List[float]:
+def heard(ear: both.MessageRecorder) -> List[float]:
     """Return the numbers that were heard, in either ROS."""
     found: List[Any] = list(ear.heard)
     return [

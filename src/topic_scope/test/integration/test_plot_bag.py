@@ -13,7 +13,7 @@ import rosbag
 import roslib.packages
 from std_msgs.msg import Float32
 
-from nodekit.testing.hearing import Ear
+from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.launching import launched
 from nodekit.testing.waiting import wait_until
 
@@ -35,7 +35,7 @@ class PlotBag(unittest.TestCase):
             with launched("basic_comms cw1.launch ns:=lab record:=true signal_rate:=100") as launch:
                 launch.graph.wait_for_subscribers("/lab/signal", "/lab/process", "/lab/record")
                 launch.graph.wait_for_subscribers("/lab/proc_signal", "/lab/record")
-                ear = Ear("/lab/proc_signal", Float32)
+                ear = MessageRecorder("/lab/proc_signal", Float32)
                 wait_until(lambda: len(ear.messages()) > 100, lambda: "there is no signal")
         # A bag has this name only when it is complete.
         (cls.bag,) = cls.folder.glob("cw1_*.bag")

@@ -1,4 +1,4 @@
-"""The nodes of each ROS in the other, with their parameters."""
+"""Node bridge: shows the nodes of each ROS in the other, with their parameters."""
 
 import re
 import time

@@ -1,4 +1,4 @@
-"""Services: finds those that others offer, and bridges them until they go."""
+"""Service bridge: discovers services, and bridges each until it is gone."""
 
 import threading
 from typing import Any, Callable, Dict, Optional, Tuple, Union

@@ -1,4 +1,4 @@
-"""The parameters of the simulated board."""
+"""Parameters of the simulated board."""
 
 from first_order_sys_sim.first_order_plant import PlantSettings
 from nodekit import (

@@ -1,4 +1,4 @@
-"""The parameters of the link to a board."""
+"""Parameters of the link to a board."""
 
 from nodekit import FloatParameter, IntParameter, ParameterSet, StringParameter, read_once, rule
 

@@ -1,4 +1,4 @@
-"""All actions: finds those that others serve, and bridges them until they go."""
+"""Action bridge: discovers action servers, and bridges each until it is gone."""
 
 from typing import Callable, Dict, Optional, Tuple, Union
 

@@ -1,4 +1,4 @@
-"""An action server of ROS 1, offered in ROS 2."""
+"""ROS 1 action server, offered in ROS 2."""
 
 import contextlib
 import threading

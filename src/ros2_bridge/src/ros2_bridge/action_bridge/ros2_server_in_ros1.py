@@ -1,4 +1,4 @@
-"""An action server of ROS 2, offered in ROS 1."""
+"""ROS 2 action server, offered in ROS 1."""
 
 import collections
 import contextlib

@@ -1,4 +1,4 @@
-"""The messages of an action in ROS 1: what actionlib puts before what the user has defined."""
+"""Serialized action messages of ROS 1: actionlib's header before the user's fields."""
 
 import io
 import struct

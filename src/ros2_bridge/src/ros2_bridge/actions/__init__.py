@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""Goals of actions as either ROS has them: states, ids, cancellations. Knows neither ROS."""
+"""Action goals of both ROS versions: states, ids, cancellations; imports neither."""

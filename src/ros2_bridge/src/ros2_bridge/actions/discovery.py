@@ -1,4 +1,4 @@
-"""The action servers among the topics of ROS 1 and the services of ROS 2."""
+"""Discovery of action servers among the topics of ROS 1 and the services of ROS 2."""
 
 from typing import Dict, Mapping, NamedTuple, Set, Tuple
 

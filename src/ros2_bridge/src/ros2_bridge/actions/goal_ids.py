@@ -1,4 +1,4 @@
-"""Ids of goals: any text in ROS 1, 16 bytes in ROS 2."""
+"""Goal ids: any text in ROS 1, 16 bytes in ROS 2."""
 
 import uuid
 

@@ -1,4 +1,4 @@
-"""The goals of an action server of ROS 1, as its clients in ROS 2 have to see them."""
+"""Tracker of a ROS 1 server's goals, with the states that its ROS 2 clients must see."""
 
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 

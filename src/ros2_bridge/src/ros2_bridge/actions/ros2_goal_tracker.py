@@ -1,4 +1,4 @@
-"""The goals of an action server of ROS 2, as its clients in ROS 1 have to see them."""
+"""Tracker of a ROS 2 server's goals, with the states that its ROS 1 clients must see."""
 
 from typing import Callable, Collection, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 

@@ -1,4 +1,4 @@
-"""The states of a goal in either ROS, and each state's translation."""
+"""Goal states of ROS 1 and ROS 2, and their translation."""
 
 import enum
 from typing import AbstractSet, Collection, FrozenSet, Mapping, Sequence, TypeVar

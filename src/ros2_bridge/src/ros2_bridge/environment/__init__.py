@@ -1,1 +1,1 @@
-"""The Python environment that has both, and how a process enters it."""
+"""Python environment with ROS 1 and ROS 2, and its activation in a process."""

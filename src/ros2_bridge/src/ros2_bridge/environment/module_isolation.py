@@ -1,4 +1,4 @@
-"""rospy and rclpy in one process, though both bring packages called std_msgs.
+"""Isolation of rospy's modules from rclpy's: both bring packages called std_msgs.
 
 What ROS 1 needs is imported first and then taken out of Python's list of modules: what is loaded
 keeps its references. From then on such a name is ROS 2's. ROS 1's other types are read from their

@@ -1,4 +1,4 @@
-"""Make the Python environment with ROS 2, as far as it is not there.
+"""Creation of the Python environment with ROS 2, or of its missing parts.
 
 ``rosrun ros2_bridge make_environment`` does so where the bridge is installed, ``ci/ros2`` in the
 workspace. Where that is not possible, it ends with status 125 and one sentence.

@@ -1,4 +1,4 @@
-"""ROS 1's classes that the bridge itself uses, under names that ROS 2's cannot take away.
+"""ROS 1 message classes of the bridge itself, under names that ROS 2's do not replace.
 
 A module of its own, as it is imported after rospy and before rclpy, while these names are still ROS
 1's: see :mod:`ros2_bridge.environment.module_isolation`.

@@ -1,4 +1,4 @@
-"""The first lines of the bridge's process: into the environment with ROS 2, with ROS 1 in hand."""
+"""Start of the bridge's process: enters the environment with ROS 2 and keeps ROS 1."""
 
 import importlib
 import os

@@ -1,4 +1,4 @@
-"""Build the ROS 2 twins of message packages into the environment, all in one process.
+"""Builder of the ROS 2 twins of message packages, all in one process.
 
 Run with the environment's Python: ``twin_builder.py TWINS PACKAGE[:NEEDED,…]…``. The definitions
 lie in TWINS/PACKAGE/source; a package stands behind those that it needs. ROS 2's own generators are

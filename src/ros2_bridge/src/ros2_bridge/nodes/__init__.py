@@ -1,1 +1,1 @@
-"""The bridge, as a node of ROS 1."""
+"""Node of the bridge."""

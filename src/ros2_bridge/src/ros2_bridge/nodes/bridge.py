@@ -1,4 +1,4 @@
-"""The bridge: what is there in one ROS, is there in the other."""
+"""Bridge node: offers the topics, services and actions of each ROS in the other."""
 
 import sys
 from typing import Any, Callable, Dict

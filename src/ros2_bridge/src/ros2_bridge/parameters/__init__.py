@@ -1,1 +1,1 @@
-"""Parameters."""
+"""Parameter bridge: parameters of each ROS in the other."""

@@ -1,4 +1,4 @@
-"""Parameters as messages of ROS 2."""
+"""Parameters as ROS 2 messages."""
 
 from typing import Any, Dict, Mapping
 

@@ -1,4 +1,4 @@
-"""The parameters of a node of ROS 1: where they are, and what checks their changes."""
+"""Parameters of a ROS 1 node: read from the server, changed through the node's own checks."""
 
 from typing import Any, Dict, Mapping, NamedTuple, Optional
 

@@ -1,4 +1,4 @@
-"""The parameters of a node of ROS 2, on the parameter server of ROS 1."""
+"""Mirror of a ROS 2 node's parameters on the parameter server of ROS 1."""
 
 import collections
 import queue

@@ -1,4 +1,4 @@
-"""The parameters of a node of ROS 1, as those of a node of ROS 2."""
+"""Parameter services in ROS 2 for a ROS 1 node."""
 
 import threading
 import time

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Parameters as ROS 2 has them: kinds by number, ranges, names with dots. Knows neither ROS."""
+"""Parameter values of ROS 2: type numbers, ranges, dotted names; imports neither ROS."""
 
 import math
 import sys

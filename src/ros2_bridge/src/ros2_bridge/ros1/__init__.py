@@ -1,1 +1,1 @@
-"""The bridge's side in ROS 1."""
+"""ROS 1 side of the bridge."""

@@ -1,4 +1,4 @@
-"""The graph of ROS 1 without the bridge: nodes, topics and services."""
+"""ROS 1 graph without the bridge: nodes, topics and services."""
 
 from typing import Dict, NamedTuple, Set
 

@@ -1,4 +1,4 @@
-"""The nodes of ROS 2 in ROS 1's graph: their names, and what they have there.
+"""Registrations of ROS 2 nodes with the ROS 1 master.
 
 The master lists the nodes that have registered something. Each node of ROS 2 is registered as a
 subscriber of /parameter_events, which it is in ROS 2 too, and for its publishers, subscriptions and

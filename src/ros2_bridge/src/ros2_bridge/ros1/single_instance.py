@@ -1,4 +1,4 @@
-"""Single instance: no second bridge between the same master and the same domain."""
+"""Single instance: prevents a second bridge between the same master and domain."""
 
 import contextlib
 import os

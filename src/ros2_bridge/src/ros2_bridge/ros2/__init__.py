@@ -1,1 +1,1 @@
-"""The bridge's side in ROS 2."""
+"""ROS 2 side of the bridge."""

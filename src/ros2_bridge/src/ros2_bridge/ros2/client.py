@@ -1,4 +1,4 @@
-"""Clients of services of ROS 2, with a time-out."""
+"""ROS 2 service client with a time-out."""
 
 import threading
 from typing import Any, Callable, Dict, List

@@ -1,4 +1,4 @@
-"""The graph of ROS 2 without the bridge: nodes, topics and services."""
+"""ROS 2 graph without the bridge: nodes, topics and services."""
 
 import collections
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple

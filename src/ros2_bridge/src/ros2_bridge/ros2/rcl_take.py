@@ -1,4 +1,4 @@
-"""rcl's take with the sender of each message, which Jazzy's rclpy does not return.
+"""Take of messages with their senders, which Jazzy's rclpy does not return.
 
 The structures are those of ``rmw/types.h`` and ``rcutils/types/uint8_array.h``.
 """

@@ -1,4 +1,4 @@
-"""Active pairs: created, kept, replaced and closed. Knows neither ROS."""
+"""Active pairs: created, kept, replaced and closed; imports neither ROS."""
 
 from typing import (
     Any,

@@ -1,4 +1,4 @@
-"""Maximum rates of topics. Knows neither ROS."""
+"""Maximum rates of topics; imports neither ROS."""
 
 import fnmatch
 import math

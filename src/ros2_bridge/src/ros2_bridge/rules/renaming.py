@@ -1,4 +1,4 @@
-"""Other names in ROS 2 than in ROS 1, by rules. Knows neither ROS."""
+"""Renaming rules between ROS 1 and ROS 2; imports neither."""
 
 import re
 from typing import Dict, Mapping, Optional, Sequence

@@ -1,4 +1,4 @@
-"""Which topics and services are to be bridged, and which way. Knows neither ROS."""
+"""Selection of topics and services, and their directions; imports neither ROS."""
 
 import fnmatch
 import functools

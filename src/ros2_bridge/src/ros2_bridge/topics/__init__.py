@@ -1,1 +1,1 @@
-"""Topics, with the log among them."""
+"""Topic bridge, including the log."""

@@ -1,4 +1,4 @@
-"""All topics: finds those that others publish, and bridges them until they go."""
+"""Topic bridge: discovers topics, and bridges each until it is gone."""
 
 import contextlib
 from typing import Dict, List, Optional, Set, Union

@@ -1,4 +1,4 @@
-"""One topic, one way. It is only subscribed to if the other side has subscribers."""
+"""Bridge of one topic in one direction, which subscribes on demand."""
 
 import contextlib
 import threading

@@ -1,4 +1,4 @@
-"""One topic of ROS 1 in ROS 2, where each node publishes it that does so in ROS 1."""
+"""ROS 2 publishers of a ROS 1 topic, one for each node that publishes it in ROS 1."""
 
 import threading
 import time

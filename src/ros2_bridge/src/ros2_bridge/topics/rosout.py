@@ -1,4 +1,4 @@
-"""The log of ROS 1's nodes, in ROS 2's."""
+"""Log bridge: log lines of ROS 1 nodes in /rosout of ROS 2."""
 
 from typing import Any, Callable, Mapping, NamedTuple
 

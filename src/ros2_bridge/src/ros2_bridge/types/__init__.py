@@ -1,1 +1,1 @@
-"""Types of either ROS, matched and translated."""
+"""Message and service types of both ROS versions, matched and translated."""

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Bytes of a ROS 1 message into bytes of ROS 2's (CDR) and back, without a message in between.
+"""Codec between serialized ROS 1 messages and CDR, without message objects.
 
 A definition is compiled once into instructions; after that a codec holds no state, so any number of
 threads may use one. Both notations are little endian. CDR, as ROS 2 writes it, differs in four

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Whether a type of ROS 1 and one of ROS 2 have the same fields, and if not, which differ."""
+"""Comparison of a ROS 1 type with a ROS 2 type, field by field."""
 
 import re
 from typing import Callable, Mapping, Optional, Tuple

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""The ROS 2 twins of a ROS 1 package's types: the same types, as ROS 2 wants them written.
+"""ROS 2 interface definitions (twins) of a ROS 1 package's types.
 
 ROS 2 takes names of types in CamelCase only, and of fields in lower case; it has other names for
 time, and the text of a constant stands between quotes.

@@ -1,4 +1,4 @@
-"""The types of ROS 1's services, which only their servers know."""
+"""Types of ROS 1 services, which only their servers know."""
 
 import itertools
 import threading

@@ -1,4 +1,4 @@
-"""The types that both ROSes have: ROS 1's read from their files, ROS 2's imported."""
+"""Registry of types that both ROS versions have: ROS 1's from files, ROS 2's imported."""
 
 import contextlib
 import importlib

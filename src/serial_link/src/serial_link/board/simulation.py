@@ -1,4 +1,4 @@
-"""A board that runs: a device, a line, the end of a cable, and what may go wrong with them."""
+"""Simulation of a board: a device, a serial line, a transport, and their faults."""
 
 import contextlib
 import random

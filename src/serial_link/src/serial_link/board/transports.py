@@ -1,4 +1,4 @@
-"""The board's end of the cable."""
+"""Transports of a simulated board: a pseudo terminal or a TCP connection."""
 
 import os
 import select

@@ -1,4 +1,4 @@
-"""Whether a board publishes, as a table: what rosserial's library for boards does."""
+"""State table of rosserial's board library: when a board publishes."""
 
 from typing import Dict, NamedTuple, Tuple
 

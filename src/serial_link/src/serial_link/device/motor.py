@@ -1,4 +1,4 @@
-"""A motor with its driver and encoder, as a board sees them."""
+"""Motor of a simulated board, with driver and encoder."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""The sketch of the simulated board: a motor, a button, a potentiometer and a lamp."""
+"""Sketch of the simulated board: a motor, a button, a potentiometer and a lamp."""
 
 import math
 import struct

@@ -1,4 +1,4 @@
-"""A board with rosserial's library and a sketch."""
+"""Simulated board with rosserial's library and a sketch."""
 
 from typing import Dict, List, NamedTuple, Protocol, Sequence, Tuple
 

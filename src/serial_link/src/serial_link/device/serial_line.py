@@ -1,4 +1,4 @@
-"""A serial line: as fast as its baud rate, and not always clean."""
+"""Serial line with a baud rate and noise."""
 
 import math
 import random

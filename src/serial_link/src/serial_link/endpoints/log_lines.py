@@ -1,4 +1,4 @@
-"""The lines of a board's log."""
+"""Log lines of a board, passed to the ROS log."""
 
 import sys
 import time

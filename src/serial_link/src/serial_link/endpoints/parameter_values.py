@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""A parameter as a board can take it. Pure."""
+"""Conversion of a parameter to the types that a board accepts. Pure."""
 
 import math
 import struct

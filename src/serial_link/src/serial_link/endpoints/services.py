@@ -1,4 +1,4 @@
-"""The services of a board in ROS."""
+"""Services of a board in ROS: servers and clients."""
 
 import threading
 from functools import partial

@@ -1,4 +1,4 @@
-"""The topics of a board in ROS."""
+"""Topics of a board in ROS: publishers and subscribers."""
 
 from functools import partial
 from typing import Any

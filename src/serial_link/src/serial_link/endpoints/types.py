@@ -1,4 +1,4 @@
-"""The classes of the types that a board names."""
+"""Message and service classes of the types that a board names."""
 
 import io
 from typing import Any, Tuple

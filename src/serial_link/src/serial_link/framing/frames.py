@@ -1,4 +1,4 @@
-"""One frame of rosserial's wire, as ROS Hydro and later have it.
+"""Frame format of rosserial since ROS Hydro.
 
 The format is that of http://wiki.ros.org/rosserial/Overview/Protocol, read against
 ros-drivers/rosserial: 0xff, the version 0xfe, the length of the payload as 16 bits, its checksum,

@@ -1,4 +1,4 @@
-"""A serial port, by pyserial."""
+"""Serial port, by pyserial."""
 
 import contextlib
 import errno

@@ -1,4 +1,4 @@
-"""A port that boards with Wi-Fi connect to."""
+"""TCP port to which boards with Wi-Fi connect."""
 
 import contextlib
 import select

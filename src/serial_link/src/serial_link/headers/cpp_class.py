@@ -1,4 +1,4 @@
-"""The C++ class of a message, as rosserial's library for microcontrollers has them.
+"""C++ class of a message in the form of rosserial's library.
 
 The facts, not the text, are those of rosserial's ros_lib (github.com/ros-drivers/rosserial): a
 class in the package's namespace that derives from ros::Msg, a pointer and a length for an array, a

@@ -1,4 +1,4 @@
-"""The C++ functions that all headers share: numbers and texts as bytes, and back."""
+"""C++ functions shared by all headers: serialization of numbers and texts."""
 
 #: Its place among the headers.
 WIRE_PATH = "serial_link/wire.h"

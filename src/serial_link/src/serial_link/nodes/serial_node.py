@@ -1,4 +1,4 @@
-"""The link to a microcontroller, by rosserial's protocol."""
+"""Node of the link to a microcontroller, by rosserial's protocol."""
 
 import time
 from typing import Any, Dict, Sequence, Tuple

@@ -1,4 +1,4 @@
-"""A board with a motor, as a microcontroller with rosserial's library would be."""
+"""Node that simulates a board with a motor and rosserial's library."""
 
 import time
 from typing import Any

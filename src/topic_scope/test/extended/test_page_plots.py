@@ -55,7 +55,10 @@ class Plots(PageTest):
             lambda: self.browser.text("#legend"),
         )
         self.browser.choose("#window", "1")
-        self.wait_drawn()
+        times = ".dygraph-axis-label-x"  # cursors are placed on the axis as it is drawn
+        wait_until(
+            lambda: "−4" not in self.browser.text(times).split(), lambda: self.browser.text(times)
+        )
         self.browser.press("#cursors")
         self.browser.keys("m")
         self.browser.wait_for("#measures-between").click()

@@ -188,7 +188,7 @@ class View(PageTest):
     def test_a_malformed_name_in_the_address_has_a_row_that_says_so(self) -> None:
         names = [SIGNAL, "../x", "=/a/b + (", PROCESSED]
         self.show(fields=names)
-        for name, reason in zip(names[1:3], ("not the name of a field", "missing")):
+        for name, reason in zip(names[1:3], ("not the name of a field", "unexpected end")):
             badge = f"#legend tr.gone[data-field='{name}'] .badge"
             wait_until(
                 lambda: reason in self.browser.text(badge), lambda: self.browser.text("#legend")

@@ -84,7 +84,7 @@ class Feed(RobotsTest):
         self.assertEqual((message.header.frame_id, pose.position.x), ("odom", 1.5))
         self.assertAlmostEqual(pose.orientation.z, 0.9975, delta=1e-4)
         for topic, why in (
-            ("/missing", "no node subscribes"),
+            ("/missing", "no subscriber of"),
             ("/aimed/cmd_vel", "takes a PoseSt"),
         ):
             page.forget()

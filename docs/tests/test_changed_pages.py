@@ -21,7 +21,7 @@ DEPENDS_ON = {"basic_comms": {"nodekit"}, "topic_scope": {"msgs"}, "msgs": {"std
         ([], []),
         (["docs/text.md"], ["text"]),
         (["src/basic_comms/scripts/talker.py"], ["talk"]),
-        (["src/nodekit/src/nodekit/node/node.py"], ["talk"]),
+        (["src/nodekit/src/nodekit/node/ros_node.py"], ["talk"]),
         (["src/msgs/msg/A.msg", "docs/talk.md"], ["talk", "plot"]),
         (["docs/examples/pump.py"], ["pump"]),
         (["docs/examples/other.py", "README.md", "src/other/a.py"], []),

@@ -26,7 +26,7 @@ def test_pure_modules_by_default() -> None:
 
 def test_wiring_is_every_other_module_and_the_page() -> None:
     found = names(True, [], [])
-    assert "nodekit/src/nodekit/node/node.py" in found
+    assert "nodekit/src/nodekit/node/ros_node.py" in found
     assert "topic_scope/www/js/state/sweep.js" in found
     others = ("/nodekit/transport/", "/nodekit/testing/", "/scripts/", "__init__.py")
     assert not [path for path in found if any(other in path for other in others)]

@@ -3,7 +3,7 @@
 from typing import Type
 
 from executors_demo.demo import Demo, ExecutorParameters, period_of, sleep_of
-from nodekit import Group, Node
+from nodekit import CallbackGroup, Node
 
 
 class FourTimersParameters(ExecutorParameters):
@@ -29,7 +29,13 @@ class FourTimers(Demo[FourTimersParameters]):
         super().__init__(node, declaration)
         self._node = node
 
-    def start_timers(self, group1: Group, group2: Group, group3: Group, group4: Group) -> None:
+    def start_timers(
+        self,
+        group1: CallbackGroup,
+        group2: CallbackGroup,
+        group3: CallbackGroup,
+        group4: CallbackGroup,
+    ) -> None:
         """Start the timers, each in its callback group.
 
         :param group1: that of timer1, and so on

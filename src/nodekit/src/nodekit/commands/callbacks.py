@@ -10,7 +10,7 @@ import yaml
 from std_srvs.srv import Trigger
 
 from nodekit.commands.request_errors import exit_on_error
-from nodekit.commands.service_hint import service_hint
+from nodekit.commands.service_hint import is_running, service_hint
 from nodekit.executors import SERVICE
 from nodekit.master import MasterClient
 from nodekit.node.clients import call_service
@@ -31,9 +31,17 @@ def main() -> None:
     with exit_on_error("callbacks", node):
         master = MasterClient("/callbacks")
         if master.lookup_service(f"{node}/{SERVICE}") is None:
-            sys.exit(f"callbacks: {node} has no executor; {service_hint(master, SERVICE, node)}")
+            sys.exit(f"callbacks: {_problem(master, node)}")
         answer = call_service(f"{node}/{SERVICE}", Trigger).result()
         print(as_table(yaml.safe_load(answer.message)))
+
+
+def _problem(master: MasterClient, node: str) -> str:
+    """Return why a node does not report on callbacks, and what to do."""
+    if is_running(master, node):
+        advice = "add it to an executor in its program: SingleThreadedExecutor().add_node(node)"
+        return f"{node} runs but has no executor; {advice}"
+    return f"{node} has no executor; {service_hint(master, SERVICE, node)}"
 
 
 def as_table(entries: List[Dict[str, Any]]) -> str:

@@ -3,6 +3,7 @@
 import difflib
 
 from nodekit.master import MasterClient
+from nodekit.parameter_server.parameter_services import DESCRIBE
 
 
 def service_hint(master: MasterClient, service: str, node: str) -> str:
@@ -14,4 +15,19 @@ def service_hint(master: MasterClient, service: str, node: str) -> str:
     """
     names = master.namespaces_offering(service)
     near = difflib.get_close_matches(node.rstrip("/"), names, n=1) or names
-    return f"there is {', '.join(near)}" if near else "no such node is running"
+    if near:
+        return f"there is {', '.join(near)}"
+    if is_running(master, node):
+        return f"{node.rstrip('/')} is running, but without the service {service}"
+    return "no such node is running"
+
+
+def is_running(master: MasterClient, node: str) -> bool:
+    """Return whether a node is on the graph, as a process or hosted in one.
+
+    :param master: client of the master
+    :param node: global name of the node
+    """
+    # The master does not list hosted nodes, only their services.
+    name = node.rstrip("/")
+    return bool(master.lookup_node(name) or master.lookup_service(f"{name}/{DESCRIBE}"))

@@ -46,6 +46,11 @@ source_setup() { # PREFIX: an installed ROS or a catkin devel space
 # Make the built workspace the one that the next command sees.
 enter_workspace() {
     source_setup "$workspace/devel"
+    case ${ROS_MASTER_URI-} in
+        '' | *://*) ;;
+        *) say "ROS_MASTER_URI is $ROS_MASTER_URI, which needs http:// in front:" \
+            "'export ROS_MASTER_URI=http://$ROS_MASTER_URI'." ;;
+    esac
     if [ -z "${ROS_IP-}${ROS_HOSTNAME-}" ]; then
         # roscore and rospy then listen on the loopback device only. (Set but
         # empty, either would be taken for a name.)
@@ -53,7 +58,7 @@ enter_workspace() {
         export ROS_HOSTNAME=localhost
         case ${ROS_MASTER_URI-} in
             '' | *://localhost:* | *://127.*) ;;
-            *) say "ROS_MASTER_URI is $ROS_MASTER_URI, but nodes started here cannot be" \
+            *://*) say "ROS_MASTER_URI is $ROS_MASTER_URI, but nodes started here cannot be" \
                 "reached from there: set ROS_IP or ROS_HOSTNAME to this machine's." ;;
         esac
     fi

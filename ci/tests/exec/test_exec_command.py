@@ -133,6 +133,13 @@ def test_warns_of_a_remote_master_without_an_own_name(built: Workspace) -> None:
     assert built.run("true", ROS_MASTER_URI="http://localhost:11312").stderr == ""
 
 
+def test_master_without_scheme_gets_the_corrected_address(built: Workspace) -> None:
+    for changes in ({}, {"ROS_IP": "192.0.2.1"}):
+        told = built.run("true", ROS_MASTER_URI="robot:11311", **changes).stderr
+        assert "'export ROS_MASTER_URI=http://robot:11311'" in told
+        assert "ROS_IP" not in told
+
+
 def test_another_python_is_kept_away(built: Workspace, tmp_path: pathlib.Path) -> None:
     shims = tmp_path / "venv" / "bin"
     shims.mkdir(parents=True)

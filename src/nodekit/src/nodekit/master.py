@@ -9,6 +9,7 @@ http://wiki.ros.org/ROS/Master_API, http://wiki.ros.org/ROS/Parameter%20Server%2
 import contextlib
 import functools
 import http.client
+import re
 import threading
 import xmlrpc.client
 from typing import (
@@ -107,6 +108,15 @@ def _parse(text: bytes) -> Any:
         raise xmlrpc.client.ResponseError(f"not XML-RPC ({error})") from None
 
 
+def scheme_hint(uri: str) -> str:
+    """Return a clause with the corrected URI if only ``http://`` is missing, or an empty text.
+
+    :param uri: URI of the master, as given
+    """
+    is_address = re.fullmatch(r"[A-Za-z0-9_.-]+:[0-9]{1,5}/?", uri)
+    return f"; it needs http:// in front: set it to http://{uri}" if is_address else ""
+
+
 class MasterClient:
     """Client of the master for one node; thread-safe.
 
@@ -131,7 +141,7 @@ class MasterClient:
         try:
             self._proxy = xmlrpc.client.ServerProxy(self._uri, transport=_Transport(timeout))
         except OSError as error:
-            raise self._unreachable(error) from None
+            raise self._unreachable(f"{error}{scheme_hint(self._uri)}") from None
 
     def __enter__(self) -> "MasterClient":
         return self

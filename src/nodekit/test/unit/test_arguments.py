@@ -7,6 +7,7 @@ import sys
 
 import pytest
 
+from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.node.name_rules import IllegalName
 from nodekit.process.arguments import ArgumentError, check
 
@@ -56,6 +57,21 @@ def test_address_that_is_none_is_named_with_its_source(uri):
         check("node", {"ROS_MASTER_URI": uri}, [])
     with pytest.raises(ArgumentError, match=re.escape("__master " + must_be)):
         check("node", {"ROS_MASTER_URI": URI}, ["__master:=" + uri])
+
+
+@pytest.mark.parametrize("uri", ["localhost:11311", "robot.lan:11311/", "192.0.2.1:1"])
+def test_address_without_scheme_gets_the_corrected_one(uri):
+    advice = re.escape(f"; it needs http:// in front: set it to http://{uri}") + "$"
+    with pytest.raises(ArgumentError, match=advice):
+        check("node", {"ROS_MASTER_URI": uri}, [])
+    with pytest.raises(MasterUnreachable, match=advice):
+        MasterClient("/node", master_uri=uri)
+
+
+@pytest.mark.parametrize("uri", ["garbage", "", "http://", "https://a:11311", "a b:1", ":11311"])
+def test_address_with_another_fault_gets_no_correction(uri):
+    with pytest.raises(ArgumentError, match=re.escape(f"such as {URI}") + "$"):
+        check("node", {"ROS_MASTER_URI": uri}, [])
 
 
 def test_invalid_names_are_rejected():

@@ -10,6 +10,7 @@ from urllib.parse import urlsplit
 import rosgraph
 from rospy.client import load_command_line_node_params
 
+from nodekit.master import scheme_hint
 from nodekit.node import name_rules
 
 _VALUE = (
@@ -62,4 +63,4 @@ def _check_master_uri(environ: Mapping[str, str], argv: Sequence[str]) -> None:
     except ValueError:  # an invalid port
         is_valid = False
     if not is_valid:
-        raise ArgumentError(f"{source} '{uri}': {_URI}")
+        raise ArgumentError(f"{source} '{uri}': {_URI}{scheme_hint(uri)}")

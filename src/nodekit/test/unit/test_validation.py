@@ -18,6 +18,7 @@ from nodekit import (
     ParameterClient,
     SingleThreadedExecutor,
     call_service,
+    host,
     host_all,
     probe_service,
     run,
@@ -248,6 +249,28 @@ def test_arguments_in_another_order(give: Callable[[], Any], what: str) -> None:
     text = refusal(give)
     assert text.startswith(what)
     assert text.endswith((": must be text", ": must be a function"))
+
+
+@pytest.mark.parametrize(
+    "members, what",
+    [
+        ({"one": Mistaken}, "members: refused {'one': <class"),
+        ("abc", "members: refused 'abc': must be a list; each"),
+        (Mistaken, "members: refused <class"),
+        (zip("a", "b", "c"), "members: refused <zip object"),
+        (None, "members: refused None: must be a list; each"),
+        (["one", "two"], "member: refused 'one'"),
+        ([("one", "", Mistaken), ("two", Mistaken)], "member: refused ('two', <class"),
+        ([Mistaken], "member: refused <class"),
+        (["abc"], "member: refused 'abc'"),
+    ],
+)
+def test_members_that_cannot_be_hosted(members: Any, what: str) -> None:
+    must = " must be (name, namespace, class), such as ('talker', 'robot1', Talker)"
+    for give in (lambda: host("host", members), lambda: host_all(node(), members)):
+        text = refusal(give)
+        assert text.startswith("host: " + what)
+        assert text.endswith(must)
 
 
 @pytest.mark.parametrize(

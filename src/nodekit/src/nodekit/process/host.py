@@ -2,7 +2,7 @@
 
 import resource
 from collections import Counter
-from typing import List, Sequence, Tuple
+from typing import Collection, List, Mapping, Sequence, Tuple
 
 import rospy
 
@@ -23,7 +23,9 @@ def host(name: str, members: Sequence[Member]) -> None:
 
     :param name: name of the process's own node, which only hosts the others
     :param members: base name, namespace and class of each
+    :raises TypeError: if the members are not a list of these
     """
+    _check_members(members)
     run(name, lambda node: host_all(node, members))
 
 
@@ -35,9 +37,11 @@ def host_all(node: Node, members: Sequence[Member]) -> List[Node]:
     :param node: the hosting node
     :param members: base name, namespace and class of each
     :returns: the nodes that are up
+    :raises TypeError: if the members are not a list of names, namespaces and classes
     :raises IllegalName: if ROS does not allow a member's name, or two have the same
     :raises MasterUnreachable: if the master does not respond
     """
+    _check_members(members)
     _allow_many_connections()
     # Otherwise rospy sends the names of all topics, including theirs, with each log line.
     parameter_cache.cache(parameter_cache.ROSOUT_PARAMETER, True)
@@ -53,6 +57,15 @@ def host_all(node: Node, members: Sequence[Member]) -> List[Node]:
             except ParameterError as error:
                 rospy.logerr("%s; %s is not started", error, name)
     return up
+
+
+def _check_members(members: object) -> None:
+    must = "must be (name, namespace, class), such as ('talker', 'robot1', Talker)"
+    if not isinstance(members, Collection) or isinstance(members, (str, bytes, Mapping)):
+        raise TypeError(f"host: members: refused {members!r:.80}: must be a list; each {must}")
+    for member in members:
+        if not isinstance(member, (tuple, list)) or len(member) != 3:
+            raise TypeError(f"host: member: refused {member!r:.80}: {must}")
 
 
 def _allow_many_connections() -> None:

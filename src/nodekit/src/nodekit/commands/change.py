@@ -1,6 +1,7 @@
 """The command ``rosrun nodekit change NAMESPACE NAME VALUE ...``."""
 
 import argparse
+import shlex
 import sys
 from typing import Any, Dict, List
 
@@ -30,16 +31,20 @@ def main() -> None:
     )
     arguments = parser.parse_args(rospy.myargv()[1:])
     try:
-        settings = _settings(arguments.settings)
+        settings = _settings(arguments.namespace, arguments.settings)
     except (ValueError, LookupError, yaml.YAMLError) as error:
         parser.error(str(error))
     with exit_on_error("change", arguments.namespace):
         sys.exit(_change(rosgraph.names.make_global_ns(arguments.namespace), settings))
 
 
-def _settings(words: List[str]) -> Dict[str, Any]:
+def _settings(namespace: str, words: List[str]) -> Dict[str, Any]:
     if not words or len(words) % 2:
-        raise ValueError("a name and a value are needed for each parameter")
+        hint = ""
+        node, _, name = namespace.rpartition("/")
+        if len(words) == 1 and node and name:  # /node/parameter, as for rosparam set
+            hint = f"; did you mean: rosrun nodekit change {node} {name} {shlex.quote(words[0])}"
+        raise ValueError(f"a name and a value are needed for each parameter{hint}")
     return {name: yaml.safe_load(text) for name, text in zip(words[::2], words[1::2])}
 
 

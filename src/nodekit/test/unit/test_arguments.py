@@ -9,7 +9,8 @@ import pytest
 
 from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.node.name_rules import IllegalName
-from nodekit.process.arguments import ArgumentError, check
+from nodekit.process.arguments import ArgumentError, check, misspelt_settings
+from nodekit.testing.processes import Master, Process
 
 URI = "http://localhost:11311"
 
@@ -72,6 +73,68 @@ def test_address_without_scheme_gets_the_corrected_one(uri):
 def test_address_with_another_fault_gets_no_correction(uri):
     with pytest.raises(ArgumentError, match=re.escape(f"such as {URI}") + "$"):
         check("node", {"ROS_MASTER_URI": uri}, [])
+
+
+@pytest.mark.parametrize(
+    "argument, meant",
+    [
+        ("rate:=2", "_rate:=2"),
+        ("~rate:=2", "_rate:=2"),
+        ("_rate=2", "_rate:=2"),
+        ("word:=a: b=c\nd", "_word:=a: b=c\nd"),
+        ("word:=", "_word:="),
+    ],
+)
+def test_misspelt_setting_gets_the_corrected_one(argument, meant):
+    words = ["node.py", "_rate:=5", argument, "other:=a"]
+    (warning,) = misspelt_settings(words, ["rate", "word"], lambda name: False)
+    assert warning == f"argument {argument}: sets nothing; did you mean {meant}?"
+
+
+@pytest.mark.parametrize(
+    "argument",
+    ["_rate:=2", "rate=2", "other:=2", "_other=2", "__rate:=2", "/rate:=2", "a/rate:=2", "used:=b"]
+    + ["~used:=b", "rate", "_rate", "5", "--rate:=2", "__name:=rate", "a:=rate:=2"],
+)
+def test_argument_that_sets_or_remaps_gets_no_warning(argument):
+    used = ["used", "~used"].__contains__
+    assert misspelt_settings(["node.py", argument], ["rate", "used"], used) == []
+
+
+NODE = """
+import nodekit
+from std_msgs.msg import String
+from std_srvs.srv import Trigger
+
+class Settings(nodekit.ParameterSet):
+    rate = nodekit.FloatParameter(1.0, help="a rate")
+    topic = nodekit.StringParameter("a", help="a topic")
+    service = nodekit.StringParameter("a", help="a service")
+    last = nodekit.StringParameter("a", help="the last one")
+
+class Some:
+    def __init__(self, node):
+        node.declare_parameters(Settings)
+        node.create_publisher("topic", String)
+        node.create_client("service", Trigger)
+
+nodekit.run("some", Some)
+"""
+
+
+def test_node_warns_of_misspelt_settings_at_its_start(tmp_path):
+    (tmp_path / "some_node.py").write_text(NODE)
+    master = Master()
+    arguments = ["topic:=b", "service:=c", "_rate=2", "last:=b"]
+    node = Process(str(tmp_path / "some_node.py"), arguments, {"ROS_MASTER_URI": master.uri})
+    try:
+        node.wait_for_log("argument last:=b: sets nothing; did you mean _last:=b?")
+        assert len(node.logged("sets nothing")) == 2
+        assert node.logged("WARN", "argument _rate=2: sets nothing; did you mean _rate:=2?")
+        assert node.interrupt() == 0
+    finally:
+        node.end()
+        master.kill()
 
 
 def test_invalid_names_are_rejected():

@@ -203,6 +203,11 @@ class CallFuture(concurrent.futures.Future):
         self._client.running_calls.discard(self)
 
 
+def client_names() -> Set[str]:
+    """Return the names of the services that this process has clients of."""
+    return {client.name for client in list(_clients)}
+
+
 class Client:
     """Client of one service; each call has its own connection, so responses are never swapped.
 

@@ -3,8 +3,9 @@
 rospy reacts to malformed arguments with a traceback, or waits for ever.
 """
 
+import re
 import xmlrpc.client
-from typing import Mapping, Sequence
+from typing import Callable, Collection, List, Mapping, Sequence
 from urllib.parse import urlsplit
 
 import rosgraph
@@ -18,6 +19,11 @@ _VALUE = (
     "(true, a whole number of 32 bits, 2.5, 'text', or a list or mapping of these)"
 )
 _URI = "must be the URI of a ROS master, such as http://localhost:11311"
+
+#: A remapping, such as ``rate:=2``, or an assignment without a colon, such as ``_rate=2``.
+_MISSPELT = re.compile(
+    r"(?P<given>(?:~?(?=\w+:)|_(?=\w+=))(?P<name>[A-Za-z]\w*)):?=(?P<value>.*)", re.DOTALL
+)
 
 
 class ArgumentError(ValueError):
@@ -38,6 +44,27 @@ def check(name: str, environ: Mapping[str, str], argv: Sequence[str]) -> None:
     _check_master_uri(environ, argv)
     for argument in argv:
         _check_parameter(argument)
+
+
+def misspelt_settings(
+    argv: Sequence[str], declared: Collection[str], is_used: Callable[[str], bool]
+) -> List[str]:
+    """Return a warning for each ignored argument that names a parameter of the node.
+
+    :param argv: arguments of the command line
+    :param declared: names of the node's parameters
+    :param is_used: returns whether the node has a topic or service of a name, which an argument
+        remaps then
+    """
+    warnings = []
+    for argument in argv:
+        found = _MISSPELT.fullmatch(argument)
+        if found and found["name"] in declared:
+            given, name = found["given"], found["name"]
+            if given.startswith("_") or not is_used(given):
+                meant = f"_{name}:={found['value']}"
+                warnings.append(f"argument {argument}: sets nothing; did you mean {meant}?")
+    return warnings
 
 
 def _check_parameter(argument: str) -> None:

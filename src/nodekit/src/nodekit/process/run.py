@@ -11,6 +11,7 @@ import rospy
 
 from nodekit.entry_point import end
 from nodekit.master import MasterClient, MasterUnreachable
+from nodekit.node.clients import client_names
 from nodekit.node.name_rules import IllegalName
 from nodekit.node.ros_node import Node
 from nodekit.parameter_server.watcher import get_watcher
@@ -18,7 +19,7 @@ from nodekit.parameters.declaration import OwnParameters
 from nodekit.parameters.parameter_types import ParameterError
 from nodekit.process import arguments, launch_arguments
 from nodekit.rospy_internals import registrar, startup
-from nodekit.rospy_internals.registry import NameTaken
+from nodekit.rospy_internals.registry import NameTaken, all_entries
 from nodekit.validation import check_function, check_name
 
 #: A node's class, or a function that returns its object.
@@ -145,6 +146,8 @@ def _start_beside(name: str, cls: NodeClass) -> List[object]:
             with get_watcher().reading_ahead([node.name]) as held:
                 made.extend([node, selected_class(cls, node.name, held[node.name])(node)])
             node.start()
+            for warning in _misspelt_settings(node):
+                rospy.logwarn("%s", warning)
         except BaseException as error:
             errors.append(error)
 
@@ -156,6 +159,16 @@ def _start_beside(name: str, cls: NodeClass) -> List[object]:
     if errors and not rospy.is_shutdown():
         raise errors[0]
     return made
+
+
+def _misspelt_settings(node: Node) -> List[str]:
+    """Return a warning for each argument that looks like a setting of a started node."""
+    live = node._context.live
+    declared = live.declaration.declared if live is not None else {}
+    names = client_names().union(name for _, name, _ in all_entries())
+    return arguments.misspelt_settings(
+        sys.argv, declared, lambda name: rospy.resolve_name(name) in names
+    )
 
 
 def selected_class(cls: NodeClass, node: str, held: Any) -> NodeClass:

@@ -2,6 +2,7 @@
 
 import contextlib
 import fcntl
+import re
 import socket
 import struct
 import threading
@@ -380,6 +381,40 @@ def test_value_that_does_not_fit_is_refused_and_sends_nothing(opened, connect):
         publisher.publish(Header(frame_id=3.14))
     publisher.publish(Header(frame_id="good"))
     assert receive(subscriber, Header).frame_id == "good"
+
+
+@pytest.mark.parametrize("latch", [True, False])
+@pytest.mark.parametrize("is_open", [True, False])
+@pytest.mark.parametrize(
+    "args, kwds, problem",
+    [
+        ((3,), {}, f"topic {TOPIC}: refused (3,): field data must be of type"),
+        ((), {"data": 3}, f"topic {TOPIC}: refused {{'data': 3}}: field data must be of type"),
+        ((String,), {}, "refused the class String: must be a message, such as String()"),
+        ((Float32,), {}, "refused the class Float32: must be a message, such as String()"),
+        ((Float32(3.0),), {}, ""),
+        (("a", "b"), {}, ""),
+        (("a",), {"data": "b"}, ""),
+    ],
+)
+def test_wrong_arguments_without_subscriber_are_a_type_error(
+    opened, unopened, monkeypatch, latch, is_open, args, kwds, problem
+):
+    monkeypatch.setattr(rospy.core, "is_initialized", lambda: True)
+    monkeypatch.setattr(rospy.topics, "is_initialized", lambda: True)
+    publisher = (opened if is_open else unopened)(String, latch=latch)
+    with pytest.raises(TypeError, match=re.escape(problem)):
+        publisher.publish(*args, **kwds)
+
+
+def test_wrong_field_is_still_a_serialization_error(opened, connect, monkeypatch):
+    monkeypatch.setattr(rospy.topics, "is_initialized", lambda: True)
+    publisher = opened(String)
+    subscriber = connect(publisher)
+    with pytest.raises(rospy.ROSSerializationException):
+        publisher.publish(3)
+    publisher.publish("good")
+    assert receive(subscriber).data == "good"
 
 
 @pytest.mark.parametrize("latch, lifespan", [(True, 0.0), (False, 60.0)])

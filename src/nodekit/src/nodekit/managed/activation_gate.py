@@ -121,7 +121,7 @@ class ManagedPublisher(Publisher):
         if self._passes:
             super().publish(*args, **kwds)
         elif self._latch:
-            self._keep(rospy.msg.args_kwds_to_message(self.data_class, args, kwds))
+            self._keep(self._to_message(args, kwds))
         else:
             self._drop(1)
 

@@ -1,8 +1,10 @@
 """Publisher that sends at once, and that a stalled subscriber cannot block."""
 
+import io
 import threading
-from typing import Any, List, NamedTuple, Optional, Sequence
+from typing import Any, List, Mapping, NamedTuple, Optional, Sequence
 
+import genpy
 import rospy
 
 from nodekit.rospy_internals import outgoing_topic, registry
@@ -10,6 +12,10 @@ from nodekit.validation import check_message_class
 
 #: Queue size of the plain publisher that is used with an unknown rospy.
 FALLBACK_QUEUE_SIZE = 100
+
+
+class InvalidField(rospy.ROSSerializationException, TypeError):
+    """Error of a field whose value does not fit its type; as rospy's own, and a TypeError."""
 
 
 class SubscriberStatistics(NamedTuple):
@@ -113,6 +119,7 @@ class Publisher:
     def publish(self, *args: Any, **kwds: Any) -> None:
         """Send a message, given as an object or by its fields, as with ``rospy.Publisher``.
 
+        :raises TypeError: if the arguments are not a message of the topic's type, nor its fields
         :raises rospy.ROSSerializationException: if the value of a field does not fit its type
         :raises rospy.ROSException: if the publisher is closed or the node not initialised;
             never because the node is shutting down
@@ -121,18 +128,37 @@ class Publisher:
         if topic is not None and len(args) == 1 and type(args[0]) is self.data_class and not kwds:
             topic.publish_all(args)
             return
-        if self._publisher is None and self._latch and not self._is_closed:
-            message = rospy.msg.args_kwds_to_message(self.data_class, args, kwds)
+        is_kept = self._publisher is None and self._latch and not self._is_closed
+        message = self._to_message(args, kwds)
+        if is_kept:
             with self._lock:
-                if self._publisher is None:
+                if self._publisher is None:  # otherwise it has just been opened
                     self._first = message
                     return
-            args, kwds = (message,), {}  # it has just been opened
         publisher = self._publisher
         if publisher is not None:
-            publisher.publish(*args, **kwds)
+            publisher.publish(message)
         elif self._is_closed:
             raise rospy.ROSException(f"publish() to a closed publisher of {self.resolved_name}")
+
+    def _to_message(self, args: Sequence[Any], kwds: Mapping[str, Any]) -> Any:
+        """Return the message that :meth:`publish` is called with, or one of the given fields.
+
+        Fields are checked here: a topic without subscribers never serializes its messages.
+        """
+        if len(args) == 1 and type(args[0]) is self.data_class and not kwds:
+            return args[0]
+        what = f"topic {self.resolved_name}"
+        if len(args) == 1 and isinstance(args[0], type):
+            must = f"must be a message, such as {self.data_class.__name__}()"
+            raise TypeError(f"{what}: refused the class {args[0].__name__}: {must}")
+        message = rospy.msg.args_kwds_to_message(self.data_class, args, kwds)
+        if not (args and message is args[0]):
+            try:
+                message.serialize(io.BytesIO())
+            except genpy.SerializationError as error:
+                raise InvalidField(f"{what}: refused {args or kwds!r:.80}: {error}") from None
+        return message
 
     def publish_all(self, messages: Sequence[Any]) -> None:
         """Send several messages in one delivery, which takes hardly longer than one message.

@@ -1,8 +1,15 @@
 """Tests of finding the controller that a command line names, and its parameters."""
 
+import os
 import pathlib
+import sys
+from typing import List
 
+import pytest
+
+from nodekit.testing.waiting import wait_until
 from pid_control.runner.controller_command import find_controller, find_files
+from pid_control.runner.controller_process import ControllerProcess
 
 
 def test_find_files_skips_hidden_folders(tmp_path: pathlib.Path) -> None:
@@ -36,3 +43,82 @@ def test_find_controller_separates_parameters_of_other_nodes(tmp_path: pathlib.P
     assert parameters >= {"/limit": 1.0, "/loop/controller/kp": 0.5}.items()
     assert not parameters & target.of_others.items()
     assert target.of_others == {"/loop/system_param_K": 2.0, "/loop/controller2/kp": 0.7}
+
+
+#: A controller that only prints its first argument.
+SAYS = b"import sys\nprint('started', sys.argv[1])\n"
+STARTS = f"#!{sys.executable}\n".encode()
+
+
+@pytest.mark.parametrize(
+    "name, first_line, mode, problems",
+    [
+        ("controller.py", STARTS, 0o755, []),
+        ("controller.py", b"#!/usr/bin/env python\n", 0o755, ["interpreter not found (python)"]),
+        (
+            "controller.py",
+            b"#!/usr/bin/env -S python -u\n",
+            0o755,
+            ["interpreter not found (python)"],
+        ),
+        (
+            "controller",
+            b"#!/usr/bin/no_python\n",
+            0o755,
+            ["interpreter not found (/usr/bin/no_python)"],
+        ),
+        ("controller.py", STARTS, 0o644, ["not executable"]),
+        ("controller", STARTS, 0o644, ["not executable"]),
+        ("controller.py", b"", 0o755, ["the first line does not begin with #!"]),
+        (
+            "controller.py",
+            b"\xef\xbb\xbf" + STARTS,
+            0o755,
+            ["the first line does not begin with #!"],
+        ),
+        (
+            "controller.py",
+            STARTS.replace(b"\n", b"\r\n"),
+            0o755,
+            ["the first line ends with CR LF, as on Windows"],
+        ),
+    ],
+)
+def test_find_controller_starts_python_file_and_notes_repairs(
+    name: str,
+    first_line: bytes,
+    mode: int,
+    problems: List[str],
+    tmp_path: pathlib.Path,
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))  # without a Python
+    says = SAYS.replace(b"\n", b"\r\n") if b"\r" in first_line else SAYS
+    program = tmp_path / name
+    program.write_bytes(first_line + says)
+    program.chmod(mode)
+    command = find_controller([str(program), "_kp:=1"])
+    assert command.notes == [f"{program}: {one}; started with python3" for one in problems]
+    assert command.name == str(program)
+    controller = ControllerProcess(command, {})
+    try:
+        wait_until(lambda: controller.status is not None, controller.last_words)
+        assert (controller.status, controller.last_words()) == (0, "started _kp:=1")
+    finally:
+        controller.end()
+
+
+def test_find_controller_of_launch_file_starts_python_node(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    (tmp_path / "package.xml").write_text("<package><name>anna</name></package>")
+    program = tmp_path / "controller.py"
+    program.write_bytes(b"#!/usr/bin/env no_python\n" + SAYS)
+    program.chmod(0o755)
+    launch = tmp_path / "anna.launch"
+    launch.write_text('<launch><node pkg="anna" type="controller.py" name="control"/></launch>')
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path), prepend=os.pathsep)
+    command = find_controller([str(launch)])
+    assert command.argv[:3] == [sys.executable, str(program), "__name:=control"]
+    problem = "interpreter not found (no_python)"
+    assert command.notes == [f"{program}: {problem}; started with python3"]

@@ -36,7 +36,7 @@ SIMULATED = """
         ),
         (["pid_control", "nothing.py"], "nothing.py: not found in the package pid_control"),
         (["a/b.py"], "file not found (a/b.py)"),
-        (["{folder}/controller.py"], "is not executable: chmod +x {folder}/controller.py"),
+        (["{folder}/controller"], "is not executable: chmod +x {folder}/controller"),
         (["--only", "stairs", "x"], "unknown scenario 'stairs'; choose from held, rate"),
         (["--time-limit", "0", "x"], "'0' must be from 1 to 3600 s"),
         (
@@ -64,7 +64,7 @@ def test_judge_invalid_request_names_the_problem(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     (tmp_path / "wrong.yaml").write_text("steps: {overshot: 5}\n")
-    (tmp_path / "controller.py").write_text("")
+    (tmp_path / "controller").write_text("")
     (tmp_path / "simulated.launch").write_text(SIMULATED)
     before = sorted(tmp_path.iterdir())
     arguments = [word.format(folder=tmp_path) for word in words]

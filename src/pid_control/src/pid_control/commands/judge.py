@@ -192,7 +192,9 @@ def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, Li
         command = find_controller(arguments.words, arguments.node, arguments.workspace)
     except CommandError as error:
         raise JudgingError(str(error)) from None
-    print(f"judge: {command.name}", flush=True)
+    print(
+        f"judge: {command.name}", *(f"note: {note}" for note in command.notes), sep="\n", flush=True
+    )
     session = Session(command, arguments.only, limits, arguments.time_limit)
     if arguments.real_plant:
         full_speed = arguments.full_speed or MOTOR.max_output

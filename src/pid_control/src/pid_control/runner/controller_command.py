@@ -9,6 +9,8 @@ import rospkg
 from roslaunch.core import Node, RLException, local_machine, setup_env
 from roslaunch.node_args import NodeParamsException, create_local_process_args
 
+from pid_control.runner.python_program import start_words
+
 #: Timeout for reading the environment of a workspace [s].
 _ENVIRONMENT_S = 20.0
 
@@ -25,6 +27,7 @@ class ControllerCommand(NamedTuple):
     :ivar environment: all environment variables
     :ivar parameters: parameters to set, by global name
     :ivar of_others: private parameters of the other nodes of its launch file, by global name
+    :ivar notes: repairs that were needed to start it
     """
 
     name: str
@@ -32,6 +35,7 @@ class ControllerCommand(NamedTuple):
     environment: Dict[str, str]
     parameters: Dict[str, Any]
     of_others: Dict[str, Any]
+    notes: Sequence[str] = ()
 
 
 def find_controller(
@@ -51,10 +55,16 @@ def find_controller(
     if not path.endswith(".launch"):
         if node is not None:
             raise CommandError(f"--node: only valid with a launch file ({path})")
-        if not os.access(path, os.X_OK):
-            raise CommandError(f"{path} is not executable: chmod +x {path}")
-        return ControllerCommand(path, [path, *arguments], environment, {}, {})
+        start, notes = _start(path, environment)
+        return ControllerCommand(path, [*start, *arguments], environment, {}, {}, notes)
     return _command_of_launch_file(path, arguments, node, environment)
+
+
+def _start(path: str, environment: Dict[str, str]) -> Tuple[Sequence[str], Sequence[str]]:
+    start, notes = start_words(path, environment)
+    if not notes and not os.access(path, os.X_OK):
+        raise CommandError(f"{path} is not executable: chmod +x {path}")
+    return start, notes
 
 
 def _path(words: Sequence[str], environment: Dict[str, str]) -> Tuple[str, List[str]]:
@@ -137,6 +147,7 @@ def _command_of_launch_file(
     finally:
         os.environ.clear()
         os.environ.update(before)
+    start, notes = start_words(command[0], variables)
     own = _name(node) + "/"
     others = tuple(_name(other) + "/" for other in config.nodes if other is not node)
     parameters: Dict[str, Any] = {}
@@ -144,7 +155,8 @@ def _command_of_launch_file(
     for key, parameter in config.params.items():
         is_others = key.startswith(others) and not key.startswith(own)
         (of_others if is_others else parameters)[key] = parameter.value
-    return ControllerCommand(f"{path} {_name(node)}", command, variables, parameters, of_others)
+    name, command = f"{path} {_name(node)}", [*start, *command[1:]]
+    return ControllerCommand(name, command, variables, parameters, of_others, notes)
 
 
 def _name(node: Node) -> str:

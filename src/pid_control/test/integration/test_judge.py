@@ -45,6 +45,7 @@ class Judge(JudgeCase):
         self.make_package("anna", "flaw_windup.py")
         self.make_package("ben/ben_control", "flaw_crash_at_start.py")
         self.make_package("cleo")
+        (self.folder / "class" / "cleo" / "scripts" / "Controller.py").touch()
         output = self.folder / "out"
         words = ["--output", output, "--only", "windup", "--class", self.folder / "class"]
         self.assert_judged(1, "anna: failed: the integral goes on growing", *words)
@@ -59,7 +60,9 @@ class Judge(JudgeCase):
             },
         )
         self.assertIn("no_such_module", rows["ben/ben_control"]["why"])
-        self.assertEqual(rows["cleo"]["why"], "it has no controller.py")
+        self.assertEqual(
+            rows["cleo"]["why"], "it has no controller.py; did you mean Controller.py?"
+        )
         page = (output / "class.html").read_text()
         self.assertIn("<h1>3 controllers</h1><p>0 passed, 2 failed, 1 not judged</p>", page)
         self.assertIn('href="anna.svg"', page)

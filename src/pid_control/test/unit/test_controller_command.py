@@ -8,7 +8,12 @@ from typing import List
 import pytest
 
 from nodekit.testing.waiting import wait_until
-from pid_control.runner.controller_command import find_controller, find_files
+from pid_control.runner.controller_command import (
+    CommandError,
+    find_controller,
+    find_files,
+    near_names,
+)
 from pid_control.runner.controller_process import ControllerProcess
 
 
@@ -18,6 +23,36 @@ def test_find_files_skips_hidden_folders(tmp_path: pathlib.Path) -> None:
         (tmp_path / folder / "controller.py").write_text("")
     found = [str(tmp_path / "scripts" / "controller.py")]
     assert find_files(str(tmp_path), "controller.py") == found
+
+
+@pytest.mark.parametrize(
+    "name, hint",
+    [
+        ("controller.py", "; did you mean Controller.py or controler.py?"),
+        ("controller_node", "; did you mean controller_node_pi?"),
+        ("controler.launch", "; did you mean controller.launch?"),
+        ("motor", ""),
+    ],
+)
+def test_near_names_returns_existing_programs(name: str, hint: str, tmp_path: pathlib.Path) -> None:
+    for file in ("Controller.py", "controler.py", "controller.launch", "controller_node_pi"):
+        (tmp_path / file).write_text("")
+    (tmp_path / "controller_node_pi").chmod(0o755)
+    for other in ("controller.cpp", "controller.pyc", ".git/controllers.py"):
+        (tmp_path / other).parent.mkdir(exist_ok=True)
+        (tmp_path / other).write_text("")
+    assert near_names(name, str(tmp_path)) == hint
+
+
+def test_find_controller_unknown_program_offers_near_name(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    (tmp_path / "package.xml").write_text("<package><name>anna</name></package>")
+    (tmp_path / "Controller.py").write_text("")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(tmp_path))
+    says = r"controller\.py: not found in the package anna \(.*\); did you mean Controller\.py\?$"
+    with pytest.raises(CommandError, match=says):
+        find_controller(["anna", "controller.py"])
 
 
 def test_find_controller_separates_parameters_of_other_nodes(tmp_path: pathlib.Path) -> None:

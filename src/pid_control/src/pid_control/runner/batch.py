@@ -15,7 +15,7 @@ from typing import Dict, List, Optional, Sequence, Tuple
 from pid_control.judging.batch_page import as_html
 from pid_control.judging.judgement import FAILED, NOT_JUDGED, PASSED, STATUS, Judgement
 from pid_control.judging.reports import as_csv
-from pid_control.runner.controller_command import find_files
+from pid_control.runner.controller_command import find_files, near_names
 
 #: Default name of the controller in each package.
 _NAME = "controller.py"
@@ -92,7 +92,7 @@ class Batch:
                 options += ["--workspace", workspace]
                 found += glob.glob(os.path.join(workspace, "devel", "lib", "*", self._name))
             if not found:
-                raise _Broken(f"it has no {self._name}")
+                raise _Broken(f"it has no {self._name}{near_names(self._name, package)}")
             environment = dict(os.environ, TMPDIR=scratch)
             paths = [package, os.environ.get("ROS_PACKAGE_PATH", "")]
             environment["ROS_PACKAGE_PATH"] = os.pathsep.join(paths)

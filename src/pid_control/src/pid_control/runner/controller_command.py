@@ -1,8 +1,9 @@
 """Command that starts a controller: a program, or one node of a launch file."""
 
+import difflib
 import os
 import subprocess
-from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple
+from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import roslaunch.config
 import rospkg
@@ -13,6 +14,8 @@ from pid_control.runner.python_program import start_words
 
 #: Timeout for reading the environment of a workspace [s].
 _ENVIRONMENT_S = 20.0
+#: Least resemblance of a name that is offered for another, from 0 to 1.
+_NEAR = 0.75
 
 
 class CommandError(Exception):
@@ -86,7 +89,8 @@ def _path(words: Sequence[str], environment: Dict[str, str]) -> Tuple[str, List[
         # Built and installed programs are in another folder.
         found = [*_libexec(environment, first, name), *found]
     if not found:
-        raise CommandError(f"{name}: not found in the package {first} ({place})")
+        near = near_names(name, place, *_libexec_folders(environment, first))
+        raise CommandError(f"{name}: not found in the package {first} ({place}){near}")
     return found[0], rest
 
 
@@ -96,18 +100,39 @@ def find_files(place: str, name: str) -> List[str]:
     :param place: the folder
     :param name: name of the file
     """
-    found = []
-    for folder, folders, files in os.walk(place):
-        folders[:] = [child for child in folders if not child.startswith(".")]
-        if name in files:
-            found.append(os.path.join(folder, name))
+    found = [path for path in _files(place) if os.path.basename(path) == name]
     return sorted(found, key=lambda path: (not os.access(path, os.X_OK), path))
 
 
+def near_names(name: str, *places: str) -> str:
+    """Return a hint with the programs and launch files whose names resemble a name, if any.
+
+    :param name: the name
+    :param places: folders; hidden folders in them are skipped
+    """
+    names: Dict[str, Set[str]] = {}
+    for path in (path for place in places for path in _files(place)):
+        if path.endswith((".py", ".launch")) or os.access(path, os.X_OK):
+            names.setdefault(os.path.basename(path).lower(), set()).add(os.path.basename(path))
+    near = difflib.get_close_matches(name.lower(), names, cutoff=_NEAR)
+    found = [one for lower in near for one in sorted(names[lower])]
+    return f"; did you mean {' or '.join(found)}?" if found else ""
+
+
+def _files(place: str) -> Iterator[str]:
+    for folder, folders, files in os.walk(place):
+        folders[:] = [child for child in folders if not child.startswith(".")]
+        yield from (os.path.join(folder, file) for file in files)
+
+
 def _libexec(environment: Dict[str, str], package: str, name: str) -> List[str]:
-    prefixes = environment.get("CMAKE_PREFIX_PATH", "").split(os.pathsep)
-    paths = [os.path.join(prefix, "lib", package, name) for prefix in prefixes if prefix]
+    paths = [os.path.join(place, name) for place in _libexec_folders(environment, package)]
     return [path for path in paths if os.path.isfile(path)]
+
+
+def _libexec_folders(environment: Dict[str, str], package: str) -> List[str]:
+    prefixes = environment.get("CMAKE_PREFIX_PATH", "").split(os.pathsep)
+    return [os.path.join(prefix, "lib", package) for prefix in prefixes if prefix]
 
 
 def _environment(workspace: str) -> Dict[str, str]:

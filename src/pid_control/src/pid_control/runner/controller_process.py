@@ -11,9 +11,10 @@ from typing import Dict, Optional
 from pid_control.runner.controller_command import ControllerCommand
 from pid_control.runner.deferred_signals import deferred_signals
 from pid_control.runner.process_watch import MARK, ProcessWatch
+from pid_control.runner.python_crash import crash_in
 
 #: Kept tail of the output, and output that is too long for a controller [bytes].
-_KEPT, _TOO_MUCH = 4000, 5_000_000
+_KEPT, _TOO_MUCH = 20_000, 5_000_000
 #: Timeout for processes to end [s].
 _PATIENCE_S = 2.0
 
@@ -32,6 +33,7 @@ class ControllerProcess:
     def __init__(self, command: ControllerCommand, environment: Dict[str, str]) -> None:
         mark = uuid.uuid4().hex
         self.watch = ProcessWatch(mark)
+        self._argv = command.argv
         self._tail = b""
         self._written = 0
         self._popen = subprocess.Popen(
@@ -56,12 +58,14 @@ class ControllerProcess:
         return self._written > _TOO_MUCH
 
     def last_words(self) -> str:
-        """Return the last line of the output, if any."""
-        if self.status is not None:
+        """Return the exception that ended the process, else the last line of its output, if any."""
+        has_ended = self.status is not None
+        if has_ended:
             self._reader.join(_PATIENCE_S)  # the last line may still be in the pipe
-        lines = self._tail.decode(errors="replace").splitlines()
-        spoken = [line.strip() for line in lines if line.strip()]
-        return spoken[-1][:300] if spoken else ""
+        output = self._tail.decode(errors="replace")
+        crash = crash_in(output, self._argv) if has_ended else ""
+        spoken = [line.strip() for line in output.splitlines() if line.strip()]
+        return (crash or spoken[-1])[:300] if spoken else ""
 
     def interrupt(self) -> None:
         """Send SIGINT, and wait for the process to end."""

@@ -1,0 +1,122 @@
+"""Tests of finding the exception that ended a controller, in the output of real programs."""
+
+import os
+import pathlib
+import shutil
+import sys
+from typing import List
+
+import pytest
+
+from nodekit.testing.waiting import wait_until
+from pid_control.runner.controller_command import ControllerCommand
+from pid_control.runner.controller_process import ControllerProcess
+from pid_control.runner.python_crash import crash_in
+
+#: A student's template: it prints a line at its end, whatever happens.
+TEMPLATE = """import sys
+from gains import gain
+try:
+    print(gain(sys.argv[1]))
+{handler}
+    print("Stopping")
+"""
+GAINS = """import json
+def gain(text):
+    return json.loads(text)["kp"]
+"""
+FINALLY = "finally:"
+CATCHES = "except Exception:\n    import traceback\n    traceback.print_exc()"
+#: What catkin builds in devel/lib for a Python program.
+RELAY = "exec(compile(open({path!r}).read(), {path!r}, 'exec'))\n"
+
+
+@pytest.fixture
+def package(tmp_path: pathlib.Path) -> pathlib.Path:
+    """Folder of a student's package, below which are a controller and a module."""
+    scripts = tmp_path / "anna" / "scripts"
+    scripts.mkdir(parents=True)
+    (tmp_path / "anna" / "package.xml").write_text("<package><name>anna</name></package>")
+    (scripts / "controller.py").write_text(TEMPLATE.format(handler=FINALLY))
+    (scripts / "gains.py").write_text(GAINS)
+    return tmp_path / "anna"
+
+
+def last_words(*words: str, **environment: str) -> str:
+    """Return the last words of a program that has ended."""
+    argv = [sys.executable, *words]
+    command = ControllerCommand("x", argv, {**os.environ, **environment}, {}, {})
+    controller = ControllerProcess(command, {})
+    try:
+        wait_until(lambda: controller.status is not None, controller.last_words)
+        return controller.last_words()
+    finally:
+        controller.end()
+
+
+@pytest.mark.parametrize("handler", [FINALLY, CATCHES])
+@pytest.mark.parametrize(
+    "gain, says",
+    [
+        ("{}", "KeyError: 'kp' (gains.py, line 3)"),
+        (
+            "x",
+            "json.decoder.JSONDecodeError: Expecting value: line 1 column 1 (char 0)"
+            " (gains.py, line 3)",
+        ),
+        ('{"kp": 1}', "Stopping"),
+    ],
+)
+def test_last_words_of_crash_are_exception_and_own_line(
+    handler: str, gain: str, says: str, package: pathlib.Path
+) -> None:
+    program = package / "scripts" / "controller.py"
+    program.write_text(TEMPLATE.format(handler=handler))
+    assert last_words(str(program), gain) == says
+
+
+def test_last_words_of_built_package_name_its_source(
+    package: pathlib.Path, tmp_path: pathlib.Path
+) -> None:
+    scripts = package / "scripts"
+    program = tmp_path / "devel" / "lib" / "anna" / "controller.py"
+    program.parent.mkdir(parents=True)
+    program.write_text(RELAY.format(path=str(scripts / "controller.py")))
+    words = last_words(str(program), "{}", PYTHONPATH=str(scripts))
+    assert words == "KeyError: 'kp' (gains.py, line 3)"
+
+
+def test_last_words_of_program_without_package_name_its_folder_only(
+    package: pathlib.Path, tmp_path: pathlib.Path
+) -> None:
+    program = tmp_path / "controller.py"
+    shutil.copy(str(package / "scripts" / "controller.py"), str(program))
+    words = last_words(str(program), "{}", PYTHONPATH=str(package / "scripts"))
+    assert words == "KeyError: 'kp' (controller.py, line 4)"
+
+
+FRAME = '  File "{path}", line {line}\n'
+
+
+@pytest.mark.parametrize(
+    "lines, says",
+    [
+        (["Stopping\n"], ""),
+        (["ValueError: not after a traceback\n"], ""),
+        (
+            [FRAME, "    foo(\n", "SyntaxError: '(' was never closed\n"],
+            "SyntaxError: '(' was never closed",
+        ),
+        ([FRAME, "[INFO] between\n", "KeyError: 9\n", "Stopping\n"], "KeyError: 9"),
+        ([FRAME, "KeyError: 9\n", "\n", FRAME, "KeyboardInterrupt\n"], "KeyboardInterrupt"),
+    ],
+)
+def test_crash_in_returns_latest_exception(
+    lines: List[str], says: str, package: pathlib.Path
+) -> None:
+    program = str(package / "scripts" / "controller.py")
+    output = "".join(lines).format(path=program, line=7)
+    place = " (controller.py, line 7)" if says else ""
+    assert crash_in(output, [program]) == says + place
+    installed = output.replace(program, "/usr/lib/python3/dist-packages/rospy/core.py")
+    assert crash_in(installed, [program]) == says

@@ -125,10 +125,10 @@ nodekit.run("some", Some)
 def test_node_warns_of_misspelt_settings_at_its_start(tmp_path):
     (tmp_path / "some_node.py").write_text(NODE)
     master = Master()
-    arguments = ["topic:=b", "service:=c", "_rate=2", "last:=b"]
+    arguments = ["topic:=b", "service:=c", "_rate=2", "last:=d"]
     node = Process(str(tmp_path / "some_node.py"), arguments, {"ROS_MASTER_URI": master.uri})
     try:
-        node.wait_for_log("argument last:=b: sets nothing; did you mean _last:=b?")
+        node.wait_for_log("argument last:=d: sets nothing; did you mean _last:=d?")
         assert len(node.logged("sets nothing")) == 2
         assert node.logged("WARN", "argument _rate=2: sets nothing; did you mean _rate:=2?")
         assert node.interrupt() == 0

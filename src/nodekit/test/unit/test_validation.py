@@ -267,7 +267,7 @@ def test_arguments_in_another_order(give: Callable[[], Any], what: str) -> None:
 )
 def test_members_that_cannot_be_hosted(members: Any, what: str) -> None:
     must = " must be (name, namespace, class), such as ('talker', 'robot1', Talker)"
-    for give in (lambda: host("host", members), lambda: host_all(node(), members)):
+    for give in (lambda: host_all(node(), members), lambda: host("host", members)):
         text = refusal(give)
         assert text.startswith("host: " + what)
         assert text.endswith(must)

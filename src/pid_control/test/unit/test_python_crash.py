@@ -19,14 +19,13 @@ from gains import gain
 try:
     print(gain(sys.argv[1]))
 {handler}
-    print("Stopping")
 """
 GAINS = """import json
 def gain(text):
     return json.loads(text)["kp"]
 """
-FINALLY = "finally:"
-CATCHES = "except Exception:\n    import traceback\n    traceback.print_exc()"
+FINALLY = "finally:\n    print('Stopping')"
+CATCHES = "except Exception:\n    import traceback\n    traceback.print_exc()\nprint('Stopping')"
 #: What catkin builds in devel/lib for a Python program.
 RELAY = "exec(compile(open({path!r}).read(), {path!r}, 'exec'))\n"
 

@@ -36,3 +36,33 @@ def test_what_nodes_ask_for_comes_first_and_the_latest_before_the_others() -> No
     ours = "NODES 2, NODES 1, TRANSITIONS 2, TRANSITIONS 1, TOOLKIT 2, TOOLKIT 1".split(", ")
     assert ended.stdout.splitlines() == [*ours, "rospy's first", "rospy's second", "too late"]
     assert "ValueError: on purpose" in ended.stderr
+
+
+CLIENT_HANGS_UP = """
+from types import SimpleNamespace
+import rospy
+from rospy.impl import tcpros_service
+from nodekit.rospy_internals.shutdown import patch_shutdown
+
+patch_shutdown()
+
+def receive_once():
+    raise rospy.exceptions.TransportTerminated("unable to receive data from sender")
+
+transport = SimpleNamespace(receive_once=receive_once, close=lambda: print("closed"))
+tcpros_service.ServiceImpl.handle(SimpleNamespace(resolved_name="/set"), transport, {})
+tcpros_service.logerr("another error")
+"""
+
+
+def test_client_that_hangs_up_before_its_request_is_no_error_of_the_server() -> None:
+    ended = subprocess.run(
+        [sys.executable, "-c", CLIENT_HANGS_UP],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        universal_newlines=True,
+    )
+    assert ended.returncode == 0, ended.stderr
+    assert ended.stdout == "closed\n"
+    assert "another error" in ended.stderr
+    assert "incoming connection failed" not in ended.stderr

@@ -18,7 +18,8 @@ def patch_shutdown() -> None:
     """Prevent tracebacks and errors at shutdown.
 
     A server whose first client connects during shutdown listens on a closed socket. And a client
-    that disconnects then, such as one of this node whose call is cancelled, is expected.
+    that disconnects before its request is read, such as one that is interrupted, is no error of
+    this node: the client reports it.
     """
     serve, log_error = TCPServer.run, getattr(tcpros_service, "logerr", rospy.logerr)
 
@@ -29,14 +30,20 @@ def patch_shutdown() -> None:
             if not rospy.core.is_shutdown_requested():
                 raise
 
-    def log_unless_at_the_end(text: str, *args: object) -> None:
-        if not (text.startswith(_HUNG_UP) and rospy.core.is_shutdown_requested()):
-            log_error(text, *args)
-
     TCPServer.run = serve_until_shutdown
-    tcpros_service.logerr = log_unless_at_the_end
+    tcpros_service.logerr = partial(log_service_error, log_error)
     if _hooks is None:
         rospy.logwarn("unsupported rospy version: nodes end after what rospy.on_shutdown was given")
+
+
+def log_service_error(log_error: Callable[..., None], text: str, *args: object) -> None:
+    """Log an error of rospy's services, at debug level if a client has disconnected.
+
+    :param log_error: logs an error
+    :param text: rospy's message
+    :param args: its arguments
+    """
+    (rospy.logdebug if text.startswith(_HUNG_UP) else log_error)(text, *args)
 
 
 class ShutdownPhase(enum.IntEnum):

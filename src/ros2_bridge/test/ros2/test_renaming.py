@@ -53,7 +53,11 @@ def test_names_of_ros2_are_in_the_namespace(ros: both.Both) -> None:
         wait_until(lambda: node.get_parameter("rate").value == 5.0, lambda: "not taken")
         node.set_parameters([Parameter("rate", value=2.0)])
         wait_until(lambda: rospy.get_param(rate) == 2.0, lambda: "its own change is not told")
-        assert rospy.get_master().lookupNode("/robot1/lidar")[0] == 1
+        # The bridge registers nodes and mirrors parameters in steps of their own.
+        wait_until(
+            lambda: rospy.get_master().lookupNode("/robot1/lidar")[0] == 1,
+            lambda: "the node is not registered",
+        )
     ros.executor.remove_node(node)
     node.destroy_service(server)
     node.destroy_node()

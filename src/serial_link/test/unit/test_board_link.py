@@ -15,7 +15,7 @@ from serial_link.host.counters import Counters
 from serial_link.link.events import Synced, Message, Restarted, Topics
 from serial_link.link.board_link import BoardLink
 from serial_link.link.throttled_log import ThrottledLog
-from serial_link.negotiation.payloads import PUBLISHER, SUBSCRIBER, Values
+from serial_link.negotiation.payloads import INFO, PUBLISHER, SUBSCRIBER, Values
 
 BAUD = 115200
 
@@ -34,6 +34,8 @@ class Talker:
         self.device: Optional[Device] = None
         #: Whether it is to send a message of no topic that it has told of.
         self.strange = False
+        #: Whether it sends log lines and parameter requests instead of messages.
+        self.logs = False
 
     def on_message(self, device: Device, now: float, name: str, payload: bytes) -> None:
         self.heard.append(payload)
@@ -46,7 +48,11 @@ class Talker:
         if self.strange:
             self.strange = False
             device._send(140, b"")
-        device.publish("topic_0_0", b"")
+        if self.logs:
+            device.log(INFO, "still here")
+            device.request_parameter("gain")
+        else:
+            device.publish("topic_0_0", b"")
 
     def next_due(self, now: float) -> float:
         return now + 0.001
@@ -166,6 +172,16 @@ def test_a_board_is_asked_for_what_is_not_known_and_told_again_only_when_it_has_
     rig.board.reset()
     assert "restarted" in rig.fetch_until(Restarted).why
     rig.fetch_until(Synced)
+
+
+def test_board_that_logs_in_its_loop_is_found_again_after_a_reset(rig: Rig) -> None:
+    rig.start()
+    rig.fetch_until(Synced)
+    rig.sketch.logs = True
+    rig.board.reset()
+    assert "restarted" in rig.fetch_until(Restarted).why
+    rig.fetch_until(Synced)
+    assert rig.sketch.device is not None and rig.sketch.device.is_configured
 
 
 def test_a_missing_board_is_told_once_and_again_when_it_has_been_there(

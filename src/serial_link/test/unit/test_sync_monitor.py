@@ -13,6 +13,7 @@ from serial_link.host.sync_states import (
     SYNCED,
     LOST,
     MESSAGE,
+    NOTICE,
     OPENED,
     PROBE,
     RESTART,
@@ -98,6 +99,54 @@ def test_a_board_that_was_reset_is_back_within_a_second_of_its_start() -> None:
     assert now + 0.02 - back_at < 1.0
     monitor.handle(now + 0.03, TIME)
     assert monitor.state == SYNCED
+
+
+def test_a_reset_board_that_logs_in_its_loop_is_asked_again() -> None:
+    monitor = in_step()
+    actions: List[str] = []
+    for step in range(1, 51):  # a log line or a parameter request every 0.1 s
+        now = 0.1 * step
+        actions += monitor.handle(now, NOTICE)
+        polled = monitor.poll(now)
+        while PROBE in polled:  # a board that waits to be asked answers each probe
+            actions += polled
+            polled = monitor.handle(now + 0.01, TIME)
+        actions += polled
+        if ASK in polled:
+            break
+    assert actions[-2:] == [RESTART, ASK] and now < 1.0
+    assert monitor.state == NEGOTIATING and monitor.restarts == 1
+
+
+@pytest.mark.parametrize("state", [SILENT, PROBING])
+def test_notice_while_probing_proves_nothing(state: str) -> None:
+    monitor = in_step()
+    monitor.poll(QUIET_S)
+    if state == PROBING:
+        monitor.handle(QUIET_S, TIME)
+    assert monitor.handle(QUIET_S, NOTICE) == []
+    assert monitor.state == state
+
+
+def test_board_that_sends_only_notices_is_overdue_after_the_librarys_timeout() -> None:
+    monitor = in_step()
+    for step in range(1, 400):
+        now = 0.05 * step
+        monitor.handle(now, NOTICE)
+        if RESTART in monitor.poll(now):
+            break
+    assert OVERDUE_S <= now <= OVERDUE_S + 2.0 * PROBE_EVERY_S
+    assert 10.0 < OVERDUE_S < 12.0
+
+
+def test_time_requests_provoked_by_bytes_of_messages_hide_no_reset() -> None:
+    monitor = in_step()
+    for step in range(1, 20):  # each message to the board has a byte 0xff that is not a frame's
+        now = 0.1 * step
+        monitor.poll(now)
+        if ASK in monitor.handle(now, TIME):
+            break
+    assert monitor.state == NEGOTIATING and now < 1.0
 
 
 def test_a_quick_board_that_was_reset_is_missed_within_half_a_second() -> None:

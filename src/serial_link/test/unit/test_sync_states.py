@@ -13,6 +13,7 @@ from serial_link.host.sync_states import (
     SYNCED,
     LOST,
     MESSAGE,
+    NOTICE,
     OPENED,
     PROBE,
     RESTART,
@@ -55,6 +56,10 @@ def test_every_state_is_reached_and_left() -> None:
 def test_what_has_no_row_changes_nothing() -> None:
     assert move(CLOSED, TOPIC) == Move(CLOSED, "")
     assert move(NEGOTIATING, MESSAGE) == Move(NEGOTIATING, "")
+
+
+def test_notice_changes_no_state() -> None:
+    assert all(move(state, NOTICE) == Move(state) for state in STATES)
 
 
 def test_a_silent_board_is_restarted_only_if_it_answers_two_probes() -> None:

@@ -8,22 +8,29 @@ from serial_link.host.sync_states import (
     NEGOTIATING,
     CLOSED,
     DUE,
+    MESSAGE,
     SYNCED,
     OPENED,
     OVERDUE,
     PROBE,
     RESTART,
     SILENT,
+    TIME,
+    TOPIC,
     UNKNOWN,
     move,
 )
 
-#: A board that has said nothing for this long is silent [s].
+#: A board that has not proven for this long that it is configured is silent [s].
 QUIET_S = 0.3
 #: How often a board is asked that does not answer, and probed while it is silent [s].
 ASK_EVERY_S, PROBE_EVERY_S = 0.25, 0.25
-#: A board asks for the time every 2.5 s; one that has not for this long is not synchronized [s].
-OVERDUE_S = 6.0
+#: A configured board asks for the time every 2.5 s, or once a loop if that takes longer. It forgets
+#: a host that has not answered for this long [s].
+OVERDUE_S = 11.0
+#: Events that prove that the board is configured. The time proves it only in other states than
+#: SYNCED: a board that was reset asks for it whenever a message to it has a byte 0xff.
+_PROOFS = (OPENED, TOPIC, MESSAGE, UNKNOWN)
 
 
 class SyncMonitor:
@@ -36,7 +43,7 @@ class SyncMonitor:
     def __init__(self) -> None:
         self.state = CLOSED
         self.restarts = 0
-        self._heard_at = self._asked_at = self._probed_at = -math.inf
+        self._proven_at = self._asked_at = self._probed_at = -math.inf
 
     def handle(self, now: float, event: str) -> List[str]:
         """Follow an event.
@@ -45,9 +52,9 @@ class SyncMonitor:
         :param event: of the table
         :returns: actions of the table, in order
         """
-        if event not in (DUE, OVERDUE):
-            self._heard_at = now
         was = self.state
+        if event in _PROOFS or (event == TIME and was != SYNCED):
+            self._proven_at = now
         self.state, action = move(was, event)
         if event == UNKNOWN and now - self._asked_at < ASK_EVERY_S:
             action = ""  # what it tells when it is asked is under way
@@ -72,7 +79,7 @@ class SyncMonitor:
         """
         if now < self.next_due():
             return []
-        is_overdue = self.state == SILENT and now - self._heard_at >= OVERDUE_S
+        is_overdue = self.state == SILENT and now - self._proven_at >= OVERDUE_S
         return self.handle(now, OVERDUE if is_overdue else DUE)
 
     def next_due(self) -> float:
@@ -82,5 +89,5 @@ class SyncMonitor:
         if self.state == NEGOTIATING:
             return self._asked_at + ASK_EVERY_S
         if self.state == SYNCED:
-            return self._heard_at + QUIET_S
+            return self._proven_at + QUIET_S
         return self._probed_at + PROBE_EVERY_S

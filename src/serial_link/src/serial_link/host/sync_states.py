@@ -3,7 +3,7 @@
 from typing import Dict, NamedTuple, Tuple
 
 #: States: the port is not open; it is, and the board is asked for its topics; the board answers;
-#: it has said nothing for a moment; it has asked for the time in such a moment.
+#: no frame has proven for a moment that it is configured; it has asked for the time meanwhile.
 CLOSED, NEGOTIATING, SYNCED, SILENT, PROBING = (
     "closed",
     "negotiating",
@@ -13,13 +13,21 @@ CLOSED, NEGOTIATING, SYNCED, SILENT, PROBING = (
 )
 STATES = (CLOSED, NEGOTIATING, SYNCED, SILENT, PROBING)
 
-#: Events: the port was opened or lost; a frame came that tells of a topic, asks for the time, or is
-#: anything else that is known, or about a topic that is not known; it is time to do something
-#: again; nothing was heard for so long that a board would have forgotten the host.
+#: Events: the port was opened or lost; a frame arrived (see below); it is time to do something
+#: again; no frame has proven for so long that the board is configured that it has ceased to be.
 OPENED, LOST = "opened", "lost"
-TOPIC, TIME, MESSAGE, UNKNOWN = "topic", "time", "message", "unknown"
+#: Frames, and what each proves, by rosserial's node_handle.h. A board is configured once it has
+#: answered the question for its topics, until it is reset.
+#: TOPIC tells of a topic: the board answers the question, and is configured.
+#: MESSAGE is of a known topic or service: the library sends these only while configured.
+#: UNKNOWN is of an unknown one: configured, but perhaps by another host or with another sketch.
+#: TIME asks for the time: a configured board does every 2.5 s, and any board that is asked for its
+#: topics; but one that is not configured answers a probe by it, so twice at once proves a reset.
+#: NOTICE is a log line, a parameter request or an unknown special id: a board sends these before
+#: it is configured as well, so they prove nothing.
+TOPIC, TIME, MESSAGE, UNKNOWN, NOTICE = "topic", "time", "message", "unknown", "notice"
 DUE, OVERDUE = "due", "overdue"
-EVENTS = (OPENED, LOST, TOPIC, TIME, MESSAGE, UNKNOWN, DUE, OVERDUE)
+EVENTS = (OPENED, LOST, TOPIC, TIME, MESSAGE, UNKNOWN, NOTICE, DUE, OVERDUE)
 
 #: Actions: ask for the topics; send what only a board answers that waits to be asked; have what was
 #: meant for the board before its restart forgotten.

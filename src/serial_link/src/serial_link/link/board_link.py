@@ -294,10 +294,10 @@ class BoardLink:
                 answer = encode(TIME, payloads.encode_time(*self._time_of()))
                 self._outgoing_queue.put_reliable(answer)
             elif topic_id == PARAMETER:
-                event = sync_states.MESSAGE
+                event = sync_states.NOTICE
                 self.inbox.put_reliable(ParameterRequest(payloads.decode_name(payload)))
             elif topic_id == LOG:
-                event = sync_states.MESSAGE
+                event = sync_states.NOTICE
                 self.inbox.put(LOG, LogLine(*payloads.decode_log(payload)))
             else:
                 event = self._deliver(topic_id, payload)
@@ -319,7 +319,7 @@ class BoardLink:
         if endpoint is None:
             self._counters.add(counters.UNKNOWN_ID)
             # What no board has is no reason to ask: it was damaged, and its sum held all the same.
-            return sync_states.UNKNOWN if topic_id >= FIRST_TOPIC else sync_states.MESSAGE
+            return sync_states.UNKNOWN if topic_id >= FIRST_TOPIC else sync_states.NOTICE
         message = Message(endpoint, payload)
         if endpoint.is_service:
             self.inbox.put_reliable(message)

@@ -11,7 +11,12 @@ def test_without_hardware_both_nodes_are_at_the_same_port() -> None:
     config = load("port:=/tmp/some", "baud:=9600")
     assert node_names(config) == ["/serial_node", "/simulated_board"]
     link = private_parameters(config, "/serial_node")
-    assert link == {"port": "/tmp/some", "baud": 9600, "tcp_port": 11411}
+    assert link == {
+        "port": "/tmp/some",
+        "baud": 9600,
+        "tcp_port": 11411,
+        "tcp_address": "localhost",
+    }
     board = private_parameters(config, "/simulated_board")
     assert board == {"link": "/tmp/some", "baud": 9600, "tcp_port": 11411}
 
@@ -27,3 +32,10 @@ def test_over_the_network_the_simulated_board_connects() -> None:
     assert private_parameters(config, "/simulated_board")["link"] == ""
     assert private_parameters(config, "/simulated_board")["tcp_port"] == 4000
     assert private_parameters(config, "/serial_node")["port"] == "tcp"
+
+
+def test_board_launch_tcp_address_is_the_nodes_own() -> None:
+    config = load("port:=tcp", "tcp_address:=0.0.0.0")
+    assert private_parameters(config, "/serial_node")["tcp_address"] == "0.0.0.0"
+    # The simulated board runs on this machine, and 0.0.0.0 is not an address to connect to.
+    assert "tcp_address" not in private_parameters(config, "/simulated_board")

@@ -134,12 +134,9 @@ class Reporter:
             f"{numbers(result.passed, failures(result), result.skipped)}, "
             f"{result.seconds:.1f} s, {result.cpu_seconds:.1f} s of processor time"
         ]
+        lines += failed_cases(result)
         if not result.good:
             lines += ["    " + line for line in result.log.splitlines()[-LINES_SHOWN:]]
-        for case in result.cases:
-            if case.outcome == "failed":
-                lines.append(f"  failed: {': '.join(filter(None, (case.name, case.reason)))}")
-                lines.append(f"    again: {repeat_command(result.step, case)}")
         for line in lines:
             self._bar.write(line, file=sys.stdout)
         sys.stdout.flush()
@@ -147,6 +144,16 @@ class Reporter:
     def close(self) -> None:
         """Remove the bar."""
         self._bar.close()
+
+
+def failed_cases(result: StepResult) -> List[str]:
+    """Return two lines for each failed test: its reason, and the command that repeats it."""
+    lines = []
+    for case in result.cases:
+        if case.outcome == "failed":
+            lines.append(f"  failed: {': '.join(filter(None, (case.name, case.reason)))}")
+            lines.append(f"    again: {repeat_command(result.step, case)}")
+    return lines
 
 
 def failures(result: StepResult) -> int:
@@ -188,6 +195,9 @@ def summarise(results: List[StepResult], seconds: float, times: Times) -> bool:
         title = result.step.title
         if times.has_grown(title, result.cpu_seconds):
             print(f"{title}: {result.cpu_seconds:.1f} s, usually {times.cpu(title):.1f} s")
+    for result in results:
+        if not result.good:
+            print("\n".join([f"FAILED {result.step.title}", *failed_cases(result)]))
     print(
         f"{seconds:.0f} s in all, {AT_A_TIME} steps at a time, "
         f"{cpu_seconds(results) / 60:.1f} minutes of processor time\n"

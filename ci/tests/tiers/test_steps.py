@@ -138,6 +138,20 @@ def test_closing_line_and_status(capsys: "pytest.CaptureFixture[str]") -> None:
     assert capsys.readouterr().out.splitlines()[-1] == "3 passed, 1 failed, 0 skipped"
 
 
+def test_summary_names_failed_tests_again_at_the_end(
+    capsys: "pytest.CaptureFixture[str]",
+) -> None:
+    times = Times(pathlib.Path("/nowhere"))
+    good, bad = result_of("a", 1.0, passed=1), result_of("b", 1.0, passed=1, failed=1)
+    assert not command.summarise([good, bad], 2.0, times)
+    told = capsys.readouterr().out.splitlines()
+    assert told[told.index("FAILED unit/b") + 1 :][:2] == [
+        "  failed: 0",
+        "    again: ./ci/test unit",
+    ]
+    assert not any("FAILED unit/a" in line for line in told)
+
+
 def test_a_step_that_has_grown_is_named(
     tmp_path: pathlib.Path, capsys: "pytest.CaptureFixture[str]"
 ) -> None:

@@ -112,7 +112,9 @@ class Runner:
         began = time.monotonic()
         with log.open("wb") as output:
             process = subprocess.Popen(
-                [argument.replace("{results}", str(results)) for argument in step.command],
+                # Under nohup it is ignored, and so would all be that the step starts.
+                ["env", "--default-signal=HUP"]
+                + [argument.replace("{results}", str(results)) for argument in step.command],
                 cwd=str(WORKSPACE),
                 env=environment(directory),
                 stdin=subprocess.DEVNULL,

@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import threading
@@ -112,6 +113,15 @@ def test_steps_do_not_share_a_master_or_a_home(tmp_path: pathlib.Path) -> None:
     assert len(one) == len(other) == len(names)
     assert not set(one) & set(other)
     assert all(str(tmp_path) in path for path in one[1:])
+
+
+def test_hangup_ends_what_a_step_starts_where_the_run_ignores_it(tmp_path: pathlib.Path) -> None:
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        result = run(tmp_path, "sh", "-c", "sh -c 'kill -HUP $$; echo ignored'; echo ended")
+    finally:
+        signal.signal(signal.SIGHUP, before)
+    assert [line for line in result.log.splitlines() if line in ("ignored", "ended")] == ["ended"]
 
 
 def result_of(name: str, cpu: float, **outcomes: int) -> StepResult:

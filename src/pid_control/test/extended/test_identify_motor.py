@@ -57,27 +57,25 @@ class IdentifyMotor(unittest.TestCase):
         graph.wait_until_heard("/identify", "/motor_input", "/system")
         graph.wait_until_heard("/system", "/motor_output", "/identify")
         identify = ServerProxy(rosgraph.Master("/test").lookupNode("/identify"))
-        # It begins when it hears the motor: the clock waits for it.
-        while not self.inputs.count() and command.popen.poll() is None:
-            heard = self.received(identify, "/motor_output")
+
+        def step_and_wait(topic: str) -> None:
+            """Move the clock until identify has it, or an output could stand periods too early."""
+            heard = {name: self.received(identify, name) for name in ("/clock", topic)}
             self.step()
             wait_until(
                 lambda: (
                     command.popen.poll() is not None
-                    or self.received(identify, "/motor_output") > heard
+                    or all(self.received(identify, name) > heard[name] for name in heard)
                 ),
-                lambda: f"{heard} outputs heard at {self.time}: {command.logged()}",
+                lambda: f"heard {heard} at {self.time}, and not each since: {command.logged()}",
             )
+
+        # It begins when it hears the motor: the clock waits for it.
+        while not self.inputs.count() and command.popen.poll() is None:
+            step_and_wait("/motor_output")
         while command.popen.poll() is None:
-            sent, clocks = self.inputs.count(), self.received(identify, "/clock")
-            self.step()
-            # Or an output could stand more than one period too early.
-            wait_until(
-                lambda: (
-                    command.popen.poll() is not None or self.received(identify, "/clock") > clocks
-                ),
-                lambda: f"identify has not got the clock of {self.time}",
-            )
+            sent = self.inputs.count()
+            step_and_wait("/clock")
             wait_until(
                 lambda: self.inputs.count() > sent or command.popen.poll() is not None,
                 lambda: f"no input at {self.time}: {command.logged()}",

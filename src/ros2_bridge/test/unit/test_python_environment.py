@@ -2,13 +2,74 @@
 
 import pathlib
 import sys
-from typing import List, Sequence
+from typing import Dict, List, Sequence
 
 import pytest
+import yaml
 
 from ros2_bridge.environment import python_environment
 from ros2_bridge.environment.python_environment import PythonEnvironment, Unavailable
-from ros2_bridge.types.ros2_interfaces import generate_interfaces
+from ros2_bridge.types.ros2_interfaces import TwinPackage, generate_interfaces
+
+
+def twins_of(**definitions: str) -> Dict[str, TwinPackage]:
+    """Return packages of twins, each with one message X."""
+    texts = {name: {"msg/X.msg": text} for name, text in definitions.items()}
+    return generate_interfaces(texts, lambda _: False).packages
+
+
+@pytest.fixture
+def place(tmp_path: pathlib.Path) -> pathlib.Path:
+    """Return the folder of an environment that is not yet made."""
+    return tmp_path / "ros2"
+
+
+@pytest.fixture
+def wheels(monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path) -> pathlib.Path:
+    """Return a list of wheels, of any Python."""
+    monkeypatch.setattr(python_environment, "PYTHONS", (sys.version_info[:2],))
+    path = tmp_path / "wheels.txt"
+    path.write_text("x==1.0\n")
+    return path
+
+
+class Environment(PythonEnvironment):
+    """Environment whose wheels and builder are stood in for.
+
+    :ivar script: what stands in for pip
+    :ivar failing: package that does not build
+    :ivar built: packages built in the last run
+    """
+
+    script, failing = "exit 0", ""
+
+    def __init__(self, folder: pathlib.Path) -> None:
+        super().__init__(folder)
+        self.built: List[str] = []
+
+    def _install(self, wheels: pathlib.Path) -> None:
+        super().run(["sh", "-c", self.script], 10.0, "no wheels")
+
+    def run(self, command: Sequence[str], limit: float, what: str) -> None:
+        if len(command) < 3 or command[1] != str(python_environment.BUILDER):
+            super().run(command, limit, what)
+            return
+        self.built = [word.partition(":")[0] for word in command[3:]]
+        if self.failing in self.built:
+            (self._twins / self.failing / "error").write_text("X.h:3: error: no")
+
+    def names(self) -> Dict[str, str]:
+        """Return the renamed types, of which each package here has one."""
+        found = yaml.safe_load(self._names.read_text())
+        return {name: twin for name, twin in found.items() if name.endswith("/x")}
+
+
+def package(folder: pathlib.Path, text: str = "uint8 x\n") -> Dict[str, pathlib.Path]:
+    """Write a package with one message, x."""
+    (folder / "msg").mkdir(parents=True, exist_ok=True)
+    (folder / "msg" / "x.msg").write_text(text)
+    (folder / "package.xml").write_text(f"<package><name>{folder.name}</name></package>")
+    return {folder.name: folder}
 
 
 def test_another_python_is_refused(
@@ -23,8 +84,9 @@ def test_another_python_is_refused(
     assert line.startswith("make_environment: PyPI has ROS 2 for Python 3.2 only, and this is 3.")
 
 
-def test_first_error_of_a_command_is_the_reason(tmp_path: pathlib.Path) -> None:
-    ours = PythonEnvironment(tmp_path / "ros2")
+def test_first_error_of_a_command_is_the_reason(place: pathlib.Path) -> None:
+    ours = PythonEnvironment(place)
+    place.with_name("ros2_twins").mkdir()
     noise = "echo collecting; echo 'ERROR: No matching distribution found'; echo bye; exit 1"
     with pytest.raises(Unavailable, match="no wheels: ERROR: No matching"):
         ours.run(["sh", "-c", noise], 10.0, "no wheels")
@@ -41,25 +103,84 @@ def test_without_a_network_that_is_the_reason() -> None:
 
 
 @pytest.mark.parametrize("script", ["exit 1", "kill -INT $PPID; sleep 9"])
-def test_nothing_half_made_stays(
-    script: str, monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path
+def test_environment_that_is_whole_stays_until_another_is(
+    script: str, wheels: pathlib.Path, place: pathlib.Path
 ) -> None:
-    monkeypatch.setattr(python_environment, "PYTHONS", (sys.version_info[:2],))
-    wheels = tmp_path / "wheels.txt"
-    wheels.write_text("x==1.0\n")
-    ours = PythonEnvironment(tmp_path / "ros2")
-
-    def install(_: pathlib.Path) -> None:
-        (tmp_path / "ros2").mkdir()
-        ours.run(["sh", "-c", script], 10.0, "no wheels")
-
-    monkeypatch.setattr(ours, "_install", install)
+    first = Environment(place)
+    first.make(wheels, package(place.parent / "src" / "a_msgs"))
+    (place / "old").touch()
+    wheels.write_text("x==2.0\n")
+    second = Environment(place)
+    second.script = script
     with pytest.raises((Unavailable, KeyboardInterrupt)):
-        ours.fetch(wheels)
-    assert not (tmp_path / "ros2").exists()
-    script = "exit 0"
-    ours.fetch(wheels)
-    assert (tmp_path / "ros2" / "wheels").exists()
+        second.make(wheels, {})
+    assert (place / "old").exists() and second.names() == {"a_msgs/x": "a_msgs/X"}
+    assert not place.with_name("ros2_previous").exists()
+    third = Environment(place)
+    third.make(wheels, {})
+    assert not (place / "old").exists() and not place.with_name("ros2_previous").exists()
+    assert third.built == ["a_msgs"] and third.names() == {"a_msgs/x": "a_msgs/X"}
+
+
+def test_environment_before_is_back_after_a_kill(wheels: pathlib.Path, place: pathlib.Path) -> None:
+    Environment(place).make(wheels, {})
+    (place / "old").touch()
+    place.rename(place.with_name("ros2_previous"))
+    place.mkdir()
+    (place / python_environment.MARK).touch()
+    Environment(place).make(wheels, {})
+    assert (place / "old").exists() and not place.with_name("ros2_previous").exists()
+
+
+@pytest.mark.parametrize("name", ["ros2", "ros2_twins", "ros2_previous"])
+def test_folder_of_the_user_is_refused_and_stays(
+    name: str, wheels: pathlib.Path, place: pathlib.Path
+) -> None:
+    mine = place.with_name(name) / "src" / "mine.cpp"
+    mine.parent.mkdir(parents=True)
+    mine.touch()
+    with pytest.raises(Unavailable, match=f"{name} is not empty and was not made by this command"):
+        Environment(place).make(wheels, {})
+    assert mine.exists()
+    assert sorted(path.name for path in place.parent.iterdir()) == [name, "wheels.txt"]
+
+
+def test_environment_of_an_earlier_release_is_taken_over(
+    wheels: pathlib.Path, place: pathlib.Path
+) -> None:
+    (place / "share" / "ros2_bridge").mkdir(parents=True)
+    (place / "share" / "ros2_bridge" / "names.yaml").write_text("{}")
+    (place.with_name("ros2_twins") / "a_msgs" / "source").mkdir(parents=True)
+    Environment(place).make(wheels, {})
+    assert (place / "wheels").exists()
+
+
+def test_packages_of_earlier_runs_stay_and_are_built_again_with_what_they_use(
+    wheels: pathlib.Path, place: pathlib.Path
+) -> None:
+    sources = place.parent / "src"
+    ours = Environment(place)
+    ours.make(wheels, package(sources / "one_msgs"))
+    ours.make(wheels, package(sources / "two_msgs", "one_msgs/x x\n"))
+    assert ours.built == ["two_msgs"]
+    assert sorted(ours.names()) == ["one_msgs/x", "two_msgs/x"]
+    ours.make(wheels, package(sources / "one_msgs", "uint16 x\n"))
+    assert ours.built == ["one_msgs", "two_msgs"]
+    assert sorted(ours.names()) == ["one_msgs/x", "two_msgs/x"]
+
+
+def test_package_that_does_not_build_is_named_once_and_the_others_are_there(
+    wheels: pathlib.Path, place: pathlib.Path, capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    sources = place.parent / "src"
+    ours = Environment(place)
+    ours.failing = "odd_msgs"
+    packages = {**package(sources / "good_msgs"), **package(sources / "odd_msgs")}
+    ours.make(wheels, packages)
+    assert "make_environment: left out odd_msgs: X.h:3: error: no\n" in capsys.readouterr().err
+    assert list(ours.names()) == ["good_msgs/x"]
+    ours.make(wheels, packages)
+    assert ours.built == ["odd_msgs"] and capsys.readouterr().err == ""
 
 
 def test_commands_run_without_ros_1(
@@ -67,36 +188,16 @@ def test_commands_run_without_ros_1(
 ) -> None:
     monkeypatch.setenv("PYTHONPATH", "/somewhere")
     command = ["sh", "-c", 'test -z "$PYTHONPATH$ROS_DISTRO"']
+    (tmp_path / "ros2_twins").mkdir()
     PythonEnvironment(tmp_path / "ros2").run(command, 10.0, "it sees ROS 1")
 
 
 def test_what_another_package_needs_comes_first() -> None:
-    uses = {"a": "b/X x\n", "b": "c/X x\n", "c": "uint8 x\n"}
-    twins = {name: generate_interfaces(name, {"msg/X.msg": text}) for name, text in uses.items()}
-    assert python_environment.in_order(twins) == ["c", "b", "a"]
-
-
-def test_twins_are_built_once_and_again_where_they_are_new_or_use_what_has_changed(
-    monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path
-) -> None:
-    ours, built = PythonEnvironment(tmp_path / "ros2"), []
-
-    def run(command: Sequence[str], *_: object) -> None:
-        built.append([word.partition(":")[0] for word in command[3:]])
-
-    def build(**definitions: str) -> List[str]:
-        """Return the packages whose twins are built, of types X."""
-        built.clear()
-        ours._build(
-            {one: generate_interfaces(one, {"msg/X.msg": it}) for one, it in definitions.items()}
-        )
-        return built[0] if built else []
-
-    monkeypatch.setattr(ours, "run", run)
-    assert build(a="b/X x\n", b="uint8 x\n") == ["b", "a"]
-    assert build(a="b/X x\n", b="uint8 x\n") == [] == built
-    assert build(a="b/X x\n", b="uint8 x\n", c="uint8 x\n") == ["c"]
-    assert build(a="b/X x\n", b="uint8 y\n", c="uint8 x\n") == ["b", "a"]
+    assert python_environment.in_order(twins_of(a="b/X x\n", b="c/X x\n", c="uint8 x\n")) == [
+        "c",
+        "b",
+        "a",
+    ]
 
 
 def test_packages_of_one_maintainer_belong_together(tmp_path: pathlib.Path) -> None:
@@ -107,5 +208,30 @@ def test_packages_of_one_maintainer_belong_together(tmp_path: pathlib.Path) -> N
             f"<package><maintainer>{maintainer}</maintainer></package>"
         )
     found = python_environment.companions(tmp_path / "bridge")
-    assert [folder.name for folder in found] == ["a_msgs", "bridge"]
+    assert list(found) == ["a_msgs", "bridge"]
     assert python_environment.definitions(found)["a_msgs"] == {"msg/X.msg": "uint8 x\n"}
+
+
+def test_packages_are_found_at_any_depth_as_catkin_finds_them(tmp_path: pathlib.Path) -> None:
+    package(tmp_path / "top_msgs")
+    package(tmp_path / "repository" / "folder" / "deep_msgs")
+    package(tmp_path / "repository" / "ignored_msgs")
+    (tmp_path / "repository" / "ignored_msgs" / "CATKIN_IGNORE").touch()
+    found = python_environment.packages_under(tmp_path)
+    assert {name: folder.parent.name for name, folder in found.items()} == {
+        "top_msgs": tmp_path.name,
+        "deep_msgs": "folder",
+    }
+
+
+def test_packages_of_debian_are_those_with_nothing_but_messages(tmp_path: pathlib.Path) -> None:
+    for name, parts in {
+        "a_msgs": ["__init__.py", "msg"],
+        "with_code": ["__init__.py", "msg", "client.py"],
+        "not_installed": [],
+    }.items():
+        (tmp_path / "share" / name / "msg").mkdir(parents=True)
+        for part in parts:
+            (tmp_path / "python" / name / part).mkdir(parents=True)
+    found = python_environment.debian_packages(tmp_path / "share", str(tmp_path / "python"))
+    assert found == {"a_msgs": tmp_path / "share" / "a_msgs"}

@@ -4,8 +4,25 @@ from typing import Dict
 
 import pytest
 
-from nodekit.message_definitions import DefinitionError
-from ros2_bridge.types.ros2_interfaces import generate_interfaces, twin_type
+from ros2_bridge.types.ros2_interfaces import (
+    Interfaces,
+    TwinPackage,
+    generate_interfaces,
+    twin_type,
+)
+
+
+def interfaces(**definitions: Dict[str, str]) -> Interfaces:
+    """Return the twins of packages beside the messages that ROS 2 has of its own."""
+    own = ("std_msgs", "builtin_interfaces", "geometry_msgs")
+    return generate_interfaces(definitions, lambda message: message.partition("/")[0] in own)
+
+
+def twins_of(definitions: Dict[str, str]) -> TwinPackage:
+    """Return the twins of a package that ROS 2 can have whole."""
+    packages, left_out = interfaces(pkg=definitions)
+    assert left_out == {}
+    return packages["pkg"]
 
 
 @pytest.mark.parametrize(
@@ -34,7 +51,7 @@ def test_definition_is_written_as_ros2_wants_it() -> None:
         "inner_one[] inner\n"
         "geometry_msgs/Point place\n"
     )
-    twin = generate_interfaces("pkg", {"msg/outer_one.msg": text, "msg/inner_one.msg": "int8 x\n"})
+    twin = twins_of({"msg/outer_one.msg": text, "msg/inner_one.msg": "int8 x\n"})
     assert twin.files["msg/OuterOne.msg"] == (
         "# What it is.\n"
         "uint8 SMALL=3\n"
@@ -54,26 +71,52 @@ def test_definition_is_written_as_ros2_wants_it() -> None:
 
 
 def test_service_keeps_the_line_between_request_and_answer() -> None:
-    twin = generate_interfaces("pkg", {"srv/Ask.srv": "bool enable\n---\nstring message\n"})
+    twin = twins_of({"srv/Ask.srv": "bool enable\n---\nstring message\n"})
     assert twin.files["srv/Ask.srv"] == "bool enable\n---\nstring message\n"
 
 
 @pytest.mark.parametrize(
-    "definitions, words",
+    "text, reason",
     [
-        ({"msg/A.msg": "int32 trailing_\n"}, "pkg/msg/A.msg: trailing_ is not a legal name"),
-        ({"msg/A.msg": "int32\n"}, "'int32' is not a field"),
-        ({"msg/my_type.msg": "", "msg/MyType.msg": ""}, "another type is pkg/MyType"),
+        ("int32 trailing_\n", "trailing_ is not a valid name of a field or constant in ROS 2"),
+        ("int32 a__b\n", "a__b is not a valid name of a field or constant in ROS 2"),
+        ("int32 default\n", "default is not a valid name of a field or constant in ROS 2"),
+        ("int32 long\n", "long is not a valid name of a field or constant in ROS 2"),
+        ("int32 X\nint32 x\n", "X and x are both x in ROS 2"),
+        ("int32 FOO=1\nint32 foo=2\n", "FOO and foo are both FOO in ROS 2"),
+        ("int32\n", "'int32' is not a field of a message"),
+        ("other_msgs/Odd odd\n", "it uses other_msgs/Odd, which ROS 2 does not have here"),
     ],
 )
-def test_what_has_no_twin_is_refused(definitions: Dict[str, str], words: str) -> None:
-    with pytest.raises(DefinitionError, match=words.replace("/", ".")):
-        generate_interfaces("pkg", definitions)
+def test_type_that_ros2_cannot_have_is_left_out_with_its_users(text: str, reason: str) -> None:
+    packages, left_out = interfaces(
+        pkg={"msg/Odd.msg": text, "msg/Good.msg": "int8 x\n", "srv/Ask.srv": "Odd odd\n---\n"},
+        user={"msg/A.msg": "pkg/Odd[] odd\n", "msg/B.msg": "pkg/Good good\n"},
+    )
+    assert [path for path in packages["pkg"].files if "/" in path] == ["msg/Good.msg"]
+    assert [path for path in packages["user"].files if "/" in path] == ["msg/B.msg"]
+    user = "it uses pkg/Odd, which ROS 2 does not have here"
+    assert left_out == {"pkg/msg/Odd.msg": reason, "pkg/srv/Ask.srv": user, "user/msg/A.msg": user}
+
+
+def test_fields_of_request_and_response_may_have_the_same_name() -> None:
+    twin = twins_of({"srv/Ask.srv": "int8 x\n---\nint8 X\n"})
+    assert twin.files["srv/Ask.srv"] == "int8 x\n---\nint8 x\n"
+
+
+def test_second_type_with_the_same_name_in_ros2_is_left_out() -> None:
+    packages, left_out = interfaces(pkg={"msg/my_type.msg": "", "msg/MyType.msg": ""})
+    assert left_out == {"pkg/msg/my_type.msg": "pkg/msg/MyType.msg is pkg/MyType in ROS 2 already"}
+    assert packages["pkg"].names == {}
+
+
+def test_package_without_any_twin_is_left_out() -> None:
+    assert interfaces(pkg={"msg/A.msg": "int32 long\n"}).packages == {}
 
 
 def test_action_has_three_parts_and_what_ros2_needs_for_them() -> None:
     text = "float64 Far\n---\nstd_msgs/Header header\n---\nfloat64 left\n"
-    twin = generate_interfaces("pkg", {"action/go_to.action": text})
+    twin = twins_of({"action/go_to.action": text})
     assert twin.files["action/GoTo.action"] == (
         "float64 far\n---\nstd_msgs/Header header\n---\nfloat64 left\n"
     )

@@ -19,8 +19,7 @@ from xml.etree import ElementTree
 import rospkg
 import yaml
 
-from nodekit.message_definitions import DefinitionError
-from ros2_bridge.environment.start import home
+from ros2_bridge.environment.start import DEBIAN, home
 from ros2_bridge.types.ros2_interfaces import RENAMED, TwinPackage, generate_interfaces
 
 #: Versions of Python that the wheels are for.
@@ -32,6 +31,10 @@ WITHOUT_WHEEL = {
 #: Longest time for the empty environment, for what is fetched from PyPI, and for building all
 #: packages [s]: on a busy machine each takes ten times as long.
 VENV_LIMIT_S, FETCH_LIMIT_S, BUILD_LIMIT_S = 300.0, 900.0, 900.0
+#: File in a folder that this command has made, and may remove.
+MARK = "made_by_ros2_bridge"
+#: Where Debian has definitions of messages.
+SHARE = pathlib.Path("/usr/share")
 BUILDER = pathlib.Path(__file__).with_name("twin_builder.py")
 
 
@@ -53,8 +56,70 @@ class PythonEnvironment:
         self._folder = folder
         self._python = folder / "bin" / "python"
         self._twins = folder.with_name(f"{folder.name}_twins")
+        #: The environment before, until the new one is whole.
+        self._previous = folder.with_name(f"{folder.name}_previous")
         #: Written last: without it, the environment is incomplete.
         self._names = folder / "share" / "ros2_bridge" / "names.yaml"
+        self._left_out = self._names.with_name("left_out.yaml")
+
+    def make(self, wheels: pathlib.Path, packages: Mapping[str, pathlib.Path]) -> None:
+        """Make what is missing. An environment that is whole stays until another one is.
+
+        :param wheels: list of the wheels
+        :param packages: folders of packages, with messages or without, by name
+        :raises Unavailable: if it cannot be made
+        """
+        self._claim()
+        self._restore()
+        stamp = self._folder / "wheels"
+        wanted = f"{self._folder}\n{sys.version}\n{wheels.read_text('utf-8')}"
+        if stamp.exists() and stamp.read_text("utf-8") == wanted and self._names.exists():
+            self.build_twins(packages)
+            return
+        check_python()
+        say(f"fetching ROS 2 from PyPI, once, into {self._folder}")
+        if self._folder.exists():
+            self._folder.rename(self._previous)
+        try:
+            self._mark(self._folder)
+            self._install(wheels)
+            stamp.write_text(wanted, "utf-8")
+            for built in self._twins.glob("*/stamp"):
+                built.unlink()
+            self.build_twins(packages)
+        except BaseException:
+            self._restore()
+            raise
+        shutil.rmtree(str(self._previous), ignore_errors=True)
+
+    def _claim(self) -> None:
+        """Refuse folders with files of the user, and mark the others as made here.
+
+        :raises Unavailable: if one is not empty and was not made here
+        """
+        earlier = (self._folder / "share" / "ros2_bridge").is_dir()  # by a release without marks
+        for place in (self._folder, self._twins, self._previous):
+            empty = not place.exists() or (place.is_dir() and not any(place.iterdir()))
+            if not (empty or earlier or (place / MARK).exists()):
+                raise Unavailable(
+                    f"{place} is not empty and was not made by this command;"
+                    " name a new or an empty folder with --into"
+                )
+        self._mark(self._twins)
+        if earlier:
+            self._mark(self._folder)
+
+    def _mark(self, place: pathlib.Path) -> None:
+        place.mkdir(parents=True, exist_ok=True)
+        (place / MARK).touch()
+
+    def _restore(self) -> None:
+        """Put the environment before back unless the new one is whole."""
+        if not self._names.exists():
+            shutil.rmtree(str(self._folder), ignore_errors=True)
+            if self._previous.exists():
+                self._previous.rename(self._folder)
+        shutil.rmtree(str(self._previous), ignore_errors=True)
 
     def run(self, command: Sequence[str], limit: float, what: str) -> None:
         """Run a command of the environment, without ROS 1, and with its output in a log.
@@ -63,7 +128,7 @@ class PythonEnvironment:
         :param what: what it does, for the sentence if it fails
         :raises Unavailable: if it fails
         """
-        log = self._folder.with_name(f"{self._folder.name}.log")
+        log = self._twins / "log"
         variables = {
             name: value
             for name, value in os.environ.items()
@@ -88,31 +153,6 @@ class PythonEnvironment:
             why = first_error(log.read_text("utf-8", "replace"))
             raise Unavailable(f"{what}: {why} (see {log})") from None
 
-    def fetch(self, wheels: pathlib.Path) -> None:
-        """Install the wheels, unless just these are installed.
-
-        :param wheels: the list of them
-        :raises Unavailable: if they cannot be had
-        """
-        stamp = self._folder / "wheels"
-        wanted = f"{self._folder}\n{sys.version}\n{wheels.read_text('utf-8')}"
-        if stamp.exists() and stamp.read_text("utf-8") == wanted:
-            return
-        check_python()
-        say(f"fetching ROS 2 from PyPI, once, into {self._folder}")
-        self._remove()
-        self._folder.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            self._install(wheels)
-        except BaseException:
-            self._remove()
-            raise
-        stamp.write_text(wanted, "utf-8")
-
-    def _remove(self) -> None:
-        for place in (self._folder, self._twins):
-            shutil.rmtree(str(place), ignore_errors=True)
-
     def _install(self, wheels: pathlib.Path) -> None:
         venv = ["/usr/bin/python3", "-m", "venv", str(self._folder)]
         self.run(venv, VENV_LIMIT_S, "cannot make a virtual environment")
@@ -122,34 +162,58 @@ class PythonEnvironment:
         options = ["--retries", "1", "--disable-pip-version-check", "--requirement", str(wheels)]
         self.run([*pip, *options], FETCH_LIMIT_S, "ROS 2 cannot be installed from PyPI")
 
-    def has_wheel(self, package: str) -> bool:
-        """Tell whether a wheel brings the ROS 2 package of this name."""
-        index = self._folder / "share" / "ament_index" / "resource_index" / "rosidl_interfaces"
-        return (index / package).exists() and not (self._twins / package).exists()
+    def _has_wheel(self, package: str) -> bool:
+        """Return whether a wheel brings the ROS 2 package of this name."""
+        return self._index(package).exists() and not (self._twins / package).exists()
 
-    def build_twins(self, packages: Sequence[pathlib.Path]) -> None:
+    def _index(self, package: str) -> pathlib.Path:
+        share = self._folder / "share" / "ament_index" / "resource_index"
+        return share / "rosidl_interfaces" / package
+
+    def _is_in_wheel(self, message: str) -> bool:
+        """Return whether a wheel brings a message, such as ``std_msgs/Header``."""
+        package, _, name = message.partition("/")
+        if not self._has_wheel(package):
+            return False
+        return f"msg/{name}.idl" in self._index(package).read_text("utf-8").split()
+
+    def build_twins(self, packages: Mapping[str, pathlib.Path]) -> None:
         """Build and install the twins that are new or changed, and write down their names.
 
-        :param packages: folders of packages, with messages or without
-        :raises Unavailable: if a type cannot have a twin, or one does not build
+        Twins of earlier runs stay. A type that cannot have a twin is left out, which is said once.
+
+        :param packages: folders of packages, with messages or without, by name
+        :raises Unavailable: if the builder does not run
         """
-        texts = {**definitions(packages), **WITHOUT_WHEEL}
-        try:
-            twins = {
-                name: generate_interfaces(name, files)
-                for name, files in texts.items()
-                if files and not self.has_wheel(name)
-            }
-        except DefinitionError as error:
-            raise Unavailable(f"a type cannot have a twin in ROS 2: {error}") from None
-        self._build(twins)
+        texts = {**WITHOUT_WHEEL, **self._earlier_definitions(), **definitions(packages)}
+        texts = {name: its for name, its in texts.items() if its and not self._has_wheel(name)}
+        twins, left_out = generate_interfaces(texts, self._is_in_wheel)
+        self._build(twins, texts)
         names = dict(RENAMED)
-        for twin in twins.values():
-            names.update(twin.names)
+        for name, twin in twins.items():
+            error = self._twins / name / "error"
+            if error.exists():
+                left_out[name] = error.read_text("utf-8")
+            else:
+                names.update(twin.names)
         self._names.parent.mkdir(parents=True, exist_ok=True)
+        told = yaml.safe_load(self._left_out.read_text()) if self._left_out.exists() else {}
+        for path, reason in sorted(left_out.items()):
+            if told.get(path) != reason:
+                say(f"left out {path}: {reason}")
+        self._left_out.write_text(yaml.safe_dump(left_out), "utf-8")
         self._names.write_text(yaml.safe_dump(names), "utf-8")
 
-    def _build(self, twins: Mapping[str, TwinPackage]) -> None:
+    def _earlier_definitions(self) -> Dict[str, Dict[str, str]]:
+        """Return the ROS 1 definitions that earlier runs built twins of."""
+        return {
+            path.parent.name: yaml.safe_load(path.read_text("utf-8"))
+            for path in sorted(self._twins.glob("*/definitions.yaml"))
+        }
+
+    def _build(
+        self, twins: Mapping[str, TwinPackage], texts: Mapping[str, Mapping[str, str]]
+    ) -> None:
         digests: Dict[str, str] = {}
         stale = []
         for name in in_order(twins):
@@ -160,27 +224,29 @@ class PythonEnvironment:
             stamp = self._twins / name / "stamp"
             if not stamp.exists() or stamp.read_text("utf-8") != digests[name]:
                 stale.append(name)
-                self._write_source(name, twins[name])
+                self._write_source(name, twins[name], texts[name])
         if not stale:
             return
-        if self._names.exists():
-            self._names.unlink()
         began = time.monotonic()
         given = [f"{name}:{','.join(sorted(twins[name].needs))}" for name in stale]
         command = [str(self._python), str(BUILDER), str(self._twins), *given]
         self.run(command, BUILD_LIMIT_S, "the ROS 2 twins do not build")
-        for name in stale:
+        built = [name for name in stale if not (self._twins / name / "error").exists()]
+        for name in built:
             (self._twins / name / "stamp").write_text(digests[name], "utf-8")
-        took = time.monotonic() - began
-        say(f"built the ROS 2 twins of {', '.join(stale)} in {took:.0f} s")
+        if built:
+            took = time.monotonic() - began
+            say(f"built the ROS 2 twins of {', '.join(built)} in {took:.0f} s")
 
-    def _write_source(self, name: str, twin: TwinPackage) -> None:
+    def _write_source(self, name: str, twin: TwinPackage, texts: Mapping[str, str]) -> None:
         """Replace the definitions of a package of twins."""
-        shutil.rmtree(str(self._twins / name), ignore_errors=True)
+        place = self._twins / name
+        shutil.rmtree(str(place), ignore_errors=True)
         for path, text in twin.files.items():
-            target = self._twins / name / "source" / path
+            target = place / "source" / path
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(text, "utf-8")
+        (place / "definitions.yaml").write_text(yaml.safe_dump(dict(texts)), "utf-8")
 
 
 def first_error(log: str) -> str:
@@ -200,26 +266,47 @@ def check_python() -> None:
         raise Unavailable(f"PyPI has ROS 2 for Python {known} only, and this is {mine}")
 
 
-def definitions(packages: Sequence[pathlib.Path]) -> Dict[str, Dict[str, str]]:
+def definitions(packages: Mapping[str, pathlib.Path]) -> Dict[str, Dict[str, str]]:
     """Return the definitions of each package, text by path within it."""
     return {
-        package.name: {
-            str(path.relative_to(package)): path.read_text("utf-8")
+        name: {
+            str(path.relative_to(folder)): path.read_text("utf-8")
             for kind in ("msg", "srv", "action")
-            for path in sorted(package.glob(f"{kind}/*.{kind}"))
+            for path in sorted(folder.glob(f"{kind}/*.{kind}"))
         }
-        for package in packages
+        for name, folder in packages.items()
     }
 
 
-def companions(package: pathlib.Path) -> List[pathlib.Path]:
+def companions(package: pathlib.Path) -> Dict[str, pathlib.Path]:
     """Return the packages beside one that have the same maintainer: those it was installed with."""
 
     def maintainer(folder: pathlib.Path) -> str:
         return ElementTree.parse(str(folder / "package.xml")).findtext("maintainer", "")
 
     folders = [manifest.parent for manifest in sorted(package.parent.glob("*/package.xml"))]
-    return [folder for folder in folders if maintainer(folder) == maintainer(package)]
+    return {folder.name: folder for folder in folders if maintainer(folder) == maintainer(package)}
+
+
+def packages_under(folder: pathlib.Path) -> Dict[str, pathlib.Path]:
+    """Return the packages in a folder at any depth, as catkin finds them."""
+    found = rospkg.RosPack([str(folder)])
+    return {name: pathlib.Path(found.get_path(name)) for name in found.list()}
+
+
+def debian_packages(share: pathlib.Path = SHARE, modules: str = DEBIAN) -> Dict[str, pathlib.Path]:
+    """Return the message packages that Debian has installed.
+
+    A package with Python code besides its messages is omitted: the twin would hide that code.
+    """
+    found = {}
+    for folder in sorted(
+        {path.parent for kind in ("msg", "srv") for path in share.glob(f"*/{kind}")}
+    ):
+        code = {path.name for path in pathlib.Path(modules, folder.name).glob("*")}
+        if code and code <= {"__init__.py", "__pycache__", "msg", "srv"}:
+            found[folder.name] = folder
+    return found
 
 
 def in_order(twins: Mapping[str, TwinPackage]) -> List[str]:
@@ -259,17 +346,16 @@ def main() -> int:
         "--sources",
         metavar="FOLDER",
         type=pathlib.Path,
-        help="make twins for all packages there, not for those installed with the bridge",
+        help="make twins for the packages there, at any depth, not for those installed with the"
+        " bridge; twins of earlier runs stay",
     )
     options = parser.parse_args()
-    packages = companions(package)
-    if options.sources:
-        packages = [manifest.parent for manifest in sorted(options.sources.glob("*/package.xml"))]
+    packages = debian_packages()
+    packages.update(packages_under(options.sources) if options.sources else companions(package))
     environment = PythonEnvironment(options.into.absolute())
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
-        environment.fetch(package / "config" / "wheels.txt")
-        environment.build_twins(packages)
+        environment.make(package / "config" / "wheels.txt", packages)
     except Unavailable as reason:
         say(str(reason))
         return 125

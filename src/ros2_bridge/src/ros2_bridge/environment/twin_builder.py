@@ -5,6 +5,9 @@ lie in TWINS/PACKAGE/source; a package stands behind those that it needs. ROS 2'
 called here, and what they write is compiled for rclpy and fastrtps, which asks for introspection
 too: its CMake files start ten programs for each package, and build classes for C++, which no code
 uses here.
+
+A package that does not build is left out, with the reason in TWINS/PACKAGE/error; ROS 2 sees a
+package only once it is whole, as its entry in the index is written last.
 """
 
 import concurrent.futures
@@ -15,7 +18,7 @@ import shutil
 import subprocess
 import sys
 import sysconfig
-from typing import Any, List, NamedTuple
+from typing import Any, Callable, Dict, List, NamedTuple
 
 import numpy
 from rosidl_cli.command.hash.api import generate_type_hashes
@@ -76,6 +79,8 @@ def generate(package: Package) -> None:
     """Write a package's code, and install its definitions."""
     name, code, share = package.name, package.code, SHARE / package.name
     source = package.place / "source"
+    for kind in ("packages", "rosidl_interfaces"):
+        (INDEX / kind / name).unlink(missing_ok=True)
     for place in (code.parent, package.introspection.parent, share, package.module):
         shutil.rmtree(str(place), ignore_errors=True)
     interfaces = sorted(path.relative_to(source) for path in source.glob("*/*"))
@@ -106,11 +111,17 @@ def generate(package: Package) -> None:
         target = package.module / path.relative_to(code)
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(str(path), str(target))
+
+
+def add_to_index(package: Package) -> None:
+    """Let ROS 2 find a package."""
+    source = package.place / "source"
+    interfaces = sorted(path.relative_to(source) for path in source.glob("*/*"))
     listed = [
         str(path.with_suffix(suffix)) for path in interfaces for suffix in (".idl", path.suffix)
     ]
-    (INDEX / "packages" / name).touch()
-    (INDEX / "rosidl_interfaces" / name).write_text("\n".join(listed), "utf-8")
+    (INDEX / "packages" / package.name).touch()
+    (INDEX / "rosidl_interfaces" / package.name).write_text("\n".join(listed), "utf-8")
 
 
 def units(package: Package) -> List[pathlib.Path]:
@@ -128,7 +139,7 @@ def units(package: Package) -> List[pathlib.Path]:
     return found
 
 
-def build(packages: List[Package], includes: List[pathlib.Path]) -> None:
+def build(packages: List[Package], includes: List[pathlib.Path], attempt: "Attempt") -> None:
     """Compile what was generated, as much at once as there are processors, and link it."""
     options = [f"-I{path}" for path in includes]
 
@@ -140,17 +151,23 @@ def build(packages: List[Package], includes: List[pathlib.Path]) -> None:
 
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         jobs = [[pool.submit(compiled, unit) for unit in units(package)] for package in packages]
-    for package, parts in zip(packages, ([job.result() for job in of_one] for of_one in jobs)):
-        entry = [path for path in parts if ".ep." in path.name]
-        names = [f"{needed}__{part}" for needed in package.needs for part in OF_PACKAGE]
-        there = [one for one in (*names, *OF_ROS2) if (LIBRARIES / f"lib{one}.so").exists()]
-        own = f"{package.name}__twin"
-        link(LIBRARIES / f"lib{own}.so", [one for one in parts if one not in entry], there)
-        link(package.module / f"{package.name}_s__{C}.so", entry, [own])
-        for kind in (FASTRTPS, INTROSPECTION):  # loaded by these names
-            alias = LIBRARIES / f"lib{package.name}__{kind}.so"
-            alias.unlink(missing_ok=True)
-            alias.symlink_to(f"lib{own}.so")
+    for package, parts in zip(packages, jobs):
+        attempt(package, lambda: link_package(package, [job.result() for job in parts]))
+
+
+def link_package(package: Package, parts: List[pathlib.Path]) -> None:
+    """Link the parts of a package, and add it to the index."""
+    entry = [path for path in parts if ".ep." in path.name]
+    names = [f"{needed}__{part}" for needed in package.needs for part in OF_PACKAGE]
+    there = [one for one in (*names, *OF_ROS2) if (LIBRARIES / f"lib{one}.so").exists()]
+    own = f"{package.name}__twin"
+    link(LIBRARIES / f"lib{own}.so", [one for one in parts if one not in entry], there)
+    link(package.module / f"{package.name}_s__{C}.so", entry, [own])
+    for kind in (FASTRTPS, INTROSPECTION):  # loaded by these names
+        alias = LIBRARIES / f"lib{package.name}__{kind}.so"
+        alias.unlink(missing_ok=True)
+        alias.symlink_to(f"lib{own}.so")
+    add_to_index(package)
 
 
 def link(target: pathlib.Path, objects: List[pathlib.Path], libraries: List[str]) -> None:
@@ -159,19 +176,53 @@ def link(target: pathlib.Path, objects: List[pathlib.Path], libraries: List[str]
 
 
 def run(*command: object) -> None:
-    subprocess.run([str(part) for part in command], check=True)
+    done = subprocess.run(
+        [str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+    )
+    if done.returncode:
+        said = done.stdout.decode("utf-8", "replace").splitlines()
+        errors = [line for line in said if "error" in line] or said[-1:]
+        raise RuntimeError(errors[0] if errors else f"{command[0]} ended with {done.returncode}")
+
+
+class Attempt:
+    """Attempts at packages: one that fails is left out, and so are its users."""
+
+    def __init__(self) -> None:
+        self._failed: Dict[str, str] = {}
+
+    def __call__(self, package: Package, step: Callable[[], None]) -> bool:
+        """Take a step with a package.
+
+        :param step: raises an exception of any kind, as ROS 2's generators do, if it fails
+        :returns: whether it is done
+        """
+        lost = [needed for needed in package.needs if needed in self._failed]
+        try:
+            if lost:
+                raise RuntimeError(f"it needs {lost[0]}, which does not build")
+            step()
+        except Exception as error:
+            reason = " ".join(str(error).split()) or type(error).__name__
+            self._failed[package.name] = reason
+            (package.place / "error").write_text(reason, "utf-8")
+            shutil.rmtree(str(package.module), ignore_errors=True)
+            print(f"{package.name}: {reason}", flush=True)
+            return False
+        return True
 
 
 def main(twins: pathlib.Path, given: List[str]) -> None:
     """Build packages, given as on the command line."""
     # The parser takes most of the generators' time, and each of them would parse all files again.
     parser.get_ast_from_idl_string = functools.lru_cache(None)(parser.get_ast_from_idl_string)
-    packages = []
+    packages, attempt = [], Attempt()
     for name, _, needed in (one.partition(":") for one in given):
-        packages.append(
-            Package(name, twins / name, ALWAYS + needed.split(",") if needed else ALWAYS)
-        )
-        generate(packages[-1])
+        needs = [*ALWAYS, *needed.split(",")] if needed else ALWAYS
+        package = Package(name, twins / name, needs)
+        (package.place / "error").unlink(missing_ok=True)
+        if attempt(package, functools.partial(generate, package)):
+            packages.append(package)
     headers = ENVIRONMENT / "include"
     includes = [
         headers,
@@ -181,7 +232,7 @@ def main(twins: pathlib.Path, given: List[str]) -> None:
         pathlib.Path(sysconfig.get_path("include")),
         pathlib.Path(numpy.get_include()),
     ]
-    build(packages, includes)
+    build(packages, includes, attempt)
     for package in packages:
         for path in package.place.rglob("*.o"):
             path.unlink()

@@ -5,8 +5,9 @@ ROS 2 takes names of types in CamelCase only, and of fields in lower case; it ha
 time, and the text of a constant stands between quotes.
 """
 
+import keyword
 import re
-from typing import Dict, List, Mapping, NamedTuple, Set
+from typing import Callable, Dict, List, Mapping, NamedTuple, Set
 
 from nodekit.message_definitions import DefinitionError, constant_in, field_in
 
@@ -20,6 +21,18 @@ RENAMED = {
 
 #: Packages that each package with an action needs.
 OF_ACTIONS = {"action_msgs", "unique_identifier_msgs"}
+
+#: Keywords of C and C++, which ROS 2 cannot generate code for, as of a keyword of Python.
+#: Source: ISO/IEC 9899:2011 6.4.1 and 14882:2017 5.11, those in lower case.
+RESERVED = frozenset(
+    """alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl const
+    const_cast constexpr continue decltype default delete do double dynamic_cast else enum explicit
+    export extern false float for friend goto if inline int long mutable namespace new noexcept not
+    not_eq nullptr operator or or_eq private protected public register reinterpret_cast restrict
+    return short signed sizeof static static_assert static_cast struct switch template this
+    thread_local throw true try typedef typeid typename union unsigned using virtual void volatile
+    wchar_t while xor xor_eq""".split()
+)
 
 _CAMEL = re.compile(r"[A-Z][A-Za-z0-9]*\Z")
 _LOWER = re.compile(r"[a-z](_?[a-z0-9])*\Z")
@@ -49,67 +62,153 @@ class TwinPackage(NamedTuple):
     names: Dict[str, str]
 
 
-def generate_interfaces(package: str, definitions: Mapping[str, str]) -> TwinPackage:
-    """Write the twins of a message package.
+class Interfaces(NamedTuple):
+    """The twins of several packages.
 
-    :param package: its name
-    :param definitions: text by path within it, such as ``msg/signal_msg.msg``
-    :raises DefinitionError: if one of them is invalid, or ROS 2 cannot have it
+    :param packages: by name; only those with at least one twin
+    :param left_out: the reason for each type without a twin, by a path such as ``pkg/msg/A.msg``
     """
-    files: Dict[str, str] = {}
-    needs: Set[str] = set()
-    names: Dict[str, str] = {}
-    for path, text in sorted(definitions.items()):
-        folder, _, file = path.partition("/")
-        base, _, suffix = file.partition(".")
-        twin = twin_type(f"{package}/{base}")
-        if twin != f"{package}/{base}":
-            names[f"{package}/{base}"] = twin
-        if folder == "action":
-            needs |= OF_ACTIONS
-        target = f"{folder}/{twin.rpartition('/')[2]}.{suffix}"
-        if target in files:
-            raise DefinitionError(f"{package}/{path}: another type is {twin} in ROS 2 already")
-        try:
-            files[target] = _definition(text, package, needs)
-        except DefinitionError as error:
-            raise DefinitionError(f"{package}/{path}: {error}") from None
-    needs.discard(package)
+
+    packages: Dict[str, TwinPackage]
+    left_out: Dict[str, str]
+
+
+class _Interface(NamedTuple):
+    """The twin of one type.
+
+    :param name: ROS 1's name, such as ``pkg/signal_msg``
+    :param twin: ROS 2's name, such as ``pkg/SignalMsg``
+    :param uses: ROS 2's names of the messages in its fields
+    """
+
+    name: str
+    twin: str
+    target: str
+    text: str
+    uses: Set[str]
+
+
+def generate_interfaces(
+    definitions: Mapping[str, Mapping[str, str]], is_available: Callable[[str], bool]
+) -> Interfaces:
+    """Write the twins of the types of some packages, as far as ROS 2 can have them.
+
+    :param definitions: for each package, text by path within it, such as ``msg/signal_msg.msg``
+    :param is_available: returns whether ROS 2 has a message, such as ``std_msgs/Header``, without
+        these packages
+    """
+    twins: Dict[str, _Interface] = {}
+    left_out: Dict[str, str] = {}
+    for package, texts in sorted(definitions.items()):
+        targets: Dict[str, str] = {}
+        for path, text in sorted(texts.items()):
+            try:
+                twin = _interface(package, path, text)
+            except DefinitionError as error:
+                left_out[f"{package}/{path}"] = str(error)
+                continue
+            if targets.setdefault(twin.target, path) != path:
+                first = f"{package}/{targets[twin.target]}"
+                left_out[f"{package}/{path}"] = f"{first} is {twin.twin} in ROS 2 already"
+                continue
+            twins[f"{package}/{path}"] = twin
+    _leave_out_users(twins, left_out, is_available)
+    packages = {}
+    for package in sorted({path.partition("/")[0] for path in twins}):
+        packages[package] = _package(
+            package, [twin for path, twin in twins.items() if path.partition("/")[0] == package]
+        )
+    return Interfaces(packages, left_out)
+
+
+def _leave_out_users(
+    twins: Dict[str, _Interface], left_out: Dict[str, str], is_available: Callable[[str], bool]
+) -> None:
+    """Remove the twins whose fields have a type that ROS 2 has not, and the users of those."""
+    while True:
+        messages = {twin.twin for twin in twins.values() if twin.target.startswith("msg/")}
+        lost = {}
+        for path, twin in twins.items():
+            missing = [use for use in sorted(twin.uses - messages) if not is_available(use)]
+            if missing:
+                lost[path] = f"it uses {missing[0]}, which ROS 2 does not have here"
+        if not lost:
+            return
+        left_out.update(lost)
+        for path in lost:
+            del twins[path]
+
+
+def _package(name: str, twins: List[_Interface]) -> TwinPackage:
+    needs = {use.partition("/")[0] for twin in twins for use in twin.uses}
+    if any(twin.target.startswith("action/") for twin in twins):
+        needs |= OF_ACTIONS
+    needs.discard(name)
+    files = {twin.target: twin.text for twin in twins}
     interfaces = sorted(files)
-    files["package.xml"] = _manifest(package, sorted(needs))
-    files["CMakeLists.txt"] = _cmake(package, interfaces, sorted(needs))
+    files["package.xml"] = _manifest(name, sorted(needs))
+    files["CMakeLists.txt"] = _cmake(name, interfaces, sorted(needs))
+    names = {twin.name: twin.twin for twin in twins if twin.name != twin.twin}
     return TwinPackage(files, needs, names)
 
 
-def _definition(text: str, package: str, needs: Set[str]) -> str:
-    return "".join(_line(line, package, needs) + "\n" for line in text.splitlines())
+def _interface(package: str, path: str, text: str) -> _Interface:
+    folder, _, file = path.partition("/")
+    base, _, suffix = file.partition(".")
+    name = f"{package}/{base}"
+    twin = twin_type(name)
+    base = twin.rpartition("/")[2]
+    if not twin.startswith(f"{package}/") or not _CAMEL.match(base):
+        raise DefinitionError(f"{base} is not a valid name of a type in ROS 2")
+    uses: Set[str] = set()
+    lines = []
+    known: Dict[str, str] = {}  # ROS 1's name of a field or constant, by ROS 2's
+    for line in text.splitlines():
+        if line.strip() == "---":  # between the parts of a service or action
+            known = {}
+            lines.append("---")
+        else:
+            lines.append(_line(line, package, uses, known))
+    return _Interface(
+        name, twin, f"{folder}/{base}.{suffix}", "".join(line + "\n" for line in lines), uses
+    )
 
 
-def _line(line: str, package: str, needs: Set[str]) -> str:
-    if line.strip() == "---":  # between the parts of a service or action
-        return "---"
+def _line(line: str, package: str, uses: Set[str], known: Dict[str, str]) -> str:
     constant = constant_in(line)
     if constant is not None:
         value = constant.value
         if constant.base == "string":
             value = '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
-        return f"{constant.base} {_legal(constant.name.upper(), _UPPER)}={value}"
+        return (
+            f"{constant.base} {_valid(constant.name, constant.name.upper(), _UPPER, known)}={value}"
+        )
     field = field_in(line, package)
     if field is None:
         return line.rstrip()  # a comment, or nothing
     base = twin_type(field.base)
     if "/" in base:
-        needs.add(base.partition("/")[0])
+        uses.add(base)
     brackets = f"[{'' if field.length is None else field.length}]" if field.is_array else ""
     comment = line.partition("#")[2].rstrip()
-    name = _legal(field.name.lower(), _LOWER)
+    name = _valid(field.name, field.name.lower(), _LOWER, known)
     return f"{base}{brackets} {name}" + (f"  #{comment}" if comment else "")
 
 
-def _legal(name: str, pattern: "re.Pattern[str]") -> str:
-    if not pattern.match(name):
-        raise DefinitionError(f"{name} is not a legal name of a field or constant in ROS 2")
-    return name
+def _valid(name: str, twin: str, pattern: "re.Pattern[str]", known: Dict[str, str]) -> str:
+    """Return ROS 2's name of a field or constant.
+
+    :param name: ROS 1's
+    :param twin: in the case that ROS 2 wants
+    :param known: the names before it; this one is added
+    :raises DefinitionError: if ROS 2 cannot have it
+    """
+    if not pattern.match(twin) or twin in RESERVED or keyword.iskeyword(twin):
+        raise DefinitionError(f"{name} is not a valid name of a field or constant in ROS 2")
+    if twin in known:
+        raise DefinitionError(f"{known[twin]} and {name} are both {twin} in ROS 2")
+    known[twin] = name
+    return twin
 
 
 def _manifest(package: str, needs: List[str]) -> str:

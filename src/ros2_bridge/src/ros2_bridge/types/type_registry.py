@@ -84,6 +84,10 @@ class TypeRegistry:
     def __init__(self) -> None:
         names = pathlib.Path(sys.prefix, "share", "ros2_bridge", "names.yaml")
         self._names: Mapping[str, str] = yaml.safe_load(names.read_text("utf-8"))
+        left_out = names.with_name("left_out.yaml")
+        self._left_out: Mapping[str, str] = {}
+        if left_out.exists():  # an earlier release wrote no such file
+            self._left_out = yaml.safe_load(left_out.read_text("utf-8"))
         self._back = {its: ours for ours, its in self._names.items() if "/" in ours}
         self._folders = _Folders(rospkg.RosPack())
         self._known: Dict[Tuple[str, str], Any] = {}
@@ -199,7 +203,11 @@ class TypeRegistry:
 
     def _import(self, name: str, kind: str) -> Any:
         package, _, base = self.ros2_name(name).partition("/")
-        with _explaining(f"{name} needs {package}/{kind}/{base}, which is not installed in ROS 2"):
+        source = f"{name.replace('/', f'/{kind}/')}.{kind}"
+        reason = self._left_out.get(source) or self._left_out.get(name.partition("/")[0])
+        why = f" ({reason})" if reason else ""
+        missing = f"{name} needs {package}/{kind}/{base}, which is not installed in ROS 2{why}"
+        with _explaining(missing):
             cls = getattr(importlib.import_module(f"{package}.{kind}"), base)
             if hasattr(cls, "_md5sum"):  # ROS 1's, whose packages are within reach as well
                 raise ImportError(cls)

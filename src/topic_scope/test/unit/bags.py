@@ -12,6 +12,7 @@ from topic_scope.bag.columns import Column
 from topic_scope.bag.message_slices import FirstMessage, Slice
 from topic_scope.bag.column_reader import ColumnReader
 from topic_scope.messages.definitions import layout_of
+from topic_scope.timing.nanoseconds import to_ns
 
 #: When all of them start, since the epoch, ns: a time that a float cannot hold exactly.
 BEGIN = 1700000000123456789
@@ -31,6 +32,11 @@ def write_bag(path: Path, messages: Iterable[Tuple[str, Any, int]]) -> str:
         for topic, message, time in messages:
             bag.write(topic, message, genpy.Time(0, BEGIN + time))
     return str(path)
+
+
+def nanoseconds(times: Iterable[float]) -> List[int]:
+    """Return times in whole nanoseconds."""
+    return [to_ns(time) for time in times]
 
 
 def serialized(message: Any) -> bytes:

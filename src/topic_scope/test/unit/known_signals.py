@@ -6,6 +6,7 @@ from typing import Callable, Dict, List, NamedTuple, Tuple
 import numpy
 
 from topic_scope.analysis.ring import Ring
+from topic_scope.timing.nanoseconds import array_to_ns, to_ns
 
 EPOCH = 1.7e9
 #: How many there are of each kind.
@@ -198,9 +199,9 @@ def _late(random: numpy.random.RandomState) -> Signal:
     received = times + random.uniform(0.0, 2.0 / hertz, len(times))
     ring, order = Ring(1e6), received.argsort()
     for some in numpy.array_split(order, max(len(order) // 7, 1)):
-        ring.append(times[some], values[some], received[some])
-    times, values, _ = ring.between(-math.inf, math.inf).copy()
-    return Signal("late", times, values, math.inf, truth, sigma)
+        ring.append(array_to_ns(times[some]), values[some], array_to_ns(received[some]))
+    times, values, _ = ring.between(to_ns(-math.inf), to_ns(math.inf))
+    return Signal("late", times / 1e9, values, math.inf, truth, sigma)
 
 
 _MAKERS: Dict[str, Callable[[numpy.random.RandomState], Signal]] = {

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 from std_msgs.msg import Bool, Duration, Float32, Float64, Float64MultiArray, Int64, Time
 
 from topic_scope.bag.columns import Column
-from topic_scope.bag.column_reader import exact_seconds, write_csv
+from topic_scope.bag.column_reader import write_csv
+from topic_scope.timing.nanoseconds import exact_seconds
 
 
 def rows(columns: List[Column], told: List[Told]) -> List[List[str]]:

@@ -13,6 +13,7 @@ from topic_scope.analysis.waveform import phase
 from topic_scope.bag.columns import choose
 from topic_scope.messages.derived import FUNCTIONS, make, parts
 from topic_scope.messages.fields import FieldError, expand, parted
+from topic_scope.timing.nanoseconds import array_to_ns
 
 from geometry_msgs.msg import PoseStamped, Quaternion  # isort: skip
 
@@ -23,9 +24,10 @@ def samples_of(
     name: str, times: numpy.ndarray, rows: numpy.ndarray, cuts: List[int], longest: float = math.inf
 ) -> numpy.ndarray:
     """Return times and values of what is computed of samples that come in parts."""
-    function, edges = make(name), [0] + sorted(cuts) + [len(times)]
-    found = [function(times[a:b], rows[:, a:b], longest) for a, b in zip(edges, edges[1:]) if a < b]
-    return numpy.concatenate(found, axis=1)
+    function, edges, at = make(name), [0] + sorted(cuts) + [len(times)], array_to_ns(times)
+    found = [function(at[a:b], rows[:, a:b], longest) for a, b in zip(edges, edges[1:]) if a < b]
+    made, values = (numpy.concatenate(parts) for parts in zip(*found))
+    return numpy.array([made / 1e9, values])
 
 
 def computed(
@@ -39,12 +41,12 @@ def computed(
 @given(cuts, st.floats(0.1, 20.0))
 @settings(max_examples=30)
 def test_a_derivative_is_the_slope(cuts: List[int], omega: float) -> None:
-    times = 1.7e9 + numpy.arange(400) / 1024.0
+    times = 1.7e9 + numpy.arange(400) / 512.0
     values = numpy.sin(omega * (times - 1.7e9))[None]
     made, found = samples_of("derivative", times, values, cuts)
-    middles = times[1:] - 1.7e9 - 0.5 / 1024.0
-    assert (made - 1.7e9).tolist() == middles.tolist()
-    assert found == pytest.approx(omega * numpy.cos(omega * middles), abs=omega**3 / 1e6 + 1e-6)
+    middles = times[1:] - 1.7e9 - 0.5 / 512.0
+    assert made - 1.7e9 == pytest.approx(middles, abs=5e-7)
+    assert found == pytest.approx(omega * numpy.cos(omega * middles), abs=omega**3 / 2.5e5 + 1e-6)
     steps = computed("difference", times, numpy.arange(400.0)[None] ** 2, cuts)
     assert steps.tolist() == [2 * index + 1 for index in range(399)]
 
@@ -91,9 +93,9 @@ def test_the_yaw_of_a_quaternion(yaw: float, pitch: float, roll: float, length: 
     )
     quaternion = [sr * cp * cy - cr * sp * sy, cr * sp * cy + sr * cp * sy]
     quaternion += [cr * cp * sy - sr * sp * cy, cr * cp * cy + sr * sp * sy]
-    _, found = make("yaw")(numpy.zeros(1), length * numpy.array(quaternion)[:, None], math.inf)
+    _, found = make("yaw")(numpy.zeros(1, int), length * numpy.array(quaternion)[:, None], math.inf)
     assert found[0] == pytest.approx(yaw, abs=1e-6)
-    assert numpy.isnan(make("yaw")(numpy.zeros(1), numpy.zeros((4, 1)), math.inf)[1][0])
+    assert numpy.isnan(make("yaw")(numpy.zeros(1, int), numpy.zeros((4, 1)), math.inf)[1][0])
 
 
 @settings(max_examples=30)

@@ -6,6 +6,7 @@ from typing import Any, Dict, List, Sequence
 
 import numpy
 import pytest
+from bags import nanoseconds
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from std_msgs.msg import Float64
@@ -19,6 +20,7 @@ from topic_scope.protocol.checks import fields_of
 from topic_scope.protocol.requests import View
 from topic_scope.sampling.message_source import Batch
 from topic_scope.sampling.recorder import Recorder
+from topic_scope.timing.nanoseconds import NS, to_ns
 
 TYPES = {"/a": "std_msgs/Float64", "/b": "std_msgs/Float64", "/s": "basic_comms/signal_msg"}
 NAME = "/a/data-/b/data"
@@ -33,7 +35,7 @@ class TimedSource(FakeSource):
 
     def receive(self, topic: str, times: Sequence[float], values: Sequence[float]) -> None:
         data = [struct.pack("<d", value) for value in values]
-        self.topics[topic].batches.append(Batch(header(Float64), list(times), data))
+        self.topics[topic].batches.append(Batch(header(Float64), nanoseconds(times), data))
 
 
 def recording(source: TimedSource, *names: str) -> Recorder:
@@ -98,8 +100,8 @@ def test_the_second_lies_on_a_line_and_nothing_is_known_beyond_it() -> None:
     assert before[0].tolist() == [999.0] and math.isnan(before[1][0])
     trace = made.trace(NAME)
     assert trace is not None and trace.span == (999.0, 1000.2)
-    assert trace.received(999.2, 1e9).tolist() == times.tolist()
-    assert trace.age(1001.0) == pytest.approx(0.8)
+    assert (trace.rows(to_ns(999.2), to_ns(1e9))[2] / NS).tolist() == times.tolist()
+    assert 1001.0 - trace.last / NS == pytest.approx(0.8)
     assert trace.stream.topic == "/a" and made.longest_step(NAME) == trace.longest_step
 
 

@@ -16,10 +16,12 @@ from topic_scope.formulas.signals import (
     low_passed,
     slope,
 )
+from topic_scope.timing.nanoseconds import NS, array_to_ns, to_ns
 
 
 def sampled(times: numpy.ndarray, values: numpy.ndarray, longest: float = math.inf) -> Signal:
-    return Signal(times, values, times, longest)
+    at = array_to_ns(times)
+    return Signal(at, values, at, longest)
 
 
 @given(st.floats(0.1, 10.0), st.floats(0.1, 10.0))
@@ -28,7 +30,7 @@ def test_a_sine_behind_a_low_pass_is_lower_and_later_as_theory_says(
     ratio: float, cutoff: float
 ) -> None:
     turn = 2 * math.pi * ratio * cutoff
-    times = numpy.arange(0.0, 5.0 / cutoff, 1.0 / (ratio * cutoff * 200.0))
+    times = numpy.arange(0.0, 5.0 / cutoff, 1.0 / (ratio * cutoff * 200.0)).round(9)
     found = low_passed(sampled(times, numpy.sin(turn * times)), cutoff)
     truth = numpy.sin(turn * times - math.atan(ratio)) / math.hypot(1.0, ratio)
     settled = times > 20.0 / (2 * math.pi * cutoff)
@@ -58,7 +60,7 @@ def one_by_one(times: numpy.ndarray, values: numpy.ndarray, cutoff: float) -> nu
 def test_a_low_pass_is_what_it_is_sample_by_sample(
     samples: List[Tuple[float, float]], cutoff: float
 ) -> None:
-    times = numpy.cumsum([step for step, _ in samples])
+    times = numpy.cumsum([step for step, _ in samples]).round(9)
     values = numpy.array([value for _, value in samples])
     found = low_passed(sampled(times, values), cutoff).values
     assert found == pytest.approx(one_by_one(times, values, cutoff), abs=1e-6)
@@ -77,7 +79,7 @@ def test_a_low_pass_begins_anew_behind_a_gap_and_behind_what_is_no_number() -> N
 def test_a_mean_is_of_the_last_seconds_without_what_is_no_number() -> None:
     times = numpy.array([0.0, 1.0, 2.0, 3.0, 4.0])
     values = numpy.array([1e9, 1e9 + 2.0, math.nan, 1e9 + 4.0, 1e9])
-    found = averaged(sampled(times, values), 2.0).values - 1e9
+    found = averaged(sampled(times, values), 2 * NS).values - 1e9
     assert found[[0, 1, 3, 4]] == pytest.approx([0.0, 1.0, 4.0, 2.0], abs=1e-6)
     assert math.isnan(found[2])
 
@@ -85,19 +87,19 @@ def test_a_mean_is_of_the_last_seconds_without_what_is_no_number() -> None:
 def test_a_slope_is_in_the_middle_of_two_samples_and_not_across_a_gap() -> None:
     times, values = numpy.array([0.0, 1.0, 3.0, 3.0, 9.0]), numpy.array([0.0, 2.0, 0.0, 7.0, 7.0])
     found = slope(sampled(times, values, 2.5))
-    assert found.times.tolist() == [0.5, 2.0, 3.0, 6.0]
+    assert (found.times / NS).tolist() == [0.5, 2.0, 3.0, 6.0]
     assert found.values[:2].tolist() == [2.0, -1.0] and numpy.isnan(found.values[2:]).all()
-    assert found.received.tolist() == times[1:].tolist()
+    assert (found.received / NS).tolist() == times[1:].tolist()
     assert not len(slope(sampled(times[:1], values[:1])).times)
 
 
 def test_a_signal_is_known_between_its_samples_and_not_beyond_them_or_in_a_gap() -> None:
     signal = sampled(numpy.array([0.0, 1.0, 5.0]), numpy.array([0.0, 10.0, 50.0]), 2.0)
-    found = signal.at(numpy.array([-1.0, 0.0, 0.5, 1.0, 3.0, 5.0, 6.0]))
+    found = signal.at(array_to_ns(numpy.array([-1.0, 0.0, 0.5, 1.0, 3.0, 5.0, 6.0])))
     assert found[[1, 2, 3, 5]].tolist() == [0.0, 5.0, 10.0, 50.0]
     assert numpy.isnan(found[[0, 4, 6]]).all()
-    assert signal.between(0.0, 1.0).times.tolist() == [0.0, 1.0]
-    assert delayed(signal, 2.0).times.tolist() == [2.0, 3.0, 7.0]
+    assert signal.between(0, NS).times.tolist() == [0, NS]
+    assert delayed(signal, 2 * NS).times.tolist() == [2 * NS, 3 * NS, 7 * NS]
 
 
 @given(
@@ -108,13 +110,14 @@ def test_a_signal_is_known_between_its_samples_and_not_beyond_them_or_in_a_gap()
 def test_the_highest_and_the_lowest_value_around_a_time(
     samples: List[Tuple[float, float]], seconds: float
 ) -> None:
-    times = numpy.cumsum([step for step, _ in samples])
+    times = numpy.cumsum([step for step, _ in samples]).round(9)
     values = numpy.array([value for _, value in samples])
-    moments = numpy.linspace(times[0], times[-1], 23)
-    highest = extreme(sampled(times, values), moments, seconds, numpy.maximum)
-    lowest = extreme(sampled(times, values), moments, seconds, numpy.minimum)
+    moments, seconds = numpy.linspace(times[0], times[-1], 23).round(9), round(seconds, 9)
+    reach, at = to_ns(seconds), array_to_ns(moments)
+    highest = extreme(sampled(times, values), at, reach, numpy.maximum)
+    lowest = extreme(sampled(times, values), at, reach, numpy.minimum)
     for moment, high, low in zip(moments, highest, lowest):
-        ends = moment - seconds, moment + seconds
+        ends = round(moment - seconds, 9), round(moment + seconds, 9)
         if ends[0] < times[0] or ends[1] > times[-1]:
             assert math.isnan(high) and math.isnan(low)
             continue

@@ -46,7 +46,7 @@ class FakeSubscriptions:
 
     def receive(self, *texts: str, kind: str = "String") -> None:
         messages = [serialized(String(text)) for text in texts]
-        self.batches.append(Batch({"type": "std_msgs/" + kind}, [0.0] * len(texts), messages))
+        self.batches.append(Batch({"type": "std_msgs/" + kind}, [0] * len(texts), messages))
 
 
 def test_pages_are_told_what_is_new_only() -> None:

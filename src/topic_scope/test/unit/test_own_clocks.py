@@ -6,6 +6,7 @@ from typing import List
 
 import numpy
 import pytest
+from bags import nanoseconds
 from geometry_msgs.msg import PointStamped
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -29,10 +30,10 @@ def test_a_type_with_a_clock_of_its_own_goes_on_where_the_one_before_ended(own: 
     for second in range(40):
         times = [source.time + 0.1 * index for index in range(10)]
         if second < 5:
-            batch = Batch(header(Float32), times, [struct.pack("<f", second)] * 10)
+            batch = Batch(header(Float32), nanoseconds(times), [struct.pack("<f", second)] * 10)
         else:
             data = [struct.pack("<df", time - 1.7e9 + own, second) for time in times]
-            batch = Batch(told, times, data)
+            batch = Batch(told, nanoseconds(times), data)
         source.topics["/a"].batches.append(batch)
         source.time += 1.0
         made.update()
@@ -51,7 +52,7 @@ def test_a_clock_that_is_set_back_within_a_batch_begins_a_new_line() -> None:
     own = [100.0 + 0.1 * index for index in range(20)] + [0.1 * index for index in range(20)]
     received = [1.7e9 + 0.1 * index for index in range(40)]
     data = [struct.pack("<ffdf", 2.0, 1.0, time, 5.0) for time in own]
-    stream.add(layout_of(signal_msg), Batch(header(signal_msg), received, data))
+    stream.add(layout_of(signal_msg), Batch(header(signal_msg), nanoseconds(received), data))
     times, found = trace.samples(0.0, 2e9)
     assert len(times) == 41 and numpy.isnan(found[20])
     numpy.testing.assert_allclose(numpy.delete(times, 20), received, atol=1e-3)
@@ -67,7 +68,9 @@ def test_a_header_without_a_stamp_is_no_time_and_one_with_it_is_from_then_on() -
             struct.pack("<IIII3d", 0, begin, begin and index * 10**7, 0, index, 0.0, 0.0)
             for index in range(first, last)
         ]
-        stream.add(layout_of(PointStamped), Batch(header(PointStamped), received, data))
+        stream.add(
+            layout_of(PointStamped), Batch(header(PointStamped), nanoseconds(received), data)
+        )
 
     add(0, 50, 0)
     assert (stream.timestamp, trace.longest_step) == ("received", 0.25)
@@ -95,7 +98,7 @@ def test_what_stands_still_stays_there_while_a_simulation_goes_at_another_speed(
                 struct.pack("<ffdf", 2.0, 1.0, begin + speed * (time - 1000.0), time - 1000.0)
                 for time in times
             ]
-            source.topics["/a"].batches.append(Batch(header(signal_msg), times, data))
+            source.topics["/a"].batches.append(Batch(header(signal_msg), nanoseconds(times), data))
             source.time += 0.1
             made.update()
 
@@ -131,10 +134,9 @@ def test_parts_of_a_span_have_each_sample_once(times: List[float]) -> None:
     stream = Stream("/a", "time_x")
     trace = stream.record(("signal_y",), 10.0)
     data = [struct.pack("<ffdf", 2.0, 1.0, time, index) for index, time in enumerate(times)]
-    stream.add(layout_of(signal_msg), Batch(header(signal_msg), [1.7e9] * len(data), data))
-    ends = sorted({stream.offset + end for end in (-1.0, *times, 5.0)})
-    parts = [
-        trace.samples(begin, float(numpy.nextafter(end, begin)))[1]
-        for begin, end in zip(ends, ends[1:])
-    ]
+    stream.add(
+        layout_of(signal_msg), Batch(header(signal_msg), nanoseconds([1.7e9] * len(data)), data)
+    )
+    ends = sorted({stream.offset + end for end in nanoseconds((-1.0, *times, 5.0))})
+    parts = [trace.rows(begin, end - 1)[1] for begin, end in zip(ends, ends[1:])]
     assert numpy.concatenate(parts).tolist() == list(range(len(times)))

@@ -16,6 +16,7 @@ from std_msgs.msg import Float32
 
 from topic_scope.controls.node_status import NodeStatuses
 from topic_scope.sampling.raw_subscriptions import RawSubscription, RawSubscriptions, SteadyClock
+from topic_scope.timing.nanoseconds import to_ns
 
 TOPIC, OTHER = "/topic", "/other"
 
@@ -55,7 +56,9 @@ def test_steady_clock_is_right_where_it_was_interrupted_between_two_readings() -
         now[0] += next(interruptions, 0.0)
         return before
 
-    with mock.patch("time.time", read), mock.patch("time.monotonic", lambda: now[0] - 900.0):
+    with mock.patch("time.time_ns", lambda: to_ns(read())), mock.patch(
+        "time.monotonic_ns", lambda: to_ns(now[0] - 900.0)
+    ):
         assert SteadyClock().now() == pytest.approx(now[0])
 
 

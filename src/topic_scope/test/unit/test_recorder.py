@@ -7,6 +7,7 @@ from typing import Collection, Dict, Iterator, List
 
 import numpy
 import pytest
+from bags import nanoseconds
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float32, Float64, Float64MultiArray
 
@@ -53,6 +54,10 @@ class FakeSource:
     def now(self) -> float:
         return self.time
 
+    @property
+    def has_ended(self) -> bool:
+        return False
+
     def want(self, topics: Collection[str], is_more: bool) -> None:
         self.wanted, self.is_more = sorted(topics), is_more
 
@@ -61,7 +66,7 @@ class FakeSource:
 
     def send(self, message_class: type, *values: float) -> None:
         code = "<f" if message_class is Float32 else "<d"
-        times = [self.time + 0.01 * index for index in range(len(values))]
+        times = nanoseconds(self.time + 0.01 * index for index in range(len(values)))
         data = [struct.pack(code, value) for value in values]
         self.topics["/a"].batches.append(Batch(header(message_class), times, data))
         self.time += 1.0
@@ -216,7 +221,7 @@ def test_lists_elements_by_name_as_soon_as_one_message_has_come() -> None:
     JointState(name=["leg", "arm"], position=[1.0, 2.0]).serialize(buffer)
     source.topics["/j"] = FakeSubscription()
     source.topics["/j"].batches.append(
-        Batch(header(JointState), [source.time], [buffer.getvalue()])
+        Batch(header(JointState), nanoseconds([source.time]), [buffer.getvalue()])
     )
     made.update()
     after = {choice.field: choice.topic for choice in made.choices()}
@@ -233,7 +238,7 @@ def test_lists_elements_by_name_as_soon_as_one_message_has_come() -> None:
     made.want(["/j/position[leg]"], source.time)
     assert values(made, "/j/position[leg]") == [1.0]
     source.topics["/j"].batches.append(
-        Batch(header(JointState), [source.time + 1], [buffer.getvalue()])
+        Batch(header(JointState), nanoseconds([source.time + 1]), [buffer.getvalue()])
     )
     made.update()
     assert values(made, "/j/position[arm]") == [2.0, 2.0]
@@ -250,7 +255,7 @@ def test_joints_of_two_publishers_have_whole_lines() -> None:
         buffer = io.BytesIO()
         message = JointState(name=list(positions), position=list(positions.values()))
         message.serialize(buffer)
-        times = [source.time + 0.01 * index]
+        times = nanoseconds([source.time + 0.01 * index])
         source.topics["/j"].batches.append(Batch(header(JointState), times, [buffer.getvalue()]))
 
     publish(0, arm=0.0, both=-1.0)
@@ -279,7 +284,7 @@ def test_says_in_words_what_is_wrong_with_a_field() -> None:
     names = ["/a/data", "/a/nothing", "/b/data[2]", "/b/data[3]", "/d/later", "/a/data.yaw"]
     made, buffer = recording(source, *names), io.BytesIO()
     Float64MultiArray(data=[1.0, 2.0, 3.0]).serialize(buffer)
-    batch = Batch(header(Float64MultiArray), [source.time], [buffer.getvalue()])
+    batch = Batch(header(Float64MultiArray), nanoseconds([source.time]), [buffer.getvalue()])
     source.topics["/b"].batches.append(batch)
     made.update()
     assert {name: made.problem(name) for name in names} == {

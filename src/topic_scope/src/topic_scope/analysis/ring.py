@@ -1,18 +1,26 @@
 """The recent samples of one trace, in memory that is bounded."""
 
-import math
 from typing import Optional, Tuple
 
 import numpy
 
+from topic_scope.timing.nanoseconds import NO_TIME, to_ns
+
 #: Samples and their times [s].
 Samples = Tuple[numpy.ndarray, numpy.ndarray]
+#: Times of samples [ns], their values, and when they were received [ns].
+Rows = Tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]
+
+#: No span of time.
+NOWHERE = -NO_TIME, NO_TIME
 
 #: Most samples of a trace that are kept: 24 MB.
 LIMIT = 1 << 20
 _SMALLEST = 1 << 10
 #: Memory for more than this many times what there is goes back, as when a topic is slower now.
 _SPARE = 16
+#: Among so many samples is the one that was received last, unless all are early.
+_RECENT = 64
 
 
 class Ring:
@@ -28,80 +36,100 @@ class Ring:
     def __init__(self, history: float, limit: int = LIMIT) -> None:
         self.history = history
         self.has_forgotten = False
+        self._kept_ns = to_ns(history)
         self._limit = limit
-        self._data = numpy.empty((3, min(_SMALLEST, 2 * limit)))
+        capacity = min(_SMALLEST, 2 * limit)
+        self._rows: Rows = _empty(capacity)
         self._start = self._end = 0
-        #: A span whose samples are kept all the same [s]; and those of them that were forgotten.
-        self._pinned = (math.inf, -math.inf)
+        #: A span whose samples are kept all the same [ns]; and those of them that were forgotten.
+        self._pinned = NOWHERE
         self._kept: Optional["Ring"] = None
 
     def __len__(self) -> int:
         return self._end - self._start
 
-    def append(self, times: numpy.ndarray, values: numpy.ndarray, received: numpy.ndarray) -> None:
+    def append(
+        self,
+        times: numpy.ndarray,
+        values: numpy.ndarray,
+        received: numpy.ndarray,
+        newest: Optional[int] = None,
+    ) -> None:
         """Add samples; those that are late are sorted in.
 
-        :param times: when they were taken [s]
+        :param times: when they were taken [ns]
         :param values: what was taken
-        :param received: when they were received [s]
+        :param received: when they were received [ns]
+        :param newest: the latest time that decides what is forgotten [ns]; None for that of the
+            latest sample
         """
-        added = numpy.array([times, values, received])
-        here = self._data[0, self._start : self._end]
-        times = numpy.concatenate([here[-1:], added[0]])
-        if (times[1:] < times[:-1]).any():
-            late = self._start + int(here.searchsorted(added[0].min(), "right"))
-            added = numpy.hstack([self._data[:, late : self._end], added])
-            added = added[:, added[0].argsort(kind="stable")]
+        added: Rows = (times, values, received)
+        here = self._rows[0][self._start : self._end]
+        in_order = not len(here) or not len(times) or times[0] >= here[-1]
+        if not in_order or (times[1:] < times[:-1]).any():
+            late = self._start + int(here.searchsorted(times.min(), "right"))
+            tail = slice(late, self._end)
+            times = numpy.concatenate([self._rows[0][tail], times])
+            order = times.argsort(kind="stable")
+            added = (
+                times[order],
+                numpy.concatenate([self._rows[1][tail], values])[order],
+                numpy.concatenate([self._rows[2][tail], received])[order],
+            )
             self._end = late
-        self._append(added[:, -self._limit :])
+        last = slice(-self._limit, None)
+        self._append((added[0][last], added[1][last], added[2][last]), newest)
 
-    def _append(self, added: numpy.ndarray) -> None:
+    def _append(self, added: Rows, newest: Optional[int] = None) -> None:
         """Add samples in the order of their times, none before those that are there."""
-        count = added.shape[1]
+        count = len(added[0])
         if not count:
             return
-        self._forget(added[0, -1] - self.history, count)
-        capacity = self._data.shape[1]
+        latest = int(added[0][-1])
+        self._forget((latest if newest is None else min(newest, latest)) - self._kept_ns, count)
+        capacity = len(self._rows[0])
         if self._end + count > capacity or capacity > max(_SMALLEST, _SPARE * (len(self) + count)):
             self._make_room(count)
-        self._data[:, self._end : self._end + count] = added
+        for row, new in zip(self._rows, added):
+            row[self._end : self._end + count] = new
         self._end += count
 
-    def move(self, by: float) -> None:
+    def move(self, by: int) -> None:
         """Move all samples in time, and end the line that they make.
 
-        :param by: how far [s]
+        :param by: how far [ns]
         """
         start, end = self._pinned
-        self._pinned = (start + by, end + by)
+        if self._pinned != NOWHERE:
+            self._pinned = (start + by, end + by)
         for ring in [self] if self._kept is None else [self, self._kept]:
-            ring._data[0, ring._start : ring._end] += by
+            ring._rows[0][ring._start : ring._end] += by
         if len(self):
-            gap = self._data[:, self._end - 1 : self._end].copy()
-            gap[1] = numpy.nan
-            self._append(gap)
+            time, _, received = self._part(self._end - 1, self._end)
+            self._append((time.copy(), numpy.array([numpy.nan]), received.copy()))
 
-    def between(self, start: float, end: float) -> numpy.ndarray:
+    def between(self, start: int, end: int) -> Rows:
         """Return the samples of a time span, its ends included.
 
-        :param start: start of the span [s]
-        :param end: end of the span [s]
+        :param start: start of the span [ns]
+        :param end: end of the span [ns]
         :returns: times, values and times of receipt; views that hold until samples are added
         """
-        found = _between(self._data[:, self._start : self._end], start, end)
+        found = self._between(start, end)
         kept = None if self._kept is None else self._kept.between(start, end)
-        if kept is None or not kept.shape[1]:
+        if kept is None or not len(kept[0]):
             return found
-        both = numpy.hstack([kept, found])
-        if not found.shape[1] or kept[0, -1] <= found[0, 0]:
-            return both
-        return both[:, both[0].argsort(kind="stable")]  # what is late is among the recent at first
+        times, values, received = (numpy.concatenate(both) for both in zip(kept, found))
+        if not len(found[0]) or kept[0][-1] <= found[0][0]:
+            return times, values, received
+        order = times.argsort(kind="stable")  # what is late is among the recent at first
+        return times[order], values[order], received[order]
 
-    def pin(self, start: float, end: float) -> None:
+    def pin(self, start: int, end: int) -> None:
         """Keep the samples of a time span, also those to come, and no others, beyond their time.
 
-        :param start: start of the span [s]
-        :param end: end of the span [s]; before its begin to keep nothing
+        :param start: start of the span [ns]
+        :param end: end of the span [ns]; before its begin to keep nothing
         """
         kept, self._kept = self._kept, None
         self._pinned = (start, end)
@@ -109,47 +137,70 @@ class Ring:
             self._keep(kept.between(start, end))
 
     def latest(self, count: int) -> numpy.ndarray:
-        """Return the times of the latest samples [s].
+        """Return the times of the latest samples [ns].
 
         :param count: how many at most
         """
-        return self._data[0, max(self._start, self._end - count) : self._end]
+        return self._rows[0][max(self._start, self._end - count) : self._end]
 
     @property
-    def last_received(self) -> Optional[float]:
-        """Reception time of the latest sample [s]; None if empty."""
-        return float(self._data[2, self._end - 1]) if len(self) else None
+    def last_received(self) -> Optional[int]:
+        """Latest reception of the recent samples [ns]; None if empty."""
+        if not len(self):
+            return None
+        return int(self._rows[2][max(self._start, self._end - _RECENT) : self._end].max())
 
-    def _forget(self, before: float, more: int) -> None:
-        first, times = self._start, self._data[0, self._start : self._end]
+    def _part(self, first: int, last: int) -> Rows:
+        times, values, received = self._rows
+        return times[first:last], values[first:last], received[first:last]
+
+    def _between(self, start: int, end: int) -> Rows:
+        # Its own method: a call of numpy's function takes three times as long.
+        times = self._rows[0][self._start : self._end]
+        first = self._start + int(times.searchsorted(start, "left"))
+        return self._part(first, self._start + int(times.searchsorted(end, "right")))
+
+    def _forget(self, before: int, more: int) -> None:
+        first, times = self._start, self._rows[0][self._start : self._end]
         self._start += int(times.searchsorted(before, "left"))
         self._start = max(self._start, self._end + more - self._limit)
         if self._start > first:
             self.has_forgotten = True
-            self._keep(_between(self._data[:, first : self._start], *self._pinned))
+            begin, end = self._pinned
+            if begin <= end:
+                forgotten = self._part(first, self._start)
+                inside = slice(
+                    forgotten[0].searchsorted(begin, "left"),
+                    forgotten[0].searchsorted(end, "right"),
+                )
+                times, values, received = forgotten
+                self._keep((times[inside], values[inside], received[inside]))
 
-    def _keep(self, forgotten: numpy.ndarray) -> None:
+    def _keep(self, forgotten: Rows) -> None:
         """Keep dropped samples that belong to the pinned span."""
-        if forgotten.shape[1]:
+        if len(forgotten[0]):
             if self._kept is None:
-                self._kept = Ring(math.inf, self._limit)
+                self._kept = Ring(numpy.inf, self._limit)
             self._kept.append(*forgotten)
 
     def _make_room(self, count: int) -> None:
         """Move the samples to the front, of other memory where that is full, or almost empty."""
-        kept = self._data[:, self._start : self._end]
-        needed, capacity = kept.shape[1] + count, self._data.shape[1]
+        kept = self._part(self._start, self._end)
+        size = len(kept[0])
+        needed, before = size + count, len(self._rows[0])
+        capacity = before
         if capacity > _SPARE * needed:
             capacity = min(capacity, _SMALLEST)
         while capacity < 2 * needed and capacity < 2 * self._limit:
             capacity *= 2
         capacity = max(capacity, needed)
         # In its place where that does: memory that is taken and given back again and again tears.
-        data = self._data if capacity == self._data.shape[1] else numpy.empty((3, capacity))
-        data[:, : kept.shape[1]] = kept
-        self._data, self._start, self._end = data, 0, kept.shape[1]
+        rows = self._rows if capacity == before else _empty(capacity)
+        for row, old in zip(rows, kept):
+            row[:size] = old
+        self._rows, self._start, self._end = rows, 0, size
 
 
-def _between(samples: numpy.ndarray, start: float, end: float) -> numpy.ndarray:
-    times = samples[0]  # its own method: a call of numpy's function takes three times as long
-    return samples[:, times.searchsorted(start, "left") : times.searchsorted(end, "right")]
+def _empty(capacity: int) -> Rows:
+    times, received = (numpy.empty(capacity, numpy.int64) for _ in range(2))
+    return times, numpy.empty(capacity), received

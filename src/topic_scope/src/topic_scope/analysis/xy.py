@@ -13,7 +13,7 @@ _FINE = 1.0 / 2000
 def paired(x: Samples, y: Samples, longest: float) -> numpy.ndarray:
     """Return a trace over another one.
 
-    :param x: times in s, ascending, and values of what goes to the right
+    :param x: times in s or ns, ascending, and values of what goes to the right
     :param y: those of what goes up
     :param longest: the longest time between two samples of x that a value lies between [s]
     :returns: x and y at the times of y; both NaN where x is not known, or either is not finite

@@ -12,7 +12,10 @@ from topic_scope.messages.arrays import first_missing, lengths_in
 from topic_scope.messages.decoding import Decoder, NotThere
 from topic_scope.messages.derived import make, parts
 from topic_scope.messages.fields import FieldError, Key, to_text
-from topic_scope.messages.timestamp_source import ELSEWHERE_S, is_exact, path_of
+from topic_scope.messages.timestamp_source import is_exact, path_of, read_times, topic_time
+from topic_scope.timing.clocks import ELSEWHERE_NS, Clocks
+from topic_scope.timing.nanoseconds import NO_TIME, exact_seconds
+from topic_scope.timing.topic_time import AHEAD_NS, TopicTime
 
 
 class ColumnReader:
@@ -28,7 +31,8 @@ class ColumnReader:
 
     def __init__(self, column: Column, first: FirstMessage, begin: int) -> None:
         self.column = column
-        self._begin = begin
+        #: When the bag begins [ns] since the epoch.
+        self.begin = begin
         self.stamp_path = path_of(column.timestamp, first.layout)
         #: Whether samples stand where the messages say, however late they were recorded.
         self.is_exact = is_exact(column.timestamp, first.layout)
@@ -67,16 +71,18 @@ class ColumnReader:
         self._was_there = self._was_there or len(unknown) < len(messages)
         return rows
 
-    @property
-    def begin(self) -> float:
-        """Start of the bag by the clock of stamps [s]; 0 for invalid times."""
-        return self._begin / 1e9 if self._stamp is not None and self._stamp.is_time else 0.0
+    def topic_time(self, clocks: Clocks) -> TopicTime:
+        """Return what places the messages of the topic in time.
+
+        :param clocks: those of all topics of the bag
+        """
+        return topic_time(clocks, self.column.timestamp, self._layout)
 
     def stamps(self, messages: List[bytes]) -> numpy.ndarray:
-        """Return when messages say that they were made [s]; NaN where they say nothing."""
-        if self._stamp is None:
-            return numpy.full(len(messages), numpy.nan)
-        return self._stamp.decode(messages)
+        """Return when messages say that they were made [ns]; NO_TIME where they say nothing."""
+        if self._stamp is None or self.stamp_path is None:
+            return numpy.full(len(messages), NO_TIME)
+        return read_times(self._stamp, self.stamp_path, messages)
 
     def about(self, messages: List[bytes]) -> "numpy.ndarray":
         """Return which messages are about the element that was asked for by name: truth values."""
@@ -98,23 +104,20 @@ class ColumnReader:
         if not self.column.function:
             return CsvColumn(self.column.topic, times, places, list(self._texts(found.messages)))
         by_rows = self._stamp is None or self.is_exact
-        own = times / 1e9 if by_rows else self.stamps(found.messages)
+        own = times if by_rows else self.stamps(found.messages)
         made, values = self._function(own, self.rows(found.messages), math.inf)
         # What is computed of two begins with the second, and a derivative stands between both.
         late = len(places) - len(values)
-        before = numpy.nan_to_num(1e9 * (own[late:] - made)).round().astype(numpy.int64)
         texts = [repr(value) for value in values.tolist()]
-        return CsvColumn(self.column.topic, times[late:] - before, places[late:], texts)
+        return CsvColumn(self.column.topic, times[late:] - own[late:] + made, places[late:], texts)
 
     def _stamps_ns(self, found: Slice) -> numpy.ndarray:
         """Return the stamps, or else the times of recording, since the start of the bag [ns]."""
-        assert self._stamp is not None
-        stamps = numpy.array(
-            [self._stamp.value(message) - self._begin for message in found.messages], numpy.int64
-        )
-        # An unset stamp, or one of another clock.
-        said = numpy.abs(stamps - found.times) < ELSEWHERE_S * 1e9
-        return numpy.where(said, stamps, found.times)
+        stamps = self.stamps(found.messages)
+        ahead = stamps - self.begin - found.times
+        # An unset stamp, one that is not believed, or one of another clock.
+        said = (stamps != NO_TIME) & (ahead > -ELSEWHERE_NS) & (ahead <= AHEAD_NS)
+        return numpy.where(said, stamps - self.begin, found.times)
 
     def _texts(self, messages: List[bytes]) -> Iterator[str]:
         (decoder,) = self._decoders
@@ -145,12 +148,6 @@ class ColumnReader:
         elif part is not None:
             self._longest = max(self._longest, lengths_in(self._layout, message)(place))
             self._missing = f"{to_text(place)} has {self._longest} elements at most"
-
-
-def exact_seconds(nanoseconds: int) -> str:
-    """Return a time in s, without rounding it."""
-    seconds, rest = divmod(abs(nanoseconds), 10**9)
-    return f"{'-' if nanoseconds < 0 else ''}{seconds}.{rest:09}"
 
 
 def write_csv(file: TextIO, readers: List[ColumnReader], slices: Iterable[List[Slice]]) -> None:

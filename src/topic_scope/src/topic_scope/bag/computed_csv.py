@@ -7,9 +7,10 @@ import numpy
 from topic_scope.analysis.csv_rows import CsvColumn, header, rows
 from topic_scope.bag.columns import Line
 from topic_scope.bag.message_slices import Slice
-from topic_scope.bag.column_reader import ColumnReader, exact_seconds
+from topic_scope.bag.column_reader import ColumnReader
 from topic_scope.formulas.signals import Signal
 from topic_scope.messages.timestamp_source import longest_step
+from topic_scope.timing.nanoseconds import exact_seconds
 
 
 def write_computed_csv(
@@ -36,13 +37,11 @@ def write_computed_csv(
         reader.column.name: _joined(reader.column.topic, gathered)
         for reader, gathered in zip(readers, parts)
     }
-    begin = min(int(column.times[0]) for column in columns.values() if len(column.times))
     signals = {
-        reader.column.name: _signal(columns[reader.column.name], reader, begin)
-        for reader in readers
+        reader.column.name: _signal(columns[reader.column.name], reader) for reader in readers
     }
     written = [
-        _computed(columns[line.columns[0].name].topic, line.formula.computed(signals), begin)
+        _computed(columns[line.columns[0].name].topic, line.formula.computed(signals))
         if line.formula
         else columns[line.name]
         for line in lines
@@ -59,18 +58,15 @@ def _joined(topic: str, parts: Sequence[CsvColumn]) -> CsvColumn:
     return CsvColumn(topic, times[order], order, [cells[index] for index in order.tolist()])
 
 
-def _signal(column: CsvColumn, reader: ColumnReader, begin: int) -> Signal:
-    """Return a column as numbers.
-
-    :param begin: what its times are counted from [ns]: floats cannot hold those since the epoch
-    """
+def _signal(column: CsvColumn, reader: ColumnReader) -> Signal:
+    """Return a column as numbers."""
     there = numpy.array([cell != "" for cell in column.cells], bool)
-    times = (column.times[there] - begin) / 1e9
+    times = column.times[there]
     values = numpy.array([float(cell) for cell in column.cells if cell])
     path = reader.stamp_path if reader.is_exact else None
     return Signal(times, values, column.received[there], longest_step(path, times))
 
 
-def _computed(topic: str, signal: Signal, begin: int) -> CsvColumn:
-    times = numpy.round(signal.times * 1e9).astype(numpy.int64) + begin
-    return CsvColumn(topic, times, signal.received, [repr(one) for one in signal.values.tolist()])
+def _computed(topic: str, signal: Signal) -> CsvColumn:
+    cells = [repr(one) for one in signal.values.tolist()]
+    return CsvColumn(topic, signal.times, signal.received, cells)

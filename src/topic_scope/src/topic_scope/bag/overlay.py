@@ -14,6 +14,7 @@ from topic_scope.messages.arrays import Arrays
 from topic_scope.messages.fields import FieldError, Path, parted, split
 from topic_scope.messages.timestamp_source import longest_step, path_of
 from topic_scope.sampling.overlay_trace import OverlayStream, OverlayTrace
+from topic_scope.timing.nanoseconds import array_to_ns, to_ns
 
 
 class BagOverlay:
@@ -52,6 +53,11 @@ class BagOverlay:
     def place(self) -> float:
         """Time of its first message by the scope's clock [s]."""
         return self.begin + self.offset
+
+    @property
+    def place_ns(self) -> int:
+        """The same [ns]."""
+        return to_ns(self.place)
 
     def trace(self, topic: str, path: Path, timestamp: str, function: str) -> OverlayTrace:
         """Return one of its traces, which is to be filled; see :meth:`take_wanted`.
@@ -97,7 +103,7 @@ class BagOverlay:
         place = split(bare, self._first)
         path = path_of(timestamp, self._first[place[0]].layout) if place else None
         there = numpy.isfinite(numpy.array(series.values))  # where a line ends no sample is
-        return longest_step(path, numpy.array(series.times)[there])
+        return longest_step(path, array_to_ns(numpy.array(series.times)[there]))
 
     def read(self, names: Sequence[str]) -> List[Series]:
         """Return lines over time; it opens the file itself, so any thread may call it.

@@ -13,14 +13,13 @@ from typing import Callable, Collection, Deque, Dict, Iterator, List, Mapping, S
 import numpy
 
 from topic_scope.bag.file import BagError, BagFile, Part
-from topic_scope.sampling.message_source import TICK_S, Batch
+from topic_scope.sampling.message_source import TICK_NS, Batch
 
 #: How long one call may read [s]: while pages are shown, and while they wait.
 PLAYING_S, LOADING_S = 0.01, 0.1
 _NS = 10**9
 #: How much of what came before a place is for those who take it besides [ns].
 ASIDE_NS = 5 * _NS
-_TICK_NS = round(TICK_S * _NS)
 
 
 class Subscription:
@@ -48,6 +47,11 @@ class SideSubscriptions:
         self.clock = player
         self.active: Dict[str, Subscription] = {}
         self.wanted: Set[str] = set()
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the clock of the bag stands at its end."""
+        return self.clock.has_ended
 
     def want(self, topics: Collection[str], is_more: bool = False) -> None:
         """Request the messages of these topics from the next :meth:`BagPlayer.seek` on."""
@@ -140,7 +144,9 @@ class BagPlayer:
 
         :param moment: s since the epoch; the nearest one that there is counts
         """
-        self._goal = min(max(round(moment * _NS), self._bag.start), self._bag.end)
+        # As a float the end may be before the last message.
+        goal = self._bag.end if moment >= self.end else round(moment * _NS)
+        self._goal = min(max(goal, self._bag.start), self._bag.end)
         self._at = self._start = max(self._goal - self._history, self._bag.start) - 1
         self._recent = self._goal - ASIDE_NS
         self._subscriptions, wanted = self._subscriptions_of(self._wanted)
@@ -163,6 +169,11 @@ class BagPlayer:
     def clock(self) -> "BagPlayer":
         """Clock of the messages' times."""
         return self
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether its clock stands at the end of the bag."""
+        return self._at >= self._bag.end
 
     def want(self, topics: Collection[str], is_more: bool = False) -> None:
         """Request the messages of these topics from the next :meth:`seek` on."""
@@ -236,9 +247,9 @@ class BagPlayer:
             came = _told_apart([part.times for part in found], self._latest.get(topic, 0))
             self._latest[topic] = max(int(one[-1]) for one in came)
             for part, one in zip(found, came):
-                self._let_out(topic, part, (one / _NS).tolist())
+                self._let_out(topic, part, one.tolist())
 
-    def _let_out(self, topic: str, part: Part, came: List[float]) -> None:
+    def _let_out(self, topic: str, part: Part, came: List[int]) -> None:
         header = self._bag.connections[part.connection].header
         first, recent = part.times.searchsorted([self._start, self._recent], "right").tolist()
         recent = min(recent, len(came) - 1)
@@ -256,7 +267,7 @@ def _told_apart(recorded: List[numpy.ndarray], latest: int) -> List[numpy.ndarra
     """
     times = numpy.concatenate(recorded)
     order = times.argsort(kind="stable")
-    ticks = _TICK_NS * numpy.arange(1, len(times) + 1)
+    ticks = TICK_NS * numpy.arange(1, len(times) + 1)
     came = numpy.empty_like(times)
     came[order] = numpy.maximum.accumulate(numpy.maximum(times[order] - ticks, latest)) + ticks
     return numpy.split(came, numpy.cumsum([len(one) for one in recorded])[:-1])

@@ -1,8 +1,9 @@
 """Numbers from a bag over time, and what is computed of them."""
 
+import itertools
 import math
 from array import array
-from typing import Collection, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Collection, Dict, Iterable, List, NamedTuple, Optional, Tuple
 
 import numpy
 
@@ -12,12 +13,15 @@ from topic_scope.formulas.parser import Formula
 from topic_scope.formulas.signals import Signal
 from topic_scope.messages.derived import make
 from topic_scope.messages.fields import FieldError, Path
-from topic_scope.messages.timestamp_source import correction, longest_step, placed, said_in
+from topic_scope.messages.timestamp_source import longest_step, oddities
+from topic_scope.timing.clocks import Clocks
+from topic_scope.timing.nanoseconds import NS, array_to_ns
+from topic_scope.timing.topic_time import Placed
 
 #: Beyond this a plot of several such values would overflow.
 _LARGEST = 1e300
-#: Times of stamps are rounded to less than this [s].
-_ROUNDED_S = 1e-5
+#: How much of a bag tells how far the clock of its stamps is from that of the recording [ns].
+OFFSET_NS = 3 * NS
 
 
 class Series(NamedTuple):
@@ -40,60 +44,99 @@ class Series(NamedTuple):
         return f"{self.name} ({self.correction})" if self.correction else self.name
 
 
-class _Recorded:
-    """Rows of a column: recording time, stamp and number of each message.
+class _Placement:
+    """Times of the messages of one topic, placed as they come.
 
-    :param reader: reads the column
+    :param clocks: the clocks of all topics of the bag
+    :param reader: reads the stamps
     """
 
-    def __init__(self, reader: ColumnReader) -> None:
+    def __init__(self, clocks: Clocks, reader: ColumnReader) -> None:
         self._reader = reader
-        self._received: List[numpy.ndarray] = [numpy.empty(0)]
-        self._own: List[numpy.ndarray] = [numpy.empty(0)]
+        self.time = reader.topic_time(clocks)
+        self._placed: List[Placed] = []
+        self._own = self._received = numpy.empty(0, numpy.int64)
+
+    def add(self, found: Slice) -> None:
+        """Add the next messages."""
+        self._own = numpy.concatenate([self._own, self._reader.stamps(found.messages)])
+        self._received = numpy.concatenate([self._received, found.times + self._reader.begin])
+        self._place(False)
+
+    def _place(self, is_final: bool) -> None:
+        placed = self.time.place(self._own, self._received, is_final)
+        count = sum(len(one.times) for one in placed)
+        self._own, self._received = self._own[count:], self._received[count:]
+        self._placed += placed
+
+    def finish(self) -> None:
+        """Place the last messages: no others will come that agree with them."""
+        self._place(True)
+
+    def pieces(self) -> List[numpy.ndarray]:
+        """Return when messages were made, since the start of the bag [ns].
+
+        :returns: a piece for each stretch in which the clock was not set
+        """
+        pieces = []
+        for clock, parts in itertools.groupby(self._placed, key=lambda one: one.clock):
+            times = numpy.concatenate([one.times for one in parts])
+            pieces.append(times + (clock.offset - self._reader.begin))
+        return pieces
+
+
+class _Recorded:
+    """Rows of a column.
+
+    :param reader: reads the column
+    :param placement: places its messages in time
+    """
+
+    def __init__(self, reader: ColumnReader, placement: _Placement) -> None:
+        self.placement = placement
+        self._reader = reader
+        self._there: List[numpy.ndarray] = []
         self._rows: List[numpy.ndarray] = []
 
     def add(self, found: Slice) -> None:
         """Add the numbers in messages, but of those that are about elements of other names."""
         there = self._reader.about(found.messages)
-        self._received.append(found.times[there] / 1e9)
-        self._own.append(self._reader.stamps(found.messages)[there])
+        self._there.append(there)
         self._rows.append(self._reader.rows(found.messages)[:, there])
 
     def series(self) -> Series:
-        """Return all of it in the order of time; where the time was set back, the line ends."""
+        """Return all of it in the order of time; where the clock was set, the line ends."""
         times, values = array("d"), array("d")
-        column, path = self._reader.column, self._reader.stamp_path
+        column, time = self._reader.column, self.placement.time
         if not self._rows:
             return Series(column.name, times, values)
         function, rows = make(column.function), numpy.concatenate(self._rows, axis=1)
-        start, own = 0, numpy.concatenate(self._own)
-        begin = self._reader.begin
-        received = numpy.concatenate(self._received) + begin
-        parts = placed(path, own, received, self._reader.is_exact)
-        said = said_in(path, own)
-        by = float(numpy.median((numpy.concatenate(parts) - own)[said])) if said.any() else 0.0
-        words = correction(path, by if abs(by) > _ROUNDED_S else 0.0)
-        path = path if said.any() else None
-        for part in parts:
+        there = numpy.concatenate(self._there)
+        path = self._reader.stamp_path if time.has_stamps else None
+        start = first = 0
+        for piece in self.placement.pieces():
+            moments = piece[there[start : start + len(piece)]]
+            start += len(piece)
             if times:
                 times.append(times[-1])
                 values.append(math.nan)
-            order = numpy.argsort(part, kind="stable")
-            own_rows, longest = rows[:, start : start + len(part)], longest_step(path, part[order])
-            made, found = function(part[order], own_rows[:, order], longest)
+            order = numpy.argsort(moments, kind="stable")
+            own_rows = rows[:, first : first + len(moments)]
+            first += len(moments)
+            longest = longest_step(path, moments[order])
+            made, found = function(moments[order], own_rows[:, order], longest)
             found[~(numpy.abs(found) <= _LARGEST)] = numpy.nan
             made, found = _with_gaps(path, made, found)
-            times.extend(made - begin)
+            times.extend(made / NS)
             values.extend(found)
-            start += len(order)
-        return Series(column.name, times, values, words)
+        return Series(column.name, times, values, oddities(self._reader.stamp_path, time))
 
 
 def _with_gaps(
     path: Optional[Path], times: numpy.ndarray, values: numpy.ndarray
 ) -> "Tuple[numpy.ndarray, numpy.ndarray]":
     """End the line wherever several samples are missing."""
-    ends = numpy.flatnonzero(numpy.diff(times) > longest_step(path, times)) + 1
+    ends = numpy.flatnonzero(numpy.diff(times) > longest_step(path, times) * NS) + 1
     return numpy.insert(times, ends, times[ends - 1]), numpy.insert(values, ends, numpy.nan)
 
 
@@ -105,12 +148,23 @@ def collect(readers: List[ColumnReader], slices: Iterable[List[Slice]]) -> List[
     :returns: a series for each column
     :raises struct.error: if a message is cut off
     """
-    everything = [_Recorded(reader) for reader in readers]
+    clocks = Clocks(OFFSET_NS)
+    placements: Dict[Tuple[str, str], _Placement] = {}
+    everything = []
+    for reader in readers:
+        key = reader.column.topic, reader.column.timestamp
+        placement = placements.setdefault(key, _Placement(clocks, reader))
+        everything.append(_Recorded(reader, placement))
     for found in slices:
         for one in found:
-            for reader, recorded in zip(readers, everything):
+            for (topic, _), placement in placements.items():
+                if topic == one.topic:
+                    placement.add(one)
+            for recorded, reader in zip(everything, readers):
                 if reader.column.topic == one.topic:
                     recorded.add(one)
+    for placement in placements.values():
+        placement.finish()
     return [recorded.series() for recorded in everything]
 
 
@@ -123,13 +177,13 @@ def computed(name: str, formula: Formula, everything: Collection[Series]) -> Ser
     """
     signals = {}
     for series in everything:
-        times, values = numpy.array(series.times), numpy.array(series.values)
+        times, values = array_to_ns(numpy.array(series.times)), numpy.array(series.values)
         # Where a line ends a NaN stands, so none has to be found again.
         signals[series.name] = Signal(times, values, times, math.inf)
     times, values, *_ = formula.computed(signals)
     drawn = numpy.where(numpy.abs(values) <= _LARGEST, values, numpy.nan)
     words = (one.correction for one in everything if one.name in formula.fields and one.correction)
-    return Series(name, array("d", times), array("d", drawn), next(words, None))
+    return Series(name, array("d", times / NS), array("d", drawn), next(words, None))
 
 
 def moved(series: Series, seconds: float, name: str) -> Series:

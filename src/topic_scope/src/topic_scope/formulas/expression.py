@@ -14,19 +14,20 @@ from topic_scope.formulas.signals import (
     low_passed,
     slope,
 )
+from topic_scope.timing.nanoseconds import shifted, to_ns
 
 
 class Operands(NamedTuple):
     """Access to the samples of a formula's fields, by their names.
 
-    :param read: returns the samples from one time to another [s]
+    :param read: returns the samples from one time to another [ns]
     :param longest_step: tells how far apart samples of one line may be [s]
-    :param last: tells when the last sample was taken [s]; minus infinity without one
+    :param last: tells when the last sample was taken [ns]; the first time there is without one
     """
 
-    read: Callable[[str, float, float], Signal]
+    read: Callable[[str, int, int], Signal]
     longest_step: Callable[[str], float]
-    last: Callable[[str], float]
+    last: Callable[[str], int]
 
     @classmethod
     def of(cls, signals: Mapping[str, Signal]) -> "Operands":
@@ -34,7 +35,7 @@ class Operands(NamedTuple):
         return cls(
             lambda name, start, end: signals[name].between(start, end),
             lambda name: signals[name].longest,
-            lambda name: float(signals[name].times.max(initial=-math.inf)),
+            lambda name: int(signals[name].times.max(initial=to_ns(-math.inf))),
         )
 
 
@@ -49,16 +50,14 @@ class _Sampled:
 
     fields: List[str]
 
-    def signal(self, operands: Operands, start: float, end: float) -> Signal:
-        """Return the samples of a time span [s], or some more."""
+    def signal(self, operands: Operands, start: int, end: int) -> Signal:
+        """Return the samples of a time span [ns], or some more."""
         raise NotImplementedError
 
-    def at(
-        self, operands: Operands, times: numpy.ndarray, start: float, end: float
-    ) -> numpy.ndarray:
-        """Return the values at some times of a time span [s]: on the line between two samples."""
-        more = operands.longest_step(self.fields[0])
-        return self.signal(operands, start - more, end + more).at(times)
+    def at(self, operands: Operands, times: numpy.ndarray, start: int, end: int) -> numpy.ndarray:
+        """Return the values at some times of a time span [ns]: on the line between two samples."""
+        more = to_ns(operands.longest_step(self.fields[0]))
+        return self.signal(operands, shifted(start, -more), shifted(end, more)).at(times)
 
 
 class Field(_Sampled):
@@ -72,12 +71,12 @@ class Field(_Sampled):
         #: The fields of it, the first one first: this one's stamps count.
         self.fields = [name]
 
-    def signal(self, operands: Operands, start: float, end: float) -> Signal:
-        """Return the samples of a time span [s], or some more."""
+    def signal(self, operands: Operands, start: int, end: int) -> Signal:
+        """Return the samples of a time span [ns], or some more."""
         return operands.read(self.name, start, end)
 
-    def until(self, operands: Operands) -> float:
-        """Return the time up to which it is known [s]."""
+    def until(self, operands: Operands) -> int:
+        """Return the time up to which it is known [ns]."""
         return operands.last(self.name)
 
     def lookaround(self, _operands: Operands) -> Tuple[float, float]:
@@ -99,17 +98,15 @@ class Elementwise:
             dict.fromkeys(name for one in self._signals for name in one.fields)
         )
 
-    def signal(self, operands: Operands, start: float, end: float) -> Signal:
+    def signal(self, operands: Operands, start: int, end: int) -> Signal:
         """As of :class:`Field`."""
         first, *others = self._signals
         base = first.signal(operands, start, end)
         rows = [one.at(operands, base.times, start, end) for one in others]
         return base._replace(values=self._values([base.values, *rows]))
 
-    def at(
-        self, operands: Operands, times: numpy.ndarray, start: float, end: float
-    ) -> numpy.ndarray:
-        """Return the values at some times of a time span [s]: of what there is at these times."""
+    def at(self, operands: Operands, times: numpy.ndarray, start: int, end: int) -> numpy.ndarray:
+        """Return the values at some times of a time span [ns]: of what there is at these times."""
         return self._values([one.at(operands, times, start, end) for one in self._signals])
 
     def _values(self, rows: List[numpy.ndarray]) -> numpy.ndarray:
@@ -119,7 +116,7 @@ class Elementwise:
                 *(one.value if isinstance(one, Number) else next(row) for one in self._arguments)
             )
 
-    def until(self, operands: Operands) -> float:
+    def until(self, operands: Operands) -> int:
         """As of :class:`Field`."""
         return min(one.until(operands) for one in self._signals)
 
@@ -143,7 +140,7 @@ class Windowed(_Sampled):
         self._of = of
         self.fields = of.fields
 
-    def until(self, operands: Operands) -> float:
+    def until(self, operands: Operands) -> int:
         """As of :class:`Field`."""
         return self._of.until(operands)
 
@@ -157,16 +154,16 @@ class Delay(Windowed):
 
     def __init__(self, of: "Computed", seconds: float) -> None:
         super().__init__(of)
-        self._seconds = seconds
+        self._seconds, self._ns = seconds, to_ns(seconds)
 
-    def signal(self, operands: Operands, start: float, end: float) -> Signal:
+    def signal(self, operands: Operands, start: int, end: int) -> Signal:
         """As of :class:`Field`."""
-        found = self._of.signal(operands, start - self._seconds, end - self._seconds)
-        return delayed(found, self._seconds)
+        found = self._of.signal(operands, shifted(start, -self._ns), shifted(end, -self._ns))
+        return delayed(found, self._ns)
 
-    def until(self, operands: Operands) -> float:
+    def until(self, operands: Operands) -> int:
         """As of :class:`Field`."""
-        return self._of.until(operands) + self._seconds
+        return shifted(self._of.until(operands), self._ns)
 
     def lookaround(self, operands: Operands) -> Tuple[float, float]:
         """As of :class:`Field`."""
@@ -177,17 +174,17 @@ class Delay(Windowed):
 class Derivative(Windowed):
     """The change of a signal per second; of two samples, in the middle between them."""
 
-    def signal(self, operands: Operands, start: float, end: float) -> Signal:
+    def signal(self, operands: Operands, start: int, end: int) -> Signal:
         """As of :class:`Field`."""
-        more = operands.longest_step(self.fields[0])
-        return slope(self._of.signal(operands, start - more, end + more))
+        more = to_ns(operands.longest_step(self.fields[0]))
+        return slope(self._of.signal(operands, shifted(start, -more), shifted(end, more)))
 
-    def until(self, operands: Operands) -> float:
+    def until(self, operands: Operands) -> int:
         """As of :class:`Field`."""
         end = self._of.until(operands)
-        more = operands.longest_step(self.fields[0])
-        times = self._of.signal(operands, end - more, end).between(-math.inf, end).times
-        return float(times[-2:].mean()) if len(times) > 1 else -math.inf
+        begin = shifted(end, -to_ns(operands.longest_step(self.fields[0])))
+        times = self._of.signal(operands, begin, end).between(to_ns(-math.inf), end).times[-2:]
+        return int(times[0] + (times[1] - times[0]) // 2) if len(times) > 1 else to_ns(-math.inf)
 
     def lookaround(self, operands: Operands) -> Tuple[float, float]:
         """As of :class:`Field`."""
@@ -208,9 +205,10 @@ class LowPass(Windowed):
         self._cutoff = cutoff
         self._past = SETTLED / (2.0 * math.pi * cutoff)
 
-    def signal(self, operands: Operands, start: float, end: float) -> Signal:
+    def signal(self, operands: Operands, start: int, end: int) -> Signal:
         """As of :class:`Field`."""
-        return low_passed(self._of.signal(operands, start - self._past, end), self._cutoff)
+        begin = shifted(start, -to_ns(self._past))
+        return low_passed(self._of.signal(operands, begin, end), self._cutoff)
 
     def lookaround(self, operands: Operands) -> Tuple[float, float]:
         """As of :class:`Field`."""
@@ -227,11 +225,11 @@ class Mean(Windowed):
 
     def __init__(self, of: "Computed", seconds: float) -> None:
         super().__init__(of)
-        self._seconds = seconds
+        self._seconds, self._ns = seconds, to_ns(seconds)
 
-    def signal(self, operands: Operands, start: float, end: float) -> Signal:
+    def signal(self, operands: Operands, start: int, end: int) -> Signal:
         """As of :class:`Field`."""
-        return averaged(self._of.signal(operands, start - self._seconds, end), self._seconds)
+        return averaged(self._of.signal(operands, shifted(start, -self._ns), end), self._ns)
 
     def lookaround(self, operands: Operands) -> Tuple[float, float]:
         """As of :class:`Field`."""
@@ -250,22 +248,20 @@ class Extreme(Windowed):
 
     def __init__(self, of: "Computed", seconds: float) -> None:
         super().__init__(of)
-        self._seconds = seconds
+        self._seconds, self._ns = seconds, to_ns(seconds)
 
-    def signal(self, operands: Operands, start: float, end: float) -> Signal:
+    def signal(self, operands: Operands, start: int, end: int) -> Signal:
         """As of :class:`Field`."""
         found = self._around(operands, start, end)
-        return found._replace(values=extreme(found, found.times, self._seconds, self.pick))
+        return found._replace(values=extreme(found, found.times, self._ns, self.pick))
 
-    def at(
-        self, operands: Operands, times: numpy.ndarray, start: float, end: float
-    ) -> numpy.ndarray:
+    def at(self, operands: Operands, times: numpy.ndarray, start: int, end: int) -> numpy.ndarray:
         """As of :class:`Field`, but around the given times, not those of the samples."""
-        return extreme(self._around(operands, start, end), times, self._seconds, self.pick)
+        return extreme(self._around(operands, start, end), times, self._ns, self.pick)
 
-    def until(self, operands: Operands) -> float:
+    def until(self, operands: Operands) -> int:
         """As of :class:`Field`."""
-        return self._of.until(operands) - self._seconds
+        return shifted(self._of.until(operands), -self._ns)
 
     def lookaround(self, operands: Operands) -> Tuple[float, float]:
         """As of :class:`Field`."""
@@ -273,9 +269,9 @@ class Extreme(Windowed):
         more = self._seconds + operands.longest_step(self.fields[0])
         return back + more, ahead + more
 
-    def _around(self, operands: Operands, start: float, end: float) -> Signal:
-        more = self._seconds + operands.longest_step(self.fields[0])
-        return self._of.signal(operands, start - more, end + more)
+    def _around(self, operands: Operands, start: int, end: int) -> Signal:
+        more = to_ns(self._seconds + operands.longest_step(self.fields[0]))
+        return self._of.signal(operands, shifted(start, -more), shifted(end, more))
 
 
 class Highest(Extreme):

@@ -25,6 +25,7 @@ from topic_scope.formulas.expression import (
     Operands,
 )
 from topic_scope.formulas.signals import Signal
+from topic_scope.timing.nanoseconds import to_ns
 from topic_scope.formulas.lexer import FormulaError, Token, text_of, tokens_of
 
 #: How deep operations and functions may be nested, and of how many fields a formula may be.
@@ -103,7 +104,7 @@ class Formula(NamedTuple):
 
         :param signals: the samples by name of the field
         """
-        return self.tree.signal(Operands.of(signals), -math.inf, math.inf)
+        return self.tree.signal(Operands.of(signals), to_ns(-math.inf), to_ns(math.inf))
 
     def text(self, names: Callable[[str], str] = str) -> str:
         """Return it as text.
@@ -152,7 +153,8 @@ def parse_formula(text: str) -> Formula:
 
 def _far(tree: Computed) -> float:
     """Return over how long a time a formula reaches at most [s]."""
-    nothing = Signal(numpy.empty(0), numpy.empty(0), numpy.empty(0), 0.0)
+    none = numpy.empty(0, numpy.int64)
+    nothing = Signal(none, numpy.empty(0), none, 0.0)
     back, ahead = tree.lookaround(Operands.of(dict.fromkeys(tree.fields, nothing)))
     return max(abs(back), abs(ahead))
 

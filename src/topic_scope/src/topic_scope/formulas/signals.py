@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy
 
 from topic_scope.analysis.xy import paired
+from topic_scope.timing.nanoseconds import NS
 
 #: After so many time constants a low-pass has forgotten what was before: to 2e-9.
 SETTLED = 20.0
@@ -15,7 +16,7 @@ _FORGOTTEN = 1e-18
 class Signal(NamedTuple):
     """Samples of one trace, in the order of time.
 
-    :param times: when they were taken [s]
+    :param times: when they were taken, in whole nanoseconds
     :param values: what was taken
     :param received: when they were received, or what else tells where they come from
     :param longest: how far apart two samples of one line may be [s]
@@ -27,26 +28,24 @@ class Signal(NamedTuple):
     longest: float
 
     def at(self, times: numpy.ndarray) -> numpy.ndarray:
-        """Return its values at some times [s], on the straight line between two samples.
+        """Return its values at some times [ns], on the straight line between two samples.
 
         :returns: NaN where it has a gap, has not begun or has ended
         """
-        values, _ = paired(
-            (self.times, self.values), (times, numpy.zeros(len(times))), self.longest
-        )
-        found: numpy.ndarray = values
+        there = times, numpy.zeros(len(times))
+        found: numpy.ndarray = paired((self.times, self.values), there, self.longest * NS)[0]
         return found
 
-    def between(self, start: float, end: float) -> "Signal":
-        """Return the samples of a time span, its ends included [s]."""
+    def between(self, start: int, end: int) -> "Signal":
+        """Return the samples of a time span, its ends included [ns]."""
         inside = slice(self.times.searchsorted(start), self.times.searchsorted(end, "right"))
         times, values, received = (row[inside] for row in self[:3])
         return Signal(times, values, received, self.longest)
 
 
-def delayed(signal: Signal, seconds: float) -> Signal:
-    """Return a signal some time later."""
-    return signal._replace(times=signal.times + seconds)
+def delayed(signal: Signal, by: int) -> Signal:
+    """Return a signal some time later [ns]."""
+    return signal._replace(times=signal.times + by)
 
 
 def slope(signal: Signal) -> Signal:
@@ -54,8 +53,9 @@ def slope(signal: Signal) -> Signal:
     times, values, received, longest = signal
     steps = numpy.diff(times)
     rising = numpy.full(len(steps), numpy.nan)
-    numpy.divide(numpy.diff(values), steps, where=(steps > 0.0) & (steps <= longest), out=rising)
-    return Signal(times[:-1] + steps / 2.0, rising, received[1:], longest)
+    is_step = (steps > 0) & (steps <= longest * NS)
+    numpy.divide(numpy.diff(values) * NS, steps, where=is_step, out=rising)
+    return Signal(times[:-1] + steps // 2, rising, received[1:], longest)
 
 
 def low_passed(signal: Signal, cutoff: float) -> Signal:
@@ -70,7 +70,7 @@ def low_passed(signal: Signal, cutoff: float) -> Signal:
     times, values = signal.times[finite], signal.values[finite]
     if not len(times):
         return signal
-    steps = numpy.diff(times)
+    steps = numpy.diff(times) / NS
     ratio = numpy.clip(steps * (2.0 * math.pi * cutoff), 0.0, None)
     kept = numpy.exp(-ratio)
     late = numpy.divide(1.0 - kept, ratio, where=ratio > 1e-9, out=numpy.ones(len(ratio)))
@@ -89,14 +89,17 @@ def low_passed(signal: Signal, cutoff: float) -> Signal:
     return signal._replace(values=smooth)
 
 
-def averaged(signal: Signal, seconds: float) -> Signal:
-    """Return the mean of the samples of the last seconds, at each sample."""
+def averaged(signal: Signal, window: int) -> Signal:
+    """Return the mean of the samples of the last nanoseconds, at each sample.
+
+    The window is open at its begin, so that there are as many samples in each.
+    """
     finite = numpy.isfinite(signal.values)
     values = numpy.where(finite, signal.values, 0.0)
     middle = values.sum() / max(int(finite.sum()), 1)  # less is lost of a small change that way
     sums = numpy.concatenate([[0.0], numpy.cumsum(numpy.where(finite, values - middle, 0.0))])
     counts = numpy.concatenate([[0], numpy.cumsum(finite)])
-    begin = signal.times.searchsorted(signal.times - seconds, "right")
+    begin = signal.times.searchsorted(signal.times - window, "right")
     begin = numpy.minimum(begin, numpy.arange(len(values)))
     count = counts[1:] - counts[begin]
     mean = numpy.full(len(values), numpy.nan)
@@ -104,21 +107,19 @@ def averaged(signal: Signal, seconds: float) -> Signal:
     return signal._replace(values=numpy.where(finite, mean + middle, numpy.nan))
 
 
-def extreme(
-    signal: Signal, times: numpy.ndarray, seconds: float, pick: numpy.ufunc
-) -> numpy.ndarray:
+def extreme(signal: Signal, times: numpy.ndarray, reach: int, pick: numpy.ufunc) -> numpy.ndarray:
     """Return the highest or the lowest value around some times.
 
     Of all values on the lines between samples: at the ends of each span, and at the samples in it.
 
-    :param times: the middles of the spans [s]
-    :param seconds: how far a span reaches to either side [s]
+    :param times: the middles of the spans [ns]
+    :param reach: how far a span reaches to either side [ns]
     :param pick: numpy.maximum or numpy.minimum
     :returns: NaN where a span goes beyond what is known, or over a gap
     """
-    found = pick(signal.at(times - seconds), signal.at(times + seconds))
-    begin = signal.times.searchsorted(times - seconds, "left")
-    count = signal.times.searchsorted(times + seconds, "right") - begin
+    found = pick(signal.at(times - reach), signal.at(times + reach))
+    begin = signal.times.searchsorted(times - reach, "left")
+    count = signal.times.searchsorted(times + reach, "right") - begin
     # Of each row the next one: that of spans of twice as many samples. Two such cover any span.
     row, length = signal.values, 1
     while (count >= length).any():

@@ -6,6 +6,7 @@ from typing import Iterator
 
 from topic_scope.analysis.csv_rows import CsvColumn, header, rows
 from topic_scope.masks.limits import Mask, SampleReader
+from topic_scope.timing.nanoseconds import exact_seconds, to_ns
 
 #: How much of what came before is saved [s].
 BEFORE_S = 2.0
@@ -31,9 +32,8 @@ def _lines(samplers: SampleReader, mask: Mask, start: float) -> Iterator[str]:
     columns = []
     for trace in traces.values():
         assert trace is not None  # else nothing would have been checked
-        times, values = trace.samples(start, math.inf)
-        received = trace.received(start, math.inf)
+        times, values, received = trace.rows(to_ns(start), to_ns(math.inf))
         cells = [repr(value) for value in values.tolist()]
         columns.append(CsvColumn(trace.stream.topic, times, received, cells))
     yield header("time", "received", *traces)
-    yield from rows(columns, lambda time, received: f"{time!r},{received!r}")
+    yield from rows(columns, lambda time, came: f"{exact_seconds(time)},{exact_seconds(came)}")

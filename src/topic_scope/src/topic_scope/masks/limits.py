@@ -9,15 +9,18 @@ from typing import NamedTuple, Optional, Protocol, Tuple
 
 import numpy
 
-from topic_scope.analysis.ring import Samples
+from topic_scope.analysis.ring import LIMIT
 from topic_scope.formulas.names import problem_of, with_letters
 from topic_scope.messages.fields import FieldError
 from topic_scope.sampling.computed_trace import ComputedTrace, Recorded
+from topic_scope.sampling.traces import Trace
+from topic_scope.timing.nanoseconds import NS, shifted, to_ns
 
 
 #: A reference has ended where it was silent for longer than this at least [s].
 _ENDED_S = 0.5
-_NOTHING: Samples = (numpy.empty(0), numpy.empty(0))
+#: More than any rounding of a time since the epoch [s].
+_MORE_S = 1e-5
 
 
 class Mask(NamedTuple):
@@ -95,8 +98,12 @@ class SampleReader(Protocol):
     def trace(self, name: str) -> Optional[Recorded]:
         """Return what is recorded of a name; None where nothing is."""
 
-    def samples(self, name: str, start: float, end: float) -> Samples:
-        """Return the samples of a name from one time to another [s]."""
+    @property
+    def updated(self) -> float:
+        """Time of the latest update [s]."""
+
+    def changed_since(self, moment: float) -> float:
+        """Return the time from which on samples may differ from what they were [s]."""
 
     def longest_step(self, name: str) -> float:
         """Return how far apart samples of one line of a name may be [s]."""
@@ -105,35 +112,85 @@ class SampleReader(Protocol):
 class MaskCheck:
     """Checks each sample of a trace once, as soon as its reference is known.
 
+    Each sample that is received is counted once: as inside, as outside or as not checked. So one
+    that is late is checked as all others are.
+
     :param mask: what it has to keep within
-    :param start: samples that were taken later than this are checked [s]
+    :param start: samples that are received later than this are checked [s]
 
     :ivar mask: what it has to keep within
     :ivar verdict: what has come out so far
+    :ivar received: how many samples have been received
     """
 
     def __init__(self, mask: Mask, start: float) -> None:
         self.mask = mask
         self.verdict = Verdict()
-        self._checked_until = start
+        self.received = 0
+        self._start = to_ns(start)
         self._excess = mask.excess
+        self._updated = -math.inf
+        #: When samples were received that are counted, or wait for their reference [ns]: no two of
+        #: a topic are received at the same time.
+        self._seen = self._open = numpy.empty(0, numpy.int64)
+        self._open_from = to_ns(math.inf)
 
     def update(self, samplers: SampleReader) -> Verdict:
-        """Check the new samples.
+        """Check the new samples, and those whose reference is known now.
 
         :returns: what has come out so far
         """
-        trace = samplers.trace(self._excess)
-        if trace is None:
+        field, excess = samplers.trace(self.mask.field), samplers.trace(self._excess)
+        if field is None or excess is None:
             return self.verdict
-        # What counts for samples before that was forgotten: they will never be checked.
-        before = float(numpy.nextafter(trace.whole_from, -math.inf))
-        lost = self._new(samplers, self.mask.field, before)[0]
-        self._count(lost, numpy.full(len(lost), math.nan))
-        age = trace.age(0.0)
-        if age is not None:
-            self._count(*self._new(samplers, self._excess, -age))
+        changed, self._updated = samplers.changed_since(self._updated), samplers.updated
+        begin = min(to_ns(changed - _MORE_S), self._open_from)
+        times, values, received = field.rows(begin, to_ns(math.inf))
+        # Where a line ends the last sample stands twice, once without a value.
+        real = numpy.append(True, received[1:] != received[:-1])[: len(times)]
+        real |= ~numpy.isnan(values)
+        times, received = times[real], received[real]
+        is_new = (received > self._start) & ~_among(received, self._seen)
+        is_open = is_new | _among(received, self._open)
+        self.received += int(is_new.sum())
+        if type(field) is Trace:  # its samples appear in the order of reception
+            self._start = max(self._start, int(received.max(initial=self._start)))
+        else:
+            self._seen = numpy.sort(numpy.append(self._seen, received[is_new]))[-LIMIT:]
+        self._count(excess, times[is_open], received[is_open])
         return self.verdict
+
+    def _count(self, excess: Recorded, times: numpy.ndarray, received: numpy.ndarray) -> None:
+        """Count samples that were not, as far as something is known of them.
+
+        :param times: of all of these that are in memory [ns]
+        :param received: when they were received [ns]
+        """
+        before = self.verdict
+        span = int(times.min(initial=0)), int(times.max(initial=0))
+        _, values, found = excess.rows(*span)
+        order = found.argsort(kind="stable")
+        is_known = _among(received, found[order])
+        by = numpy.full(len(times), math.nan)
+        by[is_known] = values[order][found[order].searchsorted(received[is_known])]
+        # What counts for samples before that was forgotten: they will never be checked.
+        is_lost = ~is_known & (times <= excess.whole_from)
+        is_open = ~is_known & ~is_lost
+        outside = (by > 0.0).nonzero()[0]
+        inside = int((by <= 0.0).sum())
+        first = float(times[outside].min()) / NS if len(outside) else math.inf
+        if before.first is not None:
+            first = min(first, before.first)
+        self._open = numpy.sort(received[is_open])
+        self._open_from = shifted(int(times[is_open].min(initial=to_ns(math.inf))), -NS)
+        counted = before.inside + inside + before.outside + len(outside)
+        self.verdict = Verdict(
+            before.inside + inside,
+            before.outside + len(outside),
+            self.received - counted - len(self._open),
+            first if math.isfinite(first) else None,
+            max(before.worst, float(by[outside].max(initial=0.0))),
+        )
 
     def finish(self, samplers: SampleReader) -> Optional[float]:
         """Count the remaining samples as unchecked, at the end.
@@ -141,8 +198,9 @@ class MaskCheck:
         :returns: how long before the trace the reference has ended [s]; None where it has not, or
             where all are checked
         """
-        left = len(self._new(samplers, self.mask.field, math.inf)[0])
+        left, self._open = len(self._open), self._open[:0]
         self.verdict = self.verdict._replace(unchecked=self.verdict.unchecked + left)
+        assert sum(self.verdict[:3]) == self.received, "a sample is counted twice, or not at all"
         return self.ended(samplers) if left else None
 
     def words(self, samplers: SampleReader) -> str:
@@ -164,22 +222,10 @@ class MaskCheck:
         usual = max(longest if math.isfinite(longest) else 0.0, _ENDED_S)
         return ended if ended > usual else None
 
-    def _new(self, samplers: SampleReader, name: str, end: float) -> Samples:
-        """Return the samples of a name after those already checked, up to a time [s]."""
-        begin = float(numpy.nextafter(self._checked_until, math.inf))
-        return samplers.samples(name, begin, end) if begin <= end else _NOTHING
 
-    def _count(self, times: numpy.ndarray, excess: numpy.ndarray) -> None:
-        """Count samples by their excess; NaN for those that cannot be checked."""
-        self._checked_until = float(times.max(initial=self._checked_until))
-        outside = numpy.flatnonzero(excess > 0.0)
-        unknown = int(numpy.isnan(excess).sum())
-        before = self.verdict
-        first = float(times[outside[0]]) if len(outside) else None
-        self.verdict = Verdict(
-            before.inside + len(times) - len(outside) - unknown,
-            before.outside + len(outside),
-            before.unchecked + unknown,
-            before.first if before.first is not None else first,
-            max(before.worst, float(excess[outside].max(initial=0.0))),
-        )
+def _among(values: numpy.ndarray, known: numpy.ndarray) -> numpy.ndarray:
+    """Return which values are among others, which ascend."""
+    places = known.searchsorted(values)
+    is_known: numpy.ndarray = places < len(known)
+    is_known[is_known] = known[places[is_known]] == values[is_known]
+    return is_known

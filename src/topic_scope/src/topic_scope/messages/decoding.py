@@ -14,6 +14,7 @@ import numpy
 
 from topic_scope.messages.definitions import Array, Layout, Record, Scalar
 from topic_scope.messages.fields import FieldError, Key, Path, names_of
+from topic_scope.timing.nanoseconds import NO_TIME, NS, array_to_ns
 
 #: How to get on: a number of bytes, or a function from data and offset to the next offset.
 Advance = Union[int, Callable[[bytes, int], int]]
@@ -66,6 +67,18 @@ class Decoder:
             return values.astype(numpy.float64)
         return numpy.array([self._decode_one(data) for data in messages], numpy.float64)
 
+    def times(self, messages: Sequence[bytes]) -> numpy.ndarray:
+        """Return the time in each message in whole nanoseconds.
+
+        :returns: NO_TIME where it is missing, or a number that is no time
+        """
+        if not self.is_time:
+            return array_to_ns(self.decode(messages))
+        if self._size is not None and set(map(len, messages)) <= {self._size}:
+            values = numpy.frombuffer(b"".join(messages), self._type)["value"].astype(numpy.int64)
+            return numpy.asarray(values[:, 0] * NS + values[:, 1])
+        return numpy.array([self._time_of(data) for data in messages], numpy.int64)
+
     def has(self, message: bytes) -> bool:
         """Return whether a message has all array elements of the path."""
         try:
@@ -82,7 +95,13 @@ class Decoder:
         :raises struct.error: if the message is cut off
         """
         values = self._struct.unpack_from(message, follow(self._steps, message))
-        return values[0] * 10**9 + values[1] if self.is_time else values[0]
+        return values[0] * NS + values[1] if self.is_time else values[0]
+
+    def _time_of(self, data: bytes) -> int:
+        try:
+            return int(self.value(data))
+        except (NotThere, struct.error):
+            return NO_TIME
 
     def _decode_one(self, data: bytes) -> float:
         try:

@@ -6,9 +6,11 @@ from typing import Callable, Dict, Sequence, Tuple
 
 import numpy
 
-#: Times and values.
+from topic_scope.timing.nanoseconds import NS
+
+#: Times [ns] and values.
 Samples = Tuple[numpy.ndarray, numpy.ndarray]
-#: Computes a trace, as its samples come: takes their times [s], a row for each number of a message
+#: Computes a trace, as its samples come: takes their times [ns], a row for each number of a message
 #: that is needed, and how far apart samples of one line may be [s]; returns times and values, for
 #: all samples but perhaps the first.
 Function = Callable[[numpy.ndarray, numpy.ndarray, float], Samples]
@@ -52,20 +54,19 @@ class _Steps:
 
     def __init__(self, is_slope: bool) -> None:
         self._is_slope = is_slope
-        self._last = numpy.empty((2, 0))
+        self._last = numpy.empty(0, numpy.int64), numpy.empty(0)
 
     def __call__(self, times: numpy.ndarray, rows: numpy.ndarray, longest: float) -> Samples:
-        samples = numpy.hstack([self._last, [times, rows[0]]])
-        self._last = samples[:, -1:]
+        at, values = (numpy.concatenate(both) for both in zip(self._last, (times, rows[0])))
+        self._last = at[-1:], values[-1:]
         with numpy.errstate(all="ignore"):
-            apart, steps = numpy.diff(samples)
+            apart, steps = numpy.diff(at), numpy.diff(values)
             # What is late, or comes after its clock was set back, is no step from the one before.
-            steps[apart <= 0.0] = numpy.nan
-            later = samples[0, 1:]
+            steps[apart <= 0] = numpy.nan
             if not self._is_slope:
-                return later, steps
-            steps[apart > longest] = numpy.nan
-            return later - numpy.maximum(apart, 0.0) / 2.0, steps / apart
+                return at[1:], steps
+            steps[apart > longest * NS] = numpy.nan
+            return at[1:] - numpy.maximum(apart, 0) // 2, steps / apart * NS
 
 
 class _Unwrap:

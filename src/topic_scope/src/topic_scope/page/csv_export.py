@@ -7,11 +7,14 @@ import numpy
 from topic_scope.analysis.csv_rows import CsvColumn, header, rows
 from topic_scope.sampling.computed_trace import Recorded
 from topic_scope.sampling.recorder import Recorder
+from topic_scope.timing.nanoseconds import NS, exact_seconds, to_ns
 
-#: Length of a part [s]; frames are sent in between.
-PART_S = 0.25
+#: Length of a part [ns]; frames are sent in between.
+_PART_NS = NS // 4
+#: More than the rounding of a time since the epoch [s].
+_MORE_S = 1e-6
 
-_NOTHING = numpy.empty(0)
+_NOTHING = numpy.empty(0, numpy.int64)
 
 
 async def parts(
@@ -26,24 +29,24 @@ async def parts(
     """
     recorder.update()
     spans = [trace.span for trace in map(recorder.trace, names) if trace and trace.span]
-    begin = max(start, min([first for first, _ in spans], default=end))
-    end = min(end, max([last for _, last in spans], default=start))
+    begin = to_ns(max(start, min([first for first, _ in spans], default=end)) - _MORE_S)
+    end_ns = to_ns(min(end, max([last for _, last in spans], default=start) + _MORE_S))
+    begin = max(begin, to_ns(start))
     yield header("time", "received", *names)
-    while begin <= end:
-        stop = begin + PART_S
-        last = min(end, float(numpy.nextafter(stop, begin)))
+    while begin <= end_ns:
+        last = min(end_ns, begin + _PART_NS - 1)
         traces = [recorder.trace(name) for name in names]
         yield "".join(rows([_column(trace, begin, last) for trace in traces], _stamp))
-        begin = stop
+        begin = last + 1
 
 
-def _column(trace: Optional[Recorded], start: float, end: float) -> CsvColumn:
+def _column(trace: Optional[Recorded], start: int, end: int) -> CsvColumn:
     if trace is None:
         return CsvColumn("", _NOTHING, _NOTHING, ())
-    times, values = trace.samples(start, end)
+    times, values, received = trace.rows(start, end)
     cells = [repr(value) for value in values.tolist()]  # with all of its digits
-    return CsvColumn(trace.stream.topic, times, trace.received(start, end), cells)
+    return CsvColumn(trace.stream.topic, times, received, cells)
 
 
-def _stamp(time: float, received: float) -> str:
-    return f"{time!r},{received!r}"
+def _stamp(time: int, received: int) -> str:
+    return f"{exact_seconds(time)},{exact_seconds(received)}"

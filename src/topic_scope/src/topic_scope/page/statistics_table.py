@@ -100,6 +100,8 @@ def _measured(
         key: figure.uncertainty for key, figure in found.items() if figure.value is not None
     }
     told["unmeasurable"] = {key: figure.reason for key, figure in found.items() if figure.reason}
+    if wanted.latency and trace.stream.no_latency:
+        told["unmeasurable"]["latency"] = trace.stream.no_latency
     # By reception: what is late is not silent.
     quiet, usual = trace.silence(now), trace.longest_step
     silent = quiet is not None and quiet > max(usual if math.isfinite(usual) else 0.0, SILENT_S)

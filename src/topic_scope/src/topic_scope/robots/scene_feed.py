@@ -10,6 +10,7 @@ from topic_scope.messages.record_reader import MessageReader
 from topic_scope.page.state import Page
 from topic_scope.sampling.message_source import Batch, MessageSource
 from topic_scope.robots import scene
+from topic_scope.timing.nanoseconds import NS
 
 #: Time between two looks at what has come [s]; and how many go by till things that stand are told.
 PERIOD_S, _SLOWLY = 0.05, 5
@@ -82,7 +83,7 @@ class SceneFeed:
         since = 0 if datatype in scene.CUMULATIVE else -1
         for data, when in zip(batch.messages[since:], batch.times[since:]):
             try:
-                self._scene.add_message(topic, datatype, reader.read(data), when)
+                self._scene.add_message(topic, datatype, reader.read(data), when / NS)
             except (LookupError, TypeError, ValueError) as error:
                 if self._throttle.is_due(topic):
                     why = f"{datatype} has other fields than known: {error!r}"

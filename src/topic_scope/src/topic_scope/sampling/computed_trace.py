@@ -6,12 +6,13 @@ from typing import Mapping, Optional, Tuple, Union
 
 import numpy
 
-from topic_scope.analysis.ring import Samples
+from topic_scope.analysis.ring import Rows, Samples
 from topic_scope.formulas.expression import Operands
 from topic_scope.formulas.parser import Formula
 from topic_scope.formulas.signals import Signal
 from topic_scope.messages import derived
 from topic_scope.sampling.traces import JUMPS, Stream, Trace
+from topic_scope.timing.nanoseconds import NS, ROUNDED_NS, shifted, to_ns, to_seconds
 
 
 class ComputedTrace:
@@ -34,7 +35,7 @@ class ComputedTrace:
         self._operands = Operands(
             lambda name, start, end: traces[name].signal(start, end),
             lambda name: traces[name].longest_step,
-            lambda name: _last_of(traces[name]),
+            lambda name: traces[name].last,
         )
 
     @property
@@ -52,12 +53,18 @@ class ComputedTrace:
 
     def samples(self, start: float, end: float) -> Samples:
         """Return times and values of a time span, its ends included [s]."""
-        signal = self._between(start, end)
-        return signal.times, signal.values
+        signal = self.signal(to_ns(start) - ROUNDED_NS, to_ns(end) + ROUNDED_NS)
+        return signal.times / NS, signal.values
 
-    def received(self, start: float, end: float) -> numpy.ndarray:
-        """Return when the samples of a time span were received [s]: those of the first trace."""
-        return self._between(start, end).received
+    def rows(self, start: int, end: int) -> Rows:
+        """Return the samples of a time span, its ends included [ns]; received as the first's."""
+        times, values, received, _ = self.signal(start, end)
+        return times, values, received
+
+    def signal(self, start: int, end: int) -> Signal:
+        """Return the samples of a time span [ns]."""
+        found = self._tree.signal(self._operands, start, end)
+        return found.between(max(start, self.whole_from), min(end, self.last))
 
     def latency(self, start: float, end: float) -> numpy.ndarray:
         """Return how long after they were taken samples were received [s]: the first trace's."""
@@ -69,7 +76,8 @@ class ComputedTrace:
         spans = [trace.span for trace in self._traces]
         if spans[0] is None or None in spans:
             return None
-        first, until = max(spans[0][0] + min(self.lookaround[0], 0.0), self.whole_from), self.until
+        begin = spans[0][0] + min(self.lookaround[0], 0.0)
+        first, until = max(begin, to_seconds(self.whole_from)), self.until
         return (first, until) if first <= until else None
 
     @property
@@ -80,6 +88,11 @@ class ComputedTrace:
     @property
     def until(self) -> float:
         """Up to when it is known [s]; minus infinity where it is not at all."""
+        return to_seconds(self.last)
+
+    @property
+    def last(self) -> int:
+        """The same [ns]; the first time that there is where it is not known at all."""
         return self._tree.until(self._operands)
 
     @property
@@ -100,9 +113,9 @@ class ComputedTrace:
         return f"it needs {needed}, and samples are kept for {kept:g} s (--history)"
 
     @property
-    def whole_from(self) -> float:
-        """After when all that counts for it is there [s]."""
-        return max(trace.whole_from for trace in self._traces) + self._back
+    def whole_from(self) -> int:
+        """After when all that counts for it is there [ns]."""
+        return shifted(max(trace.whole_from for trace in self._traces), to_ns(self._back))
 
     @property
     def _back(self) -> float:
@@ -113,28 +126,13 @@ class ComputedTrace:
     @property
     def _ahead(self) -> float:
         """Delay after which a value is known [s]; 0 if unknown."""
-        ahead = min(map(_last_of, self._traces)) - self.until
+        ahead = to_seconds(min(trace.last for trace in self._traces)) - self.until
         return max(ahead, 0.0) if math.isfinite(ahead) else 0.0
-
-    def age(self, now: float) -> Optional[float]:
-        """Return how long ago the last sample was taken [s]; None without one."""
-        until = self.until
-        return now - until if math.isfinite(until) else None
 
     def silence(self, now: float) -> Optional[float]:
         """Return the time since the last reception of the quietest of them [s]; None if unknown."""
         quiet = [trace.silence(now) for trace in self._traces]
         return None if None in quiet else max(one for one in quiet if one is not None)
-
-    def _between(self, start: float, end: float) -> Signal:
-        found = self._tree.signal(self._operands, start, end)
-        return found.between(max(start, self.whole_from), min(end, self.until))
-
-
-def _last_of(trace: Trace) -> float:
-    """Return when the latest sample was taken [s]."""
-    age = trace.age(0.0)
-    return -math.inf if age is None else -age
 
 
 #: What is recorded, or made of what is.

@@ -3,21 +3,21 @@
 
 from typing import Collection, Iterable, List, Mapping, MutableSequence, NamedTuple, Protocol
 
-#: Time between two messages of a topic that the clock does not tell apart [s]: the resolution of a
-#: float.
-TICK_S = 5e-7
+#: Time between two messages of a topic that the clock does not tell apart [ns]: a page's numbers
+#: do.
+TICK_NS = 500
 
 
 class Batch(NamedTuple):
     """Messages that came over one connection.
 
     :param header: what the publisher has said of them
-    :param times: when they came [s]: no two of a topic at the same time
+    :param times: when they came [ns]: no two of a topic at the same time
     :param messages: as they came
     """
 
     header: Mapping[str, str]
-    times: MutableSequence[float]
+    times: MutableSequence[int]
     messages: List[bytes]
 
 
@@ -41,6 +41,10 @@ class MessageSource(Protocol):
     @property
     def clock(self) -> Clock:
         """Clock of the messages' times."""
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether no more messages will come by its clock."""
 
     def want(self, topics: Collection[str], is_more: bool = False) -> None:
         """Request the messages of these topics, from now on or a little later.

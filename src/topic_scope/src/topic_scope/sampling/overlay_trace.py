@@ -2,14 +2,16 @@
 """Traces of an overlaid bag, complete from the start, and movable in time."""
 
 import math
-from typing import Mapping, Optional, Protocol, Tuple
+from typing import Mapping, Optional, Protocol
 
 import numpy
 
+from topic_scope.analysis.ring import Rows
 from topic_scope.messages.arrays import Arrays
 from topic_scope.messages.definitions import Record
 from topic_scope.messages.fields import Path
 from topic_scope.sampling.traces import Stream, Trace
+from topic_scope.timing.nanoseconds import array_to_ns
 
 _READING, _NOTHING = "the bag is being read", "the bag has no number there"
 
@@ -18,8 +20,8 @@ class Overlay(Protocol):
     """Overlaid bag."""
 
     @property
-    def place(self) -> float:
-        """Start by the scope's clock [s]."""
+    def place_ns(self) -> int:
+        """Start by the scope's clock [ns]."""
 
     @property
     def layouts(self) -> Mapping[str, Record]:
@@ -49,9 +51,9 @@ class OverlayStream(Stream):
         self.words: Optional[str] = None
 
     @property
-    def offset(self) -> float:
-        """Start of the overlay [s]: its samples count from there."""
-        return self._overlay.place
+    def offset(self) -> int:
+        """Start of the overlay [ns]: its samples count from there."""
+        return self._overlay.place_ns
 
     @property
     def path(self) -> Optional[Path]:
@@ -86,7 +88,8 @@ class OverlayTrace(Trace):
         :param values: NaN where a line ends
         :param correction: how the times were moved, in words
         """
-        self.ring.append(times, values, times)
+        at = array_to_ns(numpy.array(times))
+        self.ring.append(at, numpy.array(values), at)
         self._laid.words = correction
         self._longest_step = None
         self.problem = None if numpy.isfinite(values).any() else _NOTHING
@@ -102,6 +105,7 @@ class OverlayTrace(Trace):
         """Return 0: it waits for nothing; None where there is no sample."""
         return 0.0 if len(self.ring) else None
 
-    def _between(self, start: float, end: float) -> Tuple[numpy.ndarray, ...]:
-        times, values, _ = super()._between(start, end)
+    def rows(self, start: int, end: int) -> Rows:
+        """As of :class:`.Trace`; received when they were recorded."""
+        times, values, _ = super().rows(start, end)
         return times, values, times

@@ -9,7 +9,8 @@ from typing import Any, Collection, Dict, List, Mapping
 import rospy
 
 from nodekit import Subscription, Throttle
-from topic_scope.sampling.message_source import TICK_S, Batch
+from topic_scope.sampling.message_source import TICK_NS, Batch
+from topic_scope.timing.nanoseconds import NS
 
 #: Most bytes that messages of a topic take while they wait to be read; what comes beyond that is
 #: lost, with a warning.
@@ -24,11 +25,15 @@ class SteadyClock:
 
     def __init__(self) -> None:
         # What comes between two readings makes the difference smaller, never larger.
-        self._offset = max(time.time() - time.monotonic() for _ in range(_READINGS))
+        self._offset = max(time.time_ns() - time.monotonic_ns() for _ in range(_READINGS))
 
     def now(self) -> float:
         """Return the time [s]."""
-        return self._offset + time.monotonic()
+        return self.now_ns() / NS
+
+    def now_ns(self) -> int:
+        """Return the time [ns]."""
+        return self._offset + time.monotonic_ns()
 
 
 class RawSubscription:
@@ -46,7 +51,7 @@ class RawSubscription:
         self._waiting: List[Batch] = []
         self._bytes = 0
         self._throttle = Throttle(_WARN_EVERY_S)
-        self._latest = 0.0
+        self._latest = 0
         self._subscription = Subscription(topic, rospy.AnyMsg, self._on_messages)
         self._subscription.open()
         self._subscription.receive_latched()  # another one may have the topic already
@@ -61,8 +66,8 @@ class RawSubscription:
                     return
                 header = message._connection_header
                 if not self._waiting or self._waiting[-1].header is not header:
-                    self._waiting.append(Batch(header, array("d"), []))
-                self._latest = max(self._clock.now(), self._latest + TICK_S)
+                    self._waiting.append(Batch(header, array("q"), []))
+                self._latest = max(self._clock.now_ns(), self._latest + TICK_NS)
                 self._waiting[-1].times.append(self._latest)
                 self._waiting[-1].messages.append(message._buff)
                 self._bytes += sys.getsizeof(message._buff)
@@ -89,6 +94,11 @@ class RawSubscriptions:
         self._wanted: Collection[str] = ()
         self._open: Dict[str, RawSubscription] = {}
         self._throttle = Throttle(_REFUSED_EVERY_S)
+
+    @property
+    def has_ended(self) -> bool:
+        """False: a live graph may always send more."""
+        return False
 
     def want(self, topics: Collection[str], is_more: bool = False) -> None:
         """Subscribe to these topics with the next :meth:`adjust`; see :class:`.MessageSource`."""

@@ -17,6 +17,8 @@ from topic_scope.sampling.computed_trace import ComputedTrace, Recorded
 from topic_scope.sampling.overlay_trace import OverlayTrace, Overlay
 from topic_scope.sampling.message_source import Batch, MessageSource
 from topic_scope.sampling.traces import Stream, Trace
+from topic_scope.timing.clocks import Clocks
+from topic_scope.timing.nanoseconds import NS, to_ns
 
 #: Most fields that are listed, and most topics that are subscribed to for one message alone.
 LISTED, UNKNOWN = 5000, 50
@@ -72,6 +74,7 @@ class Recorder:
         self._choices: Dict[Tuple[str, str, bool], List[Choice]] = {}
         self._traces: Dict[str, Trace] = {}
         self._streams: Dict[Tuple[str, str], Stream] = {}
+        self._clocks = Clocks()
         #: Up to when what is computed and looked at was known at the latest update [s].
         self._known: Dict[str, float] = {}
         #: When the latest updates were, and the time of the earliest sample that each brought [s].
@@ -174,7 +177,7 @@ class Recorder:
 
     def forget(self) -> None:
         """Drop all samples: the clock has jumped."""
-        traces, self._streams = self._traces, {}
+        traces, self._streams, self._clocks = self._traces, {}, Clocks()
         self._traces = {name: one for name, one in traces.items() if isinstance(one, OverlayTrace)}
         self._updates.clear()
         self._latest.clear()
@@ -209,7 +212,8 @@ class Recorder:
             laid = self._laid[place[0]]
             self._traces[name] = laid.trace(place[0], path, timestamp, function)
             return
-        stream = self._streams.setdefault((place[0], timestamp), Stream(place[0], timestamp))
+        made = Stream(place[0], timestamp, self._clocks)
+        stream = self._streams.setdefault((place[0], timestamp), made)
         self._traces[name] = stream.record(path, self.history, function)
         if len(stream.traces) == 1 and place[0] in self._latest:
             stream.add(*self._latest[place[0]])
@@ -220,7 +224,7 @@ class Recorder:
         :returns: the time up to which all samples are there [s]
         """
         now = self._source.clock.now()
-        earliest = now
+        earliest, changes = now, self._clocks.changes
         subscriptions = self._source.subscriptions()
         self._latest = {topic: one for topic, one in self._latest.items() if topic in subscriptions}
         streams: Dict[str, List[Stream]] = {}
@@ -232,11 +236,16 @@ class Recorder:
                 if layout is None:
                     continue
                 arrays = self._arrays.setdefault(topic, Arrays())
-                arrays.add_message(layout, batch.messages[-1], batch.times[-1])
+                arrays.add_message(layout, batch.messages[-1], batch.times[-1] / NS)
                 latest = Batch(batch.header, batch.times[-1:], batch.messages[-1:])
                 self._latest[topic] = (layout, latest)
                 for stream in streams.get(topic, []):
                     earliest = min(earliest, stream.add(layout, batch))
+        moment = to_ns(math.inf if self._source.has_ended else now)
+        for stream in self._streams.values():
+            earliest = min(earliest, stream.release(moment))
+        if self._clocks.changes != changes:  # all of its topics have moved
+            earliest = -math.inf
         for name, known in self._known.items():
             trace = self.trace(name)
             if not isinstance(trace, ComputedTrace):
@@ -250,6 +259,11 @@ class Recorder:
                 self._known[name] = until
         self._updates.append((now, earliest))
         return now
+
+    @property
+    def updated(self) -> float:
+        """Time of the latest update [s]."""
+        return self._updates[-1][0] if self._updates else -math.inf
 
     def changed_since(self, moment: float) -> float:
         """Return the time from which on samples may differ from what they were [s].

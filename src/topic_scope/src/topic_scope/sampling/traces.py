@@ -6,19 +6,22 @@ from typing import List, Optional, Tuple
 
 import numpy
 
-from topic_scope.analysis.ring import Ring, Samples
+from topic_scope.analysis.ring import NOWHERE, Ring, Rows, Samples
 from topic_scope.formulas.signals import Signal
 from topic_scope.messages import derived, fields, timestamp_source
 from topic_scope.messages.decoding import Decoder
 from topic_scope.messages.definitions import Record
 from topic_scope.sampling.message_source import Batch
+from topic_scope.timing.clocks import ELSEWHERE_NS, Clocks
+from topic_scope.timing.nanoseconds import NS, ROUNDED_NS, shifted, to_ns
+from topic_scope.timing.topic_time import Placed, TopicTime
 
-#: More than any rounding of a time since the epoch [s].
-_MORE_S = 1e-5
 #: How many samples tell what is usual between them.
 _USUAL = 200
 #: Why a derivative jumps.
 JUMPS = "timed by reception: the derivative jumps where messages come early or late"
+#: Why there is no latency.
+_NO_LATENCY = "the stamps are of another clock: no latency by the scope's"
 
 
 class Stream:
@@ -26,29 +29,33 @@ class Stream:
 
     :param topic: the topic
     :param timestamp: name of the time; see :func:`.timestamp_source.path_of`
+    :param clocks: the clocks of all topics
 
     :ivar traces: those that are recorded
     """
 
-    def __init__(self, topic: str, timestamp: str) -> None:
+    def __init__(self, topic: str, timestamp: str, clocks: Optional[Clocks] = None) -> None:
         self.topic = topic
         self.traces: List["Trace"] = []
         self._timestamp = timestamp
+        self._clocks = clocks or Clocks()
         self._layout: Optional[Record] = None
         self._path: Optional[fields.Path] = None
         self._decoder: Optional[Decoder] = None
         self._latest: Optional[Tuple[List[bytes], numpy.ndarray, numpy.ndarray]] = None
-        self._time = timestamp_source.OwnClock(None)
+        self._time = TopicTime(self._clocks)
+        #: Messages that wait for others that agree with their stamps, and their stamps.
+        self._waiting: Optional[Tuple[Batch, numpy.ndarray]] = None
 
     @property
-    def offset(self) -> float:
-        """Offset from the times in the rings to those of the scope [s]."""
-        return self._time.offset
+    def offset(self) -> int:
+        """Offset from the times in the rings to those of the scope [ns]."""
+        return self._time.clock.offset
 
     @property
     def path(self) -> Optional[fields.Path]:
         """Path of the stamp in the messages; None for the time of reception."""
-        return self._path if self._time.is_said else None
+        return self._path if self._time.has_stamps else None
 
     @property
     def timestamp(self) -> str:
@@ -57,8 +64,13 @@ class Stream:
 
     @property
     def correction(self) -> Optional[str]:
-        """Correction of the stamps, as text; None without one."""
-        return timestamp_source.correction(self.path, self.offset)
+        """Correction of the stamps and those that others contradict, as text; None without any."""
+        return timestamp_source.oddities(self._path, self._time)
+
+    @property
+    def no_latency(self) -> Optional[str]:
+        """Why there is no latency, in words; None where there is."""
+        return _NO_LATENCY if self.path and abs(self.offset) > ELSEWHERE_NS else None
 
     def record(self, path: fields.Path, history: float, function: str = "") -> "Trace":
         """Record one more field; see :class:`Trace`."""
@@ -66,7 +78,8 @@ class Stream:
         if self._layout is not None:
             trace.read_as(self._layout)
         if self._latest is not None:  # there may be no other, where it is latched
-            trace.add(*self._latest)
+            messages, times, received = self._latest
+            trace.add(messages, times, received, int(times[-1]))
         self.traces.append(trace)
         return trace
 
@@ -75,48 +88,69 @@ class Stream:
 
         :param layout: their layout
         :param batch: the messages
-        :returns: the time of the earliest one [s]; minus infinity where earlier samples have moved
+        :returns: the time of the earliest one [s]; infinity where all of them wait for others
         """
         if layout is not self._layout:
             self._read_as(layout)
-        if self._decoder is None:
-            return self._add(batch, None)
-        own = self._decoder.decode(batch.messages)
-        # A part for each time that the clock was set back: of a bag much comes at once.
-        ends = ((own[1:] - own[:-1] < -timestamp_source.BACK_S).nonzero()[0] + 1).tolist()
-        if not ends:
-            return self._add(batch, own)
-        return min(
-            self._add(Batch(batch.header, batch.times[part], batch.messages[part]), own[part])
-            for part in map(slice, [0, *ends], [*ends, len(own)])
-        )
+        if self._decoder is None or self._path is None:
+            received = numpy.array(batch.times, numpy.int64)
+            return self._add([Placed(self._time.clock, received, 0, 0)], batch.messages, received)
+        own = timestamp_source.read_times(self._decoder, self._path, batch.messages)
+        if self._waiting is not None:
+            before, stamps = self._waiting
+            own = numpy.concatenate([stamps, own])
+            times = [*before.times, *batch.times]
+            batch = Batch(batch.header, times, before.messages + batch.messages)
+        return self._place(batch, own, False)
 
-    def _add(self, batch: Batch, own: Optional[numpy.ndarray]) -> float:
-        times = received = numpy.array(batch.times)
-        offset = self.offset
-        if own is not None:
-            times, back = self._time.convert(own, received)
-            if back:
+    def release(self, now: int) -> float:
+        """Place messages that have waited in vain for others that agree with them.
+
+        :param now: the time [ns]
+        :returns: as :meth:`add`
+        """
+        if self._waiting is None or now < self._waiting[0].times[-1] + self._time.patience:
+            return math.inf
+        return self._place(*self._waiting, True)
+
+    def _place(self, batch: Batch, own: numpy.ndarray, is_final: bool) -> float:
+        received = numpy.array(batch.times, numpy.int64)
+        placed = self._time.place(own, received, is_final)
+        count = sum(len(part.times) for part in placed)
+        self._waiting = None
+        if count < len(own):
+            rest = Batch(batch.header, batch.times[count:], batch.messages[count:])
+            self._waiting = rest, own[count:]
+        return self._add(placed, batch.messages[:count], received[:count])
+
+    def _add(self, placed: List[Placed], messages: List[bytes], received: numpy.ndarray) -> float:
+        start, earliest = 0, math.inf
+        for _, times, newest, moved in placed:
+            if moved:
                 for trace in self.traces:
-                    trace.move(back)
-        for trace in self.traces:
-            trace.add(batch.messages, times, received)
-        self._latest = (batch.messages[-1:], times[-1:], received[-1:])
-        return float(times.min()) + offset if offset == self.offset else -numpy.inf
+                    trace.move(moved)
+            part = slice(start, start + len(times))
+            start = part.stop
+            newest = newest or int(times[-1])
+            for trace in self.traces:
+                trace.add(messages[part], times, received[part], newest)
+            earliest = min(earliest, float(times.min() + self.offset) / NS)
+            self._latest = (messages[part][-1:], times[-1:], received[part][-1:])
+        return earliest
 
     def _read_as(self, layout: Record) -> None:
+        if self._waiting is not None:
+            self._place(*self._waiting, True)
         self._layout, self._latest = layout, None
         try:
             path = timestamp_source.path_of(self._timestamp, layout)
-            exact = timestamp_source.is_exact(self._timestamp, layout)
         except fields.FieldError:  # the topic has got another type
-            path, exact = None, False
+            path = None
         if path != self._path:
             for trace in self.traces:  # what is there goes by the scope's clock from now on
                 trace.move(self.offset)
-            latest = [trace.ring.latest(1) for trace in self.traces]
-            before = float(numpy.concatenate([[-numpy.inf], *latest]).max())
-            self._time = timestamp_source.OwnClock(path, exact, before)
+            named = self._timestamp if path is not None else timestamp_source.RECEIVED
+            self._time = timestamp_source.topic_time(self._clocks, named, layout)
         self._path = path
         self._decoder = None if path is None else decoder_of(layout, path)
         for trace in self.traces:
@@ -142,8 +176,8 @@ class Trace:
         self.path = path
         self.ring = Ring(history)
         self.used_at = 0.0
-        self._pinned = (math.inf, -math.inf)
-        self._pinned_offset = 0.0
+        self._pinned = NOWHERE
+        self._pinned_offset = 0
         self._longest_step: Optional[float] = None
         self._new = 0
         self._function = derived.make(function)
@@ -169,12 +203,15 @@ class Trace:
         self._decoders = [decoder for decoder in found if decoder is not None]
         self._longest_step = None
 
-    def add(self, messages: List[bytes], times: numpy.ndarray, received: numpy.ndarray) -> None:
+    def add(
+        self, messages: List[bytes], times: numpy.ndarray, received: numpy.ndarray, newest: int
+    ) -> None:
         """Take the samples of some messages.
 
         :param messages: the messages
-        :param times: when they were taken, by their own clock [s]
-        :param received: when they were received [s]
+        :param times: when they were taken, by their own clock [ns]
+        :param received: when they were received [ns]
+        :param newest: the latest time that is believed [ns]
         """
         if len(self._decoders) == len(self._paths):
             rows = numpy.array([decoder.decode(messages) for decoder in self._decoders])
@@ -183,47 +220,54 @@ class Trace:
                 rows, times, received = rows[:, there], times[there], received[there]
             times, values = self._function(times, rows, self.longest_step)
             late = len(received) - len(values)  # what is computed of two begins with the second
-            self.ring.append(times, values, received[late:])
+            self.ring.append(times, values, received[late:], newest)
             self._new += len(values)
             if self._new > _USUAL // 2 or len(self.ring) < _USUAL:
                 self._longest_step, self._new = None, 0
 
     def samples(self, start: float, end: float) -> Samples:
         """Return times and values of a time span by the scope's clock, its ends included [s]."""
-        times, values, _ = self._between(start, end)
-        return times, values
+        times, values, _ = self.rows(to_ns(start) - ROUNDED_NS, to_ns(end) + ROUNDED_NS)
+        return times / NS, values
 
-    def received(self, start: float, end: float) -> numpy.ndarray:
-        """Return when the samples of a time span were received [s]."""
-        return self._between(start, end)[2]
+    def signal(self, start: int, end: int) -> Signal:
+        """Return the samples of a time span [ns], for a formula."""
+        return Signal(*self.rows(start, end), self.longest_step)
 
-    def signal(self, start: float, end: float) -> Signal:
-        """Return the samples of a time span [s], for a formula."""
-        times, values, received = self._between(start, end)
-        return Signal(times, values, received, self.longest_step)
+    def rows(self, start: int, end: int) -> Rows:
+        """Return the samples of a time span by the scope's clock, its ends included [ns]."""
+        offset = self._offset_at(start, end)
+        span = shifted(start, -offset), shifted(end, -offset)
+        times, values, received = self.ring.between(*span)
+        return times + offset, values, received
 
     def latency(self, start: float, end: float) -> numpy.ndarray:
         """Return how long after they were taken the samples of a time span were received [s].
 
-        :returns: by the clocks as they are, with no correction; nothing for times of receipt
+        :returns: by the clocks as they are, with no correction; nothing for times of receipt, and
+            for stamps that count from elsewhere
         """
-        if self.stream.path is None:
+        if self.stream.path is None or self.stream.no_latency:
             return numpy.empty(0)
-        times, _, received = self._between(start, end)
-        return received - (times - self._offset_at(start, end))
+        first, last = to_ns(start) - ROUNDED_NS, to_ns(end) + ROUNDED_NS
+        times, _, received = self.rows(first, last)
+        return (received - times + self._offset_at(first, last)) / NS
 
     def pin(self, start: float, end: float) -> None:
         """Keep the samples of a time span, and no others, when their time is over [s]."""
-        if (start, end) != self._pinned:
-            if self._pinned[0] > self._pinned[1]:  # nothing has been
+        span = (to_ns(start), to_ns(end)) if start <= end else NOWHERE
+        if span != self._pinned:
+            if self._pinned == NOWHERE:
                 self._pinned_offset = self.stream.offset
-            self._pinned = (start, end)
-            self.ring.pin(start - self._pinned_offset, end - self._pinned_offset)
+            self._pinned = span
+            if span != NOWHERE:
+                span = (span[0] - self._pinned_offset, span[1] - self._pinned_offset)
+            self.ring.pin(*span)
 
-    def move(self, by: float) -> None:
-        """Move all samples by their own clock, which was set back; they stay where they are here.
+    def move(self, by: int) -> None:
+        """Move all samples by their own clock, which was set; they stay where they are here.
 
-        :param by: how far [s]
+        :param by: how far [ns]
         """
         self.ring.move(by)
         self._pinned_offset -= by
@@ -231,8 +275,10 @@ class Trace:
     @property
     def span(self) -> Optional[Tuple[float, float]]:
         """Times of the first and the last sample [s]; None without samples."""
-        times, _, _ = self._between(-math.inf, math.inf)
-        return (min(float(times[0]), self._pinned[0]), float(times[-1])) if len(times) else None
+        times, _, _ = self.rows(to_ns(-math.inf), to_ns(math.inf))
+        if not len(times):
+            return None
+        return min(int(times[0]), self._pinned[0]) / NS, int(times[-1]) / NS
 
     @property
     def longest_step(self) -> float:
@@ -243,22 +289,20 @@ class Trace:
         return self._longest_step
 
     @property
-    def whole_from(self) -> float:
-        """After when no sample is missing [s]; minus infinity where none was forgotten."""
+    def whole_from(self) -> int:
+        """Time after which no sample is missing [ns]; the least one if none was forgotten."""
         if not self.ring.has_forgotten or len(self.ring) < 2:
-            return -math.inf
-        first, second = self.ring.between(-math.inf, math.inf)[0, :2]
+            return to_ns(-math.inf)
+        first, second = self.ring.between(to_ns(-math.inf), to_ns(math.inf))[0][:2].tolist()
         # The last one that was forgotten: as far before the first as that is before the next one,
         # unless there is a gap between these.
-        return float(first - min(second - first, self.longest_step)) + self.stream.offset
+        return int(first - min(second - first, to_ns(self.longest_step))) + self.stream.offset
 
-    def age(self, now: float) -> Optional[float]:
-        """Return how long ago its last sample was taken [s]; None without one.
-
-        :param now: the time [s]
-        """
+    @property
+    def last(self) -> int:
+        """Time of the last sample [ns]; the first time that there is without one."""
         latest = self.ring.latest(1)
-        return now - float(latest[0]) - self.stream.offset if len(latest) else None
+        return int(latest[0]) + self.stream.offset if len(latest) else to_ns(-math.inf)
 
     def silence(self, now: float) -> Optional[float]:
         """Return for how long nothing has been received [s]; None where there is no sample.
@@ -266,24 +310,14 @@ class Trace:
         :param now: the time [s]
         """
         last = self.ring.last_received
-        return None if last is None else now - last
+        return None if last is None else now - last / NS
 
-    def _offset_at(self, start: float, end: float) -> float:
-        """Return what is to be added to the own times of a time span to get the scope's [s]."""
-        if self._pinned[0] <= (start + end) / 2.0 <= self._pinned[1]:
+    def _offset_at(self, start: int, end: int) -> int:
+        """Return what is to be added to the own times of a time span to get the scope's [ns]."""
+        if self._pinned[0] <= (start + end) // 2 <= self._pinned[1]:
             # The clocks may have gone apart since, as where a simulation is slower.
             return self._pinned_offset
         return self.stream.offset
-
-    def _between(self, start: float, end: float) -> Tuple[numpy.ndarray, ...]:
-        # Sought with some more, as the ends are rounded otherwise than the samples' times.
-        offset = self._offset_at(start, end)
-        if not offset:
-            return tuple(self.ring.between(start, end))
-        times, *others = self.ring.between(start - offset - _MORE_S, end - offset + _MORE_S)
-        times = times + offset
-        inside = slice(times.searchsorted(start), times.searchsorted(end, "right"))
-        return tuple(row[inside] for row in (times, *others))
 
 
 def decoder_of(layout: Record, path: fields.Path) -> Optional[Decoder]:

@@ -1,0 +1,239 @@
+"""Topics of one clock, and stamps that others contradict, as a user sees them."""
+
+import asyncio
+import math
+from pathlib import Path
+from typing import Any, Callable, Dict, List, Sequence, Tuple
+
+import numpy
+import pytest
+from bags import BEGIN, serialized, write_bag
+from geometry_msgs.msg import PointStamped
+from rospy import Duration, Time
+from test_recorder import FakeSource, FakeSubscription, header
+
+from topic_scope.analysis.waveform import phase
+from topic_scope.bag.file import BagFile
+from topic_scope.bag.player import BagPlayer
+from topic_scope.bag.line_series import chosen, series_of
+from topic_scope.bag.message_slices import first_messages, slices
+from topic_scope.messages.layouts import Layouts
+from topic_scope.page.csv_export import parts
+from topic_scope.sampling.message_source import Batch
+from topic_scope.sampling.recorder import Recorder
+from topic_scope.timing.nanoseconds import NS
+
+MS = NS // 1000
+#: When the scope begins to record [ns]; and by how much an old bag, and a simulation, are behind.
+NOW = 1_700_000_000 * NS
+OLD, SIMULATION = 40_000_000 * NS, NOW - 12 * NS
+TOPICS = {"/a": "geometry_msgs/PointStamped", "/b": "geometry_msgs/PointStamped"}
+
+
+def stamped(time: int, value: float) -> PointStamped:
+    """Return a message with a stamp [ns]."""
+    message = PointStamped()
+    message.header.stamp = Time(*divmod(time, NS))
+    message.point.x = value
+    return message
+
+
+def sine(seconds: float) -> float:
+    """Return a sine of 1 Hz."""
+    return math.sin(2.0 * math.pi * seconds)
+
+
+def received(
+    messages: Dict[str, Sequence[Tuple[int, PointStamped]]],
+    *names: str,
+    watch: Callable[[Recorder], object] = lambda _made: None,
+) -> Recorder:
+    """Return a recorder that has received messages, 40 times a second.
+
+    :param messages: when each was received [ns], by topic
+    :param watch: is called after each update
+    """
+    source = FakeSource()
+    source.time = NOW / NS
+    source.topics = {topic: FakeSubscription() for topic in messages}
+    made = Recorder(source, Layouts(), 60.0)  # type: ignore[arg-type]
+    made.set_topics(TOPICS)
+    made.want(names, source.time)
+    last = max(when for told in messages.values() for when, _ in told)
+    begin = NOW
+    while begin <= last:
+        end = begin + 25 * MS
+        for topic, told in messages.items():
+            some = [one for one in told if begin <= one[0] < end]
+            if some:
+                times, data = [when for when, _ in some], [serialized(one) for _, one in some]
+                source.topics[topic].batches.append(Batch(header(PointStamped), times, data))
+        source.time = end / NS
+        made.update()
+        watch(made)
+        begin = end
+    source.time += 2.0
+    made.update()
+    watch(made)
+    return made
+
+
+@pytest.mark.parametrize("name", ["/{}/point/x", "/{}/point/x@stamp"], ids=["chosen", "named"])
+@pytest.mark.parametrize("behind", [OLD, SIMULATION], ids=["old bag", "simulation"])
+@pytest.mark.parametrize("speed", [0.1, 1.0, 10.0])
+def test_equal_sines_of_one_clock_are_in_phase_though_one_is_delivered_late(
+    name: str, behind: int, speed: float
+) -> None:
+    span = 20.0 * min(speed, 2.0)
+    seconds = numpy.arange(0.0, span, 0.01)
+    begin = NOW - behind
+    told: Dict[str, List[Tuple[int, PointStamped]]] = {}
+    for topic, delay in (("/a", 0.0), ("/b", 0.1)):
+        told[topic] = [
+            (NOW + round((one + delay) / speed * NS), stamped(begin + round(one * NS), sine(one)))
+            for one in seconds.tolist()
+        ]
+    first, second = name.format("a"), name.format("b")
+    made = received(told, first, second, f"{first}-{second}")
+    one, other = (made.samples(field, -math.inf, math.inf) for field in (first, second))
+    turned = phase(one, other, math.inf)
+    assert turned.value == pytest.approx(0.0, abs=0.01)
+    _, apart = made.samples(f"{first}-{second}", -math.inf, math.inf)
+    apart = apart[numpy.isfinite(apart)]
+    assert len(apart) > len(seconds) // 2 and numpy.abs(apart).max() < 1e-9
+
+
+def csv_rows(made: Recorder, name: str) -> numpy.ndarray:
+    """Return time and value of the rows that the page writes, in order of the values."""
+
+    async def text() -> str:
+        return "".join([part async for part in parts(made, [name], 0.0, 1e10)])
+
+    lines = asyncio.run(text()).splitlines()[1:]
+    found = [line.split(",") for line in lines]
+    return numpy.array(sorted((float(row[2]), float(row[0])) for row in found if row[2] != "nan"))
+
+
+@pytest.mark.parametrize("late", [0.6, 20.0])
+def test_one_late_message_moves_no_row_of_the_csv_and_is_named(late: float) -> None:
+    stamps = [NOW + 20 * MS * index for index in range(1500)]
+    told = [(when, stamped(when, index)) for index, when in enumerate(stamps)]
+    told[1200][1].header.stamp -= Duration.from_sec(late)
+    made = received({"/a": told, "/b": told}, "/a/point/x")
+    rows = csv_rows(made, "/a/point/x")
+    expected = numpy.array(stamps) / NS
+    expected[1200] -= late
+    assert rows[:, 1] == pytest.approx(expected, abs=1e-6)
+    trace = made.trace("/a/point/x")
+    assert trace is not None
+    assert trace.stream.correction == f"1 stamp up to {late:.2f} s late"
+
+
+@pytest.mark.parametrize("ahead", [600.0, 300.0, 30.0])
+@pytest.mark.parametrize("name", ["/a/point/x", "/a/point/x@stamp"], ids=["chosen", "named"])
+def test_one_stamp_far_ahead_pushes_no_sample_out_and_is_named(ahead: float, name: str) -> None:
+    stamps = [NOW + 20 * MS * index for index in range(500)]
+    told = [(when, stamped(when, index)) for index, when in enumerate(stamps)]
+    told[100][1].header.stamp += Duration.from_sec(ahead)
+    made = received({"/a": told, "/b": told}, name)
+    rows = csv_rows(made, name)
+    assert rows[:, 1] == pytest.approx(numpy.array(stamps) / NS, abs=1e-6)
+    trace = made.trace(name)
+    assert trace is not None and trace.silence(stamps[-1] / NS) == pytest.approx(0.0, abs=1e-6)
+    text = f"1 stamp up to {ahead:g} s ahead: shown at reception"
+    assert trace.stream.correction == text
+
+
+def test_the_csv_has_all_digits_of_stamps_and_receptions() -> None:
+    told = [(NOW + 123_456_789, stamped(NOW + 987_654, 1.5))]
+    made = received({"/a": told, "/b": told}, "/a/point/x")
+
+    async def text() -> str:
+        return "".join([part async for part in parts(made, ["/a/point/x"], 0.0, 1e10)])
+
+    (line,) = asyncio.run(text()).splitlines()[1:]
+    assert line == "1700000000.000987654,1700000000.123456789,1.5"
+
+
+def in_bag(path: Path, told: Dict[str, List[Tuple[int, PointStamped]]], *names: str) -> List[Any]:
+    """Return the series that plot_bag draws."""
+    messages = [(topic, one, when) for topic, some in told.items() for when, one in some]
+    name = write_bag(path / "x.bag", sorted(messages, key=lambda one: one[2]))
+    with BagFile(name) as bag:
+        lines, readers = chosen(bag, first_messages(bag), names)
+        return series_of(bag, lines, readers, slices(bag, sorted(told)))
+
+
+@pytest.mark.parametrize("name", ["/{}/point/x", "/{}/point/x@stamp"], ids=["chosen", "named"])
+def test_plot_bag_moves_topics_of_one_clock_together(tmp_path: Path, name: str) -> None:
+    told = {
+        topic: [
+            (10 * MS * index + delay, stamped(12 * NS + 10 * MS * index, float(index)))
+            for index in range(1000)
+        ]
+        for topic, delay in (("/a", 0), ("/b", 100 * MS))
+    }
+    first, second = in_bag(tmp_path, told, name.format("a"), name.format("b"))
+    assert list(first.times) == list(second.times)
+    assert first.times[0] == pytest.approx(0.0, abs=1e-3)
+    assert first.correction == "stamps of another clock: shown at reception"
+
+
+def test_plot_bag_names_the_stamps_that_others_contradict(tmp_path: Path) -> None:
+    told = {"/a": [(10 * MS * n, stamped(BEGIN + 10 * MS * n, float(n))) for n in range(1000)]}
+    told["/a"][300][1].header.stamp -= Duration(5)
+    told["/a"][600][1].header.stamp += Duration(600)
+    (series,) = in_bag(tmp_path, told, "/a/point/x")
+    expected = [0.01 * index for index in range(1000)]
+    expected[300] -= 5.0
+    times = numpy.array(series.times)[numpy.isfinite(series.values)]  # a line ends at a gap
+    assert sorted(times) == pytest.approx(sorted(expected), abs=1e-6)
+    assert series.correction == (
+        "1 stamp up to 5.00 s late; 1 stamp up to 600 s ahead: shown at reception"
+    )
+
+
+def test_an_early_stamp_makes_no_other_sample_too_old() -> None:
+    stamps = [NOW + 100 * MS * index for index in range(585)]  # 58.4 s, of which 60 s are kept
+    told = [(when, stamped(when, index)) for index, when in enumerate(stamps)]
+    told[-10][1].header.stamp += Duration(9)
+    made = received({"/a": told, "/b": told}, "/a/point/x")
+    assert len(csv_rows(made, "/a/point/x")) == 585
+
+
+def test_a_clock_that_was_set_is_shown_anew_for_each_of_its_topics() -> None:
+    """The topic that has not spoken since is moved with the clock as well."""
+    told: Dict[str, List[Tuple[int, PointStamped]]] = {"/a": [], "/b": []}
+    for index in range(600):
+        when = NOW + 10 * MS * index
+        pause = 1500 * MS if index >= 300 else 0  # as of a simulation that stands still
+        for topic in ("/a", "/b") if index < 300 else ("/a",):
+            told[topic].append((when + pause, stamped(when - SIMULATION, float(index))))
+    changes: List[float] = []
+
+    def look(made: Recorder) -> None:
+        changes.append(made.changed_since(made.updated - 0.02))
+
+    made = received(told, "/a/point/x", "/b/point/x", watch=look)
+    moved = [index for index, since in enumerate(changes) if since == -math.inf]
+    assert any(index > 170 for index in moved)
+    one, other = (made.samples(name, -math.inf, math.inf)[0] for name in TOPIC_FIELDS)
+    assert other == pytest.approx(one[: len(other)], abs=1e-6)
+
+
+TOPIC_FIELDS = ("/a/point/x", "/b/point/x")
+
+
+def test_the_end_of_a_bag_is_waited_for_by_no_message(tmp_path: Path) -> None:
+    """The last message is 5 s late: no other will come that could agree with it."""
+    stamps = [BEGIN + 10 * MS * index for index in range(800)]
+    told = [("/a", stamped(when, float(n)), when - BEGIN) for n, when in enumerate(stamps)]
+    told[-1][1].header.stamp -= Duration(5)
+    player = BagPlayer(BagFile(write_bag(tmp_path / "x.bag", told)), 60.0, lambda: 0.0)
+    made = Recorder(player, Layouts(), 60.0)
+    made.set_topics(TOPICS)
+    made.want(["/a/point/x"], player.start)
+    player.seek(player.end)
+    made.update()
+    times, values = made.samples("/a/point/x", player.start, player.end)
+    assert sorted(values[numpy.isfinite(values)]) == [float(index) for index in range(800)]

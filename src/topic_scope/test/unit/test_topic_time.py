@@ -1,0 +1,400 @@
+"""Samples stand at their stamps, whatever the messages around them say: the table of all cases."""
+
+from typing import Callable, List, NamedTuple, Tuple
+
+import numpy
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from topic_scope.timing.clocks import Clocks
+from topic_scope.timing.lag import SETTLED_NS, TOLERANCE_NS
+from topic_scope.timing.nanoseconds import NO_TIME, NS, array_to_ns, to_ns
+from topic_scope.timing.topic_time import Placed, TopicTime
+
+EPOCH = 1_700_000_000 * NS
+MS = NS // 1000
+
+
+class Shown(NamedTuple):
+    """Samples of a topic as they are shown.
+
+    :param times: of its samples by the scope's clock, in the order of reception [ns]
+    :param gaps: before which of them a line ends
+    """
+
+    times: numpy.ndarray
+    gaps: List[int]
+
+
+class Topic:
+    """A topic whose messages come in batches.
+
+    :param clocks: those of all topics
+    :param is_stamp: whether it has stamps, or numbers with a zero of their own
+    :param is_exact: whether its stamps were named
+    """
+
+    def __init__(self, clocks: Clocks, is_stamp: bool = True, is_exact: bool = False) -> None:
+        self.time = TopicTime(clocks, is_stamp, is_exact)
+        self._own = self._received = numpy.empty(0, numpy.int64)
+        self._placed = numpy.empty(0, numpy.int64)
+        self._gaps: List[int] = []
+
+    def take(self, own: numpy.ndarray, received: numpy.ndarray, is_final: bool = False) -> None:
+        """Take some messages."""
+        self._own = numpy.append(self._own, own)
+        self._received = numpy.append(self._received, received)
+        for placed in self.time.place(self._own, self._received, is_final):
+            self._show(placed)
+
+    def _show(self, placed: Placed) -> None:
+        count = len(placed.times)
+        self._own, self._received = self._own[count:], self._received[count:]
+        if placed.moved and len(self._placed):
+            self._gaps.append(len(self._placed))
+        self._placed = numpy.append(self._placed + placed.moved, placed.times)
+
+    def shown(self) -> Shown:
+        """Return all samples, when no more will come."""
+        self.take(self._own[:0], self._own[:0], True)
+        assert not len(self._own), "each message is placed"
+        return Shown(self._placed + self.time.clock.offset, self._gaps)
+
+
+def played(
+    own: numpy.ndarray,
+    received: numpy.ndarray,
+    is_exact: bool = False,
+    batch: int = 5,
+    is_stamp: bool = True,
+) -> Tuple[Topic, Shown]:
+    """Return a topic whose messages came in batches, and what is shown of it."""
+    topic = Topic(Clocks(), is_stamp, is_exact)
+    for start in range(0, len(own), batch):
+        part = slice(start, start + batch)
+        topic.take(own[part], received[part])
+    return topic, topic.shown()
+
+
+def at_50_hz(count: int = 500) -> numpy.ndarray:
+    """Return times since the epoch [ns]."""
+    return numpy.asarray(EPOCH + 20 * MS * numpy.arange(count))
+
+
+both = pytest.mark.parametrize("is_exact", [False, True], ids=["chosen", "named"])
+
+
+# --- One message that the others contradict ----------------------------------------------------
+
+
+@both
+@pytest.mark.parametrize("batch", [1, 7, 500])
+@pytest.mark.parametrize("late", [600 * MS, 20 * NS, 600 * NS])
+def test_a_late_message_stands_at_its_stamp_and_moves_no_other(
+    late: int, batch: int, is_exact: bool
+) -> None:
+    received = at_50_hz()
+    own = received.copy()
+    own[230] -= late
+    topic, shown = played(own, received, is_exact, batch)
+    assert shown.times.tolist() == own.tolist() and not shown.gaps
+    assert topic.time.outliers.text == f"1 stamp up to {late / NS:.2f} s late"
+
+
+@both
+@pytest.mark.parametrize("batch", [1, 7, 500])
+@pytest.mark.parametrize("index", [0, 1, 230, 499])
+def test_a_stamp_far_ahead_stands_at_reception_and_is_named(
+    index: int, batch: int, is_exact: bool
+) -> None:
+    received = at_50_hz()
+    own = received.copy()
+    own[index] += 600 * NS
+    topic = Topic(Clocks(), True, is_exact)
+    for start in range(0, 500, batch):
+        topic.take(own[start : start + batch], received[start : start + batch])
+    shown = topic.shown()
+    assert abs(shown.times - received).max() <= 1 * MS
+    if index:
+        assert topic.time.outliers.refused == 1
+        assert topic.time.outliers.text.startswith("1 stamp up to 600 s ahead: shown at reception")
+
+
+@both
+def test_an_early_message_stands_at_its_stamp_and_makes_no_other_late(is_exact: bool) -> None:
+    received = at_50_hz()
+    own = received.copy()
+    own[230] += 2 * NS
+    topic, shown = played(own, received, is_exact)
+    assert shown.times.tolist() == own.tolist()
+    assert topic.time.outliers.text == "1 stamp early"
+
+
+@both
+def test_what_is_forgotten_is_decided_by_the_newest_stamp_that_is_believed(is_exact: bool) -> None:
+    received = at_50_hz()
+    own = received.copy()
+    own[[50, 100, 230]] += [2 * NS, 600 * NS, 9 * NS]
+    time = TopicTime(Clocks(), True, is_exact)
+    newest = [placed.newest for placed in time.place(own, received, True)]
+    assert max(newest) == int(received[-1]) and newest == sorted(newest)
+
+
+@both
+def test_doubled_and_disordered_stamps_are_kept(is_exact: bool) -> None:
+    received = at_50_hz()
+    own = received.copy()
+    own[100] = own[99]
+    own[200:220] = own[200:220][::-1]
+    topic, shown = played(own, received, is_exact)
+    assert shown.times.tolist() == own.tolist() and not topic.time.outliers.text
+
+
+@both
+def test_a_queue_that_is_emptied_sets_no_clock(is_exact: bool) -> None:
+    """Twenty messages that come at once, after newer ones of another publisher."""
+    received = at_50_hz()
+    own = received.copy()
+    own[200:220] -= 5 * NS
+    received[200:220] = received[200] + numpy.arange(20) * MS // 10
+    topic, shown = played(own, received, is_exact)
+    assert shown.times.tolist() == own.tolist() and not shown.gaps
+    assert topic.time.outliers.late == 20
+
+
+@both
+def test_two_publishers_a_second_apart_stand_at_their_stamps(is_exact: bool) -> None:
+    received = at_50_hz()
+    own = received.copy()
+    own[1::2] -= NS
+    _, shown = played(own, received, is_exact)
+    assert shown.times.tolist() == own.tolist() and not shown.gaps
+
+
+# --- A clock that was set ------------------------------------------------------------------------
+
+
+@both
+@pytest.mark.parametrize("batch", [1, 7, 500])
+@pytest.mark.parametrize("back", [2 * NS, 50 * NS, 5000 * NS])
+def test_a_clock_set_back_begins_a_line_where_the_messages_after_it_agree(
+    back: int, batch: int, is_exact: bool
+) -> None:
+    received = at_50_hz()
+    own = received - EPOCH + 10_000 * NS
+    own[250:] -= back
+    topic, shown = played(own, received, is_exact, batch)
+    assert shown.gaps == [250] and not topic.time.outliers.text
+    assert abs(shown.times - received).max() <= 1 * MS
+
+
+def test_the_last_two_messages_set_a_clock_where_no_others_will_come() -> None:
+    own = array_to_ns(numpy.array([5.0, 5.1, 5.2, 0.0, 0.1]))
+    received = EPOCH + 100 * MS * numpy.arange(5)
+    _, shown = played(own, received, is_stamp=False)
+    assert shown.gaps == [3] and shown.times.tolist() == received.tolist()
+
+
+def test_a_slow_topic_follows_a_clock_that_its_neighbour_has_found() -> None:
+    clocks = Clocks()
+    quick, slow = Topic(clocks), Topic(clocks)
+    for second in range(20):
+        back = 100 * NS if second >= 10 else 0
+        came = EPOCH + second * NS + 20 * MS * numpy.arange(50)
+        quick.take(came - EPOCH + 1000 * NS - back, came)
+        slow.take(came[-1:] - EPOCH + 1000 * NS - back, came[-1:])
+    quick.shown(), slow.shown()
+    assert quick.time.clock is slow.time.clock
+    assert slow.shown().gaps == [10]
+
+
+@both
+def test_stamps_that_begin_later_leave_what_came_before_where_it_was_received(
+    is_exact: bool,
+) -> None:
+    """As of a node that exists before the first message on /clock."""
+    received = at_50_hz(100)
+    own = numpy.where(numpy.arange(100) < 50, NO_TIME, received - EPOCH + 3 * NS)
+    topic, shown = played(own, received, is_exact)
+    assert shown.times.tolist() == received.tolist() and shown.gaps == [50]
+    assert topic.time.has_stamps
+
+
+def test_stamps_that_nobody_has_filled_in_are_as_received() -> None:
+    received = at_50_hz(20)
+    topic, shown = played(numpy.full(20, NO_TIME), received)
+    assert shown.times.tolist() == received.tolist() and not topic.time.has_stamps
+
+
+def test_the_first_messages_decide_for_two_seconds_only() -> None:
+    """A latched message with a stamp of five seconds ago comes before the others."""
+    received = at_50_hz()
+    own = received.copy()
+    own[0] -= 5 * NS
+    topic, shown = played(own, received, batch=1)
+    assert topic.time.clock.is_scope and shown.times[1:].tolist() == own[1:].tolist()
+
+
+@pytest.mark.parametrize("delay_at", [lambda at: 0.45 + 0.02 * at, lambda at: 0.55 - 0.02 * at])
+def test_the_choice_is_made_once_where_latency_wanders(delay_at: Callable[[float], float]) -> None:
+    """About half a second, where one clock seems to be another one's."""
+    topic, is_moved = Topic(Clocks()), set()
+    for index in range(1000):
+        own = numpy.array([EPOCH + 10 * MS * index])
+        topic.take(own, own + to_ns(delay_at(0.01 * index)))
+        is_moved.add(topic.time.clock.offset != 0)
+    assert len(is_moved) == 1
+
+
+# --- Several topics of one clock -----------------------------------------------------------------
+
+#: By how much stamps count from elsewhere [ns].
+ELSEWHERE = {"replay": -40_000_000 * NS, "simulation": -EPOCH, "machine": -3 * NS}
+
+
+@both
+@pytest.mark.parametrize("delays", [(0, 100), (100, 0), (0, 400), (250, 0)])
+@pytest.mark.parametrize("elsewhere", ELSEWHERE.values(), ids=ELSEWHERE.keys())
+def test_topics_of_one_clock_are_moved_together(
+    elsewhere: int, delays: Tuple[int, int], is_exact: bool
+) -> None:
+    clocks = Clocks()
+    topics = [Topic(clocks, True, is_exact) for _ in delays]
+    stamps = at_50_hz()
+    for start in range(0, 500, 5):
+        part = stamps[start : start + 5]
+        for topic, delay in zip(topics, delays):
+            topic.take(part + elsewhere, part + delay * MS)
+    first, second = (topic.shown().times for topic in topics)
+    assert first.tolist() == second.tolist()
+
+
+@pytest.mark.parametrize("speed", [0.1, 0.5, 1.0, 2.0, 10.0])
+def test_topics_of_a_replay_at_another_speed_differ_by_their_stamps(speed: float) -> None:
+    """Both record the same stamps; one of them did so 0.1 s later."""
+    clocks = Clocks()
+    topics, delays = [Topic(clocks), Topic(clocks)], (0, 100 * MS)
+    stamps = EPOCH - 10_000_000 * NS + 10 * MS * numpy.arange(3000)
+    sent = [EPOCH + ((stamps - stamps[0] + delay) / speed).astype(numpy.int64) for delay in delays]
+    now, done = EPOCH, [0, 0]
+    behind = []
+    while min(done) < len(stamps):
+        now += 25 * MS
+        for index, topic in enumerate(topics):
+            end = int(sent[index].searchsorted(now))
+            if end > done[index]:
+                part = slice(done[index], end)
+                topic.take(stamps[part], sent[index][part])
+                done[index] = end
+        if done[0] == len(stamps):
+            break
+        behind.append(now - int(stamps[done[0] - 1]) - topics[0].time.clock.offset)
+        if topics[1].time.has_stamps:
+            assert topics[0].time.clock is topics[1].time.clock
+    assert all(topic.time.outliers.refused == 0 for topic in topics)
+    # The latest sample stands near the present, as far as batches and the tolerance let it.
+    settled = numpy.abs(numpy.array(behind[len(behind) // 2 :])) / NS
+    assert settled.max() < 0.25 + 0.05 * speed
+
+
+def test_nodes_with_times_of_their_own_are_not_tied_to_each_other() -> None:
+    """Two that began 0.3 s apart count from zero; what copies the times of one follows it."""
+    clocks = Clocks()
+    one, other, copied = (Topic(clocks, is_stamp=False) for _ in range(3))
+    steps = 10 * MS * numpy.arange(500) + 1234
+    for start in range(0, 500, 5):
+        part = steps[start : start + 5]
+        one.take(part, EPOCH + part)
+        other.take(part, EPOCH + part + 300 * MS)
+        copied.take(part, EPOCH + part + 3 * MS)
+    assert one.shown().times.tolist() == copied.shown().times.tolist()
+    assert (other.shown().times - one.shown().times).tolist() == [300 * MS] * 500
+
+
+# --- Delays --------------------------------------------------------------------------------------
+
+
+@settings(max_examples=30)
+@given(
+    st.integers(-(10**9), 10**9),
+    st.lists(st.integers(0, 40 * MS), min_size=20, max_size=200),
+    st.integers(1, 50),
+)
+def test_delays_bend_nothing(begin: int, delays: List[int], batch: int) -> None:
+    own = begin * NS + 50 * MS * numpy.arange(len(delays))
+    received = EPOCH + 50 * MS * numpy.arange(len(delays)) + numpy.array(delays)
+    topic, shown = played(own, received, batch=batch, is_stamp=False)
+    assert numpy.diff(shown.times).tolist() == numpy.diff(own).tolist()
+    shift = topic.time.clock.offset - (EPOCH - begin * NS)
+    assert min(delays) <= shift <= max(delays) + TOLERANCE_NS
+
+
+@settings(max_examples=60)
+@given(st.data())
+def test_whatever_stamps_say_each_message_is_placed_once(data: st.DataObject) -> None:
+    """Late, early, doubled and disordered stamps, clocks that are set, and missing times."""
+    count = data.draw(st.integers(1, 120))
+    received = (
+        EPOCH
+        + numpy.cumsum(data.draw(st.lists(st.integers(1, 300), min_size=count, max_size=count)))
+        * MS
+    )
+    speed = data.draw(st.sampled_from([0.1, 0.5, 1.0, 3.0, 10.0]))
+    own = EPOCH + ((received - EPOCH) * speed).astype(numpy.int64)
+    for index in data.draw(st.lists(st.integers(0, count - 1), max_size=8)):
+        own[index] += data.draw(st.sampled_from([-5000, -20, -1, 1, 9, 700, 9999])) * NS
+    for index in data.draw(st.lists(st.integers(0, count - 1), max_size=2)):
+        own[index:] += data.draw(st.sampled_from([-5000, -20, 20, 5000])) * NS
+    own[data.draw(st.lists(st.integers(0, count - 1), max_size=3))] = NO_TIME
+    batch, is_exact = data.draw(st.integers(1, 30)), data.draw(st.booleans())
+    topic, shown = played(own, received, is_exact, batch)
+    assert len(shown.times) == count
+    assert (numpy.abs(shown.times - received) < 100_000 * NS).all()
+
+
+def test_a_trace_stands_still_once_enough_was_received() -> None:
+    topic, offsets = Topic(Clocks()), []
+    for index in range(1000):
+        came = EPOCH + 10 * MS * index + (20 * MS if index > 300 else 0)
+        topic.take(numpy.array([10 * MS * index]), numpy.array([came]))
+        offsets.append(topic.time.clock.offset)
+    assert len(set(offsets[250:])) == 1
+
+
+def test_a_delay_of_a_while_does_not_move_the_trace() -> None:
+    """A second in which all messages wait for each other, as on a machine that is busy."""
+    topic, offsets = Topic(Clocks()), []
+    for index in range(500):
+        own = 10 * MS * index
+        came = EPOCH + max(own, 3 * NS if 2700 * MS < own < 3 * NS else 0) + index
+        topic.take(numpy.array([own]), numpy.array([came]))
+        offsets.append(topic.time.clock.offset)
+    assert max(offsets) - min(offsets) <= TOLERANCE_NS
+
+
+@pytest.mark.parametrize("ahead", [-400, 0, 400])
+def test_stamps_of_the_same_clock_stay_as_they_are(ahead: int) -> None:
+    received = at_50_hz(100)
+    topic, shown = played(received + ahead * MS, received)
+    assert topic.time.clock.is_scope and shown.times.tolist() == (received + ahead * MS).tolist()
+
+
+def test_a_message_waits_for_others_no_longer_than_its_patience() -> None:
+    topic = Topic(Clocks())
+    received = at_50_hz(100)
+    topic.take(received, received)
+    assert topic.time.patience == NS
+    topic.take(received[-1:] - 50 * NS, received[-1:] + 20 * MS)
+    assert len(topic._own) == 1
+    slow = Topic(Clocks())
+    slow.take(EPOCH + 5 * NS * numpy.arange(4), EPOCH + 5 * NS * numpy.arange(4))
+    assert slow.time.patience > 10 * NS
+
+
+def test_the_lag_of_a_slower_simulation_is_that_of_the_present() -> None:
+    topic = Topic(Clocks())
+    for index in range(2000):
+        topic.take(numpy.array([5 * MS * index]), numpy.array([EPOCH + 10 * MS * index]))
+    behind = EPOCH + 10 * MS * 1999 - 5 * MS * 1999 - topic.time.clock.offset
+    assert abs(behind) <= SETTLED_NS + 20 * MS

@@ -3,15 +3,20 @@
 import csv
 import math
 from pathlib import Path
-from typing import Any, List
+from typing import Any, List, Tuple
 
 import pytest
-from bags import write_bag
+from bags import BEGIN, write_bag
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from std_msgs.msg import Float64
 from test_differences import TimedSource, recording
+from test_one_clock import MS, NOW, received, stamped
 
 from topic_scope.commands import mask as mask_command
 from topic_scope.masks.limits import Mask, MaskCheck, Verdict
+from topic_scope.sampling.recorder import Recorder
+from topic_scope.timing.nanoseconds import NS
 
 MASK = Mask("/a/data", "/b/data", 0.5, 0.1)
 STEP_S = 0.01
@@ -105,6 +110,57 @@ def test_nothing_is_checked_in_a_gap_of_the_reference() -> None:
     # From 0.1 s before the gap to as long behind it, and 0.1 s at the start.
     assert verdict.outside == 0 and verdict.unchecked == pytest.approx(10 + 120, abs=2)
     assert verdict.text.endswith(" not checked")
+
+
+@pytest.mark.parametrize("late", [0.35, 0.6, 5.0])
+def test_a_sample_that_comes_late_is_checked_at_its_stamp(late: float) -> None:
+    """Of a trace that comes in time, and of one that is late as a whole."""
+    stamps = [NOW + 10 * MS * index for index in range(1000)]
+    told = [(when, stamped(when, 0.0)) for when in stamps]
+    one_late = list(told)
+    one_late[500] = (stamps[500] + round(late * NS) + 1, stamped(stamps[500], 9.0))
+    all_late = [(when + round(late * NS), stamped(when, 0.0)) for when in stamps]
+    all_late[500][1].point.x = 9.0
+    for some in (sorted(one_late, key=lambda one: one[0]), all_late):
+        mask = Mask("/a/point/x@stamp", "/b/point/x@stamp", 0.2, 0.05)
+        verdicts = []
+
+        def check(recorder: Recorder) -> None:
+            if not verdicts:
+                verdicts.append(MaskCheck(mask, NOW / NS - 1.0))
+            verdicts[0].update(recorder)
+
+        made = received({"/a": some, "/b": told}, *mask.names, watch=check)
+        verdicts[0].finish(made)
+        verdict = verdicts[0].verdict
+        assert verdict.outside == 1 and verdict.first == pytest.approx(stamps[500] / NS)
+        assert verdict.inside + verdict.outside + verdict.unchecked == verdicts[0].received == 1000
+        assert verdict.unchecked <= 12
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.data())
+def test_each_sample_is_in_one_count_however_it_comes(data: st.DataObject) -> None:
+    count = 300
+    delays = data.draw(
+        st.lists(st.sampled_from([0, 0, 0, 5, 40, 400, 3000]), min_size=count, max_size=count)
+    )
+    field = data.draw(st.sampled_from(["/a/point/x", "/a/point/x@received", "=2 * /a/point/x"]))
+    begin, end = sorted(data.draw(st.lists(st.integers(0, count), min_size=2, max_size=2)))
+    told = [
+        (NOW + 10 * MS * index + delay * MS + index, stamped(NOW + 10 * MS * index, 0.0))
+        for index, delay in enumerate(delays)
+    ]
+    told.sort(key=lambda one: one[0])
+    others = [(NOW + 10 * MS * n, stamped(NOW + 10 * MS * n, 0.0)) for n in range(begin, end + 1)]
+    mask = Mask(field, "/b/point/x", 0.1, 0.02)
+    check = MaskCheck(mask, -math.inf)
+    made = received({"/a": told, "/b": others}, *mask.names, watch=check.update)
+    check.update(made)
+    check.finish(made)
+    verdict = check.verdict
+    assert verdict.inside + verdict.outside + verdict.unchecked == check.received == count
+    assert verdict.outside == 0
 
 
 @pytest.fixture
@@ -216,6 +272,42 @@ def test_a_reference_that_ends_long_before_the_trace_is_no_pass(
     told = capsys.readouterr()
     assert told.out == f"mask: {said}\n"
     assert told.err == ("mask: /b/data ended 9.00 s before the trace did\n" if expected else "")
+
+
+def test_a_late_sample_outside_fails_a_bag(
+    tmp_path: Path, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    """A sample of 9 that was recorded 0.6 s late, around 0."""
+    messages: List[Any] = []
+    for index in range(2000):
+        when = index * 10 * MS
+        value, late = (9.0, 600 * MS) if index == 1000 else (0.0, 0)
+        messages.append(("/a", stamped(BEGIN + when, value), when + late))
+        messages.append(("/b", stamped(BEGIN + when, 0.0), when))
+    name = write_bag(tmp_path / "x.bag", sorted(messages, key=lambda one: one[2]))
+    around = ("/a/point/x", "--around", "/b/point/x", "--bag", name, "--value", "0.2")
+    assert status(monkeypatch, *around, "--time", "0.05", "--all") == 1
+    said = capsys.readouterr().out.splitlines()[0]
+    assert said == "mask: 1989 samples inside, 1 outside, 10 not checked"
+
+
+@pytest.mark.parametrize("allowed, expected", [((), 2), (("--unchecked", "20"), 0)])
+def test_too_many_samples_that_are_not_checked_are_no_pass(
+    tmp_path: Path,
+    monkeypatch: "pytest.MonkeyPatch",
+    capsys: "pytest.CaptureFixture[str]",
+    allowed: Tuple[str, ...],
+    expected: int,
+) -> None:
+    """A reference with a hole in the middle of the trace."""
+    messages: List[Any] = [("/a", Float64(1.0), index * 10**7) for index in range(1000)]
+    messages += [("/b", Float64(1.0), n * 10**7) for n in range(1000) if not 400 < n < 551]
+    name = write_bag(tmp_path / "x.bag", sorted(messages, key=lambda one: one[2]))
+    around = ("/a", "--around", "/b", "--bag", name, "--value", "0.1")
+    assert status(monkeypatch, *around, *allowed) == expected
+    told = capsys.readouterr()
+    assert told.out == "mask: 850 samples inside, 0 outside, 150 not checked\n"
+    assert ("too many samples were not checked (15 %, at most 10 %)" in told.err) == bool(expected)
 
 
 def test_a_file_that_is_none_is_refused(

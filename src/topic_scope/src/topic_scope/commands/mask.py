@@ -24,6 +24,8 @@ from topic_scope.sampling.recorder import Recorder
 
 #: Exit status: a sample was outside; no sample could be checked, or the command is wrong.
 OUTSIDE, NOT_CHECKED = 1, 2
+#: Most samples that a pass leaves unchecked [%]: the reference is unknown at either end.
+_UNCHECKED = 10.0
 #: How long samples are kept [s]: more than any formula reaches back and ahead.
 _HISTORY_S = 2.0 * SECONDS + 100.0
 #: Time between two updates of a live graph, and span of a bag that is read at once [s].
@@ -120,6 +122,14 @@ class TraceChecker:
             name = self._names()[1]
             print(f"mask: {name} ended {ended:.2f} s before the trace did", file=sys.stderr)
             return NOT_CHECKED
+        share = 100.0 * verdict.unchecked / (verdict.inside + verdict.unchecked)
+        if share > self._arguments.unchecked:
+            print(
+                f"mask: too many samples were not checked ({share:.3g} %, at most "
+                f"{self._arguments.unchecked:g} %); check for longer, or allow more by --unchecked",
+                file=sys.stderr,
+            )
+            return NOT_CHECKED
         return 0
 
     def _names(self) -> List[str]:
@@ -215,7 +225,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="mask",
         description="Check whether a trace keeps within limits around another one.",
         epilog="Exit status: 0 if all samples are inside, 1 if one is outside, 2 if none could be "
-        "checked, the reference ended early, or something is wrong with the command.",
+        "checked or too few were, the reference ended early, or the command is wrong.",
     )
     parser.add_argument("field", metavar="FIELD", help="trace to check: a field or a formula")
     parser.add_argument(
@@ -237,6 +247,13 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--bag", metavar="FILE.bag", help="check a recording; needs no master")
     parser.add_argument(
         "--all", action="store_true", help="go on behind the first sample that is outside"
+    )
+    parser.add_argument(
+        "--unchecked",
+        metavar="PERCENT",
+        type=_percent,
+        default=_UNCHECKED,
+        help="most samples that may stay unchecked if the trace is to pass, %% (%(default)g)",
     )
     parser.add_argument(
         "--save",
@@ -262,6 +279,10 @@ def _value(text: str) -> float:
 
 def _time(text: str) -> float:
     return _number(text, 0.0, SECONDS)
+
+
+def _percent(text: str) -> float:
+    return _number(text, 0.0, 100.0)
 
 
 def _seconds(text: str) -> float:

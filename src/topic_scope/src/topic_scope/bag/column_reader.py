@@ -44,6 +44,8 @@ class ColumnReader:
         self._function = make(column.function)
         #: Where a message has no element of that name it is about others.
         self._is_named = any(isinstance(part, Key) for part in column.path)
+        #: The step that whole numbers of more digits than a float has are rounded to.
+        self.rounding = 1
         #: A field without elements is in each message.
         self._was_there = not any(isinstance(part, (int, Key)) for part in column.path)
         #: How many elements the array has had at most, and what is to be said of it.
@@ -64,6 +66,8 @@ class ColumnReader:
         :raises struct.error: if a message is cut off
         """
         rows = numpy.array([decoder.decode(messages) for decoder in self._decoders])
+        for decoder, row in zip(self._decoders, rows):
+            self.rounding = max(self.rounding, decoder.rounding(row))
         unknown = numpy.flatnonzero(numpy.isnan(rows).any(axis=0)).tolist()
         for index in unknown:
             for decoder in self._decoders:

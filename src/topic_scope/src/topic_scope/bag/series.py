@@ -11,6 +11,7 @@ from topic_scope.bag.message_slices import Slice
 from topic_scope.bag.column_reader import ColumnReader
 from topic_scope.formulas.parser import Formula
 from topic_scope.formulas.signals import Signal
+from topic_scope.messages.decoding import rounding_text
 from topic_scope.messages.derived import make
 from topic_scope.messages.fields import FieldError, Path
 from topic_scope.messages.timestamp_source import longest_step, oddities
@@ -30,7 +31,7 @@ class Series(NamedTuple):
     :param name: name of the field
     :param times: when each message was made, since the start of the bag [s]
     :param values: the number in each message; NaN for a message without one
-    :param correction: how the stamps were moved, in words
+    :param correction: how stamps were moved and values were rounded, in words
     """
 
     name: str
@@ -129,7 +130,8 @@ class _Recorded:
             made, found = _with_gaps(path, made, found)
             times.extend(made / NS)
             values.extend(found)
-        return Series(column.name, times, values, oddities(self._reader.stamp_path, time))
+        texts = oddities(self._reader.stamp_path, time), rounding_text(self._reader.rounding)
+        return Series(column.name, times, values, "; ".join(filter(None, texts)) or None)
 
 
 def _with_gaps(

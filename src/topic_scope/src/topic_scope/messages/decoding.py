@@ -8,7 +8,7 @@ and an array of undeclared length begin with a count of 32 bits).
 """
 
 import struct
-from typing import Any, Callable, Iterator, List, Sequence, Tuple, Union
+from typing import Any, Callable, Iterator, List, Optional, Sequence, Tuple, Union
 
 import numpy
 
@@ -44,6 +44,7 @@ class Decoder:
         self._steps = steps
         self._size = layout.size
         self.is_time = leaf.datatype in ("time", "duration")
+        self._is_wide = leaf.datatype in ("int64", "uint64")
         self._struct = struct.Struct("<" + leaf.format)
         if layout.size is not None:
             self._type = numpy.dtype(
@@ -79,6 +80,15 @@ class Decoder:
             return numpy.asarray(values[:, 0] * NS + values[:, 1])
         return numpy.array([self._time_of(data) for data in messages], numpy.int64)
 
+    def rounding(self, values: numpy.ndarray) -> int:
+        """Return the step that whole numbers are rounded to: 1 where all digits are kept.
+
+        :param values: what :meth:`decode` has returned
+        """
+        if not self._is_wide or not len(values):
+            return 1
+        return max(1, int(numpy.spacing(numpy.nanmax(numpy.abs(values), initial=0.0))))
+
     def has(self, message: bytes) -> bool:
         """Return whether a message has all array elements of the path."""
         try:
@@ -109,6 +119,15 @@ class Decoder:
         except (NotThere, struct.error):  # the latter: the message is cut off
             return float("nan")
         return values[0] + values[1] * 1e-9 if self.is_time else float(values[0])
+
+
+def rounding_text(step: int) -> Optional[str]:
+    """Describe how whole numbers are rounded.
+
+    :param step: as :meth:`Decoder.rounding` returns it
+    :returns: None where all digits are kept
+    """
+    return f"whole numbers beyond 2**53: rounded to multiples of {step}" if step > 1 else None
 
 
 def follow(steps: Sequence[Advance], data: bytes) -> int:

@@ -82,7 +82,7 @@ def _measured(
         return told
     samples = read(name, *span)
     told.update({"topic": trace.stream.topic, "timestamp": trace.stream.timestamp})
-    told["correction"] = trace.stream.correction
+    told["correction"] = trace.correction
     told["jumps"] = trace.jumps
     if wanted.latency:
         late = trace.latency(*span)

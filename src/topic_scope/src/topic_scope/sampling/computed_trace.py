@@ -44,6 +44,11 @@ class ComputedTrace:
         return self._first.stream
 
     @property
+    def correction(self) -> Optional[str]:
+        """Correction of the stamps and values of a trace that it is computed of, as text."""
+        return next((trace.correction for trace in self._traces if trace.correction), None)
+
+    @property
     def jumps(self) -> Optional[str]:
         """Why it jumps, in words; None where it need not."""
         by_receipt = any(trace.stream.path is None for trace in self._traces)

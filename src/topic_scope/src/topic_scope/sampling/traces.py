@@ -9,7 +9,7 @@ import numpy
 from topic_scope.analysis.ring import NOWHERE, Ring, Rows, Samples
 from topic_scope.formulas.signals import Signal
 from topic_scope.messages import derived, fields, timestamp_source
-from topic_scope.messages.decoding import Decoder
+from topic_scope.messages.decoding import Decoder, rounding_text
 from topic_scope.messages.definitions import Record
 from topic_scope.sampling.message_source import Batch
 from topic_scope.timing.clocks import ELSEWHERE_NS, Clocks
@@ -186,6 +186,13 @@ class Trace:
         self._is_named = any(isinstance(part, fields.Key) for part in path)
         self._paths = [path + part for part in derived.parts(function)]
         self._decoders: List[Decoder] = []
+        self._rounding = 1
+
+    @property
+    def correction(self) -> Optional[str]:
+        """Correction of stamps and values, as text; None without one."""
+        texts = (self.stream.correction, rounding_text(self._rounding))
+        return "; ".join(filter(None, texts)) or None
 
     @property
     def stream(self) -> Stream:
@@ -215,6 +222,8 @@ class Trace:
         """
         if len(self._decoders) == len(self._paths):
             rows = numpy.array([decoder.decode(messages) for decoder in self._decoders])
+            for decoder, row in zip(self._decoders, rows):
+                self._rounding = max(self._rounding, decoder.rounding(row))
             if self._is_named and numpy.isnan(rows).any():
                 there = [all(one.has(data) for one in self._decoders) for data in messages]
                 rows, times, received = rows[:, there], times[there], received[there]

@@ -56,6 +56,38 @@ class Modules(BrowserTest):
         self.assertEqual(answers, list(cases.values()))
         self.assertEqual(self.browser.call("base/numbers.js", "module.figure(null)"), "–")
 
+    def test_the_uncertainty_of_a_figure_decides_its_digits(self) -> None:
+        cases = [
+            (2.00802, 0.00023, "2.00802 ± 0.00023"),
+            (0.00038123, 0.0000127, "0.000381 ± 0.000013"),
+            (10.1609, 0.051, "10.161 ± 0.051"),
+            (-12.3456, 1.96, "−12.3 ± 2.0"),
+            (-12.3456, 0.0996, "−12.35 ± 0.10"),
+            (123456.7, 1234.0, "123500 ± 1200"),
+            (1.0, 5e-5, "1.000000 ± 0.000050"),
+            (3.1e-9, 2.04e-11, "3.100e-9 ± 2.0e-11"),
+            (4.56789e9, 1.2e6, "4.5679e+9 ± 1.2e+6"),
+            (0.0, 0.05, "0.000 ± 0.050"),
+            (3.14159265, 0.0, "3.1416 ± "),
+        ]
+        write = "a[0].map(([x, u]) => Object.values(module.measuredText(x, u)).join(' ± '))"
+        answers = self.browser.call("base/numbers.js", write, cases)
+        self.assertEqual(answers, [text for *_, text in cases])
+
+    def test_the_table_writes_small_uncertainties_and_short_times(self) -> None:
+        measured = {
+            "rise": 0.00038,
+            "uncertainty": {"rise": 0.0000127},
+            "latency": 0.00038,
+            "vpp": 2,
+        }
+        texts = (
+            "['rise', 'latency'].map((key) => "
+            "[module.figureText(a[0], key), module.certainty(a[0], key)])"
+        )
+        answers = self.browser.call("measure/statistics.js", texts, measured)
+        self.assertEqual(answers, [["0.000380", "± 0.000013"], ["0.000380", ""]])
+
     def test_figures_have_as_many_digits_as_their_trace_needs(self) -> None:
         # Value, and from the least to the greatest one of the trace.
         cases = [(1e6, 2e-3, "1000000.00000"), (1e6 + 1e-3, 2e-3, "1000000.00100")]

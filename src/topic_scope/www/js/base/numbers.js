@@ -73,8 +73,34 @@ export function figure(value, digits = 5, spread = null) {
     return minus(value.toFixed(Math.max(0, Math.min(places, most, 15))));
   }
   if (size !== 0 && (size >= 1e7 || size < 1e-4)) return minus(value.toExponential(digits - 2));
-  const before = size < 1 ? 1 : Math.floor(Math.log10(size)) + 1;
+  const order = Math.floor(Math.log10(size)) + 1; // how many digits are before the point
+  const before = size === 0 || size >= 0.01 ? Math.max(order, 1) : order + 2;
   return minus(value.toFixed(Math.max(0, digits - before)));
+}
+
+/**
+ * Write a measured number and its uncertainty: two significant digits of this decide the digits of
+ * both.
+ * @param {?number} value
+ * @param {number} uncertainty in the same unit; 0 for an exact number
+ * @returns {{value: string, uncertainty: string}} the latter is empty for an exact number
+ */
+export function measuredText(value, uncertainty) {
+  if (!Number.isFinite(value) || !(uncertainty > 0) || !Number.isFinite(uncertainty)) {
+    return { value: figure(value), uncertainty: "" };
+  }
+  const [, exponent] = uncertainty.toExponential(1).split("e");
+  const places = 1 - Number(exponent); // behind the point
+  const largest = Math.max(Math.abs(value), uncertainty);
+  if (largest >= 1e7 || places > 9) {
+    const digits = (number) => Math.floor(Math.log10(Math.abs(number) || uncertainty)) + places;
+    const text = (number) => minus(number.toExponential(Math.max(0, Math.min(digits(number), 15))));
+    return { value: text(value), uncertainty: uncertainty.toExponential(1) };
+  }
+  const step = 10 ** -Math.min(places, 0);
+  const text = (number) => minus((Math.round(number / step) * step).toFixed(0));
+  const fixed = (number) => (places > 0 ? minus(number.toFixed(places)) : text(number));
+  return { value: fixed(value), uncertainty: fixed(uncertainty) };
 }
 
 /**

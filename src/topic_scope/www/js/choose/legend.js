@@ -5,7 +5,7 @@ import { figure } from "../base/numbers.js";
 import { colourOf, dashOf, sampleOf } from "../state/colours.js";
 import { valueOf } from "../state/references.js";
 import { scaledText } from "../state/traces.js";
-import { certainty, shownFigures, VALUES } from "../measure/statistics.js";
+import { certainty, figureText, shownFigures } from "../measure/statistics.js";
 import { plotChoice, startDrag } from "./plot_choice.js";
 import { referenceRow } from "./reference_row.js";
 import { timestampChoice } from "./timestamp_source.js";
@@ -177,8 +177,8 @@ export class Legend {
       const mean = Math.abs(measured.mean) < largest * 1e-9 ? 0 : measured.mean;
       this.spreads.set(field, measured.vpp);
       for (const [key] of this.figures) {
-        const value = key === "mean" && largest ? mean : measured[key];
-        setText(cells.get(key), figure(value, 5, VALUES.includes(key) ? measured.vpp : null));
+        const told = key === "mean" && largest ? { ...measured, mean } : measured;
+        setText(cells.get(key), figureText(told, key));
         setTitle(cells.get(key), certainty(measured, key));
       }
     }

@@ -1,7 +1,7 @@
 /** Choice of measurements: which ones, of which span of time, against which trace. */
 
 import { byId, make, options } from "../base/dom.js";
-import { figure } from "../base/numbers.js";
+import { figure, measuredText } from "../base/numbers.js";
 
 /** Keys of the figures, their heads in the table, and what they are. */
 export const FIGURES = [
@@ -37,11 +37,23 @@ const SOON_MS = 100; // while a cursor is dragged, nothing is sent more often
  * @param {string} key of the figure
  * @returns {string} empty for what is exact, or not there
  */
-export function certainty({ uncertainty, unmeasurable }, key) {
+export function certainty(measured, key) {
+  const { uncertainty, unmeasurable } = measured;
   const reason = unmeasurable?.[key];
   if (reason) return `not measurable: ${reason}`;
-  const unsure = uncertainty?.[key];
-  return unsure > 0 ? `± ${figure(unsure, 2)}` : "";
+  const unsure = measuredText(measured[key], uncertainty?.[key]).uncertainty;
+  return unsure && `± ${unsure}`;
+}
+
+/**
+ * Write a figure with the digits that its uncertainty needs, or the spread of its trace.
+ * @param {Object} measured what is measured of a trace
+ * @param {string} key of the figure
+ * @returns {string}
+ */
+export function figureText(measured, key) {
+  if (measured.uncertainty?.[key] > 0) return measuredText(measured[key], measured.uncertainty[key]).value;
+  return figure(measured[key], 5, VALUES.includes(key) ? measured.vpp : null);
 }
 
 /** The figures that are to be seen, in their order. */

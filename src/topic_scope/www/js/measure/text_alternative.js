@@ -3,7 +3,7 @@
 import { byId, setText } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
 import { labelOf } from "../state/traces.js";
-import { certainty } from "./statistics.js";
+import { certainty, figureText } from "./statistics.js";
 
 const KINDS = { time: "plot over time", spectrum: "spectrum", xy: "XY plot" };
 
@@ -24,7 +24,7 @@ export function inWords(values, fields, traces) {
     if (!Number.isFinite(min)) return silent ? `no data for ${Math.floor(silent)} s` : "no data";
     const [low, high, middle, latest] = [min, max, mean, value].map((level) => figure(level, 5, vpp));
     const sure = certainty(measured, "frequency");
-    const wave = Number.isFinite(frequency) ? `, ${figure(frequency, 4)} ${sure} Hz`
+    const wave = Number.isFinite(frequency) ? `, ${figureText(measured, "frequency")} ${sure} Hz`
       : sure && `, frequency ${sure}`;
     return `from ${low} to ${high}, mean ${middle}, latest ${latest}${wave}`;
   };

@@ -1,7 +1,7 @@
 /** The kinds of plot besides that over time: spectra, and one trace over another. */
 
 import { byId, make, options } from "../base/dom.js";
-import { figure } from "../base/numbers.js";
+import { figure, measuredText } from "../base/numbers.js";
 import { dashOf } from "../state/colours.js";
 import { Chart } from "./canvas_chart.js";
 
@@ -30,6 +30,13 @@ export function wantedChart(values) {
   return kind === "xy" && x ? { type: "chart", kind, x } : { type: "chart", kind: "time" };
 }
 
+/** Describe a peak of a spectrum, or why it is not measured. */
+function peakText(frequency, uncertainty, level) {
+  if (uncertainty === null) return "not measurable: too few periods or samples of one";
+  const text = measuredText(frequency, uncertainty);
+  return `${text.value} ± ${text.uncertainty} Hz, ${level}`;
+}
+
 /**
  * Make what is to be drawn of spectra.
  * @param {Object<string, Object>} traces as the server sends them
@@ -50,8 +57,7 @@ export function spectra(traces, fields, scale) {
       marks: peaks.map(([x, y, uncertainty]) => ({
         x,
         y: level(y),
-        text: uncertainty === null ? "not measurable: too few periods or samples of one"
-          : `${figure(x, 4)} ± ${figure(uncertainty, 2)} Hz, ${figure(level(y), 4)}${scale === "dB" ? " dB" : ""}`,
+        text: peakText(x, uncertainty, `${figure(level(y), 4)}${scale === "dB" ? " dB" : ""}`),
       })),
     };
   });

@@ -412,26 +412,58 @@ class Modules(BrowserTest):
             "(() => { const buffer = new module.TraceBuffer(); buffer.apply(a[0], 10);"
             " return [buffer.rows(['f'], 0).map((row) => String(row[1])), buffer.filled('f'),"
             " buffer.extent(['f'], 0, 100),"
-            " [5.5, 6.5, 7.5, 8.5].map((time) => buffer.at('f', time))]; })()",
+            " [5.5, 6.5, 7.5, 8.5].map((time) => buffer.at('f', time)).map((one) => one &&"
+            " [one.low, one.high])]; })()",
             {**frame, "traces": traces},
         )
         rows = ["1", "2", "NaN", "3", "4"]
-        self.assertEqual(found, [rows, 2, [1, 4], [1.5, None, None, 3.5]])
+        self.assertEqual(found, [rows, 2, [1, 4], [[1, 2], None, None, [3, 4]]])
 
     def test_a_line_has_a_value_between_its_ends_and_a_step_beside_them(self) -> None:
         bins = [None, None, 1, None, 3, None, None, None, False, 5, None, 7, None]
         found = self.browser.call(
             "state/buffer.js",
             "(() => { const buffer = new module.TraceBuffer(); buffer.apply(a[0], 20);"
-            " return a[1].map((time) => buffer.at('f', time)); })()",
+            " return a[1].map((time) => buffer.at('f', time)?.low ?? null); })()",
             {
                 **{"now": 13, "bin": 1, "reset": True, "first": 0},
                 "traces": {"f": [value for value in bins for _ in "lh"]},
             },
             [number + 0.5 for number in range(len(bins))],
         )
-        # Where it is as far to either side, what was before counts.
-        self.assertEqual(found, [1, 1, 1, 1, 3, 3, 3, None, None, 5, 5, 7, 7])
+        # Between two samples it is on the line that is drawn.
+        self.assertEqual(found, [1, 1, 1, 2, 3, 3, 3, None, None, 5, 6, 7, 7])
+
+    def test_what_is_read_of_a_line_is_what_is_drawn(self) -> None:
+        """Samples at known places of their bins, and a bin with more than are drawn."""
+        frame = {
+            **{"now": 8, "bin": 1, "reset": True, "first": 0},
+            "traces": {"f": [0, 0, 8, 8, None, None, 16, 16, -2, 5, 1, 1, None, None, None, None]},
+            "places": {"f": [0, 0, 4, 4, -1, -1, 0, 0, -1, -1, 7, 7, -1, -1, -1, -1]},
+        }
+        times = [0.0625, 0.8125, 1.5625, 2.3125, 3.0625, 4.2, 4.9, 5.9375, 7.9]
+        found = self.browser.call(
+            "state/buffer.js",
+            "(() => { const buffer = new module.TraceBuffer(); buffer.apply(a[0], 20);"
+            " const read = a[1].map((time) => buffer.at('f', time));"
+            " return [read.map((one) => one && [one.low, one.high]), buffer.rows(['f'], 0)]; })()",
+            frame,
+            times,
+        )
+        read, rows = found
+        line = [(time, value) for time, value in rows if value is not None]
+        for time, reading in zip(times[:4], read):
+            drawn = numpy.interp(time, [at for at, _ in line], [value for _, value in line])
+            self.assertAlmostEqual(reading[0], drawn)
+            self.assertEqual(reading[0], reading[1])
+        self.assertEqual(read[:4], [[0, 0], [4, 4], [8, 8], [12, 12]])
+        self.assertEqual(read[4:], [[16, 16], [-2, 5], [-2, 5], [1, 1], None])
+        texts = self.browser.call(
+            "base/numbers.js",
+            "a[0].map((one) => module.readingText(one, 2))",
+            [{"low": -0.9511, "high": 0.951}, {"low": 1.5, "high": 1.5}, None],
+        )
+        self.assertEqual(texts, ["−0.9511 … 0.9510", "1.5000", "–"])
 
     def test_the_last_value_of_a_bin_holds_in_steps(self) -> None:
         frames = [
@@ -452,7 +484,7 @@ class Modules(BrowserTest):
             " a[0].forEach((frame) => buffer.apply(frame, 4));"
             " const rows = buffer.rows(['f', 'g'], 0);"
             " return [rows.map((row) => row.map(String)),"
-            " [7.5, 8.1, 9.9, 10.5, 4.9].map((time) => buffer.at('f', time)),"
+            " [7.5, 8.1, 9.9, 10.5, 4.9].map((time) => buffer.at('f', time)?.low ?? null),"
             " buffer.copy().lasts.get('f')]; })()",
             frames,
         )
@@ -538,15 +570,15 @@ class Modules(BrowserTest):
                 " sweep.onFrame({now: (first + count) / 10, bin: 0.1, reset: !seen.length, first,"
                 " traces: {f: Array(2 * count).fill(first)}});"
                 " const {buffer, from, to, reference} = sweep.shown;"
-                " seen.push([from, to, reference, buffer.at('f', from + 0.05),"
-                " buffer.at('f', to - 0.05)]); };"
+                " seen.push([from, to, reference, buffer.at('f', from + 0.05)?.low,"
+                " buffer.at('f', to - 0.05)?.low]); };"
                 " frame(70, 31); sweep.onTrigger({state: 'triggered', time: 10});"
                 " frame(101, 8); frame(109, 1); frame(110, 10); frame(120, 10);"
                 " return [seen, values]; })()",
                 mode,
             )
             self.assertEqual([round(to, 6) for _, to, *_ in held], [10.1, 10.9, 11, 11, 11])
-            self.assertEqual(held[2], [9, 11, 10, 70, 109])
+            self.assertEqual([round(one, 6) for one in held[2]], [9, 11, 10, 70, 109])
             if mode == "normal":  # it stays, whatever comes; a single one gets no more frames
                 self.assertEqual(held[3:], held[2:3] * 2)
             self.assertEqual(values["end"], 11 if mode == "single" else None)
@@ -624,14 +656,15 @@ class Modules(BrowserTest):
             " const { references } = state.values;"
             " return [references.map((one) => module.referenceText(one).replace(/kept [\\d:]+/,"
             " 'kept')), can, [-3.5, -0.5, -2, 0.9, 1.6].map((time) =>"
-            " module.valueOf(references[1], time))]; })()",
+            " module.valueOf(references[1], time)?.low ?? null)]; })()",
             values,
         )
         plain = [f"R{number}: f, kept" for number in (2, 4, 5, 6, 7, 8, 1)]
         self.assertEqual(texts, [plain[0], "R3: f, kept, − 10, 1.5 s later", *plain[1:]])
         self.assertEqual(can_keep, [True] * 8 + [False])
-        # Moved by 1.5 s: nothing before, nothing after.
-        self.assertEqual(found, [None, -8, -10, -7, None])
+        # Moved by 1.5 s: nothing before, nothing after, and between two values the line.
+        expected = [None, -8.5, -10, -7.1, None]
+        self.assertEqual([one if one is None else round(one, 6) for one in found], expected)
 
     def test_line_through_bins_is_short(self) -> None:
         values = [0, 1, 1, 2, None, None, 0, 1.5]  # up, and down again

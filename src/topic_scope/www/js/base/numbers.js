@@ -79,6 +79,18 @@ export function figure(value, digits = 5, spread = null) {
 }
 
 /**
+ * Write what is read of a line: one value, or the least and the greatest one of a pixel.
+ * @param {?{low: number, high: number}} reading
+ * @param {?number} spread as of {@link figure}
+ * @returns {string} a dash without a value
+ */
+export function readingText(reading, spread) {
+  if (!reading) return figure(null);
+  const [low, high] = [reading.low, reading.high].map((value) => figure(value, 5, spread));
+  return reading.low === reading.high ? low : `${low} … ${high}`;
+}
+
+/**
  * Write a measured number and its uncertainty: two significant digits of this decide the digits of
  * both.
  * @param {?number} value

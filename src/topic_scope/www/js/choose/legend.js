@@ -1,7 +1,7 @@
 /** The table below the plot: legend, switches and measurements of each trace. */
 
 import { byId, make, nameText, setPressed, setText, setTitle } from "../base/dom.js";
-import { figure } from "../base/numbers.js";
+import { readingText } from "../base/numbers.js";
 import { colourOf, dashOf, sampleOf } from "../state/colours.js";
 import { valueOf } from "../state/references.js";
 import { scaledText } from "../state/traces.js";
@@ -189,7 +189,7 @@ export class Legend {
     if (!this.withCursors) return;
     const show = (field, cells, values) => {
       for (const [key] of AT_CURSORS) {
-        setText(cells.get(key), figure(values?.[key], 5, key === "difference" ? null : this.spreads.get(field)));
+        setText(cells.get(key), readingText(values?.[key], key === "difference" ? null : this.spreads.get(field)));
       }
     };
     for (const [field, { cells }] of this.rows) show(field, cells, this.cursors.valuesOf(field));

@@ -91,7 +91,7 @@ export class Cursors {
   /**
    * Find what a trace is at both cursors.
    * @param {string} field
-   * @returns {?{a: ?number, b: ?number, difference: ?number}} null where there are no cursors
+   * @returns {?{a: ?Reading, b: ?Reading, difference: ?Reading}} null where there are no cursors
    */
   valuesOf(field) {
     const { shown } = this.plot;
@@ -100,13 +100,14 @@ export class Cursors {
 
   /**
    * Find what something is at both cursors.
-   * @param {function(number): ?number} valueAt gives its value at a time on the axis
-   * @returns {?{a: ?number, b: ?number, difference: ?number}} null where there are no cursors
+   * @param {function(number): ?Reading} valueAt gives what it is at a time on the axis
+   * @returns {?{a: ?Reading, b: ?Reading, difference: ?Reading}} null where there are no cursors
    */
   valuesBy(valueAt) {
     const { cursors } = this.state.values;
     if (!cursors) return null;
     const [a, b] = [cursors.a, cursors.b].map(valueAt);
-    return { a, b, difference: a === null || b === null ? null : b - a };
+    const difference = a && b ? { low: b.low - a.high, high: b.high - a.low } : null;
+    return { a, b, difference };
   }
 }

@@ -2,7 +2,7 @@
 
 import { clockText } from "../base/clock.js";
 import { make, nameText } from "../base/dom.js";
-import { figure } from "../base/numbers.js";
+import { figure, readingText } from "../base/numbers.js";
 import { sampleOf } from "../state/colours.js";
 import { scaledText } from "../state/traces.js";
 
@@ -48,7 +48,7 @@ export class Hover {
     this.line.hidden = this.box.hidden = !isShown;
     if (!isShown) return;
     const time = shown.from + this.part * (shown.to - shown.from);
-    const value = (field) => figure(shown.buffer.at(field, time), 5, this.spreadOf(field));
+    const value = (field) => readingText(shown.buffer.at(field, time), this.spreadOf(field));
     const scaled = (field) => {
       const text = scaledText(this.state.values, field);
       return text && make("em", { class: "scaled" }, text);

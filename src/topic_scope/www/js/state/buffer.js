@@ -9,6 +9,23 @@ function nextFilled(values, from, way) {
   return isThere(values[2 * bin]) ? bin : null;
 }
 
+/** Return one value as a reading; null without one. */
+const one = (value) => (value === null ? null : { low: value, high: value });
+
+/** Return the value at a time on the line through some points; null beyond a step from its ends. */
+function onLine(points, time) {
+  const after = points.findIndex(([at]) => at >= time);
+  if (after > 0) {
+    const [[start, from], [end, to]] = points.slice(after - 1, after + 1);
+    return end > start ? from + (to - from) * (time - start) / (end - start) : to;
+  }
+  if (!points.length) return null;
+  const inwards = after === 0 ? points : [...points].reverse();
+  const [[end, value]] = inwards;
+  const [next] = inwards.find(([at]) => at !== end) ?? [end];
+  return Math.abs(time - end) <= Math.abs(next - end) ? value : null;
+}
+
 /** Smallest and largest value of each bin, for a stretch of bins that moves on. */
 export class TraceBuffer {
   constructor() {
@@ -136,29 +153,33 @@ export class TraceBuffer {
   }
 
   /**
-   * Return the value of a trace at a time: the middle of the nearest bin that holds something; of
-   * steps, the last value before. A line that has ended has no value: beside its ends it counts as
-   * far as it is from there to the next value.
+   * Read a trace at a time, as it is drawn: on the line between two samples, the last value before
+   * in steps, and the least and the greatest value of a bin with more samples than are drawn. A line
+   * that has ended has no value: beside its ends the last sample counts for as long as a step.
    * @param {string} field
    * @param {number} time since the epoch [s]
-   * @returns {?number}
+   * @returns {?{low: number, high: number}} equal for one value; null without one
    */
   at(field, time) {
     const values = this.traces.get(field) || [];
     const middle = Math.floor(time / this.bin) - this.first;
     if (middle < 0 || middle >= this.count) return null;
-    if (this.lasts.has(field)) return this.heldAt(field, middle);
-    const before = nextFilled(values, middle, -1);
-    const after = nextFilled(values, middle, 1);
-    const isBetween = before !== null && after !== null;
-    const nearest = isBetween && after - middle < middle - before ? after : before ?? after;
-    if (nearest === null) return null;
-    if (!isBetween) {
-      const inwards = Math.sign(nearest - middle);
-      const next = nextFilled(values, nearest + inwards, inwards);
-      if (next === null || Math.abs(nearest - middle) > Math.abs(next - nearest)) return null;
-    }
-    return (values[2 * nearest] + values[2 * nearest + 1]) / 2;
+    if (this.lasts.has(field)) return one(this.heldAt(field, middle));
+    if (Number.isNaN(values[2 * middle])) return null;
+    const places = this.places.get(field) || [];
+    const [low, high] = [values[2 * middle], values[2 * middle + 1]];
+    if (isThere(low) && low !== high && !(places[2 * middle] >= 0)) return { low, high };
+    const before = nextFilled(values, middle - 1, -1);
+    const after = nextFilled(values, middle + 1, 1);
+    // Where the line ends, the two last samples of it.
+    const further = (bin, way) => nextFilled(values, bin + way, way) ?? bin;
+    let [start, end] = [before ?? middle, after ?? middle];
+    if (before === null && after !== null) end = further(after, 1);
+    if (after === null && before !== null) start = further(before, -1);
+    const part = { values: values.slice(2 * start, 2 * end + 2), places: places.slice(2 * start, 2 * end + 2) };
+    const timeAt = (place) => (this.first + start + place) * this.bin;
+    const points = tabulated([part], end - start + 1, timeAt, []).filter(([, value]) => isThere(value));
+    return one(onLine(points, time));
   }
 
   /** Return the value that holds in a bin; null where its line has ended. */

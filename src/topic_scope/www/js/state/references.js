@@ -78,12 +78,12 @@ export function removeReference(state, name) {
  * Find the value of a reference, as it is drawn.
  * @param {Reference} one
  * @param {number} time on the time axis [s]
- * @returns {?number} null where it has none
+ * @returns {?{low: number, high: number}} null where it has none
  */
 export function valueOf({ buffer, field, zero, from, to, later, offset }, time) {
   const at = time - later;
-  const value = at >= from && at <= to ? buffer.at(field, zero + at) : null;
-  return value === null ? null : value + offset;
+  const found = at >= from && at <= to ? buffer.at(field, zero + at) : null;
+  return found && { low: found.low + offset, high: found.high + offset };
 }
 
 /** Time of a reference: that of its right edge. */

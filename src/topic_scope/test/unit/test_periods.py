@@ -9,7 +9,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from topic_scope.analysis.periods import NO_PERIOD, STANDS, TOO_SHORT, frequency
+from topic_scope.analysis.periods import NO_PERIOD, NOT_ENOUGH, STANDS, TOO_SHORT, frequency
 
 seeds = st.integers(0, 2**32 - 1)
 
@@ -42,6 +42,43 @@ def test_two_periods_tell_the_frequency_wherever_they_begin(
     times = 1.7e9 + begin + numpy.arange(0.0, 1.99, 1.0 / rate)
     values = peak * (mean + numpy.sin(2 * math.pi * (times - 1.7e9)))
     assert hertz_of(times, values) == pytest.approx(1.0, abs=1e-4)
+
+
+@settings(max_examples=60)
+@given(
+    st.floats(0.5, 20.0),
+    st.floats(8.0, 300.0),
+    st.floats(3.0, 30.0),
+    st.floats(-0.1, 0.1),
+    st.floats(0.0, 6.28),
+)
+@example(2.0, 500.0, 20.0, 0.025, 0.0)
+def test_a_mean_that_drifts_changes_no_frequency(
+    hertz: float, samples: float, periods: float, drift: float, angle: float
+) -> None:
+    """The drift is a part of the amplitude in each period."""
+    times = 1.7e9 + numpy.arange(int(samples * periods)) / (samples * hertz)
+    since = times - 1.7e9
+    values = numpy.sin(2 * math.pi * hertz * since + angle) + drift * hertz * since
+    found = frequency(times, values)
+    assert found.value is None or abs(found.value - hertz) <= found.uncertainty
+    if (samples, periods, drift) == (500.0, 20.0, 0.025):
+        assert found.value == pytest.approx(2.0, abs=5e-4)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, 1.0])
+def test_two_tones_repeat_when_both_do(angle: float) -> None:
+    times = 1.7e9 + numpy.arange(0.0, 10.0, 0.01)
+    since = times - 1.7e9
+    values = numpy.sin(4 * math.pi * since + angle) + 2.0 * numpy.sin(6 * math.pi * since)
+    assert hertz_of(times, values) == pytest.approx(1.0, abs=2e-3)
+
+
+def test_a_tone_beside_a_larger_one_makes_it_not_periodic_enough() -> None:
+    times = 1.7e9 + numpy.arange(0.0, 10.0, 0.01)
+    since = times - 1.7e9
+    values = numpy.sin(2 * math.pi * 2.0 * since) + 2.0 * numpy.sin(2 * math.pi * 3.37 * since)
+    assert frequency(times, values) == NOT_ENOUGH
 
 
 def test_noise_on_a_sine_makes_no_periods() -> None:

@@ -8,7 +8,7 @@ import scipy.signal
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from topic_scope.analysis.spectrum import WINDOWS, Spectrum, peaks, reduced, spectrum
+from topic_scope.analysis.spectrum import NOT_SINGLE, WINDOWS, Spectrum, peaks, reduced, spectrum
 
 EPOCH = 1.7e9
 
@@ -64,7 +64,7 @@ def test_uneven_samples_are_put_at_even_times(frequency: float, peak: float, see
     values = peak * numpy.sin(2 * math.pi * frequency * times)
     found = spectrum(EPOCH + times, values, "flattop")
     assert found is not None
-    (at, height, _), *_ = peaks(found, "flattop", 1)
+    (at, height, *_), *_ = peaks(found, "flattop", 1)
     assert at == pytest.approx(frequency, abs=found.step)
     assert decibels(numpy.array(height / peak)) == pytest.approx(0.0, abs=0.1)
 
@@ -108,7 +108,7 @@ def test_a_peak_is_as_sure_as_it_says_or_not_measurable(
     values += 1e-3 * numpy.random.RandomState(seed).standard_normal(len(times))
     found = spectrum(EPOCH + times, values, window, averages)
     assert found is not None
-    for at, height, uncertainty in peaks(found, window, 1):
+    for at, height, uncertainty, _ in peaks(found, window, 1):
         line = frequency / found.step
         is_clear = 6.0 < line < len(found.amplitudes) - 7.0
         assert uncertainty is not None or not is_clear
@@ -116,6 +116,34 @@ def test_a_peak_is_as_sure_as_it_says_or_not_measurable(
             assert 0.0 < uncertainty <= 0.5 * found.step
             assert abs(at - frequency) <= uncertainty
             assert height == pytest.approx(2.0, rel=0.02)
+
+
+@pytest.mark.parametrize("window", sorted(WINDOWS))
+def test_two_sines_in_one_peak_are_not_a_single_line(window: str) -> None:
+    times = numpy.arange(1000) / 100.0
+    values = sum(numpy.sin(2 * math.pi * hertz * times) for hertz in (10.0, 10.15))
+    found = spectrum(EPOCH + times, numpy.asarray(values), window)
+    assert found is not None
+    told = peaks(found, window, 1)[0]
+    assert (told.uncertainty, told.reason) == (None, NOT_SINGLE)
+
+
+def test_a_chirp_is_not_a_single_line() -> None:
+    times = numpy.arange(1000) / 100.0
+    found = spectrum(EPOCH + times, numpy.sin(2 * math.pi * (36.0 * times + 0.2 * times**2)))
+    assert found is not None
+    told = peaks(found, "hann")
+    assert told and {one.reason for one in told} == {NOT_SINGLE}
+
+
+def test_sines_apart_are_single_lines_each() -> None:
+    times = numpy.arange(1000) / 100.0
+    values = sum(numpy.sin(2 * math.pi * hertz * times) for hertz in (10.03, 13.33, 31.0))
+    found = spectrum(EPOCH + times, numpy.asarray(values))
+    assert found is not None
+    told = peaks(found, "hann")
+    assert sorted(round(one.frequency, 2) for one in told) == [10.03, 13.33, 31.0]
+    assert not any(one.reason for one in told)
 
 
 def test_samples_that_come_in_bunches_make_no_higher_peaks() -> None:

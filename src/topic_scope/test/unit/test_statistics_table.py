@@ -1,10 +1,47 @@
 """Statistics printed on the terminal for the named fields."""
 
-from typing import List, Optional
+import struct
+from typing import List, Optional, Tuple
 
 import pytest
+from bags import nanoseconds
+from std_msgs.msg import Float32
+from test_recorder import FakeSource, header, recording
 
-from topic_scope.page.statistics_table import warn_of
+from topic_scope.page.frequency_backoff import FrequencyBackoff
+from topic_scope.page.statistics_table import statistics_of, warn_of
+from topic_scope.page.view import LiveView
+from topic_scope.protocol.requests import Measure, View
+from topic_scope.sampling.message_source import Batch
+
+
+@pytest.mark.parametrize(
+    "span, words",
+    [
+        ((1000.0, 1004.0), None),
+        ((1013.0, 1015.0), "no sample in this span: the latest is 3 s before it"),
+        ((1005.5, 1006.5), "no sample in this span of 1 s: show a longer one"),
+        ((990.0, 992.5), "no sample in this span: the first is 7.5 s after it"),
+    ],
+)
+def test_a_trace_without_a_sample_in_the_span_says_why(
+    span: Tuple[float, float], words: Optional[str]
+) -> None:
+    """One message each 5 s, or stamps that are late by more than the window."""
+    source = FakeSource()
+    made = recording(source, "/a/data")
+    times = [1000.0, 1005.0, 1010.0]
+    data = [struct.pack("<f", 1.0)] * 3
+    source.topics["/a"].batches.append(Batch(header(Float32), nanoseconds(times), data))
+    source.time = 1010.5
+    made.update()
+    start, end = span
+    view = LiveView(View(end - start, 100, end))
+    view.select(["/a/data"])
+    told = statistics_of(made, made.samples, view, Measure(), FrequencyBackoff(), source.time)[
+        "traces"
+    ]["/a/data"]
+    assert (told["problem"], told["silent"]) == (words, None)
 
 
 class Recorder:

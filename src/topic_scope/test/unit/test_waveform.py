@@ -117,3 +117,22 @@ def test_anything_is_measured_and_the_result_is_finite(values: List[float], stil
     for value, uncertainty, reason in found.values():
         assert bool(reason) == (value is None)
         assert math.isfinite(value or 0.0) and 0.0 <= uncertainty < math.inf
+
+
+@pytest.mark.parametrize("counts", [20, 100, 1000])
+def test_the_overshoot_of_a_staircase_is_as_unsure_as_a_count(counts: int) -> None:
+    """The answer of a second order, as an encoder of few counts has it."""
+    times = numpy.arange(0.0, 12.0, 0.01)
+    since = numpy.maximum(times - 1.0, 0.0)
+    exact = 1.0 - numpy.exp(-0.8 * since) * (
+        numpy.cos(3.0 * since) + 0.8 / 3.0 * numpy.sin(3.0 * since)
+    )
+    truth = 100.0 * (exact.max() - 1.0)
+    for shift in (0.0, 0.3, 0.5):
+        values = numpy.floor(exact * counts + shift)
+        found = measure_waveform(EPOCH + times, values)["overshoot"]
+        if found.value is None:
+            assert found.reason
+            continue
+        assert abs(found.value - truth) <= found.uncertainty
+        assert 100.0 / counts <= found.uncertainty <= 400.0 / counts + 1.0

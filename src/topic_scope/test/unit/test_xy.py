@@ -51,6 +51,20 @@ def test_thinned_points_are_some_of_them(pairs: List[tuple]) -> None:
     assert finite == set() or kept.shape[1] > 0
 
 
+@pytest.mark.parametrize("count", [5000, 30000, 100001])
+def test_no_peak_of_a_single_sample_is_lost(count: int) -> None:
+    angles = numpy.linspace(0.0, 40.0 * math.pi, count)
+    points = numpy.array([numpy.cos(angles), numpy.sin(angles)])
+    tall = numpy.linspace(100, count - 100, 10).astype(int)
+    points[1, tall[::2]], points[0, tall[1::2]] = 5.0, -5.0
+    points[:, count // 3] = numpy.nan
+    kept = thinned(points)
+    assert kept.shape[1] <= LONGEST and numpy.isnan(kept[0]).any()
+    assert (kept[1] == 5.0).sum() == 5 and (kept[0] == -5.0).sum() == 5
+    given = {tuple(point) for point in points.T.tolist() if point[0] == point[0]}
+    assert all(tuple(point) in given for point in kept.T.tolist() if point[0] == point[0])
+
+
 def test_a_long_path_keeps_its_form() -> None:
     turns = numpy.linspace(0.0, 200.0, 100000)
     kept = thinned(numpy.array([turns * numpy.cos(turns), turns * numpy.sin(turns)]))

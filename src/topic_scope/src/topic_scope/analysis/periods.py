@@ -14,7 +14,7 @@ import numpy
 
 from topic_scope.analysis.crossings import after_gaps, longest_stretch, rises
 from topic_scope.analysis.measurement import Measurement, measured, unmeasurable
-from topic_scope.analysis.spectrum import peaks, spectrum
+from topic_scope.analysis.spectrum import SURE, TOO_FEW, peaks, spectrum
 
 #: A trace has to leave its mean by this part of its range before a crossing of the mean counts:
 #: noise on it makes no periods.
@@ -38,8 +38,18 @@ _ORDER = numpy.random.RandomState(0).permutation(_COMPARED)
 #: Crossings that are off even ones by this part of their distance are of no period.
 _ASTRAY = 0.5
 
+#: The drift is taken out in so many rounds, until the frequency moves by less than this part of its
+#: uncertainty.
+_ROUNDS, _ALIKE = 6, 0.1
+#: What is left of noise is not that much alike from one sample to the next.
+_ALIKE_REST = 0.5
+#: That is looked at where a period has so many samples.
+_DENSE = 8
+
 STANDS = unmeasurable("it does not change")
 TOO_SHORT = unmeasurable("fewer than two periods in the span")
+DRIFTS = unmeasurable("its mean drifts too much")
+NOT_ENOUGH = unmeasurable("not periodic enough: a part of it repeats itself otherwise")
 NO_PERIOD = unmeasurable("not periodic: noise, or no steady frequency")
 
 
@@ -64,13 +74,63 @@ _UNLIKE = _Comparison()
 def frequency(
     times: numpy.ndarray, values: numpy.ndarray, longest: float = math.inf
 ) -> Measurement:
-    """Measure how often a trace repeats itself in a second.
+    """Measure how often a trace repeats itself in a second, on a mean that may drift.
 
     :param times: ascending [s]
     :param values: finite, and of moderate size
     :param longest: how far apart samples of one line may be [s]: no period is across a gap
     :returns: the frequency [Hz]
     """
+    found = _frequency(times, values, longest)
+    if found.value is None or len(after_gaps(times, longest)):
+        return found
+    since = times - times[0]
+    for _ in range(_ROUNDS):
+        assert found.value is not None
+        slope, doubt = _slope_of_means(since, values, 1.0 / found.value)
+        if abs(slope) <= doubt:
+            break
+        values = values - slope * since
+        again = _frequency(times, values, longest)
+        if again.value is None:
+            return DRIFTS
+        moved = abs(again.value - found.value)
+        found = again
+        if moved < _ALIKE * again.uncertainty:
+            break
+    else:
+        return DRIFTS
+    return found
+
+
+def _slope_of_means(
+    since: numpy.ndarray, values: numpy.ndarray, period: float
+) -> Tuple[float, float]:
+    """Return how fast the mean over whole periods changes [1/s], and how far off that may be.
+
+    :param since: times from the first sample on [s]
+    """
+    count = int(since[-1] / period)
+    if count < 2:
+        return 0.0, 0.0
+    areas = numpy.concatenate([[0.0], numpy.cumsum(numpy.diff(since) * _middles(values))])
+    means = numpy.diff(numpy.interp(period * numpy.arange(count + 1), since, areas)) / period
+    at = numpy.arange(count) - (count - 1) / 2.0
+    slope = float((at * means).sum() / numpy.square(at).sum()) / period
+    rest = means - means.mean() - slope * period * at
+    spread = math.sqrt(float(numpy.square(rest).sum()) / max(count - 2, 1))
+    # A period ends between two samples, so its mean is off by some of the step between them.
+    step = float(numpy.abs(numpy.diff(values)).max()) * count / len(values)
+    noise = 3.0 * spread / (period * math.sqrt(float(numpy.square(at).sum())))
+    return slope, noise + 3.0 * step / (count * period)
+
+
+def _middles(values: numpy.ndarray) -> numpy.ndarray:
+    return (values[1:] + values[:-1]) / 2.0
+
+
+def _frequency(times: numpy.ndarray, values: numpy.ndarray, longest: float) -> Measurement:
+    """Measure how often a trace repeats itself in a second, on a steady mean."""
     if len(values) < 3 or not values.min() < values.max():
         return STANDS
     firsts = after_gaps(times, longest)  # of the pieces without a gap, but for the very first
@@ -93,10 +153,24 @@ def frequency(
             best = measured(1.0 / period.value, period.uncertainty / period.value**2)
         elif count == 1:  # where crossings are missing, as of few samples, the spectrum knows more
             best = _strongest_line(times, values, longest)
+        is_better = count > 1 and found.noise < limit
         noise = min(noise, found.noise)
-        if best.value is not None and (noise < found.mixed or count > 1):
+        if best.value is not None and (noise < found.mixed or is_better):
             break
+    if best.value is not None and noise > _CLEARLY and _has_more(times, values, best.value):
+        return NOT_ENOUGH
     return best
+
+
+def _has_more(times: numpy.ndarray, values: numpy.ndarray, hertz: float) -> bool:
+    """Return whether what does not repeat itself is no noise, but goes on from sample to sample."""
+    turns = (times - times[0]) * hertz
+    if len(turns) < _DENSE * turns[-1]:
+        return False  # neighbours tell nothing of what is between them
+    parts = ((turns - numpy.floor(turns)) * _PARTS).astype(numpy.int64)
+    counts = numpy.maximum(numpy.bincount(parts, minlength=_PARTS), 1)
+    rest = values - (numpy.bincount(parts, values, _PARTS) / counts)[parts]
+    return bool((rest[1:] * rest[:-1]).mean() > _ALIKE_REST * numpy.square(rest).mean())
 
 
 def _some(count: int) -> numpy.ndarray:
@@ -210,10 +284,10 @@ def _strongest_line(times: numpy.ndarray, values: numpy.ndarray, longest: float)
     times, values = times[part], values[part]
     lines = spectrum(times[-_LATEST:], values[-_LATEST:])
     strongest = peaks(lines, "hann", 1) if lines is not None else []
-    if not strongest or strongest[0].uncertainty is None:
+    if lines is None or not strongest or strongest[0].reason == TOO_FEW:
         return NO_PERIOD
     some = _some(len(times))
     found = _compared(times[some] - times[0], values[some], 1.0 / strongest[0].frequency)
     if found.noise >= found.limit:
         return NO_PERIOD
-    return measured(strongest[0].frequency, strongest[0].uncertainty)
+    return measured(strongest[0].frequency, SURE * lines.step)

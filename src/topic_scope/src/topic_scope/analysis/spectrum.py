@@ -26,8 +26,14 @@ _BUNCHED = 10.0
 _ABOVE, _SMALLEST = 10.0, 1e-3
 #: Up to this line, or as far as the window reaches, a peak is mixed with its mirror image.
 _LOWEST = 3
+#: The lines of a peak differ from those of one sine by less than this part of the largest one, and
+#: so many times the middle of all lines.
+_SHAPE, _ABOVE_NOISE = 0.1, 5.0
+#: Why a peak is not measured.
+TOO_FEW = "too few periods or samples of one"
+NOT_SINGLE = "not a single line: several sines, or one that changes"
 #: How well the frequency of a peak is known, lines.
-_SURE = 0.5
+SURE = 0.5
 
 
 class Spectrum(NamedTuple):
@@ -49,12 +55,14 @@ class Peak(NamedTuple):
     :param frequency: Hz
     :param amplitude: in the unit of the trace
     :param uncertainty: how far off the frequency may be [Hz]; None where frequency and amplitude
-        cannot be measured, as there are too few periods in a part
+        cannot be measured
+    :param reason: why they cannot, in words
     """
 
     frequency: float
     amplitude: float
     uncertainty: Optional[float]
+    reason: str = ""
 
 
 def spectrum(
@@ -112,7 +120,11 @@ def peaks(found: Spectrum, window: str, most: int = 5) -> List[Peak]:
             frequency, amplitude = _top(found, int(index), window)
             # At the other end, half of the rate, there is a mirror image, too.
             is_clear = lowest < frequency / found.step < len(lines) - 1 - lowest
-            result.append(Peak(frequency, amplitude, _SURE * found.step if is_clear else None))
+            reason = "" if is_clear else TOO_FEW
+            if is_clear and not _is_single(found, frequency, amplitude, window):
+                reason = NOT_SINGLE
+            sure = None if reason else SURE * found.step
+            result.append(Peak(frequency, amplitude, sure, reason))
     return result
 
 
@@ -177,11 +189,29 @@ def _top(found: Spectrum, index: int, window: str) -> Tuple[float, float]:
     low, top, high = numpy.log(numpy.maximum(found.amplitudes[index - 1 : index + 2], 1e-300))
     bend = low - 2.0 * top + high
     aside = (low - high) / (2.0 * bend) if bend < 0.0 else 0.0
-    (mean, *others), _ = WINDOWS[window]
+    others = WINDOWS[window][0][1:]
     if not others:  # it is no parabola: two lines beside a sine are as one to the other distance
         aside = math.copysign(1.0 / (1.0 + math.exp(top - max(low, high))), high - low)
-    # What the window leaves of a sine that lies so far beside a line.
+    left = float(_left(numpy.array([aside]), window)[0])
+    return float((index + aside) * found.step), float(numpy.exp(top) / left)
+
+
+def _left(aside: numpy.ndarray, window: str) -> numpy.ndarray:
+    """Return which part a window leaves of a sine that lies so far beside a line [lines]."""
+    (mean, *others), _ = WINDOWS[window]
     left = mean * numpy.sinc(aside)
     for k, part in enumerate(others, 1):
         left += part / 2.0 * (numpy.sinc(aside - k) + numpy.sinc(aside + k))
-    return float((index + aside) * found.step), float(numpy.exp(top) * mean / left)
+    return numpy.asarray(left / mean)
+
+
+def _is_single(found: Spectrum, frequency: float, amplitude: float, window: str) -> bool:
+    """Return whether a peak has the shape that the window gives to one sine."""
+    place, reach = frequency / found.step, WINDOWS[window][1]
+    around = numpy.arange(int(round(place)) - reach, int(round(place)) + reach + 1)
+    around = around[(around > 0) & (around < len(found.amplitudes))]
+    lines = found.amplitudes[around]
+    expected = amplitude * numpy.abs(_left(around - place, window))
+    noise = float(numpy.median(found.amplitudes))
+    allowed = _SHAPE * float(lines.max()) + _ABOVE_NOISE * noise
+    return bool(numpy.abs(lines - expected).max() <= allowed)

@@ -27,6 +27,9 @@ _APPROACH = 2.0
 _ABOVE, _OF_RANGE = 10.0, 0.45
 #: Samples are averaged over this part of the rise, if the noise is above this part of the step.
 _AVERAGED, _LITTLE = 0.1, 1e-3
+#: Values are rounded to counts where they have so many levels at least, which are so many of the
+#: samples at most.
+_LEVELS, _REPEATED = 4, 0.5
 #: So many standard deviations are the most that noise adds to a value.
 _SURELY = 3.5
 
@@ -76,7 +79,8 @@ def step_of(times: numpy.ndarray, values: numpy.ndarray) -> Union[Step, str]:
         values, sigma = numpy.convolve(values, mean, "valid"), sigma / math.sqrt(width)
         spacing *= 1.0 + width / 4.0  # corners are round now
     low, high = _levels(values)
-    step = Step(times, values, low, high, mean_doubt + _SURELY * sigma, spacing)
+    doubt = mean_doubt + _SURELY * sigma + count_of(values, height) / 2.0
+    step = Step(times, values, low, high, doubt, spacing)
     return _why_none(step, sigma) or step._replace(doubt=step.doubt + _APPROACH * _moves(step))
 
 
@@ -158,6 +162,19 @@ def overshoot_of(values: numpy.ndarray, levels: Tuple[float, float], doubt: floa
         100.0 * (float(values[top]) - levels[1]) / height,
         100.0 * (2.0 * doubt + missed) / height,
     )
+
+
+def count_of(values: numpy.ndarray, height: float) -> float:
+    """Return the distance of the levels that values are rounded to; 0 where they are not.
+
+    :param values: the samples
+    :param height: what of them is measured
+    """
+    levels = numpy.unique(values)
+    if not _LEVELS <= len(levels) <= len(values) * _REPEATED:
+        return 0.0  # two levels are those of a switch, which are exact
+    count = float(numpy.diff(levels).min())
+    return count if count > height * 1e-9 else 0.0
 
 
 def _noise_of(values: numpy.ndarray) -> float:

@@ -10,7 +10,7 @@ from typing import NamedTuple, Optional, Tuple
 import numpy
 
 from topic_scope.analysis.measurement import Measurement, between, measured, unmeasurable
-from topic_scope.analysis.steps import NOISE, overshoot_of, rise_of
+from topic_scope.analysis.steps import NOISE, count_of, overshoot_of, rise_of
 
 #: Samples are averaged over this part of a period at most.
 _AVERAGED = 0.01
@@ -64,6 +64,7 @@ def wave_of(times: numpy.ndarray, values: numpy.ndarray, frequency: Measurement)
     places = numpy.mod(times - times[0], period)
     order = places.argsort(kind="stable")
     places, values = places[order], values[order]
+    count = count_of(values, float(values.max() - values.min()))
     sigma = 1.4826 * float(numpy.median(numpy.abs(numpy.diff(values)))) / math.sqrt(2.0)
     # The samples stand so close together there, if the period is what it is said to be.
     spacing = float(numpy.diff(places, append=places[0] + period).max())
@@ -73,10 +74,11 @@ def wave_of(times: numpy.ndarray, values: numpy.ndarray, frequency: Measurement)
         sigma /= math.sqrt(width)
         spacing += width * period / len(values)  # corners are round now
     drift = frequency.uncertainty * length * period / 2.0
+    doubt = _SURELY * sigma + count / 2.0
     low, low_rests = _level(-values, sigma)
     high, high_rests = _level(values, sigma)
     levels, rests = (-low, high), low_rests and high_rests
-    return Wave(places, values, period, levels, rests, _SURELY * sigma, spacing, drift)
+    return Wave(places, values, period, levels, rests, doubt, spacing, drift)
 
 
 def rise(wave: Wave) -> Measurement:

@@ -6,6 +6,8 @@ from topic_scope.analysis.ring import Samples
 
 #: Most points of a line.
 LONGEST = 4000
+#: How many points of a stretch stay, at most: its ends, its extremes, and the end of a line.
+_OF_EACH = 7
 #: Points that are nearer than this part of the range to the one before are left out.
 _FINE = 1.0 / 2000
 
@@ -50,4 +52,20 @@ def thinned(points: numpy.ndarray) -> numpy.ndarray:
     kept = numpy.concatenate([[True], ~same])
     kept[-1] = True
     points = points[:, kept]
-    return points[:, :: -(-points.shape[1] // LONGEST)]
+    return points if points.shape[1] <= LONGEST else _extremes(points)
+
+
+def _extremes(points: numpy.ndarray) -> numpy.ndarray:
+    """Return of each stretch its extremes in both directions, and where its line ends."""
+    size = -(-points.shape[1] * _OF_EACH // LONGEST)
+    places = numpy.arange(-(-points.shape[1] // size) * size).reshape(-1, size)
+    places = numpy.minimum(places, points.shape[1] - 1)
+    kept = [places[:, :1], places[:, -1:]]
+    for row in points:
+        there = ~numpy.isnan(row[places])
+        for fill, pick in ((numpy.inf, numpy.argmin), (-numpy.inf, numpy.argmax)):
+            best = pick(numpy.where(there, row[places], fill), axis=1)
+            kept.append(numpy.take_along_axis(places, best[:, None], 1))
+    ends = numpy.isnan(points[0][places]).argmax(axis=1)
+    kept.append(numpy.take_along_axis(places, ends[:, None], 1))
+    return points[:, numpy.unique(numpy.concatenate(kept))]

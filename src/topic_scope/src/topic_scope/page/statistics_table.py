@@ -1,7 +1,7 @@
 """Statistics of a page's traces, as its table shows them."""
 
 import math
-from typing import Any, Dict, Sequence, Tuple
+from typing import Any, Dict, Optional, Sequence, Tuple
 
 import numpy
 import rospy
@@ -12,6 +12,7 @@ from topic_scope.page.frequency_backoff import FrequencyBackoff
 from topic_scope.page.view import LiveView
 from topic_scope.protocol.requests import Measure
 from topic_scope.protocol.scaling import ReadSamples
+from topic_scope.sampling.computed_trace import Recorded
 from topic_scope.sampling.recorder import Recorder
 
 #: Least time without a sample after which a page says so [s].
@@ -106,4 +107,19 @@ def _measured(
     quiet, usual = trace.silence(now), trace.longest_step
     silent = quiet is not None and quiet > max(usual if math.isfinite(usual) else 0.0, SILENT_S)
     told["silent"] = quiet if silent else None
+    if not len(samples[0]) and not silent and told["problem"] is None:
+        told["problem"] = _why_empty(trace, span)
     return told
+
+
+def _why_empty(trace: Recorded, span: Tuple[float, float]) -> Optional[str]:
+    """Return why a trace has no sample in a span of time; None if it has none at all."""
+    whole, start, end = trace.span, *span
+    if whole is None:
+        return None
+    first, last = whole
+    if last < start:
+        return f"no sample in this span: the latest is {start - last:.3g} s before it"
+    if first > end:
+        return f"no sample in this span: the first is {first - end:.3g} s after it"
+    return f"no sample in this span of {end - start:.3g} s: show a longer one"

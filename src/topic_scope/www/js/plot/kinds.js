@@ -31,8 +31,8 @@ export function wantedChart(values) {
 }
 
 /** Describe a peak of a spectrum, or why it is not measured. */
-function peakText(frequency, uncertainty, level) {
-  if (uncertainty === null) return "not measurable: too few periods or samples of one";
+function peakText(frequency, uncertainty, reason, level) {
+  if (uncertainty === null) return reason.startsWith("not") ? reason : `not measurable: ${reason}`;
   const text = measuredText(frequency, uncertainty);
   return `${text.value} ± ${text.uncertainty} Hz, ${level}`;
 }
@@ -54,10 +54,10 @@ export function spectra(traces, fields, scale) {
       field,
       xs: values.map((_, index) => first + index * step),
       ys: values.map((value) => (value === null ? null : level(value))),
-      marks: peaks.map(([x, y, uncertainty]) => ({
+      marks: peaks.map(([x, y, uncertainty, reason]) => ({
         x,
         y: level(y),
-        text: peakText(x, uncertainty, `${figure(level(y), 4)}${scale === "dB" ? " dB" : ""}`),
+        text: peakText(x, uncertainty, reason, `${figure(level(y), 4)}${scale === "dB" ? " dB" : ""}`),
       })),
     };
   });

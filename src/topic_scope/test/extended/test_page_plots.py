@@ -150,7 +150,7 @@ class Plots(PageTest):
         wait_until(marked, lambda: seen)
         self.browser.choose("[aria-label='spectrum scale']", "linear")
         wait_until(
-            lambda: re.search(r"^1\.000 ± [\d.]+ Hz, 2\.0\d\d$", self.written(), re.MULTILINE),
+            lambda: re.search(r"^1\.0+ ± [\d.]+ Hz, 2\.0\d\d$", self.written(), re.MULTILINE),
             self.written,
         )
         self.browser.choose("[aria-label='spectrum scale']", "dB")

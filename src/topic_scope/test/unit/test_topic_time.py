@@ -132,6 +132,16 @@ def test_an_early_message_stands_at_its_stamp_and_makes_no_other_late(is_exact: 
 
 
 @both
+def test_a_message_that_is_less_late_than_others_is_not_early(is_exact: bool) -> None:
+    stamps = at_50_hz()
+    received = stamps + (450 if not is_exact else 900) * MS
+    received[100:500:50] = stamps[100:500:50] + 10 * MS
+    order = received.argsort(kind="stable")
+    topic, shown = played(stamps[order], received[order], is_exact)
+    assert shown.times.tolist() == stamps[order].tolist() and not topic.time.outliers.early
+
+
+@both
 def test_what_is_forgotten_is_decided_by_the_newest_stamp_that_is_believed(is_exact: bool) -> None:
     received = at_50_hz()
     own = received.copy()

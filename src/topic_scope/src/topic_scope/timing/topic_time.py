@@ -154,7 +154,7 @@ class TopicTime:
         if not self.has_stamps:
             return bool((own == NO_TIME).all())
         ahead = own - received
-        usual = self._lag.usual
+        usual = self._expected(received[:1])[0]
         return bool(
             own[0] >= self._newest
             and (own[1:] >= own[:-1]).all()
@@ -163,11 +163,19 @@ class TopicTime:
             and not self._lag.drift
         )
 
+    def _expected(self, received: numpy.ndarray) -> numpy.ndarray:
+        """Return how far behind their reception stamps are at least [ns].
+
+        By the scope's own clock a stamp is not early where it is less late than others.
+        """
+        usual = self._lag.expected_of(received)
+        return numpy.minimum(usual, 0) if self.clock.is_scope else usual
+
     def _contradicted(
         self, own: numpy.ndarray, received: numpy.ndarray
     ) -> Tuple[numpy.ndarray, numpy.ndarray]:
         """Return which stamps contradict those before, and which are just early."""
-        ahead = own - received + self._lag.expected_of(received)
+        ahead = own - received + self._expected(received)
         rate = max(1.0, 1.0 - self._lag.drift)
         is_early = ahead > BACK_NS * rate
         there = own != NO_TIME
@@ -281,7 +289,7 @@ class TopicTime:
         """Place messages that no others agree with: at their stamps, if these can be believed."""
         self._alone += len(own)
         there = own != NO_TIME
-        ahead = own - received + self._lag.expected_of(received)
+        ahead = own - received + self._expected(received)
         is_refused = there & ((ahead > AHEAD_NS) | (ahead < -ELSEWHERE_NS))
         is_late = there & ~is_refused
         before = self.outliers

@@ -440,17 +440,20 @@ class Modules(BrowserTest):
             **{"now": 8, "bin": 1, "reset": True, "first": 0},
             "traces": {"f": [0, 0, 8, 8, None, None, 16, 16, -2, 5, 1, 1, None, None, None, None]},
             "places": {"f": [0, 0, 4, 4, -1, -1, 0, 0, -1, -1, 7, 7, -1, -1, -1, -1]},
+            "counts": {"f": [1, 1, 0, 1, 7, 1, 0, 0]},
         }
         times = [0.0625, 0.8125, 1.5625, 2.3125, 3.0625, 4.2, 4.9, 5.9375, 7.9]
         found = self.browser.call(
             "state/buffer.js",
             "(() => { const buffer = new module.TraceBuffer(); buffer.apply(a[0], 20);"
             " const read = a[1].map((time) => buffer.at('f', time));"
-            " return [read.map((one) => one && [one.low, one.high]), buffer.rows(['f'], 0)]; })()",
+            " return [read.map((one) => one && [one.low, one.high]), buffer.rows(['f'], 0),"
+            " read.map((one) => one?.count ?? 0)]; })()",
             frame,
             times,
         )
-        read, rows = found
+        read, rows, counts = found
+        self.assertEqual(counts, [0, 0, 0, 0, 0, 7, 7, 0, 0])
         line = [(time, value) for time, value in rows if value is not None]
         for time, reading in zip(times[:4], read):
             drawn = numpy.interp(time, [at for at, _ in line], [value for _, value in line])
@@ -461,9 +464,9 @@ class Modules(BrowserTest):
         texts = self.browser.call(
             "base/numbers.js",
             "a[0].map((one) => module.readingText(one, 2))",
-            [{"low": -0.9511, "high": 0.951}, {"low": 1.5, "high": 1.5}, None],
+            [{"low": -0.9511, "high": 0.951, "count": 20}, {"low": 1.5, "high": 1.5}, None],
         )
-        self.assertEqual(texts, ["−0.9511 … 0.9510", "1.5000", "–"])
+        self.assertEqual(texts, ["20 samples, −0.9511 … 0.9510", "1.5000", "–"])
 
     def test_the_last_value_of_a_bin_holds_in_steps(self) -> None:
         frames = [

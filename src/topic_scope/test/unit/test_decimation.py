@@ -263,3 +263,21 @@ def test_samples_that_come_late_are_shown_where_they_belong(
     expected = expected_bins(samples, 0.08)
     for index in range(bin_of(EPOCH + 4.0, 0.08), bin_of(EPOCH + 8.0, 0.08) + 1):
         assert screen.bins[index] == expected.get(index, [None, None])
+
+
+def test_a_frame_counts_the_samples_of_bins_that_have_more_than_are_drawn() -> None:
+    times = numpy.array([0.1, 0.2, 0.3, 1.5, 2.1, 2.2, 3.5])
+    values = numpy.array([1.0, 2.0, 3.0, 4.0, 5.0, math.nan, 6.0])
+    found = all_bins([(times, values), (times[3:], values[3:])], 0, 4, 1.0, [math.inf] * 2)
+    assert found.counts.tolist() == [[3, 1, 1, 1], [0, 1, 1, 1]]
+    view = LiveView(requests.View(4.0, 4, 4.0))
+    view.select(["/dense", "/sparse"])
+    traces = {"/dense": (times, values), "/sparse": (times[3:], values[3:])}
+
+    def read(name: str, start: float, end: float) -> Tuple[numpy.ndarray, numpy.ndarray]:
+        at, found = traces[name]
+        inside = (at >= start) & (at <= end)
+        return at[inside], found[inside]
+
+    frame = view.frame(4.0, read, lambda _moment: -math.inf)
+    assert frame is not None and frame["counts"] == {"/dense": [3, 1, 1, 1, 0]}

@@ -23,10 +23,12 @@ class Bins(NamedTuple):
     :param extremes: as :func:`extremes` returns them
     :param places: for each of these in which part of its bin it stands, from 0; -1 in a bin with
         more than FEW samples, or none
+    :param counts: how many samples each bin has that are finite
     """
 
     extremes: numpy.ndarray
     places: numpy.ndarray
+    counts: numpy.ndarray
 
 
 def bin_of(time: float, width: float) -> int:
@@ -84,6 +86,7 @@ def all_bins(
     result = numpy.full((len(traces) * size, 2), numpy.nan)
     result[(ends - before > numpy.array(longest)[:, None]).ravel()] = numpy.inf
     places = numpy.full(result.shape, -1, numpy.int8)
+    counts = numpy.zeros(len(result), numpy.int64)
     finite = numpy.isfinite(values)
     result[bins[~finite]] = numpy.inf
     bins, values, parts = bins[finite], values[finite], parts[finite]
@@ -92,12 +95,14 @@ def all_bins(
         result[bins[starts], 0] = numpy.minimum.reduceat(values, starts)
         result[bins[starts], 1] = numpy.maximum.reduceat(values, starts)
         stops = numpy.append(starts[1:], len(bins)) - 1
+        counts[bins[starts]] = stops - starts + 1
         few = stops - starts < FEW
         one, other = starts[few], stops[few]
         rises = values[one] <= values[other]
         places[bins[one], 0] = parts[numpy.where(rises, one, other)]
         places[bins[one], 1] = parts[numpy.where(rises, other, one)]
-    return Bins(_inner(result, len(traces)), _inner(places, len(traces)))
+    counts = counts.reshape(len(traces), -1)[:, 1:-1]
+    return Bins(_inner(result, len(traces)), _inner(places, len(traces)), counts)
 
 
 def _inner(table: numpy.ndarray, rows: int) -> numpy.ndarray:

@@ -15,7 +15,7 @@ from typing import (
     Tuple,
 )
 
-from topic_scope.analysis.decimation import all_bins, as_json, bin_of, lasts
+from topic_scope.analysis.decimation import FEW, all_bins, as_json, bin_of, lasts
 from topic_scope.protocol.requests import View
 from topic_scope.protocol.scaling import ReadSamples
 
@@ -140,12 +140,14 @@ class LiveView:
             samples.append(read(field, begin, (last + 1.5) * width))
             if self.stepped(field):
                 ends[field] = as_json(lasts(*samples[-1], first, count, width))
-        traces, places = {}, {}
+        traces, places, counts = {}, {}, {}
         if samples:
             found = all_bins(samples, first, count, width, longest)
             traces = {field: as_json(row) for field, row in zip(shown, found.extremes)}
             told = zip(shown, found.places.tolist(), (found.places >= 0).any(axis=1).tolist())
             places = {field: row for field, row, is_told in told if is_told}
+            dense = (found.counts > FEW).any(axis=1).nonzero()[0].tolist()
+            counts = {shown[row]: found.counts[row].tolist() for row in dense}
         self._open = max(last, first)
         self._complete = self._view.end is not None and now > end + LATE_S
         return {
@@ -156,6 +158,7 @@ class LiveView:
             "first": first,
             "traces": traces,
             **({"places": places} if places else {}),
+            **({"counts": counts} if counts else {}),
             **({"lasts": ends} if ends else {}),
         }
 

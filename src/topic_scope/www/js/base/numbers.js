@@ -80,14 +80,15 @@ export function figure(value, digits = 5, spread = null) {
 
 /**
  * Write what is read of a line: one value, or the least and the greatest one of a pixel.
- * @param {?{low: number, high: number}} reading
+ * @param {?{low: number, high: number, count: ?number}} reading
  * @param {?number} spread as of {@link figure}
  * @returns {string} a dash without a value
  */
 export function readingText(reading, spread) {
   if (!reading) return figure(null);
   const [low, high] = [reading.low, reading.high].map((value) => figure(value, 5, spread));
-  return reading.low === reading.high ? low : `${low} … ${high}`;
+  if (reading.low === reading.high) return low;
+  return `${reading.count ? `${reading.count} samples, ` : ""}${low} … ${high}`;
 }
 
 /**

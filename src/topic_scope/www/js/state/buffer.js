@@ -36,6 +36,7 @@ export class TraceBuffer {
     // field -> [min0, max0, min1, max1, …], null where a bin is empty, NaN where a line ends
     this.traces = new Map();
     this.places = new Map(); // field -> of each of these in which part of its bin it stands, or -1
+    this.counts = new Map(); // field -> how many samples each bin has; 0 where that is not known
     this.lasts = new Map(); // field -> the last value of each bin, of traces that are drawn in steps
   }
 
@@ -43,6 +44,7 @@ export class TraceBuffer {
    * Add what a frame brings.
    * @param {{now: number, bin: number, reset: boolean, first: number,
    *   traces: Object<string, Array<?number>>, places: ?Object<string, number[]>,
+   *   counts: ?Object<string, number[]>,
    *   lasts: ?Object<string, Array<?number>>}} frame
    * @param {number} span how much of the past is to be kept [s]
    */
@@ -52,6 +54,7 @@ export class TraceBuffer {
     if (frame.reset || frame.bin !== this.bin || frame.first > this.first + this.count) {
       this.traces.clear();
       this.places.clear();
+      this.counts.clear();
       this.lasts.clear();
       this.bin = frame.bin;
       this.first = frame.first;
@@ -69,6 +72,10 @@ export class TraceBuffer {
       places.length = 2 * offset;
       places.push(...(frame.places?.[field] || frame.traces[field].map(() => -1)));
       this.places.set(field, places);
+      const counts = this.counts.get(field) || new Array(offset).fill(0);
+      counts.length = offset;
+      counts.push(...(frame.counts?.[field] || new Array(frame.traces[field].length / 2).fill(0)));
+      this.counts.set(field, counts);
     }
     for (const [field, values] of Object.entries(frame.lasts || {})) {
       const before = this.lasts.get(field) || new Array(offset).fill(null);
@@ -83,7 +90,7 @@ export class TraceBuffer {
     if (surplus <= 0) return;
     for (const values of this.traces.values()) values.splice(0, 2 * surplus);
     for (const places of this.places.values()) places.splice(0, 2 * surplus);
-    for (const values of this.lasts.values()) values.splice(0, surplus);
+    for (const map of [this.lasts, this.counts]) for (const values of map.values()) values.splice(0, surplus);
     this.first += surplus;
     this.count -= surplus;
   }
@@ -96,8 +103,8 @@ export class TraceBuffer {
   copy(fields = [...this.traces.keys()]) {
     const some = (map) => new Map(fields.filter((field) => map.has(field))
       .map((field) => [field, map.get(field).slice()]));
-    const [traces, places, lasts] = [this.traces, this.places, this.lasts].map(some);
-    return Object.assign(new TraceBuffer(), this, { traces, places, lasts });
+    const [traces, places, counts, lasts] = [this.traces, this.places, this.counts, this.lasts].map(some);
+    return Object.assign(new TraceBuffer(), this, { traces, places, counts, lasts });
   }
 
   /**
@@ -158,7 +165,8 @@ export class TraceBuffer {
    * that has ended has no value: beside its ends the last sample counts for as long as a step.
    * @param {string} field
    * @param {number} time since the epoch [s]
-   * @returns {?{low: number, high: number}} equal for one value; null without one
+   * @returns {?{low: number, high: number, count: ?number}} low and high are equal for one value,
+   *   else of so many samples; null without a value
    */
   at(field, time) {
     const values = this.traces.get(field) || [];
@@ -168,7 +176,9 @@ export class TraceBuffer {
     if (Number.isNaN(values[2 * middle])) return null;
     const places = this.places.get(field) || [];
     const [low, high] = [values[2 * middle], values[2 * middle + 1]];
-    if (isThere(low) && low !== high && !(places[2 * middle] >= 0)) return { low, high };
+    if (isThere(low) && low !== high && !(places[2 * middle] >= 0)) {
+      return { low, high, count: this.counts.get(field)?.[middle] };
+    }
     const before = nextFilled(values, middle - 1, -1);
     const after = nextFilled(values, middle + 1, 1);
     // Where the line ends, the two last samples of it.

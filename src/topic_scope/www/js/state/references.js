@@ -83,7 +83,7 @@ export function removeReference(state, name) {
 export function valueOf({ buffer, field, zero, from, to, later, offset }, time) {
   const at = time - later;
   const found = at >= from && at <= to ? buffer.at(field, zero + at) : null;
-  return found && { low: found.low + offset, high: found.high + offset };
+  return found && { ...found, low: found.low + offset, high: found.high + offset };
 }
 
 /** Time of a reference: that of its right edge. */

@@ -155,6 +155,26 @@ def test_the_csv_has_all_digits_of_stamps_and_receptions() -> None:
     assert line == "1700000000.000987654,1700000000.123456789,1.5"
 
 
+def test_a_mean_is_of_as_many_samples_everywhere() -> None:
+    """Of 0.1 s at 100 Hz ten samples, the one at the begin of the window excluded."""
+    stamps = [NOW + 10 * MS * index for index in range(1000)]
+    told = [(when, stamped(when, float(index))) for index, when in enumerate(stamps)]
+    made = received({"/a": told, "/b": told}, "=mean(/a/point/x, 0.1)")
+    _, means = made.samples("=mean(/a/point/x, 0.1)", -math.inf, math.inf)
+    assert means[9:] == pytest.approx(numpy.arange(9, 1000) - 4.5, abs=1e-9)
+
+
+def test_the_second_derivative_of_a_ramp_at_1_khz_is_zero() -> None:
+    stamps = [NOW + MS * index for index in range(3000)]
+    told = [(when, stamped(when, 0.01 * index)) for index, when in enumerate(stamps)]
+    twice = "=derivative(derivative(/a/point/x))"
+    made = received({"/a": told, "/b": told}, twice, "/a/point/x.derivative")
+    _, bends = made.samples(twice, -math.inf, math.inf)
+    assert len(bends) == 2998 and numpy.abs(bends).max() < 1e-6
+    _, slopes = made.samples("/a/point/x.derivative", -math.inf, math.inf)
+    assert slopes == pytest.approx(10.0, abs=1e-9)
+
+
 def in_bag(path: Path, told: Dict[str, List[Tuple[int, PointStamped]]], *names: str) -> List[Any]:
     """Return the series that plot_bag draws."""
     messages = [(topic, one, when) for topic, some in told.items() for when, one in some]

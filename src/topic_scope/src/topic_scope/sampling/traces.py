@@ -284,10 +284,11 @@ class Trace:
     @property
     def span(self) -> Optional[Tuple[float, float]]:
         """Times of the first and the last sample [s]; None without samples."""
-        times, _, _ = self.rows(to_ns(-math.inf), to_ns(math.inf))
+        times, _, _ = self.ring.between(to_ns(-math.inf), to_ns(math.inf))
         if not len(times):
             return None
-        return min(int(times[0]), self._pinned[0]) / NS, int(times[-1]) / NS
+        first, last = (int(time) + self.stream.offset for time in (times[0], times[-1]))
+        return min(first, self._pinned[0]) / NS, last / NS
 
     @property
     def longest_step(self) -> float:

@@ -4,13 +4,12 @@ import os
 import subprocess
 import sys
 import time
-import uuid
-from typing import Iterator, List
+from typing import Iterator, List, Sequence
 
 import pytest
 
 from nodekit.testing.waiting import wait_until
-from pid_control.runner.process_watch import MARK, ProcessWatch
+from pid_control.runner.process_watch import ProcessWatch, adopt_orphans, own_children
 
 #: Starts a thread for each line that it reads, which computes until the next.
 LATE_THREADS = """
@@ -27,38 +26,35 @@ for line in sys.stdin:
 """
 
 
-class Marked:
+class Watched:
     """A process that a watch knows."""
 
-    def __init__(self, command: List[str]) -> None:
-        mark = uuid.uuid4().hex
+    def __init__(self, command: List[str], companions: Sequence[int] = ()) -> None:
+        adopt_orphans()
+        older = own_children()
         self.popen = subprocess.Popen(
-            command,
-            env={**os.environ, MARK: mark},
-            stdin=subprocess.PIPE,
-            stdout=subprocess.PIPE,
-            start_new_session=True,
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, start_new_session=True
         )
-        self.watch = ProcessWatch(mark)
+        self.watch = ProcessWatch(self.popen.pid, older, companions)
 
 
 @pytest.fixture
-def computing() -> Iterator[Marked]:
-    process = Marked([sys.executable, "-c", LATE_THREADS])
+def computing() -> Iterator[Watched]:
+    process = Watched([sys.executable, "-c", LATE_THREADS])
     yield process
     process.popen.kill()
     process.popen.communicate()
     process.watch.close()
 
 
-def say(process: Marked, line: bytes) -> None:
+def say(process: Watched, line: bytes) -> None:
     assert process.popen.stdin is not None and process.popen.stdout is not None
     process.popen.stdin.write(line)
     process.popen.stdin.flush()
     assert process.popen.stdout.readline() == b"heard\n"
 
 
-def test_is_idle_new_computing_thread_is_detected(computing: Marked) -> None:
+def test_is_idle_new_computing_thread_is_detected(computing: Watched) -> None:
     say(computing, b"rest\n")
     assert computing.watch.wait_idle(30.0)
     say(computing, b"work\n")
@@ -68,16 +64,40 @@ def test_is_idle_new_computing_thread_is_detected(computing: Marked) -> None:
     assert computing.watch.wait_idle(30.0)
 
 
-def test_busy_counts_processor_time(computing: Marked) -> None:
+def test_busy_counts_processor_time(computing: Watched) -> None:
     say(computing, b"work\n")
     before = computing.watch.busy()
     wait_until(lambda: computing.watch.busy() > before + 0.1, lambda: "no processor time")
 
 
 def test_kill_ends_processes_in_other_sessions() -> None:
-    marked = Marked(["sh", "-c", "setsid sleep 60 & setsid sleep 60 & wait"])
-    wait_until(lambda: len(marked.watch.pids()) >= 3, lambda: f"{marked.watch.pids()}")
+    watched = Watched(["sh", "-c", "setsid sleep 60 & setsid sleep 60 & wait"])
+    wait_until(lambda: len(watched.watch.pids()) >= 3, lambda: f"{watched.watch.pids()}")
     began = time.monotonic()
-    marked.watch.kill(10.0)
-    marked.popen.communicate()
-    assert marked.watch.pids() == [] and time.monotonic() - began < 9.0
+    watched.watch.kill(10.0)
+    watched.popen.communicate()
+    assert watched.watch.pids() == [] and time.monotonic() - began < 9.0
+
+
+def test_kill_ends_orphans_with_an_emptied_environment() -> None:
+    script = "setsid env -i sleep 60 >/dev/null & echo $!"
+    watched = Watched(["sh", "-c", script])
+    output, _ = watched.popen.communicate(timeout=30.0)
+    assert watched.watch.pids() == [int(output)]
+    watched.watch.kill(10.0)
+    assert watched.watch.pids() == [] and not os.path.exists(f"/proc/{int(output)}")
+
+
+def test_is_idle_computing_companion_is_detected(computing: Watched) -> None:
+    say(computing, b"rest\n")
+    watched = Watched(["sleep", "60"], [computing.popen.pid])
+    try:
+        assert watched.watch.wait_idle(30.0)
+        say(computing, b"work\n")
+        assert not watched.watch.is_idle()
+        say(computing, b"rest\n")
+        assert watched.watch.wait_idle(30.0)
+        assert computing.popen.pid not in watched.watch.pids()
+    finally:
+        watched.watch.kill(10.0)
+        watched.popen.communicate()

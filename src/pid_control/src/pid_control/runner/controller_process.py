@@ -5,12 +5,11 @@ import os
 import signal
 import subprocess
 import threading
-import uuid
-from typing import Dict, Optional
+from typing import Dict, Optional, Sequence
 
 from pid_control.runner.controller_command import ControllerCommand
 from pid_control.runner.deferred_signals import deferred_signals
-from pid_control.runner.process_watch import MARK, ProcessWatch
+from pid_control.runner.process_watch import ProcessWatch, adopt_orphans, own_children
 from pid_control.runner.python_crash import crash_in
 
 #: Kept tail of the output, and output that is too long for a controller [bytes].
@@ -27,23 +26,30 @@ class ControllerProcess:
 
     :param command: command of the controller
     :param environment: environment variables in addition to those of the command
+    :param companions: processes that the controller waits for, such as the master
     :raises OSError: if the process cannot be started
     """
 
-    def __init__(self, command: ControllerCommand, environment: Dict[str, str]) -> None:
-        mark = uuid.uuid4().hex
-        self.watch = ProcessWatch(mark)
+    def __init__(
+        self,
+        command: ControllerCommand,
+        environment: Dict[str, str],
+        companions: Sequence[int] = (),
+    ) -> None:
+        adopt_orphans()
+        older = own_children()
         self._argv = command.argv
         self._tail = b""
         self._written = 0
         self._popen = subprocess.Popen(
             command.argv,
-            env={**command.environment, **environment, MARK: mark},
+            env={**command.environment, **environment},
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
             start_new_session=True,
         )
+        self.watch = ProcessWatch(self._popen.pid, older, companions)
         self._reader = threading.Thread(target=self._read, daemon=True)
         self._reader.start()
 
@@ -76,7 +82,7 @@ class ControllerProcess:
     def end(self) -> None:
         """Kill the process and all of its child processes, with signals deferred."""
         with deferred_signals():
-            self._popen.kill()  # the watch cannot find it between fork and exec
+            self._popen.kill()
             self.watch.kill(_PATIENCE_S)
             self._popen.wait()
             self._reader.join(_PATIENCE_S)

@@ -7,13 +7,14 @@ to its threads ksoftirqd, these are ready to run.
 """
 
 import contextlib
+import ctypes
 import os
 import signal
 import time
-from typing import Dict, Iterator, List, Set
+from typing import Dict, Iterator, List, Sequence, Set
 
-#: Environment variable that marks the processes of a controller.
-MARK = "PID_CONTROL_JUDGE"
+#: Number of Linux's prctl that makes this process the parent of orphans among its descendants.
+_PR_SET_CHILD_SUBREAPER = 36
 _TICKS = float(os.sysconf("SC_CLK_TCK"))
 #: Interval of the searches for new processes and threads [s].
 _SEARCH_EVERY_S = 0.2
@@ -21,16 +22,31 @@ _SEARCH_EVERY_S = 0.2
 _PAUSE_S = 5e-5
 
 
+def adopt_orphans() -> None:
+    """Become the parent of descendants whose own parent ends, so that they can be found."""
+    ctypes.CDLL(None).prctl(_PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
+
+
+def own_children() -> Set[int]:
+    """Return the child processes of this process."""
+    return {pid for pid, parent in _parents().items() if parent == os.getpid()}
+
+
 class ProcessWatch:
-    """Watch of all processes with a mark, and of this process's threads except the caller's.
+    """Watch of a controller's processes, of those that it waits for, and of this process's threads.
 
-    This process's threads count because they receive the controller's messages.
+    The controller's processes are the descendants of this process that are not older than the
+    controller, whatever their session and environment. This process's threads, except the caller's,
+    count because they receive the controller's messages. A request to a companion, such as the
+    master, lets the controller wait while the companion computes.
 
-    :param mark: value of :data:`MARK` in the controller's environment
+    :param pid: the controller's first process
+    :param older: child processes of this process that are not the controller's
+    :param companions: processes that the controller waits for
     """
 
-    def __init__(self, mark: str) -> None:
-        self._mark = f"{MARK}={mark}".encode()
+    def __init__(self, pid: int, older: Set[int], companions: Sequence[int] = ()) -> None:
+        self._first, self._older, self._companions = pid, older, companions
         self._states: Dict[str, int] = {}
         #: Number of threads of each process at the latest search.
         self._counts: Dict[int, int] = {}
@@ -42,13 +58,11 @@ class ProcessWatch:
 
     def pids(self) -> List[int]:
         """Return the running processes of the controller."""
-        found = []
-        for name in os.listdir("/proc"):
-            if name.isdigit() and int(name) != os.getpid():
-                with contextlib.suppress(OSError):  # it has just ended, or is another user's
-                    with open(f"/proc/{name}/environ", "rb") as environment:
-                        if self._mark in environment.read().split(b"\0"):
-                            found.append(int(name))
+        parents = _parents()
+        found = [pid for pid, parent in parents.items() if parent == os.getpid()]
+        found = [pid for pid in found if pid not in self._older]
+        for pid in found:  # grows meanwhile
+            found += [child for child, parent in parents.items() if parent == pid]
         return found
 
     def busy(self) -> float:
@@ -89,6 +103,7 @@ class ProcessWatch:
         :param patience: timeout [s]
         """
         deadline = time.monotonic() + patience
+        killed: Set[int] = set()
         while time.monotonic() < deadline:
             pids = self.pids()
             if not pids:
@@ -96,7 +111,11 @@ class ProcessWatch:
             for pid in pids:
                 with contextlib.suppress(ProcessLookupError):
                     os.kill(pid, signal.SIGKILL)
+            killed.update(pids)
             time.sleep(0.002)
+        for pid in killed - {self._first}:  # the first process is its owner's to collect
+            with contextlib.suppress(ChildProcessError):  # its own parent collects it
+                os.waitpid(pid, os.WNOHANG)
         self.close()
 
     def close(self) -> None:
@@ -124,7 +143,7 @@ class ProcessWatch:
     def _search(self) -> None:
         own = os.path.basename(os.path.realpath("/proc/thread-self"))
         self._pids = set(self.pids())
-        watched = [os.getpid(), *self._pids]
+        watched = [os.getpid(), *self._companions, *self._pids]
         self._counts = {pid: _count_of_threads(pid) for pid in watched}
         for path in [*self._threads(watched), *self._delivering]:
             if path not in self._states and not path.endswith(f"/{own}/stat"):
@@ -137,6 +156,19 @@ class ProcessWatch:
             with contextlib.suppress(OSError):
                 for thread in os.listdir(f"/proc/{pid}/task"):
                     yield f"/proc/{pid}/task/{thread}/stat"
+
+
+def _parents() -> Dict[int, int]:
+    """Return the parent of each running process."""
+    found = {}
+    for name in os.listdir("/proc"):
+        if name.isdigit():
+            with contextlib.suppress(OSError):  # it has just ended
+                with open(f"/proc/{name}/stat", "rb") as stat:
+                    state, parent = stat.read().rpartition(b")")[2].split()[:2]
+                if state not in (b"Z", b"X"):
+                    found[int(name)] = int(parent)
+    return found
 
 
 def _count_of_threads(pid: int) -> int:

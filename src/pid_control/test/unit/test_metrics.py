@@ -8,8 +8,8 @@ import pytest
 from pid_control.judging.experiment import Output
 from pid_control.judging.line_fit import fit_line
 from pid_control.judging.metrics import METRICS, SCENARIO_METRICS, metrics_of
-from pid_control.judging.record import Record, Row
-from pid_control.judging.scenarios import BY_NAME, MOTOR, Scenario, steps
+from pid_control.judging.record import Pause, Record, Row
+from pid_control.judging.scenarios import BY_NAME, MOTOR, Scenario, scaled, steps
 from played import Law, pi, play, play_all, play_one
 
 
@@ -77,6 +77,11 @@ def test_the_overshoot_is_that_of_the_worst_step() -> None:
     assert figure(rows_of(speed), "overshoot") == pytest.approx(25.0)
 
 
+def test_overshoot_of_a_motor_that_stands_is_not_measured() -> None:
+    still = rows_of(lambda time: 9.0)
+    assert figure(still, "overshoot") is None
+
+
 def test_late_and_chatter_are_measured() -> None:
     answers = [(index * 0.01, 0.1 * (index % 2)) for index in range(100)]
     record = rows_of(lambda time: 0.0)._replace(answers=answers)
@@ -141,10 +146,16 @@ def test_a_constant_interval_shows_where_the_loop_is_slow() -> None:
     assert figure(play_one("rate", pi(ki=0.0)), "interval_error") is None
 
 
+def test_interval_error_of_an_integral_that_reaches_its_limit_is_not_measured() -> None:
+    assert figure(play_one("rate", pi(ki=73.0)), "interval_error") is None
+    small = scaled(BY_NAME["rate"], 0.08, 73.0)
+    assert figure(play(small, pi(ki=73.0)()), "interval_error") < 0.05
+
+
 def test_both_responses_and_their_signs() -> None:
     record = play_one("held", pi())
-    assert figure(record, "set_point_response") > 0.08
-    assert figure(record, "output_response") > 0.08
+    assert figure(record, "set_point_response") == pytest.approx(0.08 + 0.1 * 1.5, rel=0.01)
+    assert figure(record, "output_response") == pytest.approx(0.08 + 0.1 * 1.5, rel=0.01)
     inverse = play_one("held", pi(kp=-0.08, ki=-1.5))
     assert figure(inverse, "set_point_response") < 0.0
     assert figure(inverse, "output_response") < 0.0
@@ -153,8 +164,25 @@ def test_both_responses_and_their_signs() -> None:
         return lambda set_point, output: 0.1 * set_point
 
     deaf = play_one("held", make_deaf)
-    assert figure(deaf, "output_response") == pytest.approx(0.0, abs=1e-9)
+    assert figure(deaf, "output_response") == 0.0
     assert figure(deaf, "set_point_response") == pytest.approx(0.1)
+
+
+@pytest.mark.parametrize("ki", [27.0, 73.0, 300.0])
+def test_responses_of_a_large_integral_gain_are_measured(ki: float) -> None:
+    record = play_one("held", pi(kp=0.5, ki=ki))
+    for name in ("set_point_response", "output_response"):
+        assert figure(record, name) == pytest.approx(0.5 + 0.1 * ki, rel=0.01)
+    assert figure(record, "kick") == pytest.approx(0.0, abs=1e-6)
+
+
+def test_responses_of_an_input_that_switches_are_not_measured() -> None:
+    def make_switch() -> Law:
+        return lambda set_point, output: math.copysign(1.0, set_point - output.speed)
+
+    record = play_one("held", make_switch)
+    assert figure(record, "set_point_response") is None
+    assert figure(record, "output_response") is None
 
 
 def test_a_derivative_of_the_error_kicks_and_one_of_the_output_does_not() -> None:
@@ -172,17 +200,45 @@ def test_a_derivative_of_the_error_kicks_and_one_of_the_output_does_not() -> Non
     assert figure(play_one("held", pi()), "kick") < 0.001
 
 
+def jumped(record: Record, *spans: float) -> Record:
+    """Return a record of ``rate`` whose integral grows during its pauses, for these times [s]."""
+    answers = record.answers
+    error = record.scenario.set_point[2][1]
+    for pause, span, sign in zip(record.pauses, spans, (1.0, -1.0)):
+        answers = [
+            (time, value + 1.5 * sign * error * span if time > pause.time else value)
+            for time, value in answers
+        ]
+    return record._replace(answers=answers)
+
+
 def test_an_integral_that_goes_on_while_the_clock_stands_still_shows() -> None:
-    record = play_one("held", pi())
+    record = play_one("rate", pi())
     assert figure(record, "standstill_jump") < 0.005
-    assert figure(record._replace(standstill_rest=None), "standstill_jump") is None
-    assert figure(record._replace(standstill_rest=None), "standstill_answers") is None
-    slope = 1.5 * 0.1
-    rows = [
-        row._replace(input=row.input + 0.2 * slope) if row.time > 0.6 else row
-        for row in record.rows
-    ]
-    assert figure(record._replace(rows=rows), "standstill_jump") == pytest.approx(0.2, abs=0.01)
+    assert figure(record._replace(pauses=()), "standstill_jump") is None
+    # The second pause is twice as long as the first.
+    assert figure(jumped(record, 0.2, 0.4), "standstill_jump") == pytest.approx(0.2, abs=0.01)
+
+
+def test_standstill_jump_without_proportion_to_the_pauses_is_not_measured() -> None:
+    record = play_one("rate", pi())
+    assert figure(jumped(record, 0.2, 0.2), "standstill_jump") is None
+    assert figure(jumped(record, 0.2, 0.0), "standstill_jump") is None
+
+
+def test_standstill_answers_and_rest_are_those_of_the_pause() -> None:
+    record = play_one("held", pi())._replace(pauses=[Pause(5.0, 0.5, 0.75, 3)])
+    assert figure(record, "standstill_answers") == 3.0
+    assert figure(record, "standstill_rest") == 0.75
+    assert figure(record._replace(pauses=()), "standstill_answers") is None
+
+
+def test_leave_time_counts_from_the_limit_of_the_controller_on_either_side() -> None:
+    for limits in ((-1.0, 0.9), (-0.5, 1.0)):
+        settings = {"output_min": limits[0], "output_max": limits[1]}
+        bad = play_one("windup", pi(anti_windup="none", **settings))
+        assert figure(bad, "leave_time") > 0.5
+        assert figure(play_one("windup", pi(**settings)), "leave_time") < 0.02
 
 
 def test_recovery_is_counted_from_the_event() -> None:

@@ -8,9 +8,11 @@ from pid_control.judging.experiment import Experiment
 from pid_control.judging.metrics import SCENARIO_METRICS
 from pid_control.judging.scenarios import (
     BY_NAME,
+    LITTLE,
     SLOW_STEP_S,
     STEP_S,
     Scenario,
+    scaled,
     sine,
     steps,
     value_at,
@@ -131,5 +133,16 @@ def test_the_motor_follows_its_input_its_load_and_nothing_that_is_not_finite() -
 def test_the_clock_becomes_slow() -> None:
     experiment = Experiment(BY_NAME["rate"], -1.0)
     experiment.begin_at(0.0)
-    assert experiment.step_after(0.4) == STEP_S
-    assert experiment.step_after(0.5) == SLOW_STEP_S
+    begin, end = BY_NAME["rate"].slow
+    for moment, expected in ((begin - 0.1, STEP_S), (begin, SLOW_STEP_S), (end, STEP_S)):
+        assert experiment.step_after(moment) == expected
+
+
+def test_rate_asks_for_little_of_a_controller_with_large_gains() -> None:
+    def error(gain: float, growth: float) -> float:
+        return max(value for _, value in scaled(BY_NAME["rate"], gain, growth).set_point)
+
+    assert error(0.08, 1.5) == pytest.approx(0.3 / (0.08 + 0.7 * 1.5))
+    assert error(0.7, 73.0) < 0.01
+    assert error(0.0, 0.0) == LITTLE
+    assert scaled(BY_NAME["steps"], 0.7, 73.0) == BY_NAME["steps"]

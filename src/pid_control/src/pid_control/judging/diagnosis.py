@@ -1,8 +1,13 @@
-"""Diagnosis: the most likely cause of a figure beyond its limit."""
+"""Diagnosis: the cause of a figure beyond its limit.
+
+A cause is stated as a fact only if the records rule its rivals out; else all of them are listed, or
+the cause is said to be unknown.
+"""
 
 import math
-from typing import Callable, Dict, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, NamedTuple, Optional, Tuple
 
+from pid_control.judging.evidence import Evidence, faultless_figures
 from pid_control.judging.record import (
     ENDED,
     NOT_CONNECTED,
@@ -14,6 +19,8 @@ from pid_control.judging.record import (
 
 #: Figures by scenario and metric.
 Figures = Dict[Tuple[str, str], Optional[float]]
+#: Returns True if a figure breaks its limit: scenario, metric, figure.
+IsBroken = Callable[[str, str, Optional[float]], bool]
 
 #: Messages during a pause of the clock that are more than any loop with a rate sends.
 _FLOOD = 200
@@ -30,83 +37,44 @@ class Cause(NamedTuple):
     sentence: str
 
 
-class _Rule(NamedTuple):
-    """A cause, and the condition under which it is likely.
+#: Flaws, worst first: each may be the reason of those after it.
+FLAWS = (
+    "crash",
+    "not connected",
+    "silent",
+    "endless output",
+    "machine clock",
+    "flood",
+    "restless",
+    "too slow",
+    "too seldom",
+    "no answer",
+    "stale",
+    "deaf",
+    "sign",
+    "units",
+    "no clamp",
+    "nan",
+    "windup",
+    "windup or delay",
+    "interval",
+    "derivative kick",
+    "no integral",
+    "chatter",
+    "gains",
+    "unexplained",
+)
 
-    :ivar cause: the cause
-    :ivar metrics: metrics that it can affect
-    :ivar holds: returns True if all figures agree with the cause
-    :ivar scenarios: scenarios in which it can appear; empty for all
-    """
-
-    cause: Cause
-    metrics: Sequence[str]
-    holds: Callable[[Figures], bool]
-    scenarios: Sequence[str] = ()
-
-
-def _figure(figures: Figures, scenario: str, metric: str, default: float) -> float:
-    value = figures.get((scenario, metric))
-    return default if value is None else value
-
-
-def _is_deaf_to(metric: str) -> Callable[[Figures], bool]:
-    return lambda figures: abs(_figure(figures, "held", metric, 1.0)) < 1e-6
-
-
-def _has_wrong_sign(figures: Figures) -> bool:
-    return _figure(figures, "held", "output_response", 1.0) < 0.0
-
-
-def _computes_on(figures: Figures) -> bool:
-    return _figure(figures, "held", "standstill_rest", 1.0) < 0.5
-
-
-def _floods(figures: Figures) -> bool:
-    answers = _figure(figures, "held", "standstill_answers", 0.0)
-    return _computes_on(figures) and answers > _FLOOD
-
-
-def _runs_on(figures: Figures) -> bool:
-    return _figure(figures, "held", "standstill_answers", 0.0) > 1.0
-
-
-def _counts_on(figures: Figures) -> bool:
-    return _figure(figures, "held", "standstill_jump", 0.0) > 0.05
-
-
-def _has_no_integral(figures: Figures) -> bool:
-    # Only with an integral can its growth at two rates be compared.
-    return ("rate", "interval_error") in figures and figures["rate", "interval_error"] is None
-
-
-def _winds_up(figures: Figures) -> bool:
-    return _figure(figures, "windup", "leave_time", 0.0) > 0.1
-
-
-def _is_late(figures: Figures) -> bool:
-    late = (_figure(figures, scenario, "late", 0.0) for scenario in ("held", "steps"))
-    return max(late) > 0.05
-
-
-def _has_wrong_interval(figures: Figures) -> bool:
-    return _figure(figures, "rate", "interval_error", 0.0) > 0.1
-
-
-def _keeps_nan(figures: Figures) -> bool:
-    is_well_otherwise = math.isfinite(_figure(figures, "steps", "settling_time", 0.0))
-    never_recovers = math.isinf(_figure(figures, "nan", "recovery_time", 0.0))
-    return _figure(figures, "nan", "not_finite", 0.0) > 0.0 or (
-        never_recovers and is_well_otherwise
-    )
-
-
-def _always(_figures: Figures) -> bool:
-    return True
-
-
-_STATIONARY = ("rise_time", "settling_time", "steady_error", "recovery_time", "tracking_error")
-_SLOW = (*_STATIONARY, "absolute_error")
+_SLOW = (
+    "rise_time",
+    "settling_time",
+    "steady_error",
+    "recovery_time",
+    "tracking_error",
+    "absolute_error",
+)
+#: Metrics of a loop that is closed.
+_CLOSED_LOOP = (*_SLOW, "overshoot", "effort", "chatter", "leave_time")
 _HELD = (
     "standstill_answers",
     "standstill_rest",
@@ -117,6 +85,8 @@ _HELD = (
     "processor",
     "late",
 )
+_RESPONSES = ("set_point_response", "output_response")
+
 _MACHINE_CLOCK = Cause(
     "machine clock",
     "it goes by the machine's clock (time.time(), time.sleep()), not by ROS's"
@@ -124,113 +94,212 @@ _MACHINE_CLOCK = Cause(
 )
 _FLOOD_CAUSE = Cause("flood", "it sends without a pause: a loop without rospy.Rate")
 _RESTLESS_CAUSE = Cause("restless", "it computes without a pause: a loop without rospy.Rate")
-#: The first rule that agrees with all figures gives the likely cause.
-_RULES = (
-    _Rule(_FLOOD_CAUSE, _HELD, _floods),
-    _Rule(_RESTLESS_CAUSE, _HELD, _computes_on),
-    _Rule(_MACHINE_CLOCK, _HELD, _runs_on),
-    _Rule(
-        Cause("too seldom", "it answers too seldom: its loop is far below 100 Hz"),
-        (*_HELD, *_SLOW, "interval_error", "overshoot", "chatter"),
-        _is_late,
+_SELDOM = Cause("too seldom", "it answers too seldom: its loop is far below 100 Hz")
+_IGNORES = {
+    "motor_output": Cause(
+        "stale", "the input does not depend on motor_output: its callback's value is lost"
     ),
-    _Rule(_MACHINE_CLOCK, _HELD, _counts_on),
-    _Rule(
-        Cause("stale", "the input does not depend on motor_output: its callback's value is lost"),
-        ("output_response", "set_point_response"),
-        _is_deaf_to("output_response"),
+    "set_point": Cause(
+        "deaf", "the input does not depend on set_point: its callback's value is not used"
     ),
-    _Rule(
-        Cause("deaf", "the input does not depend on set_point: its callback's value is not used"),
-        ("set_point_response",),
-        _is_deaf_to("set_point_response"),
-    ),
-    _Rule(
-        Cause("sign", "the sign is wrong: the error is the set point less the output"),
-        ("output_response", "set_point_response"),
-        _has_wrong_sign,
-    ),
-    _Rule(
-        Cause("too slow", "a turn of its loop takes longer than its period"),
-        ("processor",),
-        _always,
-    ),
-    _Rule(
-        Cause("nan", "what is not a number stays in its state: leave such messages out"),
-        ("not_finite", "recovery_time"),
-        _keeps_nan,
-        ("nan",),
-    ),
-    _Rule(
-        Cause("no clamp", "the input is not limited: keep it within -1 and 1"),
-        ("peak_input",),
-        _always,
-    ),
-    _Rule(
-        Cause(
-            "windup",
-            "the integral goes on growing while the output is limited; stop it there",
-        ),
-        ("leave_time", "recovery_time"),
-        _winds_up,
-        ("windup", "missing", "early"),
-    ),
-    _Rule(
-        Cause(
-            "interval",
-            "the integral does not go by the time that passes: dt is a constant, not measured",
-        ),
-        ("interval_error",),
-        _always,
-    ),
-    _Rule(
-        Cause(
-            "derivative kick",
-            "the derivative is that of the error, which a step of the set point makes leap:"
-            " take that of the output",
-        ),
-        ("kick",),
-        _always,
-    ),
-    _Rule(
-        Cause("no integral", "P alone leaves an error, as without one the input is 0: add I"),
-        _SLOW,
-        _has_no_integral,
-    ),
-    _Rule(
-        Cause("interval", "the integral is as slow as its constant dt is wrong"),
-        _SLOW,
-        _has_wrong_interval,
-    ),
-    _Rule(
-        Cause("chatter", "the input trembles: the gains are too large, or D is not filtered"),
-        ("chatter",),
-        _always,
-    ),
-    _Rule(
-        Cause("gains", "it swings: ki is too large for kp, or both are too large"),
-        ("overshoot",),
-        _always,
-    ),
-    _Rule(Cause("gains", "it is slow, or swings for long: tune kp and ki"), _SLOW, _always),
-    _Rule(
-        Cause("gains", "the input is larger than it need be: tune kp and ki"), ("effort",), _always
-    ),
+}
+_NO_ANSWER = Cause(
+    "no answer",
+    "the input is always the same, whatever comes: one of: its gains are 0 (are its parameters"
+    " loaded, by its launch file?), or the values of its callbacks are lost",
 )
+_SIGN = Cause("sign", "the sign is wrong: the error is the set point less the output")
+_NO_INTEGRAL = Cause("no integral", "P alone leaves an error, as without one the input is 0: add I")
+_WINDUP = Cause("windup", "the integral goes on growing while the output is limited; stop it there")
+_INTERVAL = "the integral does not go by the time that passes: dt is a constant, not measured"
 
 
-def cause_of(scenario: str, metric: str, figures: Figures) -> Cause:
-    """Return the most likely cause of a figure beyond its limit.
+def cause_of(
+    scenario: str,
+    metric: str,
+    figures: Figures,
+    evidence: Evidence = Evidence(),
+    is_broken: IsBroken = lambda scenario, metric, figure: True,
+) -> Cause:
+    """Return the cause of a figure beyond its limit.
 
     :param scenario: name of the scenario
     :param metric: name of the metric
     :param figures: all figures of the controller
+    :param evidence: what the records show of its law
+    :param is_broken: returns True if another figure would break that limit, too
     """
-    for rule in _RULES:
-        is_possible = metric in rule.metrics and scenario in (rule.scenarios or [scenario])
-        if is_possible and rule.holds(figures):
-            return rule.cause
-    return Cause("other", "no cause is known for this")
+    clock = _clock_cause(metric, figures)
+    if clock is not None:
+        return clock
+    if metric == "processor":
+        return Cause("too slow", "a turn of its loop takes longer than its period")
+    if metric == "late":
+        return _SELDOM
+    return (
+        _law_cause(metric, figures, evidence)
+        or _limit_cause(scenario, metric, figures, evidence)
+        or _integral_cause(metric, figures, evidence)
+        or _loop_cause(scenario, metric, figures, evidence, is_broken)
+    )
+
+
+def _figure(figures: Figures, scenario: str, metric: str, default: float) -> float:
+    value = figures.get((scenario, metric))
+    return default if value is None else value
+
+
+def _clock_cause(metric: str, figures: Figures) -> Optional[Cause]:
+    if metric not in _HELD:
+        return None
+    answers = _figure(figures, "held", "standstill_answers", 0.0)
+    if _figure(figures, "held", "standstill_rest", 1.0) < 0.5:
+        return _FLOOD_CAUSE if answers > _FLOOD else _RESTLESS_CAUSE
+    has_moved = _figure(figures, "rate", "standstill_jump", 0.0) > 0.05
+    is_of_clock = metric in ("standstill_answers", "standstill_jump", "late")
+    if answers > 1.0 or (has_moved and is_of_clock):
+        return _MACHINE_CLOCK
+    return None
+
+
+def _law_cause(metric: str, figures: Figures, evidence: Evidence) -> Optional[Cause]:
+    """Return a fault of the law itself, of which everything in the loop follows."""
+    if metric not in (*_RESPONSES, *_CLOSED_LOOP):
+        return None
+    if len(evidence.ignores) > 1:
+        return _NO_ANSWER
+    if evidence.ignores:
+        return _IGNORES[evidence.ignores[0]]
+    if len(evidence.wrong_signs) > 1:
+        return _SIGN
+    if evidence.wrong_signs:
+        topic = evidence.wrong_signs[0]
+        return Cause("sign", f"the sign of {topic} is wrong: the error is set point less output")
+    if evidence.wrong_above is not None:
+        side = "above" if evidence.wrong_above else "below"
+        return Cause("sign", f"the sign is wrong for an error {side} 0 only")
+    if metric in _RESPONSES:
+        return Cause("unexplained", "the input hardly answers an error")
+    if _is_late(figures) and metric != "leave_time":
+        return _SELDOM
+    return None
+
+
+def _is_late(figures: Figures) -> bool:
+    late = (_figure(figures, scenario, "late", 0.0) for scenario in ("held", "steps"))
+    return max(late) > 0.05
+
+
+def _limit_cause(
+    scenario: str, metric: str, figures: Figures, evidence: Evidence
+) -> Optional[Cause]:
+    """Return a fault at the limits, or of what is no number."""
+    limit = evidence.own_limit
+    if evidence.is_in_other_units and metric in ("peak_input", "kick", *_CLOSED_LOOP):
+        if not (metric == "leave_time" and evidence.winds_up):
+            return Cause(
+                "units",
+                f"a correct law in other units: its input is limited to ±{limit:.6g}, the motor's"
+                f" to ±1; divide it by {limit:.6g}",
+            )
+    if metric == "peak_input" and limit is not None:
+        return Cause(
+            "no clamp",
+            f"the input is limited to ±{limit:.6g}, not to ±1: one of: a limit that is too wide,"
+            f" or other units (divide it by {limit:.6g})",
+        )
+    if metric == "peak_input":
+        side = f" {evidence.beyond[0]}" if len(evidence.beyond) == 1 else ""
+        return Cause("no clamp", f"the input is not limited{side}: keep it within -1 and 1")
+    if scenario == "nan" and metric in ("not_finite", "recovery_time") and _keeps_nan(figures):
+        what = "what is not a number stays in its state: leave such messages out"
+        return Cause("nan", what)
+    if metric == "leave_time" or (scenario == "windup" and metric == "recovery_time"):
+        if _figure(figures, "windup", "leave_time", 0.0) > 0.1:
+            return _WINDUP if evidence.winds_up else _windup_or_delay()
+    return None
+
+
+def _windup_or_delay() -> Cause:
+    return Cause(
+        "windup or delay",
+        "the input leaves its limit late: one of: the integral grows while the output is limited,"
+        " or the answer is delayed",
+    )
+
+
+def _keeps_nan(figures: Figures) -> bool:
+    is_well_otherwise = math.isfinite(_figure(figures, "steps", "settling_time", 0.0))
+    never_recovers = math.isinf(_figure(figures, "nan", "recovery_time", 0.0))
+    return _figure(figures, "nan", "not_finite", 0.0) > 0.0 or (
+        never_recovers and is_well_otherwise
+    )
+
+
+def _integral_cause(metric: str, figures: Figures, evidence: Evidence) -> Optional[Cause]:
+    """Return a fault of the integral or the derivative."""
+    if metric == "interval_error" and evidence.grows_per_turn:
+        return Cause("interval", _INTERVAL)
+    if metric == "interval_error":
+        return Cause(
+            "interval",
+            "the integral grows otherwise where the loop is slow: one of: dt is a constant, or is"
+            " limited",
+        )
+    if metric == "kick":
+        return Cause(
+            "derivative kick",
+            "the derivative is that of the error, which a step of the set point makes leap:"
+            " take that of the output",
+        )
+    if metric in _SLOW and evidence.lacks_integral:
+        return _NO_INTEGRAL
+    return None
+
+
+def _loop_cause(
+    scenario: str,
+    metric: str,
+    figures: Figures,
+    evidence: Evidence,
+    is_broken: IsBroken,
+) -> Cause:
+    """Return whether the gains explain a figure: whether a faultless law with them has it too."""
+    flaw, what = "gains", _SYMPTOMS.get(metric, "it is slow, or swings for long")
+    if metric == "chatter":
+        flaw = "chatter"
+    if not evidence.was_probed:
+        rival = "a fault that the scenario held would show"
+        return Cause(flaw, f"{what}: one of: kp and ki that do not suit, or {rival}")
+    law = evidence.law
+    if law is None and evidence.has_derivative:
+        rivals = "kp, ki or kd that do not suit, or a derivative that is not filtered"
+        return Cause(flaw, f"{what}: one of: {rivals}")
+    if law is None:
+        return Cause(
+            "unexplained",
+            f"{what}: the cause cannot be told, as its answers to small errors are not those of P"
+            " or PI: one of: it switches, is rounded, delayed or limited, or its integral leaks",
+        )
+    if is_broken(scenario, metric, faultless_figures(law, scenario).get(metric)):
+        if metric in _SLOW and evidence.grows_per_turn:
+            return Cause("interval", "the integral is as slow as its constant dt is wrong")
+        gains = f"kp {law.gain:.3g} and ki {law.growth:.3g}/s"
+        return Cause(flaw, f"{what}: {gains} do not suit: tune them")
+    if scenario in ("missing", "early", "windup") and evidence.winds_up:
+        return _WINDUP
+    return Cause(
+        "unexplained",
+        f"{what}, which its kp {law.gain:.3g} and ki {law.growth:.3g}/s do not explain: one of: the"
+        " integral leaks, is reset or limited too low, or the law differs for large errors",
+    )
+
+
+_SYMPTOMS = {
+    "overshoot": "it swings",
+    "chatter": "the input trembles",
+    "effort": "the input is larger than it need be",
+}
 
 
 def cause_of_failure(record: Record) -> Cause:
@@ -252,7 +321,7 @@ def cause_of_failure(record: Record) -> Cause:
         return Cause("silent", f"the controller sends nothing on motor_input{words}")
     assert record.failure == NOT_CONNECTED, record.failure
     missing = " and ".join(name for name in record.missing if name != "motor_input")
+    hint = f"; {record.hint}" if record.hint else ""
     if "motor_input" in record.missing:
-        hint = f"; {record.hint}" if record.hint else ""
         return Cause("silent", f"the controller does not publish motor_input{hint}{words}")
-    return Cause("not connected", f"the controller does not subscribe to {missing}{words}")
+    return Cause("not connected", f"the controller does not subscribe to {missing}{hint}{words}")

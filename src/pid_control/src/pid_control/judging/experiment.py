@@ -60,6 +60,11 @@ class Experiment:
         self._input = 0.0
         self.rows: List[Row] = []
 
+    @property
+    def has_motor(self) -> bool:
+        """True if the motor is there before the scenario begins."""
+        return self._scenario.silence[0] > 0.0
+
     def begin_at(self, clock: float) -> None:
         """Begin the scenario.
 
@@ -67,12 +72,19 @@ class Experiment:
         """
         self._zero = clock
 
+    def time_at(self, clock: float) -> float:
+        """Return the time in the scenario, without the rounding errors of the clock's sum [s].
+
+        :param clock: time of the clock [s]
+        """
+        return round(clock - self._zero, 9)
+
     def send(self, clock: float) -> Outgoing:
         """Return the messages that are due.
 
         :param clock: time of the clock, never decreasing [s]
         """
-        scenario, time = self._scenario, clock - self._zero
+        scenario, time = self._scenario, self.time_at(clock)
         wanted = value_at(scenario.set_point, time)
         speed = self._record(time, wanted)
         set_point: Optional[float] = None
@@ -94,7 +106,8 @@ class Experiment:
 
     def step_after(self, clock: float) -> float:
         """Return the time until the next step [s]."""
-        is_slow = clock - self._zero >= self._scenario.slow_from - _EDGE_S
+        begin, end = self._scenario.slow
+        is_slow = begin - _EDGE_S <= clock - self._zero < end - _EDGE_S
         return SLOW_STEP_S if is_slow else STEP_S
 
     def answer(self, clock: float, value: float) -> None:

@@ -3,25 +3,17 @@
 import math
 from typing import Dict, List, NamedTuple, Optional, Sequence
 
-from pid_control.judging.diagnosis import Cause, Figures, cause_of, cause_of_failure
+from pid_control.judging.diagnosis import FLAWS, Cause, Figures, cause_of, cause_of_failure
+from pid_control.judging.evidence import evidence_of
 from pid_control.judging.limits import Limits
 from pid_control.judging.metrics import METRICS, SCENARIO_METRICS, metrics_of
-from pid_control.judging.record import Record
+from pid_control.judging.record import ENDED, Record
 
 PASSED, FAILED, NOT_JUDGED = "passed", "failed", "not judged"
 #: Exit status of each verdict.
 STATUS = {PASSED: 0, FAILED: 1, NOT_JUDGED: 125}
-#: Flaws that stop the judgement: later failures would follow from them, or take too long.
-_FATAL = (
-    "flood",
-    "restless",
-    "machine clock",
-    "too seldom",
-    "stale",
-    "deaf",
-    "sign",
-    "too slow",
-)
+#: Flaws that stop the judgement: the other scenarios would take too long, or say nothing.
+_FATAL = ("flood", "restless", "machine clock", "endless output", "silent", "not connected")
 #: Inputs are float32.
 _ROUNDING = 1e-6
 
@@ -61,7 +53,7 @@ class Judgement(NamedTuple):
 
     :ivar verdict: PASSED, FAILED or NOT_JUDGED
     :ivar findings: all figures
-    :ivar failures: the failures, in the order of the scenarios
+    :ivar failures: the failures, the worst flaws first
     :ivar reason: why the controller was not judged, for NOT_JUDGED
     :ivar left_out: names of the scenarios that the plant does not support
     """
@@ -94,8 +86,13 @@ def judge(records: Sequence[Record], limits: Limits, reason: str = "") -> Judgem
         if not record.failure:
             for metric, value in metrics_of(record).items():
                 figures[record.scenario.name, metric] = value
+    evidence = evidence_of(records)
     findings: List[Finding] = []
     failures: List[Failure] = []
+
+    def is_broken(scenario: str, metric: str, figure: Optional[float]) -> bool:
+        return not _found(scenario, metric, figure, limits).passed
+
     for record in records:
         name = record.scenario.name
         if record.failure:
@@ -105,7 +102,9 @@ def judge(records: Sequence[Record], limits: Limits, reason: str = "") -> Judgem
             finding = _found(name, metric, figures[name, metric], limits)
             findings.append(finding)
             if not finding.passed:
-                failures.append(Failure(name, text_of(finding), cause_of(name, metric, figures)))
+                cause = cause_of(name, metric, figures, evidence, is_broken)
+                failures.append(Failure(name, text_of(finding), cause))
+    failures.sort(key=lambda failure: FLAWS.index(failure.cause.flaw))
     if any(failure.cause.flaw == "machine clock" for failure in failures):
         clock = next(one for one in failures if one.cause.flaw == "machine clock")
         return Judgement(NOT_JUDGED, findings, failures, clock.cause.sentence)
@@ -122,7 +121,9 @@ def is_fatal(record: Record, limits: Limits) -> bool:
     :param record: record of the latest scenario
     :param limits: limits of the figures
     """
-    return bool(record.failure) or any(flaw in _FATAL for flaw in judge([record], limits).flaws())
+    if record.failure == ENDED:
+        return not record.answers  # the next scenario may not end it
+    return any(flaw in _FATAL for flaw in judge([record], limits).flaws())
 
 
 def _found(scenario: str, metric: str, value: Optional[float], limits: Limits) -> Finding:

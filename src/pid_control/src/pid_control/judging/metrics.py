@@ -4,27 +4,30 @@ import math
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from pid_control.judging.line_fit import Line, fit_line
+from pid_control.judging.probes import best_fit, is_constant
 from pid_control.judging.record import Record, Row
-from pid_control.judging.scenarios import (
-    ASKED_AT,
-    BACK_AT,
-    FASTER_AT,
-    LITTLE,
-    SLOW_AT,
-    SLOW_STEP_S,
-    STANDSTILL_AT,
-)
+from pid_control.judging.scenarios import RATE_PARTS, SLOW_STEP_S, STAYS
 
-#: Magnitude from which the input counts as limited: the course's limit is 1.
+#: Share of a limit from which the input counts as limited.
 _LIMITED = 0.99
+#: The input at which the motor reaches its greatest speed.
+_FULL = 1.0
 #: Settling band around a set point: share of the step, and its least width [rad/s].
 _BAND, _LEAST_BAND = 0.05, 0.1
 #: Duration of the end of a step, where the speed should be steady [s].
 _END_S = 0.2
 #: Longest interval of answers that are not late [s]: the loop's rate is 100 Hz.
 _LATE_S = 0.025
+#: Time after a step of the error, or a pause of the clock, in which the growth is not measured [s].
+_AFTER_STEP_S, _AFTER_PAUSE_S = 0.04, 0.06
 #: Growth rate of the input below which there is no integral [1/s].
-_NO_GROWTH = 1e-3
+_NO_GROWTH = 1e-4
+#: Share of the input's variance that a steady growth has to explain.
+_STEADY = 0.98
+#: Relative difference of growths, or of times, that are equal.
+_EQUAL = 0.2
+#: Shortest way that counts as a step of the speed, for an overshoot [share of the step].
+_MOVED = 0.02
 #: Time after a NaN message in which answers may be NaN [s].
 _NAN_S = 0.1
 
@@ -77,8 +80,11 @@ def _rise(rows: List[Row], height: float) -> Optional[float]:
     return moments[1] - moments[0] if moments[1] < math.inf else math.inf
 
 
-def _overshoot(rows: List[Row], height: float) -> float:
-    """Return the overshoot [% of the step]."""
+def _overshoot(rows: List[Row], height: float) -> Optional[float]:
+    """Return the overshoot [% of the step]; None if the motor did not move."""
+    speeds = [row.speed for row in rows]
+    if max(speeds) - min(speeds) < _MOVED * abs(height):
+        return None
     beyond = max((row.speed - row.set_point) / height for row in rows)
     return max(100.0 * beyond, 0.0)
 
@@ -148,21 +154,37 @@ def _processor(record: Record) -> float:
     return record.busy / record.scenario.duration
 
 
+def leave_times(record: Record) -> List[float]:
+    """Return the time from each reachable set point until the input leaves its limit [s].
+
+    The limit is the input at the end of the stay out of reach, and at most the motor's own.
+    """
+    found = []
+    for _, end, sign in STAYS:
+        rows = record.between(end, _next_step(record, end))
+        limit = min(sign * rows[0].input, _FULL)
+        left = (row.time for row in rows if sign * row.input < _LIMITED * limit)
+        found.append(0.0 if limit <= 0.0 else next(left, math.inf) - end)
+    return found
+
+
 def _leave(record: Record) -> float:
-    """Return the time from the reachable set point until the input leaves its limit [s]."""
-    rows = record.between(BACK_AT, math.inf)
-    left = (row.time for row in rows if abs(row.input) < _LIMITED)
-    return next(left, math.inf) - BACK_AT
+    return max(leave_times(record))
 
 
 def _recovery(record: Record) -> Optional[float]:
     """Return the longest time from an event until the speed stays in the settling band [s]."""
-    events = [*record.scenario.events, record.scenario.duration]
-    spans = [record.between(one, other) for one, other in zip(events, events[1:])]
-    found = [
-        _settled_after(rows, max(_BAND * abs(rows[0].set_point), _LEAST_BAND)) for rows in spans
-    ]
+    events = record.scenario.events
+    found = []
+    for begin, end in zip(events, [*events[1:], math.inf]):
+        rows = record.between(begin, min(end, _next_step(record, begin)))
+        found.append(_settled_after(rows, max(_BAND * abs(rows[0].set_point), _LEAST_BAND)))
     return max(found) if found else None
+
+
+def _next_step(record: Record, begin: float) -> float:
+    """Return the time of the next step of the set point [s]."""
+    return next((start for start, _, _ in _windows(record) if start > begin), math.inf)
 
 
 def _not_finite(record: Record) -> float:
@@ -176,71 +198,113 @@ def _not_finite(record: Record) -> float:
     return float(len(wrong) - len(excused))
 
 
-def _mean_input(record: Record, begin: float, end: float) -> float:
-    values = [row.input for row in record.between(begin, end)]
-    return sum(values) / len(values)
+def _set_point_response(record: Record) -> Optional[float]:
+    return _response(record, is_output=False)
 
 
-def _ramp(record: Record, begin: float, end: float) -> Optional[Line]:
-    """Fit a line to the input while it is not limited."""
-    points = [
-        (row.time, row.input) for row in record.between(begin, end) if abs(row.input) < _LIMITED
-    ]
-    return fit_line(points)
+def _output_response(record: Record) -> Optional[float]:
+    return _response(record, is_output=True)
 
 
-def _set_point_response(record: Record) -> float:
-    """Return the input's response to the set point [1/(rad/s)]."""
-    after = _mean_input(record, ASKED_AT + 0.1, STANDSTILL_AT)
-    return (after - _mean_input(record, 0.5 * ASKED_AT, ASKED_AT)) / LITTLE
+def _response(record: Record, is_output: bool) -> Optional[float]:
+    """Return the smaller answer of both signs, 0 without any [1/(rad/s)].
+
+    None if no probe has an answer that a linear law explains, as of an input in steps, or of one
+    that is always at its limit.
+    """
+    if is_constant(record.answers, is_output):
+        # At a limit, even a controller that depends on the error gives the same answer.
+        return None if _is_always_limited(record) else 0.0
+    fit = best_fit(record.answers, is_output)
+    return None if fit is None else min(fit.response())
 
 
-def _output_response(record: Record) -> float:
-    """Return the input's response to the motor [1/(rad/s)]; positive against the motor."""
-    # The response to the set point continues meanwhile: an integral grows further.
-    line = _ramp(record, ASKED_AT + 0.15, STANDSTILL_AT)
-    last = record.rows[-1]
-    expected = min(line.at(last.time), 1.0) if line else last.input
-    if line is None:
-        expected = _mean_input(record, ASKED_AT + 0.15, STANDSTILL_AT)
-    return (expected - last.input) / (2.0 * LITTLE)
+def _is_always_limited(record: Record) -> bool:
+    values = [abs(value) for _, value in record.answers]
+    return bool(values) and min(values) >= _LIMITED
 
 
 def _kick(record: Record) -> Optional[float]:
-    """Return the peak of the input at a step above the line that follows [1/(rad/s)]."""
-    line = _ramp(record, ASKED_AT + 0.15, STANDSTILL_AT)
-    if line is None:
-        return None
-    rows = record.between(ASKED_AT, ASKED_AT + 0.1)
-    return max(max((row.input - line.at(row.time)) / LITTLE for row in rows), 0.0)
+    """Return the peak of the input at a step beyond what follows [1/(rad/s)]."""
+    fit = best_fit(record.answers, is_output=False)
+    return None if fit is None else fit.leap
 
 
 def _standstill_answers(record: Record) -> Optional[float]:
-    return None if record.standstill_rest is None else float(record.standstill_answers)
+    return float(record.pauses[-1].answers) if record.pauses else None
 
 
 def _standstill_rest(record: Record) -> Optional[float]:
-    return record.standstill_rest
+    return record.pauses[-1].rest if record.pauses else None
+
+
+def _line(record: Record, begin: float, end: float) -> Optional[Line]:
+    """Fit a line to the answers; None if they do not grow steadily, as at a limit."""
+    points = _points(record, begin, end)
+    line = fit_line(points)
+    if line is None:
+        return None
+    mean = sum(value for _, value in points) / len(points)
+    total = sum((value - mean) ** 2 for _, value in points)
+    rest = sum((value - line.at(time)) ** 2 for time, value in points)
+    return line if total > 0.0 and rest <= (1.0 - _STEADY) * total else None
 
 
 def _standstill_jump(record: Record) -> Optional[float]:
-    """Return the time by which the integral grew while the clock was paused [s]."""
-    line = _ramp(record, ASKED_AT + 0.15, STANDSTILL_AT)
-    has_stood = record.standstill_rest is not None
-    if not has_stood or line is None or abs(line.slope) < _NO_GROWTH:
+    """Return the time by which the integral grew while the clock was paused [s].
+
+    None if it did not grow in proportion to the pauses: then it does not follow their clock.
+    """
+    leaps, slopes = [], []
+    for pause, (begin, _, sign) in zip(record.pauses, RATE_PARTS):
+        points = _points(record, begin + _AFTER_STEP_S, pause.time)
+        line = fit_line(points)
+        after = _points(record, pause.time + 0.02, pause.time + _AFTER_PAUSE_S)
+        if line is None or not after or line.slope == 0.0:
+            return None
+        leaps.append(sign * sum(value - line.at(time) for time, value in after) / len(after))
+        slopes.append(sign * line.slope)
+    if len(leaps) < 2 or abs(slopes[0]) < _NO_GROWTH:
         return None
-    rows = record.between(STANDSTILL_AT + 0.03, FASTER_AT)
-    before = rows[0].time, rows[0].input
-    return abs((before[1] - line.at(before[0])) / line.slope)
+    jumps = [leap / slope for leap, slope in zip(leaps, slopes)]
+    if max(map(abs, jumps)) < _AFTER_STEP_S:
+        return max(map(abs, jumps))
+    ratio = record.pauses[1].length / record.pauses[0].length
+    return min(jumps) if abs(leaps[1] - ratio * leaps[0]) < _EQUAL * abs(leaps[1]) else None
+
+
+def _points(record: Record, begin: float, end: float) -> List[Tuple[float, float]]:
+    return [
+        (time, value)
+        for time, value in record.answers
+        if begin <= time < end and math.isfinite(value)
+    ]
+
+
+def growths(record: Record) -> Optional[Tuple[float, float]]:
+    """Return the integral's growth in the quick and in the slow loop [1/s].
+
+    None if it cannot be told: the input does not grow steadily, or the loop that is quick again
+    differs from the quick one.
+    """
+    found = []
+    for begin, end, sign in RATE_PARTS:
+        is_slow = record.scenario.slow[0] <= begin < record.scenario.slow[1]
+        after = 2.0 * SLOW_STEP_S if is_slow else _AFTER_STEP_S
+        pause = min((one for one in record.scenario.pauses if begin < one < end), default=end)
+        line = _line(record, begin + after, pause)
+        if line is None:
+            return None
+        found.append(line.slope * sign)
+    quick, slow, again = (0.5 * (found[i] + found[i + 1]) for i in (0, 2, 4))
+    is_same = abs(again - quick) <= _EQUAL * abs(quick)
+    return (quick, slow) if is_same and quick != 0.0 else None
 
 
 def _interval_error(record: Record) -> Optional[float]:
     """Return the relative change of the integral's growth at another loop rate."""
-    quick = _ramp(record, 0.2, SLOW_AT)
-    slow = _ramp(record, SLOW_AT + 2.0 * SLOW_STEP_S, math.inf)
-    if quick is None or slow is None or abs(quick.slope) < _NO_GROWTH:
-        return None
-    return abs(slow.slope / quick.slope - 1.0)
+    found = growths(record)
+    return None if found is None else abs(found[1] / found[0] - 1.0)
 
 
 METRICS: Dict[str, Metric] = {
@@ -270,12 +334,12 @@ METRICS: Dict[str, Metric] = {
 }
 
 _HELD = ("set_point_response", "output_response", "kick")
-_STANDSTILL = ("standstill_answers", "standstill_rest", "standstill_jump")
+_STANDSTILL = ("standstill_answers", "standstill_rest")
 _STEPS = ("rise_time", "overshoot", "settling_time", "steady_error")
 #: Metrics of each scenario.
 SCENARIO_METRICS: Dict[str, Tuple[str, ...]] = {
     "held": (*_HELD, *_STANDSTILL, "late", "processor"),
-    "rate": ("interval_error",),
+    "rate": ("standstill_jump", "interval_error"),
     "steps": (*_STEPS, "absolute_error", "effort", "peak_input", "chatter", "late", "processor"),
     "ramp": ("tracking_error", "peak_input"),
     "sine": ("tracking_error", "peak_input"),

@@ -1,6 +1,6 @@
 """Record of a scenario."""
 
-from typing import List, NamedTuple, Optional, Sequence, Tuple
+from typing import List, NamedTuple, Sequence, Tuple
 
 from pid_control.judging.scenarios import Scenario
 
@@ -28,6 +28,21 @@ class Row(NamedTuple):
     input: float
 
 
+class Pause(NamedTuple):
+    """Pause of the clock.
+
+    :ivar time: time in the scenario [s]
+    :ivar length: duration by the machine's clock [s]
+    :ivar rest: share of it in which the controller was idle
+    :ivar answers: number of answers in its second half; late ones come in the first
+    """
+
+    time: float
+    length: float
+    rest: float
+    answers: int
+
+
 class Record(NamedTuple):
     """Record of a scenario.
 
@@ -39,8 +54,7 @@ class Record(NamedTuple):
     :ivar rows: state of the loop over time
     :ivar answers: time [s] and input of each message, finite or not
     :ivar busy: processor time of the controller [s]
-    :ivar standstill_answers: number of messages while the clock was paused
-    :ivar standstill_rest: share of the pause in which the controller was idle; None without a pause
+    :ivar pauses: pauses of the clock; none by the machine's clock
     """
 
     scenario: Scenario
@@ -51,8 +65,7 @@ class Record(NamedTuple):
     rows: Sequence[Row] = ()
     answers: Sequence[Tuple[float, float]] = ()
     busy: float = 0.0
-    standstill_answers: int = 0
-    standstill_rest: Optional[float] = None
+    pauses: Sequence[Pause] = ()
 
     @property
     def is_silent(self) -> bool:

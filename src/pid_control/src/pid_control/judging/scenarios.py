@@ -4,6 +4,7 @@ import math
 from typing import Dict, NamedTuple, Optional, Sequence, Tuple
 
 from first_order_sys_sim.first_order_plant import PlantSettings
+from pid_control.judging import probes
 from pid_control.plant.system_parameters import SystemParameters
 
 #: Corners of a piecewise linear signal, (time [s], value); two at the same time are a step.
@@ -33,8 +34,8 @@ class Scenario(NamedTuple):
     :ivar silence: begin and end of the time without outputs of the motor [s]
     :ivar restarts: True if the motor restarts, with time 0 and speed 0, after its silence
     :ivar not_a_number: times at which the next message is NaN [s], and its topic
-    :ivar slow_from: time from which clock and motor have the period SLOW_STEP_S [s]
-    :ivar standstill_at: time at which the clock is paused [s]
+    :ivar slow: begin and end of the time in which clock and motor have the period SLOW_STEP_S [s]
+    :ivar pauses: times at which the clock is paused [s], each for longer than the one before
     :ivar events: times from which the controller has to recover from a disturbance [s]
     """
 
@@ -49,8 +50,8 @@ class Scenario(NamedTuple):
     silence: Tuple[float, float] = (math.inf, math.inf)
     restarts: bool = False
     not_a_number: Sequence[Tuple[float, str]] = ()
-    slow_from: float = math.inf
-    standstill_at: float = math.inf
+    slow: Tuple[float, float] = (math.inf, math.inf)
+    pauses: Sequence[float] = ()
     events: Sequence[float] = ()
 
     @property
@@ -108,32 +109,73 @@ def sine(offset: float, amplitude: float, period: float, begin: float, end: floa
     return ((0.0, 0.0), (begin, 0.0), *wave)
 
 
-#: Speed of the held motor, and increase of the set point [rad/s]: the error is known, and too small
-#: to drive the input to its limit soon.
-HELD, LITTLE = 5.0, 0.1
-#: Start of the parts of ``held`` [s]: higher set point; paused clock; faster motor.
-ASKED_AT, STANDSTILL_AT, FASTER_AT = 0.2, 0.6, 0.8
-#: Time at which the loop becomes slow in ``rate`` [s].
-SLOW_AT = 0.5
-#: Time at which the set point becomes reachable in ``windup`` [s].
-BACK_AT = 1.5
+#: Error that ``rate`` asks for by default [rad/s]; see :func:`scaled`.
+LITTLE = 0.1
+#: Parts of ``rate`` in which the error is constant: begin, end [s], and its sign. The clock pauses
+#: in the first two, and is slow in the next two.
+RATE_PARTS = (
+    (0.1, 0.5, 1.0),
+    (0.5, 0.9, -1.0),
+    (0.9, 1.6, 1.0),
+    (1.6, 2.3, -1.0),
+    (2.3, 2.6, 1.0),
+    (2.6, 2.9, -1.0),
+)
+PAUSES = (0.3, 0.7)
+#: Stays out of reach in ``windup``: begin, end [s], and sign; and the end of the way back [s].
+STAYS = ((0.2, 1.5, 1.0), (3.0, 3.6, 1.0), (4.8, 6.1, -1.0), (7.6, 8.2, -1.0))
+_OUT_OF_REACH, _IN_REACH = 20.0, 5.0
+#: Share of the greatest input that ``rate`` asks for.
+_SHARE = 0.3
+#: Limits of the error that ``rate`` asks for [rad/s].
+_LEAST, _LARGEST = 5e-4, 2.0
+
+
+def _rate(error: float) -> Corners:
+    """Return the set point of ``rate``."""
+    return steps(*((begin, sign * error) for begin, _, sign in RATE_PARTS))
+
+
+def _windup() -> Corners:
+    """Return the set point of ``windup``."""
+    corners = []
+    for begin, end, sign in STAYS:
+        corners += [(begin, sign * _OUT_OF_REACH), (end, sign * _IN_REACH)]
+    return steps(*corners)
+
+
+def scaled(scenario: Scenario, gain: float, growth: float) -> Scenario:
+    """Return a scenario whose error suits the controller: its input stays off its limits.
+
+    :param scenario: any scenario; only ``rate`` is changed
+    :param gain: the controller's proportional answer to an error [1/(rad/s)]
+    :param growth: its integral's answer [1/rad]
+    """
+    if scenario.name != "rate":
+        return scenario
+    longest = max(end - begin for begin, end, _ in RATE_PARTS)
+    answer = abs(gain) + longest * abs(growth)
+    error = min(max(_SHARE / answer, _LEAST), _LARGEST) if answer > 0.0 else LITTLE
+    return scenario._replace(set_point=_rate(error))
+
 
 SCENARIOS: Tuple[Scenario, ...] = (
     Scenario(
         "held",
-        "the motor is held at a speed, and a little more is asked for",
-        1.0,
-        ((0.0, HELD), (ASKED_AT, HELD), (ASKED_AT, HELD + LITTLE)),
-        held_speed=((0.0, HELD), (FASTER_AT, HELD), (FASTER_AT, HELD + 2.0 * LITTLE)),
-        standstill_at=STANDSTILL_AT,
+        "the motor is held; small and large errors of both signs",
+        probes.END_AT + 0.1,
+        probes.corners(1.0, False),
+        held_speed=probes.corners(-1.0, True),
+        pauses=(probes.END_AT,),
     ),
     Scenario(
         "rate",
-        "the motor is held, and the loop becomes slow",
-        1.5,
-        ((0.0, HELD), (0.1, HELD), (0.1, HELD + LITTLE)),
-        held_speed=((0.0, HELD),),
-        slow_from=SLOW_AT,
+        "the motor is held, the clock pauses, and the loop becomes slow",
+        RATE_PARTS[-1][1],
+        _rate(LITTLE),
+        held_speed=((0.0, 0.0),),
+        slow=(RATE_PARTS[2][0], RATE_PARTS[3][1]),
+        pauses=PAUSES,
     ),
     Scenario(
         "steps",
@@ -145,10 +187,10 @@ SCENARIOS: Tuple[Scenario, ...] = (
     Scenario("sine", "to and fro, at 1 Hz", 2.2, sine(5.0, 3.0, 1.0, 0.2, 2.2)),
     Scenario(
         "windup",
-        "out of reach, and back",
-        3.0,
-        steps((0.2, 20.0), (BACK_AT, 5.0)),
-        events=(BACK_AT,),
+        "out of reach on either side, and back",
+        9.4,
+        _windup(),
+        events=tuple(end for _, end, _ in STAYS),
     ),
     Scenario("noise", "a noisy measurement", 1.5, steps((0.2, 5.0)), noise=0.1),
     Scenario(

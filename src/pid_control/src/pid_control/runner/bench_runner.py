@@ -7,14 +7,14 @@ from typing import Dict, List, Optional, Tuple
 import rospy
 
 from pid_control.judging.experiment import Experiment, Outgoing, Output
-from pid_control.judging.record import ENDED, NOT_CONNECTED, Record
+from pid_control.judging.record import ENDED, NOT_CONNECTED, Pause, Record
 from pid_control.judging.scenarios import STEP_S, Scenario
 from pid_control.plant.status import NOT_TURNING
 from pid_control.runner.clock import Clock, SimulatedClock, WallClock
 from pid_control.runner.controller_command import ControllerCommand
 from pid_control.runner.controller_process import ControllerProcess
 from pid_control.runner.deferred_signals import deferred_signals
-from pid_control.runner.outcome import TimeLimitExceeded, completed, failure_of
+from pid_control.runner.outcome import Restlessness, TimeLimitExceeded, completed, failure_of
 from pid_control.runner.test_bench import TestBench
 
 #: Time of the clock when a controller starts [s]. A controller that reads the time before the first
@@ -25,6 +25,10 @@ _FIRST_CLOCK = 0.01
 _FIRST_TOPIC_S, _ALL_TOPICS_S, _GONE_S = 20.0, 5.0, 5.0
 #: Time for a connected controller to subscribe to the clock [s], which is optional.
 _CLOCK_S = 1.0
+#: Longest time of the clock until the first answer of a controller that a motor awaits [s].
+_FIRST_ANSWER_S = 10.0
+#: Longest wait for an idle controller before each step until it answers [s].
+_IDLE_S = 0.1
 #: Time of the closed loop before a scenario begins [s].
 _SETTLE_S = 0.1
 
@@ -37,6 +41,7 @@ class BenchRunner:
     :param environment: additional environment variables of the controller
     :param real_time: True for the machine's clock, False for a simulated one
     :param deadline: deadline of all scenarios by the monotonic clock [s]
+    :param master: process of the bench's master
     """
 
     #: Largest delay of this process with the machine's clock [s]: it simulates the motor.
@@ -49,9 +54,13 @@ class BenchRunner:
         environment: Dict[str, str],
         real_time: bool,
         deadline: float,
+        master: int,
     ) -> None:
+        self._master = master
         self._bench, self._command, self._environment = bench, command, environment
         self._real_time, self._deadline = real_time, deadline
+        #: Longest time of the clock until a first answer, so far [s].
+        self._first_answer_s = 0.0
         #: Time of the simulated clock [s].
         self._clock = _FIRST_CLOCK
         #: Largest delay of this process so far, with the machine's clock [s].
@@ -72,7 +81,7 @@ class BenchRunner:
         controller: Optional[ControllerProcess] = None
         try:
             with deferred_signals():
-                controller = ControllerProcess(self._command, self._environment)
+                controller = ControllerProcess(self._command, self._environment, [self._master])
             return self._run(scenario, controller)
         finally:
             if controller is not None:
@@ -93,22 +102,23 @@ class BenchRunner:
         experiment.begin_at(zero)
         self._bench.pop_inputs()  # drop inputs from before the scenario
         answers: List[Tuple[float, float]] = []
-        standstill: Tuple[int, Optional[float]] = (0, None)
-        failure, restless, busy_before = "", 0, watch.busy()
+        pauses: List[Pause] = []
+        failure, busy_before = "", watch.busy()
+        restless = Restlessness(watch.busy)
         clock.start()
         while self._clock < zero + scenario.duration and not failure:
             self._check_time()
             now = self._clock
             self._bench.send(experiment.send(now), now)
             self._clock += experiment.step_after(now)
-            restless = 0 if clock.wait(self._clock - began) else restless + 1
+            restless.update(clock.wait(self._clock - began))
             for value in self._bench.pop_inputs():
-                answers.append((now - zero, value))
+                answers.append((experiment.time_at(now), value))
                 experiment.answer(now, value)
-            if now < zero + scenario.standstill_at <= self._clock:
-                rest = clock.pause()
-                standstill = len(self._bench.pop_inputs()), rest
-            failure = failure_of(controller, restless)
+            if any(now < zero + at <= self._clock for at in scenario.pauses):
+                pause = clock.pause(experiment.time_at(now), lambda: len(self._bench.pop_inputs()))
+                pauses += [] if pause is None else [pause]
+            failure = failure_of(controller, restless.is_its_own())
         if isinstance(clock, WallClock):
             self.latest = max(self.latest, clock.latest)
         record = Record(
@@ -117,31 +127,45 @@ class BenchRunner:
             rows=experiment.rows,
             answers=answers,
             busy=watch.busy() - busy_before,
-            standstill_answers=standstill[0],
-            standstill_rest=standstill[1],
+            pauses=pauses,
         )
         return completed(record, controller)
 
     def _connect(self, experiment: Experiment, controller: ControllerProcess) -> bool:
-        """Advance the time until the controller is connected; return False on timeout."""
-        end, clock_end = time.monotonic() + _FIRST_TOPIC_S, math.inf
+        """Advance the time until the controller answers; return False if it does not connect."""
+        watch = controller.watch
+        end, clock_end, answer_end = time.monotonic() + _FIRST_TOPIC_S, math.inf, math.inf
         is_alone = True
-        while self._bench.missing() or not self._bench.has_clock_listener():
+        while True:
             self._check_time()
             now = time.monotonic()
             if is_alone and self._bench.is_connected():
                 end, is_alone = now + _ALL_TOPICS_S, False
             if not self._bench.missing():
                 clock_end = min(clock_end, now + _CLOCK_S)
-                if self._real_time or now > clock_end:
-                    return True
-            if controller.status is not None or now > end:
+                if self._real_time or self._bench.has_clock_listener() or now > clock_end:
+                    answer_end = min(answer_end, self._clock + self._patience(experiment))
+                    if self._bench.pop_inputs():
+                        self._first_answer_s = max(self._first_answer_s, self._clock)
+                        return True
+                    if self._clock >= answer_end:
+                        return True
+            if controller.status is not None:
                 return False
+            if now > end and (watch.is_idle() or watch.busy() > _FIRST_TOPIC_S):
+                return False  # not while it still starts, on a busy machine
             self._bench.send(experiment.send(self._clock), self._clock)
-            if self._bench.has_clock_listener():
+            if self._bench.has_clock_listener() or answer_end < math.inf:
                 self._clock += STEP_S
-            time.sleep(STEP_S)
-        return True
+            if self._real_time or answer_end == math.inf or not watch.wait_idle(_IDLE_S):
+                time.sleep(STEP_S)
+
+    def _patience(self, experiment: Experiment) -> float:
+        """Return the longest time of the clock until the first answer [s].
+
+        A controller may answer only a motor: without one, it gets the time that it took before.
+        """
+        return _FIRST_ANSWER_S if experiment.has_motor else self._first_answer_s
 
     def _wait_until_alone(self) -> None:
         """Wait until the connections of ended controllers are closed."""

@@ -1,8 +1,9 @@
 """Clocks of the scenarios: simulated, or the machine's."""
 
 import time
-from typing import List, Optional, Protocol
+from typing import Callable, List, Optional, Protocol
 
+from pid_control.judging.record import Pause
 from pid_control.runner.process_watch import ProcessWatch
 
 #: Shortest pause of the simulated clock: by the machine's clock [s], and as a share of the time
@@ -27,10 +28,11 @@ class Clock(Protocol):
         :returns: True if the controller is idle
         """
 
-    def pause(self) -> Optional[float]:
-        """Pause the clock for a while, if possible.
+    def pause(self, time_of: float, pop_answers: Callable[[], int]) -> Optional[Pause]:
+        """Pause the clock, if possible: each time for longer than before.
 
-        :returns: share of the pause in which the controller was idle; None without a pause
+        :param time_of: time in the scenario [s]
+        :param pop_answers: returns the number of answers since its previous call
         """
 
 
@@ -42,7 +44,7 @@ class SimulatedClock:
 
     def __init__(self, watch: ProcessWatch) -> None:
         self._watch = watch
-        self._began = 0.0
+        self._began = self._paused = 0.0
 
     def start(self) -> None:
         """Start the clock."""
@@ -52,15 +54,22 @@ class SimulatedClock:
         """Wait until the controller is idle, with a timeout."""
         return self._watch.wait_idle(_LONGEST_S)
 
-    def pause(self) -> Optional[float]:
-        """Pause the clock, and return how often the controller was idle."""
+    def pause(self, time_of: float, pop_answers: Callable[[], int]) -> Optional[Pause]:
+        """Pause the clock, twice as long as before."""
         rests: List[bool] = []
-        now = time.monotonic()
-        end = now + max(_STANDSTILL_S, _STANDSTILL_SHARE * (now - self._began))
-        while time.monotonic() < end:
+        begin = time.monotonic()
+        taken = begin - self._began
+        length = 2.0 * self._paused or max(_STANDSTILL_S, _STANDSTILL_SHARE * taken)
+        has_popped, now = False, begin
+        while now < begin + length:
             rests.append(self._watch.is_idle())
             time.sleep(_CHECK_S)
-        return sum(rests) / len(rests)
+            now = time.monotonic()
+            if not has_popped and now > begin + 0.5 * length:
+                pop_answers()  # answers that were late
+                has_popped = True
+        self._paused = length
+        return Pause(time_of, now - begin, sum(rests) / len(rests), pop_answers())
 
 
 class WallClock:
@@ -85,6 +94,6 @@ class WallClock:
         self.latest = max(self.latest, -left)
         return True
 
-    def pause(self) -> Optional[float]:
+    def pause(self, time_of: float, pop_answers: Callable[[], int]) -> Optional[Pause]:
         """Return None: this clock cannot be paused."""
         return None

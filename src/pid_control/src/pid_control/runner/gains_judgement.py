@@ -3,6 +3,7 @@
 import time
 from typing import Iterator, List, Sequence, Tuple
 
+from pid_control.judging.evidence import adapted
 from pid_control.judging.judgement import judge
 from pid_control.judging.record import Record
 from pid_control.judging.reports import as_sentences
@@ -43,12 +44,12 @@ def judge_gains(
             words.append(f"_filter_time:={gains.filter_time}")
             command = find_controller(["pid_control", "controller.py", *words])
             deadline = time.monotonic() + time_limit
-            runner = BenchRunner(bench, command, master.environment, False, deadline)
+            runner = BenchRunner(bench, command, master.environment, False, deadline, master.pid)
             records: List[Record] = []
             reason = ""
             try:
                 for scenario in scenarios:
-                    records.append(runner.run(scenario))
+                    records.append(runner.run(adapted(scenario, records)))
             except TimeLimitExceeded:
                 reason = f"{time_limit:g} s are over"
             yield gains, as_sentences(judge(records, limits, reason))

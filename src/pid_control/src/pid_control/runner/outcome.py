@@ -1,13 +1,18 @@
 """Outcomes of a scenario, with any plant."""
 
-from typing import Protocol
+import signal
+import time
+from typing import Callable, Optional, Protocol
 
 from pid_control.judging.record import ENDED, RESTLESS, SILENT, WRITES_WITHOUT_END, Record
 from pid_control.judging.scenarios import Scenario
 from pid_control.runner.controller_process import ControllerProcess
 
-#: Consecutive steps without an idle controller that make it restless.
-_RESTLESS_STEPS = 2
+#: Processor time without a rest that makes a controller restless, and time without a rest, and
+#: without that much processor time, that makes the machine too busy [s].
+_RESTLESS_S, _STARVED_S = 3.0, 30.0
+#: Signal with which a machine without memory ends processes.
+_KILLED = -signal.SIGKILL
 
 
 class JudgingError(Exception):
@@ -36,17 +41,53 @@ class Runner(Protocol):
         """
 
 
-def failure_of(controller: ControllerProcess, restless: int = 0) -> str:
+class Restlessness:
+    """Time in which a controller was never idle, and whether it or the machine is the reason.
+
+    :param processor_time: returns the controller's processor time so far [s]
+    """
+
+    def __init__(self, processor_time: Callable[[], float]) -> None:
+        self._processor_time = processor_time
+        self._since = 0.0
+        #: Processor time when the controller was last idle; None if it is idle now.
+        self._before: Optional[float] = None
+
+    def update(self, is_idle: bool) -> None:
+        """Take note of whether the controller became idle in the latest step."""
+        if is_idle:
+            self._before = None
+        elif self._before is None:
+            self._since, self._before = time.monotonic(), self._processor_time()
+
+    def is_its_own(self) -> bool:
+        """Return True if the controller computes without a pause.
+
+        :raises JudgingError: if it has waited for the machine for long
+        """
+        if self._before is None:
+            return False
+        if self._processor_time() - self._before > _RESTLESS_S:
+            return True
+        if time.monotonic() - self._since > _STARVED_S:
+            raise JudgingError("this machine is too busy: the controller gets no processor time")
+        return False
+
+
+def failure_of(controller: ControllerProcess, is_restless: bool = False) -> str:
     """Return the failure of a controller, empty if none.
 
     :param controller: the controller
-    :param restless: number of consecutive steps without an idle controller
+    :param is_restless: whether it computes without a pause
+    :raises JudgingError: if the machine ended it
     """
+    if controller.status == _KILLED:
+        raise JudgingError("the controller was killed (signal 9), as by a machine without memory")
     if controller.status is not None:
         return ENDED
     if controller.writes_without_end:
         return WRITES_WITHOUT_END
-    return RESTLESS if restless >= _RESTLESS_STEPS else ""
+    return RESTLESS if is_restless else ""
 
 
 def completed(record: Record, controller: ControllerProcess) -> Record:

@@ -5,6 +5,8 @@ import shutil
 import tempfile
 from typing import Dict, Optional
 
+import rosgraph
+
 from nodekit.testing.processes import Master
 from pid_control.runner.deferred_signals import deferred_signals
 
@@ -13,7 +15,7 @@ class PrivateMaster:
     """Master on a free port of this machine, with a folder for the files of its nodes.
 
     ``environment`` holds the environment variables of its nodes; they are set in this process too,
-    before it becomes a node.
+    before it becomes a node. ``pid`` is its process.
     """
 
     def __init__(self) -> None:
@@ -28,11 +30,19 @@ class PrivateMaster:
             with deferred_signals():
                 # In a new session: Ctrl-C would end the master while this waits for it.
                 self._master = master = Master(start_new_session=True)
+            self.pid = int(rosgraph.Master("/judge", master.uri).getPid())
         except BaseException:
             self.close()
             raise
         os.environ["ROS_MASTER_URI"] = master.uri
         self.environment: Dict[str, str] = {**own, "ROS_MASTER_URI": master.uri}
+
+    def is_running(self) -> bool:
+        """Return True if the master answers."""
+        try:
+            return int(rosgraph.Master("/judge", self.environment["ROS_MASTER_URI"]).getPid()) > 0
+        except OSError:
+            return False
 
     def close(self) -> None:
         """Kill the master, and remove the folder."""

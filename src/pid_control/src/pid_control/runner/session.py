@@ -3,6 +3,7 @@
 import time
 from typing import List, Optional, Sequence, Tuple
 
+from pid_control.judging.evidence import adapted
 from pid_control.judging.judgement import Judgement, is_fatal, judge
 from pid_control.judging.limits import Limits
 from pid_control.judging.record import Record
@@ -48,11 +49,15 @@ class Session:
 
             bench = TestBench()
             environment = master.environment
-            runner = BenchRunner(bench, self._command, environment, real_time, self._deadline)
+            runner = BenchRunner(
+                bench, self._command, environment, real_time, self._deadline, master.pid
+            )
             try:
                 reason = self._run(runner, self._only or list(BY_NAME.values()))
             except PublisherConflict as error:
                 raise JudgingError(str(error)) from None
+            if not master.is_running():
+                raise JudgingError("the judge's own master ended; is this machine out of memory?")
             bench.close()
         finally:
             master.close()
@@ -96,7 +101,7 @@ class Session:
         reason = ""
         for scenario in scenarios:
             try:
-                self.records.append(runner.run(scenario))
+                self.records.append(runner.run(adapted(scenario, self.records)))
             except TimeLimitExceeded:
                 reason = f"{self._time_limit:g} s are over in {scenario.name}"
                 break

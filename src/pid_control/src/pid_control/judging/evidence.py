@@ -1,0 +1,209 @@
+"""Evidence about a controller's law, from the records of its scenarios."""
+
+import functools
+import math
+from statistics import median
+from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
+
+from pid_control.judging.metrics import growths, leave_times, metrics_of
+from pid_control.judging.probes import Fit, best_fit, is_constant
+from pid_control.judging.record import Record
+from pid_control.judging.scenarios import BY_NAME, RATE_PARTS, STAYS, Scenario, scaled
+from pid_control.judging.simulation import pi_law, simulate
+
+#: Relative difference of two answers that are equal.
+_EQUAL = 0.1
+#: Shares of the proportional answer below which an integral, or a leap, does not count.
+_NONE, _LEAP = 1e-3, 0.2
+#: Growth of the time at a limit by which the integral has grown there, as a share of the time.
+_GROWN = 0.3
+#: Time in which a limited input is constant [s], and the largest limit that may be the motor's.
+_FLAT_S, _MOTORS = 0.2, 1.05
+#: Relative change of a growth that is one [1].
+_CHANGED = 0.25
+#: Settling time and overshoot of a law that suits the motor [s, %].
+_SETTLED_S, _OVERSHOT = 0.8, 25.0
+
+
+class Law(NamedTuple):
+    """PI law that explains a controller's answers while the motor is held.
+
+    :ivar gain: kp [1/(rad/s)]
+    :ivar growth: ki [1/rad]
+    :ivar period: time between two answers [s]
+    :ivar least: lower limit of the input
+    :ivar largest: upper limit of the input
+    """
+
+    gain: float
+    growth: float
+    period: float
+    least: float = -1.0
+    largest: float = 1.0
+
+
+class Evidence(NamedTuple):
+    """Properties of a law that the records show. Each is measured, or None or False.
+
+    :ivar was_probed: True if small errors were tried
+    :ivar ignores: topics on which the input does not depend
+    :ivar law: the PI law; None if its answers are others, or it has a derivative
+    :ivar wrong_signs: topics to which the input answers the wrong way for errors of both signs
+    :ivar wrong_above: True if it does so only for errors above 0, False if only below
+    :ivar lacks_integral: True if the input is constant while the error is
+    :ivar has_derivative: True if the input leaps at a step of the error
+    :ivar grows_per_turn: True if the integral grows with each turn, not with time
+    :ivar winds_up: True if the input leaves its limit the later the longer it was there
+    :ivar own_limit: limit at which the input stays on both sides, if it is not the motor's
+    :ivar is_in_other_units: True if the law suits the motor when it is divided by own_limit
+    :ivar beyond: sides on which the input exceeds 1, of "above" and "below"
+    """
+
+    was_probed: bool = False
+    ignores: Tuple[str, ...] = ()
+    law: Optional[Law] = None
+    wrong_signs: Tuple[str, ...] = ()
+    wrong_above: Optional[bool] = None
+    lacks_integral: bool = False
+    has_derivative: bool = False
+    grows_per_turn: bool = False
+    winds_up: bool = False
+    own_limit: Optional[float] = None
+    is_in_other_units: bool = False
+    beyond: Tuple[str, ...] = ()
+
+
+def evidence_of(records: Sequence[Record]) -> Evidence:
+    """Return the evidence in all records that are complete.
+
+    :param records: the records
+    """
+    by_name = {record.scenario.name: record for record in records if not record.failure}
+    evidence = Evidence(beyond=_sides_beyond(list(by_name.values())))
+    if "held" in by_name:
+        evidence = _with_probes(evidence, by_name["held"])
+    if "rate" in by_name:
+        evidence = evidence._replace(grows_per_turn=_grows_per_turn(by_name["rate"]))
+    if "windup" in by_name:
+        evidence = _with_limits(evidence, by_name["windup"])
+    return evidence
+
+
+def adapted(scenario: Scenario, records: Sequence[Record]) -> Scenario:
+    """Return a scenario whose errors suit the controller's answers in ``held``, if known.
+
+    :param scenario: the next scenario
+    :param records: records of those before it
+    """
+    held = [record for record in records if record.scenario.name == "held" and not record.failure]
+    fit = best_fit(held[0].answers, False) or best_fit(held[0].answers, True) if held else None
+    return scenario if fit is None else scaled(scenario, fit.gain, fit.growth)
+
+
+def faultless_figures(law: Law, scenario: str) -> Dict[str, Optional[float]]:
+    """Return the figures of a faultless controller with a law.
+
+    :param law: the law; its input is limited, and its integral does not wind up
+    :param scenario: name of the scenario
+    """
+    return dict(_figures(law, scenario))
+
+
+@functools.lru_cache(maxsize=256)
+def _figures(law: Law, scenario: str) -> Tuple[Tuple[str, Optional[float]], ...]:
+    played = pi_law(law.gain, law.growth, law.least, law.largest)
+    return tuple(metrics_of(simulate(BY_NAME[scenario], played, law.period)).items())
+
+
+def _sides_beyond(records: Sequence[Record]) -> Tuple[str, ...]:
+    values = [value for record in records for _, value in record.answers if math.isfinite(value)]
+    sides = {"above": max(values, default=0.0), "below": -min(values, default=0.0)}
+    return tuple(side for side, value in sides.items() if value > 1.0 + 1e-6)
+
+
+def _with_probes(evidence: Evidence, record: Record) -> Evidence:
+    topics = {"set_point": False, "motor_output": True}
+    ignores = tuple(
+        topic for topic, is_output in topics.items() if is_constant(record.answers, is_output)
+    )
+    fits = {topic: best_fit(record.answers, is_output) for topic, is_output in topics.items()}
+    known = [fit for fit in fits.values() if fit is not None]
+    wrong = tuple(topic for topic, fit in fits.items() if fit and max(fit.response()) < 0.0)
+    evidence = evidence._replace(
+        was_probed=True, ignores=ignores, wrong_signs=wrong, wrong_above=_one_sided(known)
+    )
+    if len(known) < len(topics) or wrong or evidence.wrong_above is not None:
+        return evidence
+    gains, integrals = [fit.gain for fit in known], [fit.growth for fit in known]
+    period = median(b[0] - a[0] for a, b in zip(record.answers, record.answers[1:]))
+    has_derivative = any(fit.leap > _LEAP * abs(fit.gain) for fit in known)
+    is_pi = _are_equal(gains) and _are_equal(integrals) and not has_derivative
+    is_symmetric = all(fit.gain == fit.gain_below for fit in known)
+    return evidence._replace(
+        has_derivative=has_derivative,
+        lacks_integral=all(abs(fit.growth) * 0.1 < _NONE * abs(fit.gain) for fit in known),
+        law=Law(gains[0], integrals[0], period) if is_pi and is_symmetric else None,
+    )
+
+
+def _one_sided(fits: Sequence[Fit]) -> Optional[bool]:
+    """Return True if all answers have the wrong sign above 0 only, False if below 0 only."""
+    above = [fit.response()[0] < 0.0 for fit in fits]
+    below = [fit.response()[1] < 0.0 for fit in fits]
+    if fits and all(above) and not any(below):
+        return True
+    return False if fits and all(below) and not any(above) else None
+
+
+def _are_equal(values: Sequence[float]) -> bool:
+    return max(values) - min(values) <= _EQUAL * max(map(abs, values)) + 1e-9
+
+
+def _grows_per_turn(record: Record) -> bool:
+    found = growths(record)
+    if found is None or abs(found[1] / found[0] - 1.0) < _CHANGED:
+        return False
+    turns = [_period(record, RATE_PARTS[index]) for index in (1, 3)]
+    return _are_equal([found[0] * turns[0], found[1] * turns[1]])
+
+
+def _period(record: Record, part: Tuple[float, float, float]) -> float:
+    times = [time for time, _ in record.answers if part[0] + 0.2 <= time < part[1]]
+    return median(b - a for a, b in zip(times, times[1:])) if len(times) > 1 else math.nan
+
+
+def _with_limits(evidence: Evidence, record: Record) -> Evidence:
+    left = leave_times(record)
+    stays = [end - begin for begin, end, _ in STAYS]
+    # The longer stay comes first: a delay that grows with time cannot explain it.
+    grown = [
+        left[i] - left[i + 1] > _GROWN * (stays[i] - stays[i + 1]) and math.isfinite(left[i + 1])
+        for i in (0, 2)
+    ]
+    evidence = evidence._replace(winds_up=any(grown))
+    ends: List[float] = []
+    for _, end, sign in STAYS:
+        values = [row.input * sign for row in record.between(end - _FLAT_S, end)]
+        if max(values) - min(values) > 1e-6 * max(map(abs, values)):
+            return evidence  # the input still changes: no limit
+        ends.append(values[-1])
+    law = evidence.law
+    if law is not None and min(ends) > 0.0:
+        limited = law._replace(least=-min(1.0, ends[2]), largest=min(1.0, ends[0]))
+        evidence = evidence._replace(law=limited)
+    if min(ends) < _MOTORS or not _are_equal(ends):
+        return evidence
+    limit = ends[0]
+    is_scaled = law is not None and _suits(_divided(law, limit)) and not _suits(law)
+    return evidence._replace(own_limit=limit, is_in_other_units=is_scaled)
+
+
+def _divided(law: Law, unit: float) -> Law:
+    return law._replace(gain=law.gain / unit, growth=law.growth / unit)
+
+
+def _suits(law: Law) -> bool:
+    """Return True if a faultless controller with a law follows steps."""
+    figures = faultless_figures(law, "steps")
+    settling, overshoot = figures["settling_time"], figures["overshoot"]
+    return (settling or 0.0) <= _SETTLED_S and (overshoot or 0.0) <= _OVERSHOT

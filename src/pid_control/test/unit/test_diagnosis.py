@@ -1,0 +1,237 @@
+"""Tests of the causes that the judge names: laws with known faults, and correct laws."""
+
+import math
+from typing import Any, Callable, Dict, List, Set
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as some
+
+from pid_control.controller.pid import BACK_CALCULATION, CLAMPING, PI, PID, PidSettings
+from pid_control.identification.response import Model
+from pid_control.judging.experiment import Output
+from pid_control.judging.judgement import Judgement, judge
+from pid_control.judging.reports import as_sentences
+from pid_control.judging.simulation import Law, pid_law
+from pid_control.tuning.rules import METHODS, gains_of
+from played import default_limits, pi, play_all
+
+LIMITS = default_limits()
+#: Period of a student's loop [s].
+LOOP_S = 0.01
+#: Flaws that say only how well the motor follows.
+ABOUT_GAINS = {"gains", "chatter", "unexplained"}
+
+#: Returns the input: state, set point, speed, time since the previous turn.
+Step = Callable[[Dict[str, float], float, float, float], float]
+
+
+def clipped(value: float, limit: float = 1.0) -> float:
+    return max(-limit, min(limit, value))
+
+
+def law_of(step: Step) -> Callable[[], Law]:
+    """Return what makes a law with a state of its own."""
+
+    def make() -> Law:
+        state: Dict[str, float] = {"integral": 0.0, "before": 0.0, "input": 0.0}
+        times: List[float] = []
+
+        def answer(set_point: float, output: Output) -> float:
+            dt = output.time - times[-1] if times and output.time > times[-1] else 0.0
+            times.append(output.time)
+            return step(state, set_point, output.speed, dt)
+
+        return answer
+
+    return make
+
+
+def student(kp: float = 0.08, ki: float = 1.5, **faults: Any) -> Callable[[], Law]:
+    """Return a PI law with faults: sign, dt, leak, limit, least, unit, rounding, winds_up."""
+
+    def step(state: Dict[str, float], set_point: float, speed: float, dt: float) -> float:
+        error = faults.get("sign", lambda error: error)(set_point - speed)
+        dt = faults.get("dt", dt)
+        grown = state["integral"] * (1.0 - faults.get("leak", 0.0) * dt) + error * dt
+        wanted = kp * error + ki * grown
+        limit = faults.get("limit", 1.0)
+        value = max(faults.get("least", -limit), min(limit, wanted))
+        if value == wanted or faults.get("winds_up") or abs(grown) < abs(state["integral"]):
+            state["integral"] = grown
+        rounding = faults.get("rounding", 0.0)
+        return (round(value / rounding) * rounding if rounding else value) * faults.get("unit", 1.0)
+
+    return law_of(step)
+
+
+def judged(make: Callable[[], Law], period: float = LOOP_S) -> Judgement:
+    return judge(play_all(make, period), LIMITS)
+
+
+def switch(state: Dict[str, float], set_point: float, speed: float, dt: float) -> float:
+    """Return full voltage of either sign, with hysteresis."""
+    error = set_point - speed
+    if abs(error) > 0.5:
+        state["input"] = math.copysign(1.0, error)
+    return state["input"]
+
+
+def delayed(state: Dict[str, float], set_point: float, speed: float, dt: float) -> float:
+    """Return the answer of a PI law, four turns late."""
+    error = set_point - speed
+    state["integral"] = clipped(state["integral"] + error * dt, 0.7)
+    names = ["input", "one", "two", "three"]
+    for new, old in zip(names, names[1:]):
+        state[new] = state.get(old, 0.0)
+    state["three"] = clipped(0.08 * error + 1.5 * state["integral"])
+    return state["input"]
+
+
+def without(topic: str) -> Callable[[], Law]:
+    """Return a PI law whose callback for a topic loses its value."""
+
+    def make() -> Law:
+        law = pi()()
+
+        def answer(set_point: float, output: Output) -> float:
+            if topic == "set_point":
+                return law(0.0, output)
+            return law(set_point, output._replace(speed=0.0))
+
+        return answer
+
+    return make
+
+
+@pytest.mark.parametrize(
+    "make, says",
+    [
+        (student(winds_up=True), ["windup: time to leave", "integral goes on growing"]),
+        (student(limit=0.9, winds_up=True), ["integral goes on growing"]),
+        (student(least=-1e9), ["the input is not limited below: keep it"]),
+        (student(least=-1e9, winds_up=True), ["not limited below", "goes on growing"]),
+        (student(dt=0.001, ki=15.0), ["dt is a constant, not measured"]),
+        (student(ki=0.0, kp=0.1), ["P alone leaves an error"]),
+        (student(unit=255.0), ["a correct law in other units", "divide it by 255"]),
+        (student(unit=12.0), ["a correct law in other units", "divide it by 12"]),
+        (student(sign=lambda error: -error), ["the sign is wrong: the error is the set point"]),
+        (student(sign=abs), ["the sign is wrong for an error below 0 only"]),
+        (student(sign=lambda error: -abs(error)), ["the sign is wrong for an error above 0 only"]),
+        (without("set_point"), ["does not depend on set_point"]),
+        (without("motor_output"), ["does not depend on motor_output"]),
+        (student(kp=0.0, ki=0.0), ["the input is always the same", "one of: its gains are 0"]),
+    ],
+)
+def test_judge_a_fault_is_named_as_a_fact(make: Callable[[], Law], says: List[str]) -> None:
+    text = as_sentences(judged(make))
+    assert [words for words in says if words not in text] == [], text
+
+
+@pytest.mark.parametrize(
+    "make, allowed",
+    [
+        (student(winds_up=True), {"windup"}),
+        (student(least=-1e9, winds_up=True), {"no clamp", "windup"}),
+        (student(dt=0.001, ki=15.0), {"interval"}),
+        (student(unit=255.0), {"units"}),
+        (student(sign=abs), {"sign"}),
+        (student(ki=27.0), ABOUT_GAINS),
+        (student(kp=0.7, ki=73.0), ABOUT_GAINS),
+        (student(leak=3.0), ABOUT_GAINS),
+        (student(leak=30.0), ABOUT_GAINS),
+        (student(rounding=0.1), ABOUT_GAINS),
+        (student(rounding=0.5), ABOUT_GAINS),
+        (law_of(switch), ABOUT_GAINS),
+        (law_of(delayed), ABOUT_GAINS),
+        (without("set_point"), {"deaf"}),
+        (without("motor_output"), {"stale"}),
+        (student(kp=0.0, ki=0.0), {"no answer"}),
+    ],
+)
+def test_judge_names_no_false_cause(make: Callable[[], Law], allowed: Set[str]) -> None:
+    judgement = judged(make)
+    assert set(judgement.flaws()) <= allowed, as_sentences(judgement)
+
+
+@pytest.mark.parametrize("make", [student(leak=3.0), law_of(switch), student(rounding=0.5)])
+def test_judge_unknown_cause_is_said_to_be_unknown(make: Callable[[], Law]) -> None:
+    judgement = judged(make)
+    assert judgement.flaws() == ["unexplained"], as_sentences(judgement)
+    assert all("one of: " in failure.cause.sentence for failure in judgement.failures)
+
+
+def test_judge_gains_are_blamed_only_if_a_faultless_law_with_them_fails_too() -> None:
+    judgement = judged(student(kp=0.005, ki=0.2))
+    assert judgement.flaws() == ["gains"]
+    assert "kp 0.005 and ki 0.2/s do not suit: tune them" in as_sentences(judgement)
+
+
+def test_judge_several_faults_are_all_named_worst_first() -> None:
+    judgement = judged(student(limit=1e9, winds_up=True, dt=0.001, ki=15.0))
+    assert judgement.flaws() == ["no clamp", "windup", "interval"]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_judge_passes_the_gains_of_tune(method: str) -> None:
+    gains = gains_of(Model(13.1, 0.04, 0.0), LOOP_S)[method]
+    settings_ = PidSettings(
+        mode=gains.mode, kp=gains.kp, ki=gains.ki, kd=gains.kd, filter_time=gains.filter_time
+    )
+    judgement = judged(lambda: pid_law(settings_), 0.0)
+    assert set(judgement.flaws()) <= ABOUT_GAINS, as_sentences(judgement)
+
+
+@settings(deadline=None, max_examples=8)
+@given(
+    kp=some.floats(-2.5, 0.5).map(lambda power: 10.0**power),
+    ki=some.floats(-0.5, 2.0).map(lambda power: 10.0**power),
+    kd=some.one_of(some.just(0.0), some.floats(1e-4, 1e-2)),
+    filter_time=some.sampled_from([0.005, 0.01, 0.02]),
+    limit=some.sampled_from([0.8, 0.9, 1.0]),
+    anti_windup=some.sampled_from([CLAMPING, BACK_CALCULATION, "bounded", "velocity"]),
+    period=some.sampled_from([0.0, 0.005, 0.01, 0.02]),
+)
+def test_judge_correct_controllers_get_no_false_cause(
+    kp: float,
+    ki: float,
+    kd: float,
+    filter_time: float,
+    limit: float,
+    anti_windup: str,
+    period: float,
+) -> None:
+    judgement = judged(correct(kp, ki, kd, filter_time, limit, anti_windup), period)
+    assert set(judgement.flaws()) <= ABOUT_GAINS, as_sentences(judgement)
+
+
+def correct(
+    kp: float, ki: float, kd: float, filter_time: float, limit: float, anti_windup: str
+) -> Callable[[], Law]:
+    """Return a controller without a fault; its gains need not suit."""
+    if anti_windup in (CLAMPING, BACK_CALCULATION):
+        own = PidSettings(
+            mode=PID if kd else PI,
+            kp=kp,
+            ki=ki,
+            kd=kd,
+            filter_time=filter_time,
+            output_min=-limit,
+            output_max=limit,
+            anti_windup=anti_windup,
+            tracking_time=0.05,
+        )
+        return lambda: pid_law(own)
+
+    def bounded(state: Dict[str, float], set_point: float, speed: float, dt: float) -> float:
+        error = set_point - speed
+        state["integral"] = clipped(state["integral"] + error * dt, limit / ki)
+        return clipped(kp * error + ki * state["integral"], limit)
+
+    def velocity(state: Dict[str, float], set_point: float, speed: float, dt: float) -> float:
+        error = set_point - speed
+        change = kp * (error - state["before"]) + ki * error * dt
+        state["input"], state["before"] = clipped(state["input"] + change, limit), error
+        return state["input"]
+
+    return law_of(bounded if anti_windup == "bounded" else velocity)

@@ -4,7 +4,7 @@ import csv
 import functools
 import io
 import math
-from typing import Dict, Optional
+from typing import Dict, List, Optional
 from xml.etree import ElementTree
 
 import pytest
@@ -283,6 +283,24 @@ def test_the_picture_shows_every_scenario_and_marks_what_failed() -> None:
     points = list(windup.iter(f"{SVG}polyline"))[2].get("points").split()
     heights = [float(point.split(",")[1]) for point in points]
     assert max(heights) - min(heights) > 10.0
+
+
+def heights_of_input(record: Record) -> List[float]:
+    """Return the heights of the points of the input's curve in the picture of a scenario."""
+    panel = ElementTree.fromstring(as_svg([record], "title", [])).find(f"{SVG}g")
+    points = list(panel.iter(f"{SVG}polyline"))[2].get("points").split()
+    return [float(point.split(",")[1]) for point in points]
+
+
+def test_picture_shows_an_input_far_beyond_the_limit_of_the_motor() -> None:
+    record = play_one("windup", pi(output_min=-255.0, output_max=255.0, anti_windup="none"))
+    heights = heights_of_input(record)
+    assert len(set(heights)) > 100  # not flat at the end of an axis
+
+
+def test_picture_of_a_held_motor_shows_small_answers() -> None:
+    heights = heights_of_input(play_one("rate", pi(kp=0.01, ki=0.01)))
+    assert max(heights) - min(heights) > 20.0
 
 
 def test_batch_page_counts_verdicts_and_escapes_html() -> None:

@@ -14,7 +14,7 @@ _LEFT, _RIGHT, _ABOVE, _GAP, _BELOW = 34.0, 32.0, 22.0, 24.0, 22.0
 _HEADING = 34.0
 #: Colours that colour-blind readers can distinguish.
 _SET_POINT, _SPEED, _INPUT, _WRONG = "#888888", "#0072b2", "#d55e00", "#b00020"
-#: End of the input's axis; the limit is 1.
+#: Least end of the input's axis; the motor's limit is 1.
 _BEYOND = 1.2
 
 
@@ -57,9 +57,13 @@ def _panel(record: Record, is_wrong: bool) -> List[str]:
         Curve("", _SET_POINT, times, [row.set_point for row in record.rows]),
         Curve("", _SPEED, times, [row.speed for row in record.rows]),
     ]
-    inputs = [max(-_BEYOND, min(_BEYOND, row.input)) for row in record.rows]
+    inputs = [row.input for row in record.rows]
+    largest = max(abs(value) for value in inputs)
+    end = max(1.1 * largest, _BEYOND)
+    if record.scenario.held_speed is not None and largest > 0.0:
+        end = 1.1 * largest  # the answers to small errors decide
     upper = Panel("", speeds, _SPEED_HEIGHT)
-    lower = Panel("", [Curve("", _INPUT, times, inputs)], _INPUT_HEIGHT, (-_BEYOND, _BEYOND))
+    lower = Panel("", [Curve("", _INPUT, times, inputs)], _INPUT_HEIGHT, (-end, end))
     for panel, top in ((upper, _ABOVE), (lower, _ABOVE + _SPEED_HEIGHT + _GAP)):
         parts.append(f'<g transform="translate(0 {top:.0f})">')
         parts += plot(panel, _WIDTH, 0.0, record.scenario.duration)

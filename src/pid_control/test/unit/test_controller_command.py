@@ -157,3 +157,68 @@ def test_find_controller_of_launch_file_starts_python_node(
     assert command.argv[:3] == [sys.executable, str(program), "__name:=control"]
     problem = "interpreter not found (no_python)"
     assert command.notes == [f"{program}: {problem}; started with python3"]
+
+
+def package_with_launch_file(tmp_path: pathlib.Path, launch: str) -> pathlib.Path:
+    """Make a package with a program, gains in a YAML file and a launch file; return the program."""
+    for folder in ("scripts", "launch", "config"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "package.xml").write_text("<package><name>anna</name></package>")
+    (tmp_path / "config" / "gains.yaml").write_text("{kp: 0.5, ki: 2.0}\n")
+    (tmp_path / "launch" / "loop.launch").write_text(launch)
+    program = tmp_path / "scripts" / "controller.py"
+    program.write_bytes(STARTS + SAYS)
+    program.chmod(0o755)
+    return program
+
+
+LAUNCH = """<launch>
+  <rosparam file="$(find anna)/config/gains.yaml"/>
+  <node pkg="no_such_package" type="plot" name="plot"/>
+  <node pkg="anna" type="controller.py" name="mine" args="--fast">
+    <param name="rate" value="50"/>
+    <remap from="set_point" to="wanted"/>
+  </node>
+</launch>"""
+
+
+def test_find_controller_program_gets_the_parameters_of_its_launch_file(
+    tmp_path: pathlib.Path,
+) -> None:
+    program = package_with_launch_file(tmp_path, LAUNCH)
+    command = find_controller([str(program)])
+    own = {"/kp": 0.5, "/ki": 2.0, "/mine/rate": 50}
+    assert command.parameters.items() >= own.items()
+    assert command.argv == [str(program), "--fast", "__name:=mine", "set_point:=wanted"]
+    launch = tmp_path / "launch" / "loop.launch"
+    assert command.notes == [f"{launch}: its parameters and names for /mine are used"]
+    assert command.package == str(tmp_path)
+
+
+def test_find_controller_program_with_arguments_is_run_as_told(tmp_path: pathlib.Path) -> None:
+    program = package_with_launch_file(tmp_path, LAUNCH)
+    command = find_controller([str(program), "_kp:=1"])
+    assert (command.argv, command.parameters) == ([str(program), "_kp:=1"], {})
+    told = find_controller([str(program), "_kp:=1"], launch=f"{tmp_path}/launch/loop.launch")
+    assert told.parameters["/kp"] == 0.5 and told.argv[1] == "_kp:=1"
+
+
+def test_find_controller_launch_file_that_cannot_be_used_is_noted(tmp_path: pathlib.Path) -> None:
+    program = package_with_launch_file(tmp_path, LAUNCH.replace("gains.yaml", "no.yaml"))
+    [note] = find_controller([str(program)]).notes
+    assert "loop.launch cannot be used: " in note and "no.yaml" in note
+
+
+@pytest.mark.parametrize(
+    "text, says",
+    [
+        (LAUNCH.replace("controller.py", "other.py"), "loop.launch does not start controller.py"),
+        ("<launch>", "loop.launch cannot be used: "),
+    ],
+)
+def test_find_controller_told_launch_file_without_the_program_is_refused(
+    tmp_path: pathlib.Path, text: str, says: str
+) -> None:
+    program = package_with_launch_file(tmp_path, text)
+    with pytest.raises(CommandError, match=says):
+        find_controller([str(program)], launch=f"{tmp_path}/launch/loop.launch")

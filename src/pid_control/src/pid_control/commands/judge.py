@@ -19,6 +19,7 @@ from pid_control.runner.outcome import JudgingError
 #: Default and largest time limit of a judgement [s].
 _TIME_LIMIT_S = 120.0
 _LONGEST_S = 3600.0
+_TOPICS = ("set_point", "motor_output", "motor_input")
 #: Arguments that rostest and roslaunch add to a command line.
 _XML, _ADDED = "--gtest_output=xml:", ("__name:=", "__log:=")
 #: Upper bound for --full-speed [rad/s].
@@ -87,6 +88,17 @@ def _parser() -> argparse.ArgumentParser:
         " --class, its name in each package, controller.py by default",
     )
     parser.add_argument("--node", metavar="NAME", help="the controller's node in a launch file")
+    parser.add_argument(
+        "--launch",
+        metavar="FILE",
+        help="launch file whose parameters the program gets; one of its package by default",
+    )
+    for topic in _TOPICS:
+        parser.add_argument(
+            "--" + topic.replace("_", "-"),
+            metavar="PACKAGE/TYPE/FIELD",
+            help=f"type of {topic}, and its field, if not those of its package or of the course",
+        )
     parser.add_argument("--workspace", metavar="DIR", help="the controller's built workspace")
     parser.add_argument("--limits", metavar="FILE", help="YAML file of limits")
     parser.add_argument(
@@ -189,17 +201,23 @@ def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, Li
     if arguments.full_speed is not None and not arguments.real_plant:
         raise JudgingError("--full-speed: only valid with --real-plant")
     try:
-        command = find_controller(arguments.words, arguments.node, arguments.workspace)
+        command = find_controller(
+            arguments.words, arguments.node, arguments.workspace, arguments.launch
+        )
     except CommandError as error:
         raise JudgingError(str(error)) from None
-    print(
-        f"judge: {command.name}", *(f"note: {note}" for note in command.notes), sep="\n", flush=True
-    )
-    session = Session(command, arguments.only, limits, arguments.time_limit)
-    if arguments.real_plant:
-        full_speed = arguments.full_speed or MOTOR.max_output
-        return session.judge_with_real_plant(full_speed), session.records
-    return session.judge_with_own_plant(arguments.real_time), session.records
+    print(f"judge: {command.name}", flush=True)
+    types = {topic: getattr(arguments, topic) for topic in _TOPICS}
+    told = {topic: text for topic, text in types.items() if text is not None}
+    session = Session(command, arguments.only, limits, arguments.time_limit, told)
+    try:
+        if arguments.real_plant:
+            full_speed = arguments.full_speed or MOTOR.max_output
+            return session.judge_with_real_plant(full_speed), session.records
+        return session.judge_with_own_plant(arguments.real_time), session.records
+    finally:
+        for note in session.notes:
+            print(f"note: {note}", flush=True)
 
 
 def _judge_class(arguments: argparse.Namespace) -> int:

@@ -1,8 +1,9 @@
 """Runner with the test bench: simulated motor, set point and clock."""
 
+import contextlib
 import math
 import time
-from typing import Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 import rospy
 
@@ -14,7 +15,9 @@ from pid_control.runner.clock import Clock, SimulatedClock, WallClock
 from pid_control.runner.controller_command import ControllerCommand
 from pid_control.runner.controller_process import ControllerProcess
 from pid_control.runner.deferred_signals import deferred_signals
+from pid_control.runner.loop_messages import MessageTypeError, class_of, loop_message
 from pid_control.runner.outcome import Restlessness, TimeLimitExceeded, completed, failure_of
+from pid_control.runner.student_messages import describe
 from pid_control.runner.test_bench import TestBench
 
 #: Time of the clock when a controller starts [s]. A controller that reads the time before the first
@@ -42,6 +45,9 @@ class BenchRunner:
     :param real_time: True for the machine's clock, False for a simulated one
     :param deadline: deadline of all scenarios by the monotonic clock [s]
     :param master: process of the bench's master
+    :param classes: message classes of the controller's package by type
+
+    :ivar notes: types that the bench follows since the controller has them
     """
 
     #: Largest delay of this process with the machine's clock [s]: it simulates the motor.
@@ -55,8 +61,10 @@ class BenchRunner:
         real_time: bool,
         deadline: float,
         master: int,
+        classes: Optional[Dict[str, Any]] = None,
     ) -> None:
-        self._master = master
+        self._master, self._classes = master, classes or {}
+        self.notes: List[str] = []
         self._bench, self._command, self._environment = bench, command, environment
         self._real_time, self._deadline = real_time, deadline
         #: Longest time of the clock until a first answer, so far [s].
@@ -76,6 +84,14 @@ class BenchRunner:
         :raises PublisherConflict: if another node publishes the bench's topics
         :raises OSError: if the controller cannot be started
         """
+        record = self._start_and_run(scenario)
+        if record is None:  # the bench has the controller's types now
+            record = self._start_and_run(scenario)
+            assert record is not None
+        return record
+
+    def _start_and_run(self, scenario: Scenario) -> Optional[Record]:
+        """Run one scenario; return None if it is to be run again, with other types."""
         self._wait_until_alone()
         self._clock = _FIRST_CLOCK
         controller: Optional[ControllerProcess] = None
@@ -87,10 +103,30 @@ class BenchRunner:
             if controller is not None:
                 controller.end()
 
-    def _run(self, scenario: Scenario, controller: ControllerProcess) -> Record:
+    def _follow_types(self) -> bool:
+        """Adopt the controller's types of topics that are not connected; return False without any.
+
+        Once: the types that it was told itself cannot be the reason.
+        """
+        if self.notes:
+            return False
+        types, messages = self._bench.types_of_controller(), dict(self._bench.messages)
+        for topic, message in messages.items():
+            kind = types.get("/" + topic, message.message_class._type)
+            if kind != message.message_class._type:
+                with contextlib.suppress(MessageTypeError):
+                    messages[topic] = loop_message(topic, class_of(topic, kind, self._classes))
+                    self.notes.append(describe(messages[topic]))
+        if self.notes:
+            self._bench.follow(messages)
+        return bool(self.notes)
+
+    def _run(self, scenario: Scenario, controller: ControllerProcess) -> Optional[Record]:
         experiment = Experiment(scenario, self._clock)
         if not self._connect(experiment, controller):
             failure = ENDED if controller.status is not None else NOT_CONNECTED
+            if failure == NOT_CONNECTED and self._follow_types():
+                return None
             missing, hint = self._bench.missing(), self._bench.hint()
             return Record(scenario, failure, controller.last_words(), missing, hint)
         self._bench.check_publishers()

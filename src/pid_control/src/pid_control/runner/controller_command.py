@@ -1,7 +1,9 @@
 """Command that starts a controller: a program, or one node of a launch file."""
 
+import contextlib
 import difflib
 import os
+import shlex
 import subprocess
 from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
@@ -30,7 +32,8 @@ class ControllerCommand(NamedTuple):
     :ivar environment: all environment variables
     :ivar parameters: parameters to set, by global name
     :ivar of_others: private parameters of the other nodes of its launch file, by global name
-    :ivar notes: repairs that were needed to start it
+    :ivar package: folder of its package; empty without one
+    :ivar notes: repairs that were needed to start it, and what was found for it
     """
 
     name: str
@@ -39,10 +42,14 @@ class ControllerCommand(NamedTuple):
     parameters: Dict[str, Any]
     of_others: Dict[str, Any]
     notes: Sequence[str] = ()
+    package: str = ""
 
 
 def find_controller(
-    words: Sequence[str], node: Optional[str] = None, workspace: Optional[str] = None
+    words: Sequence[str],
+    node: Optional[str] = None,
+    workspace: Optional[str] = None,
+    launch: Optional[str] = None,
 ) -> ControllerCommand:
     """Find the controller that a command line names.
 
@@ -51,16 +58,106 @@ def find_controller(
     :param node: name of the node in a launch file; by default the node whose name or program
         contains "control"
     :param workspace: the controller's workspace if not this one: its folder, devel or install
+    :param launch: launch file that starts the program, whose parameters it gets; by default one of
+        its package, if the program has no arguments
     :raises CommandError: if the controller cannot be found
     """
     environment = _environment(workspace) if workspace is not None else dict(os.environ)
     path, arguments = _path(words, environment)
-    if not path.endswith(".launch"):
-        if node is not None:
-            raise CommandError(f"--node: only valid with a launch file ({path})")
-        start, notes = _start(path, environment)
-        return ControllerCommand(path, [*start, *arguments], environment, {}, {}, notes)
-    return _command_of_launch_file(path, arguments, node, environment)
+    package = _package_of(path, words, environment)
+    if path.endswith(".launch"):
+        if launch is not None:
+            raise CommandError(f"--launch: only valid with a program ({path})")
+        found = _command_of_launch_file(path, arguments, node, environment)
+        return found._replace(package=package)
+    if node is not None:
+        raise CommandError(f"--node: only valid with a launch file ({path})")
+    start, notes = _start(path, environment)
+    command = ControllerCommand(path, [*start, *arguments], environment, {}, {}, notes, package)
+    if arguments and launch is None:
+        return command  # it is run as told
+    return _with_launch_file(command, path, launch)
+
+
+def _package_of(path: str, words: Sequence[str], environment: Dict[str, str]) -> str:
+    """Return the folder of the package of a file, or of that named; empty without one."""
+    folder = os.path.dirname(os.path.realpath(path))
+    while folder != os.path.dirname(folder):
+        if os.path.isfile(os.path.join(folder, "package.xml")):
+            return folder
+        folder = os.path.dirname(folder)
+    with contextlib.suppress(rospkg.ResourceNotFound):  # a program of a built workspace
+        return str(rospkg.RosPack(rospkg.get_ros_paths(env=environment)).get_path(words[0]))
+    return ""
+
+
+def _with_launch_file(
+    command: ControllerCommand, path: str, launch: Optional[str]
+) -> ControllerCommand:
+    """Return a command with the parameters and names that a launch file has for its program."""
+    files = [launch] if launch is not None else _launch_files(command.package, path)
+    problems: List[str] = []
+    for file in files:
+        try:
+            with _environment_of(command):
+                config = roslaunch.config.load_config_default([(file, [])], None)
+                nodes = [one for one in config.nodes if one.type == os.path.basename(path)]
+                if not nodes:
+                    continue
+                variables = setup_env(nodes[0], local_machine(), "", command.environment)
+        except (RLException, NodeParamsException, ValueError, OSError) as error:
+            problems.append(f"{file} cannot be used: {' '.join(str(error).split())[:200]}")
+            continue
+        node = nodes[0]
+        parameters, of_others = _split_parameters(config, node)
+        names = [f"__name:={node.name}", *(f"{old}:={new}" for old, new in node.remap_args)]
+        return command._replace(
+            argv=[*command.argv, *shlex.split(node.args or ""), *names],
+            environment=variables,
+            parameters=parameters,
+            of_others=of_others,
+            notes=[*command.notes, f"{file}: its parameters and names for {_name(node)} are used"],
+        )
+    if launch is not None:
+        why = problems[0] if problems else f"{launch} does not start {os.path.basename(path)}"
+        raise CommandError(f"--launch: {why}")
+    return command._replace(notes=[*command.notes, *problems])
+
+
+def _launch_files(package: str, path: str) -> List[str]:
+    """Return the launch files of a package that name a program."""
+    found = []
+    for file in sorted(_files(package)) if package else []:
+        if file.endswith(".launch"):
+            with open(file, encoding="utf-8", errors="replace") as opened:
+                if os.path.basename(path) in opened.read():
+                    found.append(file)
+    return found
+
+
+@contextlib.contextmanager
+def _environment_of(command: ControllerCommand) -> Iterator[None]:
+    """Set the controller's environment, with its package among the packages, for $(find …)."""
+    before = dict(os.environ)
+    paths = [command.package, command.environment.get("ROS_PACKAGE_PATH", "")]
+    os.environ.update(command.environment, ROS_PACKAGE_PATH=os.pathsep.join(filter(None, paths)))
+    try:
+        yield
+    finally:
+        os.environ.clear()
+        os.environ.update(before)
+
+
+def _split_parameters(config: Any, node: Node) -> Tuple[Dict[str, Any], Dict[str, Any]]:
+    """Return the parameters of a launch file for a node, and the private ones of the others."""
+    own = _name(node) + "/"
+    others = tuple(_name(other) + "/" for other in config.nodes if other is not node)
+    parameters: Dict[str, Any] = {}
+    of_others: Dict[str, Any] = {}
+    for key, parameter in config.params.items():
+        is_others = key.startswith(others) and not key.startswith(own)
+        (of_others if is_others else parameters)[key] = parameter.value
+    return parameters, of_others
 
 
 def _start(path: str, environment: Dict[str, str]) -> Tuple[Sequence[str], Sequence[str]]:
@@ -173,13 +270,7 @@ def _command_of_launch_file(
         os.environ.clear()
         os.environ.update(before)
     start, notes = start_words(command[0], variables)
-    own = _name(node) + "/"
-    others = tuple(_name(other) + "/" for other in config.nodes if other is not node)
-    parameters: Dict[str, Any] = {}
-    of_others: Dict[str, Any] = {}
-    for key, parameter in config.params.items():
-        is_others = key.startswith(others) and not key.startswith(own)
-        (of_others if is_others else parameters)[key] = parameter.value
+    parameters, of_others = _split_parameters(config, node)
     name, command = f"{path} {_name(node)}", [*start, *command[1:]]
     return ControllerCommand(name, command, variables, parameters, of_others, notes)
 

@@ -15,15 +15,15 @@ class PrivateMaster:
     """Master on a free port of this machine, with a folder for the files of its nodes.
 
     ``environment`` holds the environment variables of its nodes; they are set in this process too,
-    before it becomes a node. ``pid`` is its process.
+    before it becomes a node. ``pid`` is its process, ``folder`` the folder.
     """
 
     def __init__(self) -> None:
-        self._folder = tempfile.mkdtemp(prefix="judge-")
+        self.folder = tempfile.mkdtemp(prefix="judge-")
         for name in ("ROS_IP", "ROS_NAMESPACE"):
             os.environ.pop(name, None)
-        own = {"ROS_HOSTNAME": "localhost", "ROS_HOME": self._folder}
-        own["ROS_LOG_DIR"] = os.path.join(self._folder, "log")
+        own = {"ROS_HOSTNAME": "localhost", "ROS_HOME": self.folder}
+        own["ROS_LOG_DIR"] = os.path.join(self.folder, "log")
         os.environ.update(own)
         self._master: Optional[Master] = None
         try:
@@ -48,4 +48,4 @@ class PrivateMaster:
         """Kill the master, and remove the folder."""
         if self._master is not None:
             self._master.kill()
-        shutil.rmtree(self._folder, ignore_errors=True)
+        shutil.rmtree(self.folder, ignore_errors=True)

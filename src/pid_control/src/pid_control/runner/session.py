@@ -1,7 +1,8 @@
 """Session of one judgement: a controller, its scenarios, and a simulated or a real plant."""
 
+import os
 import time
-from typing import List, Optional, Sequence, Tuple
+from typing import List, Mapping, Optional, Sequence, Tuple
 
 from pid_control.judging.evidence import adapted
 from pid_control.judging.judgement import Judgement, is_fatal, judge
@@ -9,8 +10,10 @@ from pid_control.judging.limits import Limits
 from pid_control.judging.record import Record
 from pid_control.judging.scenarios import BY_NAME, Scenario
 from pid_control.runner.controller_command import ControllerCommand
+from pid_control.runner.loop_messages import MessageTypeError, told_message
 from pid_control.runner.outcome import JudgingError, Runner, TimeLimitExceeded
 from pid_control.runner.private_master import PrivateMaster
+from pid_control.runner.student_messages import read_messages
 
 
 class Session:
@@ -20,8 +23,10 @@ class Session:
     :param only: scenarios to run; None for all that suit the plant
     :param limits: limits of the figures
     :param time_limit: time limit [s]
+    :param types: ``PACKAGE/TYPE/FIELD`` of topics whose type is not to be found, by topic
 
     :ivar records: records of the scenarios so far
+    :ivar notes: notes on the types of the controller's messages
     """
 
     def __init__(
@@ -30,7 +35,9 @@ class Session:
         only: Optional[Sequence[Scenario]],
         limits: Limits,
         time_limit: float,
+        types: Optional[Mapping[str, str]] = None,
     ) -> None:
+        self._types, self.notes = types or {}, list(command.notes)
         self._command, self._only, self._limits = command, only, limits
         self._time_limit, self._deadline = time_limit, time.monotonic() + time_limit
         self.records: List[Record] = []
@@ -47,18 +54,32 @@ class Session:
             from pid_control.runner.bench_runner import BenchRunner
             from pid_control.runner.test_bench import PublisherConflict, TestBench
 
-            bench = TestBench()
-            environment = master.environment
+            found = read_messages(self._command, os.path.join(master.folder, "messages"))
+            told = {
+                topic: told_message(topic, text, found.classes)
+                for topic, text in self._types.items()
+            }
+            self.notes = list(found.command.notes)
+            bench = TestBench({**found.by_topic, **told})
             runner = BenchRunner(
-                bench, self._command, environment, real_time, self._deadline, master.pid
+                bench,
+                found.command,
+                master.environment,
+                real_time,
+                self._deadline,
+                master.pid,
+                found.classes,
             )
             try:
                 reason = self._run(runner, self._only or list(BY_NAME.values()))
             except PublisherConflict as error:
                 raise JudgingError(str(error)) from None
+            self.notes += runner.notes
             if not master.is_running():
                 raise JudgingError("the judge's own master ended; is this machine out of memory?")
             bench.close()
+        except MessageTypeError as error:
+            raise JudgingError(str(error)) from None
         finally:
             master.close()
         return judge(self.records, self._limits, reason)

@@ -1,14 +1,17 @@
 """Test bench of a controller: motor, set point and clock in one node."""
 
+import contextlib
 import threading
-from typing import Dict, List
+import xmlrpc.client
+from typing import Any, Dict, List, Optional
 
+import rosgraph
 import rospy
 from rosgraph_msgs.msg import Clock
 
 from nodekit import init_node
 from pid_control.judging.experiment import Outgoing
-from pid_control.msg import motor_input, motor_output, set_point
+from pid_control.runner.loop_messages import LoopMessage, course_messages
 
 #: Name of the node.
 NAME = "judge"
@@ -22,17 +25,50 @@ class TestBench:
     """Node that publishes ``motor_output``, ``set_point`` and ``/clock``, and receives the inputs.
 
     Create it once per process, after ROS_MASTER_URI is set.
+
+    :param messages: messages of the topics; the course's by default
+
+    :ivar messages: messages of the topics
     """
 
-    def __init__(self) -> None:
+    def __init__(self, messages: Optional[Dict[str, LoopMessage]] = None) -> None:
         self.node = init_node(NAME)
+        self.messages = messages or course_messages()
         self._lock = threading.Lock()
         self._inputs: List[float] = []
         self._clock = self.node.create_publisher("/clock", Clock)
-        self._output = self.node.create_publisher("/motor_output", motor_output)
-        self._set_point = self.node.create_publisher("/set_point", set_point)
-        self._input = self.node.create_subscription("/motor_input", motor_input, self._on_input)
+        self._open()
         self.node.start()
+
+    def _open(self) -> None:
+        classes = {topic: one.message_class for topic, one in self.messages.items()}
+        self._output = self.node.create_publisher("/motor_output", classes["motor_output"])
+        self._set_point = self.node.create_publisher("/set_point", classes["set_point"])
+        self._input = self.node.create_subscription(
+            "/motor_input", classes["motor_input"], self._on_input
+        )
+
+    def follow(self, messages: Dict[str, LoopMessage]) -> None:
+        """Use other messages for the topics from now on.
+
+        :param messages: message of each topic
+        """
+        for topic in (self._output, self._set_point, self._input):
+            topic.close()
+        self.messages = messages
+        self._open()
+
+    def types_of_controller(self) -> Dict[str, str]:
+        """Return the types of the topics that other nodes publish and subscribe to, as they say."""
+        found: Dict[str, str] = {}
+        publishers, subscribers, _ = rospy.get_master().getSystemState()[2]
+        nodes = {node for _, names in publishers + subscribers for node in names}
+        for node in nodes - {rospy.get_name()}:
+            with contextlib.suppress(OSError, rosgraph.MasterException, xmlrpc.client.Error):
+                with xmlrpc.client.ServerProxy(rosgraph.Master(NAME).lookupNode(node)) as proxy:
+                    for answer in (proxy.getPublications(NAME), proxy.getSubscriptions(NAME)):
+                        found.update(dict(answer[2]))  # type: ignore[index, arg-type]
+        return found
 
     def close(self) -> None:
         """Shut the node down for good, while the master still runs."""
@@ -51,14 +87,18 @@ class TestBench:
         return self._clock.get_num_connections() > 0
 
     def hint(self) -> str:
-        """Return a text about topics published instead of motor_input, if any."""
-        own = {"/motor_output", "/set_point", "/clock", "/rosout", "/rosout_agg"}
-        types = {topic: kind for topic, kind in rospy.get_published_topics() if topic not in own}
-        kind = types.get("/motor_input", motor_input._type)
-        if kind != motor_input._type:
-            return f"it publishes that as {kind}, not as {motor_input._type}"
-        others = ", ".join(sorted(types))
-        return f"it publishes {others}" if others else ""
+        """Return a text about other types, or topics, of the controller, if any."""
+        own = {"/motor_output", "/set_point", "/motor_input", "/clock", "/rosout", "/rosout_agg"}
+        types = self.types_of_controller()
+        for name in self.missing():
+            message_class = self.messages[name].message_class
+            kind = types.get("/" + name, message_class._type)
+            if kind != message_class._type:
+                return f"its {name} is {kind}, not {message_class._type}"
+            if "/" + name in types:
+                return f"its {name} has another definition of {kind} than the judge"
+        others = ", ".join(sorted(topic for topic in types if topic not in own))
+        return f"it has the topics {others}" if others else ""
 
     def check_publishers(self) -> None:
         """Check that no other node publishes the bench's topics.
@@ -85,9 +125,10 @@ class TestBench:
         :param time: time of the clock [s]
         """
         if outgoing.set_point is not None:
-            self._set_point.publish(set_point(outgoing.set_point, time))
+            message = self.messages["set_point"].filled(outgoing.set_point, time)
+            self._set_point.publish(message)
         if outgoing.output is not None:
-            self._output.publish(motor_output(*outgoing.output))
+            self._output.publish(self.messages["motor_output"].filled(*outgoing.output))
         self._clock.publish(Clock(rospy.Time.from_sec(time)))
 
     def pop_inputs(self) -> List[float]:
@@ -96,6 +137,6 @@ class TestBench:
             inputs, self._inputs = self._inputs, []
         return inputs
 
-    def _on_input(self, message: motor_input) -> None:
+    def _on_input(self, message: Any) -> None:
         with self._lock:
-            self._inputs.append(message.input)
+            self._inputs.append(self.messages["motor_input"].value(message))

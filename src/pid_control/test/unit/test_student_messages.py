@@ -1,0 +1,116 @@
+"""Tests of the messages of a student's package."""
+
+import pathlib
+import subprocess
+import sys
+from typing import Any, Dict
+
+import pytest
+from std_msgs.msg import Float32, String
+
+from pid_control.msg import motor_output, set_point
+from pid_control.runner.controller_command import ControllerCommand
+from pid_control.runner.loop_messages import (
+    MessageTypeError,
+    course_messages,
+    loop_message,
+    told_message,
+)
+from pid_control.runner.student_messages import StudentMessages, read_messages
+
+
+def read(tmp_path: pathlib.Path, name: str, definitions: Dict[str, str]) -> StudentMessages:
+    """Read the messages of a package with these definitions."""
+    package = tmp_path / "package"
+    (package / "msg").mkdir(parents=True)
+    (package / "package.xml").write_text(f"<package><name>{name}</name></package>")
+    for message, text in definitions.items():
+        (package / "msg" / f"{message}.msg").write_text(text)
+    command = ControllerCommand("x", ["x"], {}, {}, {}, package=str(package))
+    return read_messages(command, str(tmp_path / "scratch"))
+
+
+@pytest.mark.parametrize("field", ["setpoint", "set_point", "value", "data", "reference"])
+def test_own_set_point_is_followed_by_its_first_float(tmp_path: pathlib.Path, field: str) -> None:
+    found = read(tmp_path, "pid_control", {"set_point": f"float64 time\nfloat32 {field}\n"})
+    message = found.by_topic["set_point"]
+    assert (message.field, message.is_of_course) == (field, False)
+    filled = message.filled(1.5, 2.0)
+    assert (getattr(filled, field), filled.time) == (1.5, 2.0)
+    assert any(
+        f"float32 {field}" in note and "float32 setPoint" in note for note in found.command.notes
+    )
+
+
+def test_own_messages_have_the_definition_that_the_controller_imports(
+    tmp_path: pathlib.Path,
+) -> None:
+    definitions = {"set_point": "float32 value\n", "motor_input": "float32 u\nfloat64 time\n"}
+    found = read(tmp_path, "pid_control", definitions)
+    program = "from pid_control.msg import set_point; print(set_point._md5sum, set_point().value)"
+    path = f"{found.command.environment['PYTHONPATH']}:{':'.join(sys.path)}"
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={"PYTHONPATH": path},
+        stdout=subprocess.PIPE,
+        check=True,
+        universal_newlines=True,
+    )
+    own: Any = found.by_topic["set_point"].message_class
+    assert done.stdout.split() == [own._md5sum, "0.0"]
+    assert own._md5sum != set_point._md5sum
+
+
+def test_empty_set_point_of_the_template_is_that_of_the_course(tmp_path: pathlib.Path) -> None:
+    found = read(tmp_path, "pid_control", {"set_point": "\n"})
+    assert all(message.is_of_course for message in found.by_topic.values())
+    notes = " ".join(found.command.notes)
+    assert "set_point.msg is empty or missing; the judge's is used" in notes
+
+
+def test_package_of_another_name_has_its_own_types(tmp_path: pathlib.Path) -> None:
+    found = read(tmp_path, "reto", {"set_point": "float32 r\n", "Other": "string text\n"})
+    assert found.by_topic["set_point"].message_class._type == "reto/set_point"
+    assert found.by_topic["motor_output"].is_of_course
+
+
+def test_package_without_messages_or_with_invalid_ones_has_those_of_the_course(
+    tmp_path: pathlib.Path,
+) -> None:
+    assert read(tmp_path / "a", "reto", {}).by_topic == course_messages()
+    found = read(tmp_path / "b", "reto", {"set_point": "no_such_type x y\n"})
+    assert found.by_topic == course_messages()
+    assert list(found.command.notes) == ["the messages of reto cannot be generated"]
+
+
+def test_message_without_a_float_names_its_fields(tmp_path: pathlib.Path) -> None:
+    says = r"set_point: std_msgs/String has no float field; its fields are: string data"
+    with pytest.raises(MessageTypeError, match=says):
+        loop_message("set_point", String)
+
+
+def test_told_type_and_field_are_used() -> None:
+    message = told_message("set_point", "std_msgs/Float32/data", {})
+    assert (message.message_class, message.field) == (Float32, "data")
+    assert message.filled(2.5, 1.0).data == 2.5
+    assert told_message("motor_output", "pid_control/motor_output", {}).field == "output"
+
+
+@pytest.mark.parametrize(
+    "text, says",
+    [
+        ("Float32", r"set_point: must be PACKAGE/TYPE/FIELD \(Float32\)"),
+        ("std_msgs/Float32/dat", "std_msgs/Float32 has no float field dat"),
+        ("no_such/Type/x", r"set_point: type not found \(no_such/Type\)"),
+    ],
+)
+def test_told_type_that_does_not_exist_is_refused(text: str, says: str) -> None:
+    with pytest.raises(MessageTypeError, match=says):
+        told_message("set_point", text, {})
+
+
+def test_message_of_the_course_has_value_time_and_status() -> None:
+    message = course_messages()["motor_output"]
+    filled = message.filled(3.0, 1.25, "Motor Turning")
+    assert filled == motor_output(3.0, 1.25, "Motor Turning")
+    assert message.value(filled) == 3.0

@@ -28,6 +28,8 @@ _FIRST_CLOCK = 0.01
 _FIRST_TOPIC_S, _ALL_TOPICS_S, _GONE_S = 20.0, 5.0, 5.0
 #: Time for a connected controller to subscribe to the clock [s], which is optional.
 _CLOCK_S = 1.0
+#: Answers to one step that only a loop without a pause sends.
+_FLOOD = 100
 #: Longest time of the clock until the first answer of a controller that a motor awaits [s].
 _FIRST_ANSWER_S = 10.0
 #: Longest wait for an idle controller before each step until it answers [s].
@@ -147,8 +149,9 @@ class BenchRunner:
             now = self._clock
             self._bench.send(experiment.send(now), now)
             self._clock += experiment.step_after(now)
-            restless.update(clock.wait(self._clock - began))
-            for value in self._bench.pop_inputs():
+            is_idle, inputs = clock.wait(self._clock - began), self._bench.pop_inputs()
+            restless.update(is_idle and len(inputs) < _FLOOD)
+            for value in inputs:
                 answers.append((experiment.time_at(now), value))
                 experiment.answer(now, value)
             if any(now < zero + at <= self._clock for at in scenario.pauses):
@@ -188,7 +191,7 @@ class BenchRunner:
                         return True
             if controller.status is not None:
                 return False
-            if now > end and (watch.is_idle() or watch.busy() > _FIRST_TOPIC_S):
+            if self._bench.missing() and now > end and (watch.is_idle() or watch.busy() > _FIRST_TOPIC_S):
                 return False  # not while it still starts, on a busy machine
             self._bench.send(experiment.send(self._clock), self._clock)
             if self._bench.has_clock_listener() or answer_end < math.inf:

@@ -9,7 +9,8 @@ from typing import List
 import pytest
 
 from pid_control.runner import batch
-from pid_control.runner.batch import packages_in, run_bounded
+from pid_control.runner.batch import run_bounded
+from pid_control.runner.submissions import packages_in
 
 #: Stands for a build: makes a workspace, and says something in the user's language.
 CATKIN_MAKE = """#!/bin/sh
@@ -115,3 +116,58 @@ def test_run_bounded_ends_a_hanging_command(monkeypatch: "pytest.MonkeyPatch") -
     command = ["sh", "-c", "trap '' INT; echo begun; sleep 60 & wait; sleep 60"]
     assert run_bounded(command, 0.5, dict(os.environ))[0] == "begun\n"
     assert time.monotonic() - began < 20.0
+
+
+@pytest.mark.parametrize(
+    "name, text, has_messages",
+    [
+        ("anna", "find_package(catkin REQUIRED pid_control)", True),
+        ("anna", "find_package(catkin REQUIRED roscpp)", False),
+        ("pid_control", "project(pid_control)", False),
+    ],
+)
+def test_build_adds_the_messages_of_the_course_if_they_are_used(
+    tmp_path: pathlib.Path,
+    monkeypatch: "pytest.MonkeyPatch",
+    name: str,
+    text: str,
+    has_messages: bool,
+) -> None:
+    put_catkin_make(tmp_path, monkeypatch, "languages: $ROS_LANG_DISABLE", 1)
+    monkeypatch.setenv("ROS_LANG_DISABLE", "gencpp:genlisp")
+    package = tmp_path / "x"
+    package.mkdir()
+    (package / "package.xml").write_text(f"<package><name>{name}</name></package>")
+    (package / "CMakeLists.txt").write_text(text)
+    with pytest.raises(batch._Broken, match=r"languages: genlisp \(C\)"):
+        batch.build(str(package), str(tmp_path / "scratch"))
+    added = tmp_path / "scratch" / "workspace" / "src" / "pid_control"
+    assert added.exists() == has_messages
+    if has_messages:
+        assert (added / "msg" / "motor_input.msg").is_file()
+
+
+def test_batch_with_a_roster_names_students_and_writes_a_page_for_each(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    class_, output, judge = tmp_path / "class", tmp_path / "out", tmp_path / "judge"
+    (class_ / "g1" / "scripts").mkdir(parents=True)
+    (class_ / "g1" / "package.xml").write_text("")
+    (class_ / "g1" / "scripts" / "controller.py").write_text("")
+    (class_ / "g2.txt").write_text("")
+    judge.write_text("print('judged: <it>')")
+    monkeypatch.setattr(sys, "argv", [str(judge)])
+    roster = {"g1": "Anna", "g3": "Cleo"}
+    status = batch.Batch(str(class_), [], [], str(output), 10.0, roster).run()
+    assert status == 1
+    lines = (output / "class.csv").read_text().splitlines()
+    assert [line.split(",")[:3] for line in lines] == [
+        ["student", "controller", "verdict"],
+        ["Anna", "g1", "not judged"],
+        ["", "g2.txt", "not judged"],
+        ["Cleo", "g3", "not judged"],
+    ]
+    page = (output / "g1.html").read_text()
+    assert "<h1>Anna g1</h1>" in page and "judged: &lt;it&gt;" in page
+    assert "nothing handed in" in (output / "g3.html").read_text()
+    assert "<th>student</th>" in (output / "class.html").read_text()

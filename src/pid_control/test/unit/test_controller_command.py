@@ -143,6 +143,14 @@ def test_find_controller_starts_python_file_and_notes_repairs(
         controller.end()
 
 
+def test_find_controller_compiled_program_is_started_as_it_is(tmp_path: pathlib.Path) -> None:
+    program = tmp_path / "controller.py"  # its target in CMakeLists.txt may be called so
+    program.write_bytes(b"\x7fELF\x02\x01")
+    program.chmod(0o755)
+    command = find_controller([str(program)])
+    assert (command.argv, list(command.notes)) == ([str(program)], [])
+
+
 def test_find_controller_of_launch_file_starts_python_node(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:

@@ -136,6 +136,11 @@ def _parser() -> argparse.ArgumentParser:
         help="judge each package in a folder, and write class.csv and class.html",
     )
     parser.add_argument(
+        "--roster",
+        metavar="FILE.csv",
+        help="for --class: rows of a folder or archive, and its student",
+    )
+    parser.add_argument(
         "--output",
         metavar="DIR",
         default=".",
@@ -196,6 +201,8 @@ def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, Li
     from pid_control.runner.controller_command import CommandError, find_controller
     from pid_control.runner.session import Session
 
+    if arguments.roster is not None:
+        raise JudgingError("--roster: only valid with --class")
     if not arguments.words:
         raise JudgingError("controller missing; give a package and a name in it, or a path")
     if arguments.full_speed is not None and not arguments.real_plant:
@@ -222,9 +229,11 @@ def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, Li
 
 def _judge_class(arguments: argparse.Namespace) -> int:
     from pid_control.runner.batch import Batch
+    from pid_control.runner.submissions import RosterError, read_roster
 
-    if arguments.node or arguments.workspace or arguments.picture or arguments.csv:
-        _parser().error("--node, --workspace, --picture and --csv: not valid with --class")
+    for name in ("node", "workspace", "launch", "picture", "csv"):
+        if getattr(arguments, name):
+            _parser().error(f"--{name}: not valid with --class")
     if not os.path.isdir(arguments.class_folder):
         _parser().error(f"--class: not a folder ({arguments.class_folder})")
     options = ["--time-limit", str(arguments.time_limit)]
@@ -238,9 +247,16 @@ def _judge_class(arguments: argparse.Namespace) -> int:
         options.append("--real-plant")
     if arguments.full_speed is not None:
         options += ["--full-speed", str(arguments.full_speed)]
+    for topic in _TOPICS:
+        if getattr(arguments, topic) is not None:
+            options += ["--" + topic.replace("_", "-"), getattr(arguments, topic)]
+    try:
+        roster = read_roster(arguments.roster) if arguments.roster is not None else {}
+    except (RosterError, UnicodeDecodeError) as error:
+        _parser().error(f"--roster: {arguments.roster}: {error}")
     output = os.path.abspath(arguments.output)
     folder, limit = arguments.class_folder, arguments.time_limit
-    return Batch(folder, arguments.words, options, output, limit).run()
+    return Batch(folder, arguments.words, options, output, limit, roster).run()
 
 
 def _report(

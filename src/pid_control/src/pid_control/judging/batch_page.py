@@ -31,16 +31,40 @@ def as_html(rows: Sequence[Dict[str, str]], files: Dict[str, List[str]]) -> str:
     if flaws:
         said = ", ".join(f"{escape(flaw)} ({count})" for flaw, count in flaws.most_common())
         lines.append(f"<p>Flaws: {said}</p>")
-    lines.append("<table><tr><th>controller</th><th>verdict</th><th>why</th><th></th></tr>")
+    has_students = any("student" in row for row in rows)
+    head = "<th>student</th>" if has_students else ""
+    lines.append(f"<table><tr>{head}<th>controller</th><th>verdict</th><th>why</th><th></th></tr>")
     for row in rows:
         verdict = row["verdict"]
         links = " ".join(
             f'<a href="{quote(name)}">{escape(name.rpartition(".")[2])}</a>'
             for name in files.get(row["controller"], [])
         )
+        student = f"<td>{escape(row['student'])}</td>" if has_students else ""
         lines.append(
-            f"<tr><td>{escape(row['controller'])}</td>"
+            f"<tr>{student}<td>{escape(row['controller'])}</td>"
             f'<td class="{escape(verdict.replace(" ", "-"))}">{escape(verdict)}</td>'
             f"<td>{escape(row['why'])}</td><td>{links}</td></tr>"
         )
     return "\n".join([*lines, "</table></body></html>"]) + "\n"
+
+
+def as_page_of_student(row: Dict[str, str], text: str, pictures: Sequence[str]) -> str:
+    """Return the HTML page for a student.
+
+    :param row: row of the CSV file
+    :param text: text of the judgement, if any
+    :param pictures: names of the pictures in the page's folder
+    """
+    title = " ".join(filter(None, [row.get("student"), row["controller"]]))
+    verdict = row["verdict"]
+    lines = [
+        '<!DOCTYPE html><html lang="en"><head><meta charset="utf-8">',
+        f"<title>{escape(title)}</title><style>{_STYLE}</style></head>",
+        f"<body><h1>{escape(title)}</h1>",
+        f'<p class="{escape(verdict.replace(" ", "-"))}">{escape(verdict)}'
+        f"{': ' if row['why'] else ''}{escape(row['why'])}</p>",
+        *(f'<p><img src="{quote(name)}" alt="all scenarios"></p>' for name in pictures),
+        f"<pre>{escape(text)}</pre></body></html>",
+    ]
+    return "\n".join(lines) + "\n"

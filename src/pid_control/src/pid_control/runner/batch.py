@@ -12,10 +12,14 @@ import sys
 import tempfile
 from typing import Dict, List, Optional, Sequence, Tuple
 
-from pid_control.judging.batch_page import as_html
+import rospkg
+
+from pid_control.judging.batch_page import as_html, as_page_of_student
 from pid_control.judging.judgement import FAILED, NOT_JUDGED, PASSED, STATUS, Judgement
 from pid_control.judging.reports import as_csv
+from pid_control.runner.archives import stem_of
 from pid_control.runner.controller_command import find_files, near_names
+from pid_control.runner.submissions import Submission, missing_in, submissions_in
 
 #: Default name of the controller in each package.
 _NAME = "controller.py"
@@ -25,8 +29,22 @@ _BUILD_S, _BEYOND_S = 180.0, 60.0
 _IS_BUILT = re.compile(r"^\s*(add_executable|catkin_python_setup|generate_messages)\b", re.M)
 #: Error line in the output of a build.
 _ERROR = re.compile(r"error", re.IGNORECASE)
-#: Deepest level of a package below the folder.
-_DEEPEST = 3
+#: Message package of the course in a workspace of its own, for programs in C++.
+_MESSAGES = ("motor_input.msg", "motor_output.msg", "set_point.msg")
+_MESSAGES_XML = """<package format="2">
+  <name>pid_control</name><version>1.0.0</version><description>messages</description>
+  <maintainer email="judge@example.invalid">judge</maintainer><license>BSD</license>
+  <buildtool_depend>catkin</buildtool_depend>
+  <depend>message_generation</depend><depend>message_runtime</depend>
+</package>
+"""
+_MESSAGES_CMAKE = f"""cmake_minimum_required(VERSION 3.5)
+project(pid_control)
+find_package(catkin REQUIRED COMPONENTS message_generation)
+add_message_files(FILES {" ".join(_MESSAGES)})
+generate_messages()
+catkin_package(CATKIN_DEPENDS message_runtime)
+"""
 
 
 class _Broken(Exception):
@@ -41,6 +59,7 @@ class Batch:
     :param options: options of each judge
     :param output: folder for the files
     :param time_limit: time limit per package [s]
+    :param roster: student of each folder or archive
     """
 
     def __init__(
@@ -50,7 +69,9 @@ class Batch:
         options: Sequence[str],
         output: str,
         time_limit: float,
+        roster: Optional[Dict[str, str]] = None,
     ) -> None:
+        self._roster = roster or {}
         self._folder, self._output = os.path.abspath(folder), output
         self._name, self._arguments = (name[0], list(name[1:])) if name else (_NAME, [])
         self._options, self._time_limit = list(options), time_limit
@@ -60,35 +81,43 @@ class Batch:
     def run(self) -> int:
         """Judge all packages, and update the files after each of them.
 
-        :returns: exit status: 0 if all passed, 1 if not, 125 if the folder has no package
+        :returns: exit status: 0 if all passed, 1 if not, 125 if there is no package
         """
-        packages = packages_in(self._folder)
-        if not packages:
-            print(f"judge: no package in {self._folder}", file=sys.stderr)
-            return STATUS[NOT_JUDGED]
-        os.makedirs(self._output, exist_ok=True)
-        for package in packages:
-            name = os.path.relpath(package, self._folder)
-            with tempfile.TemporaryDirectory(prefix="judge-") as scratch:
-                row = self._judge(package, name, scratch)
-            self._rows.append(row)
-            print(f"{name}: {row['verdict']}: {row['why'] or 'all figures'}", flush=True)
-            self._write()
+        with tempfile.TemporaryDirectory(prefix="judge-") as unpacked:
+            submissions = submissions_in(self._folder, self._name, unpacked)
+            submissions += missing_in(submissions, self._roster)
+            if not any(submission.package for submission in submissions):
+                for submission in submissions:
+                    print(f"{submission.name}: {NOT_JUDGED}: {submission.why}")
+                print(f"judge: no package in {self._folder}", file=sys.stderr)
+                return STATUS[NOT_JUDGED]
+            os.makedirs(self._output, exist_ok=True)
+            for submission in submissions:
+                with tempfile.TemporaryDirectory(prefix="judge-") as scratch:
+                    row = self._judge(submission, scratch)
+                self._rows.append(row)
+                name = " ".join(filter(None, [row.get("student"), submission.name]))
+                print(f"{name}: {row['verdict']}: {row['why'] or 'all figures'}", flush=True)
+                self._write()
         passed = all(row["verdict"] == PASSED for row in self._rows)
         return STATUS[PASSED if passed else FAILED]
 
-    def _judge(self, package: str, name: str, scratch: str) -> Dict[str, str]:
-        """Judge a package, and return its row."""
+    def _judge(self, submission: Submission, scratch: str) -> Dict[str, str]:
+        """Judge a submission, and return its row."""
+        name, package = submission.name, submission.package
         stem = re.sub(r"[^\w.-]", "_", name)
         picture, words = stem + ".svg", stem + ".txt"
         table = os.path.join(scratch, "judged.csv")
         self._files[name] = []
+        text = ""
         try:
+            if not package:
+                raise _Broken(submission.why)
             found = find_files(package, self._name)
             options = [*self._options, "--csv", table]
             options += ["--picture", os.path.join(self._output, picture)]
-            if _needs_build(package):
-                workspace = build(package, scratch)
+            if any(map(_needs_build, [package, *submission.siblings])):
+                workspace = build(package, scratch, submission.siblings)
                 options += ["--workspace", workspace]
                 found += glob.glob(os.path.join(workspace, "devel", "lib", "*", self._name))
             if not found:
@@ -114,37 +143,27 @@ class Batch:
         except _Broken as error:
             judgement = Judgement(NOT_JUDGED, [], [], str(error))
             [row] = csv.DictReader(io.StringIO(as_csv([(name, judgement)])))
-        return {**row, "controller": name}
+        student = self._roster.get(stem_of(submission.entry), "")
+        row = {**({"student": student} if self._roster else {}), **row, "controller": name}
+        page = stem + ".html"
+        drawn = [file for file in self._files[name] if file == picture]
+        self._put(page, as_page_of_student(row, text, drawn))
+        self._files[name].insert(0, page)
+        return row
 
     def _write(self) -> None:
         text = io.StringIO()
         writer = csv.DictWriter(text, list(self._rows[0]), lineterminator="\n")
         writer.writeheader()
         writer.writerows(self._rows)
-        for name, content in (
-            ("class.csv", text.getvalue()),
-            ("class.html", as_html(self._rows, self._files)),
-        ):
-            path = os.path.join(self._output, name)
-            with open(path + ".part", "w", encoding="utf-8") as file:
-                file.write(content)
-            os.replace(path + ".part", path)
+        self._put("class.csv", text.getvalue())
+        self._put("class.html", as_html(self._rows, self._files))
 
-
-def packages_in(folder: str) -> List[str]:
-    """Return the packages in a folder and its subfolders.
-
-    :param folder: absolute path
-    """
-    found = []
-    for place, folders, files in os.walk(folder):
-        folders.sort()
-        if "package.xml" in files or "CATKIN_IGNORE" in files:
-            folders[:] = []
-            found += [place] if "CATKIN_IGNORE" not in files else []
-        elif os.path.relpath(place, folder).count(os.sep) + 1 >= _DEEPEST:
-            folders[:] = []
-    return sorted(found)
+    def _put(self, name: str, content: str) -> None:
+        path = os.path.join(self._output, name)
+        with open(path + ".part", "w", encoding="utf-8") as file:
+            file.write(content)
+        os.replace(path + ".part", path)
 
 
 def _needs_build(package: str) -> bool:
@@ -155,22 +174,51 @@ def _needs_build(package: str) -> bool:
         return False
 
 
-def build(package: str, scratch: str) -> str:
-    """Build a package in a new workspace.
+def build(package: str, scratch: str, siblings: Sequence[str] = ()) -> str:
+    """Build a package, and those beside it, in a new workspace.
 
     :param package: folder of the package
     :param scratch: folder for the workspace
+    :param siblings: folders of the packages that it may need
     :returns: path of the workspace
     :raises _Broken: if the build fails
     """
     workspace = os.path.join(scratch, "workspace")
     os.makedirs(os.path.join(workspace, "src"))
     os.symlink(package, os.path.join(workspace, "src", os.path.basename(package)))
+    for index, sibling in enumerate(siblings):
+        os.symlink(sibling, os.path.join(workspace, "src", f"sibling{index}"))
+    _add_messages([package, *siblings], os.path.join(workspace, "src"))
     environment = dict(os.environ, LC_ALL="C")  # errors are found by their English text
+    languages = environment.get("ROS_LANG_DISABLE", "").split(os.pathsep)
+    environment["ROS_LANG_DISABLE"] = os.pathsep.join({*languages} - {"gencpp", ""})
     text, status = run_bounded(["catkin_make", "-C", workspace], _BUILD_S, environment)
     if status != 0:
         raise _Broken(f"it does not build: {_first_error(text)}")
     return workspace
+
+
+def _add_messages(packages: Sequence[str], sources: str) -> None:
+    """Add the course's messages to a workspace whose packages use them and lack them.
+
+    Where they were built without C++, there are no headers.
+    """
+    texts = []
+    files = ("CMakeLists.txt", "package.xml")
+    for path in [os.path.join(package, name) for package in packages for name in files]:
+        with contextlib.suppress(OSError, UnicodeDecodeError):
+            with open(path, encoding="utf-8") as file:
+                texts.append(file.read())
+    text = "\n".join(texts)
+    if "pid_control" not in text or re.search(r"<name>\s*pid_control\s*</name>", text):
+        return
+    target = os.path.join(sources, "pid_control")
+    os.makedirs(target)
+    messages = os.path.join(rospkg.RosPack().get_path("pid_control"), "msg")
+    os.symlink(messages, os.path.join(target, "msg"))
+    for name, content in (("package.xml", _MESSAGES_XML), ("CMakeLists.txt", _MESSAGES_CMAKE)):
+        with open(os.path.join(target, name), "w", encoding="utf-8") as file:
+            file.write(content)
 
 
 def _first_error(text: str) -> str:

@@ -191,7 +191,11 @@ class BenchRunner:
                         return True
             if controller.status is not None:
                 return False
-            if self._bench.missing() and now > end and (watch.is_idle() or watch.busy() > _FIRST_TOPIC_S):
+            if (
+                self._bench.missing()
+                and now > end
+                and (watch.is_idle() or watch.busy() > _FIRST_TOPIC_S)
+            ):
                 return False  # not while it still starts, on a busy machine
             self._bench.send(experiment.send(self._clock), self._clock)
             if self._bench.has_clock_listener() or answer_end < math.inf:

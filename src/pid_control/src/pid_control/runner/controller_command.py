@@ -8,6 +8,7 @@ import subprocess
 from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
 
 import roslaunch.config
+import roslaunch.substitution_args
 import rospkg
 from roslaunch.core import Node, RLException, local_machine, setup_env
 from roslaunch.node_args import NodeParamsException, create_local_process_args
@@ -141,11 +142,13 @@ def _environment_of(command: ControllerCommand) -> Iterator[None]:
     before = dict(os.environ)
     paths = [command.package, command.environment.get("ROS_PACKAGE_PATH", "")]
     os.environ.update(command.environment, ROS_PACKAGE_PATH=os.pathsep.join(filter(None, paths)))
+    roslaunch.substitution_args._rospack = None  # it keeps the paths of its first use
     try:
         yield
     finally:
         os.environ.clear()
         os.environ.update(before)
+        roslaunch.substitution_args._rospack = None
 
 
 def _split_parameters(config: Any, node: Node) -> Tuple[Dict[str, Any], Dict[str, Any]]:

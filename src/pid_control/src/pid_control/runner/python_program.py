@@ -8,6 +8,8 @@ from typing import Mapping, Sequence, Tuple
 
 #: Longest first line that is read [bytes]; Linux reads 256.
 _LONGEST = 256
+#: First bytes of a compiled program.
+_ELF = b"\x7fELF"
 
 
 def start_words(path: str, environment: Mapping[str, str]) -> Tuple[Sequence[str], Sequence[str]]:
@@ -20,6 +22,8 @@ def start_words(path: str, environment: Mapping[str, str]) -> Tuple[Sequence[str
     with contextlib.suppress(OSError):  # a program need not be readable
         with open(path, "rb") as file:
             line = file.readline(_LONGEST)
+    if line.startswith(_ELF):
+        return [path], []
     if not path.endswith(".py") and not (line.startswith(b"#!") and b"python" in line):
         return [path], []
     problems = []

@@ -1,0 +1,151 @@
+"""Submissions of a class: packages in folders, workspaces and archives."""
+
+import contextlib
+import csv
+import os
+import re
+from typing import Dict, List, NamedTuple, Sequence
+
+from pid_control.runner.archives import ArchiveError, is_archive, stem_of, unpack
+from pid_control.runner.controller_command import find_files
+
+#: Deepest level of a package below a folder, and below a submission.
+_DEEPEST, _DEEPEST_OF_ENTRY = 3, 5
+#: Folders of a workspace that have no sources.
+_BUILT = ("build", "devel", "install", "logs")
+
+
+class RosterError(Exception):
+    """A roster cannot be read; the message says why."""
+
+
+class Submission(NamedTuple):
+    """A package to judge, or an entry that has none.
+
+    :ivar name: path below the folder of the class
+    :ivar entry: name of the folder, archive or file in the folder of the class
+    :ivar package: folder of the package; empty if there is nothing to judge
+    :ivar why: why there is nothing to judge
+    :ivar siblings: folders of the other packages of the entry
+    """
+
+    name: str
+    entry: str
+    package: str
+    why: str = ""
+    siblings: Sequence[str] = ()
+
+
+def packages_in(folder: str, deepest: int = _DEEPEST) -> List[str]:
+    """Return the packages in a folder and its subfolders.
+
+    :param folder: absolute path
+    :param deepest: deepest level of a package
+    """
+    found = []
+    for place, folders, files in os.walk(folder):
+        folders[:] = sorted(name for name in folders if name[0] != "." and name not in _BUILT)
+        if "package.xml" in files or "CATKIN_IGNORE" in files:
+            folders[:] = []
+            found += [place] if "CATKIN_IGNORE" not in files else []
+        elif os.path.relpath(place, folder).count(os.sep) + 1 >= deepest:
+            folders[:] = []
+    return sorted(found)
+
+
+def submissions_in(folder: str, controller: str, scratch: str) -> List[Submission]:
+    """Return at least one submission for each entry of a folder that is not hidden.
+
+    :param folder: absolute path of the folder of the class
+    :param controller: name of the controller in each package
+    :param scratch: folder for unpacked archives
+    """
+    if os.path.isfile(os.path.join(folder, "package.xml")):
+        return [Submission(".", ".", folder)]
+    found: List[Submission] = []
+    for index, entry in enumerate(sorted(os.listdir(folder))):
+        if entry[0] != ".":
+            place = os.path.join(folder, entry)
+            found += _of_entry(entry, place, controller, os.path.join(scratch, str(index)))
+    return found
+
+
+def _of_entry(entry: str, place: str, controller: str, scratch: str) -> List[Submission]:
+    if is_archive(place):
+        try:
+            unpack(place, scratch)
+        except ArchiveError as error:
+            return [Submission(entry, entry, "", str(error))]
+        place = scratch
+    elif not os.path.isdir(place):
+        return [Submission(entry, entry, "", "it is neither a folder nor an archive (zip, tar)")]
+    packages = packages_in(place, _DEEPEST_OF_ENTRY)
+    if not packages and place != scratch:
+        inner = [name for name in sorted(os.listdir(place)) if is_archive(f"{place}/{name}")]
+        if inner:
+            found: List[Submission] = []
+            for name in inner:
+                path = os.path.join(place, name)
+                found += _of_entry(name, path, controller, f"{scratch}-{len(found)}")
+            return [one._replace(name=f"{entry}/{one.name}", entry=entry) for one in found]
+    if not packages:
+        return [Submission(entry, entry, "", _without_package(place, controller))]
+    # Of several packages those with a controller count: the others are messages or tools.
+    chosen = [one for one in packages if find_files(one, controller)]
+    chosen = chosen or [one for one in packages if _builds(one, controller)] or packages[:1]
+    return [
+        Submission(
+            os.path.normpath(os.path.join(entry, os.path.relpath(one, place))),
+            entry,
+            one,
+            siblings=[other for other in packages if other != one],
+        )
+        for one in chosen
+    ]
+
+
+def _builds(package: str, program: str) -> bool:
+    """Return True if a package builds a program of that name."""
+    with contextlib.suppress(OSError, UnicodeDecodeError):
+        with open(os.path.join(package, "CMakeLists.txt"), encoding="utf-8") as file:
+            text = file.read()
+        return re.search(rf"add_executable\(\s*{re.escape(program)}\s", text) is not None
+    return False
+
+
+def _without_package(place: str, controller: str) -> str:
+    found = find_files(place, controller)
+    if not found:
+        return "it has no package.xml: not a ROS package"
+    where = os.path.relpath(found[0], place)
+    return f"it has no package.xml: not a ROS package; {where} can be judged by its path"
+
+
+def read_roster(path: str) -> Dict[str, str]:
+    """Return the student of each folder or archive.
+
+    :param path: CSV file; each row has the name of a folder or archive, and the student
+    :raises RosterError: if a row has no student, or an entry has two
+    """
+    found: Dict[str, str] = {}
+    with open(path, encoding="utf-8-sig", newline="") as file:
+        for number, row in enumerate(csv.reader(file, skipinitialspace=True), start=1):
+            cells = [cell.strip() for cell in row]
+            if not any(cells):
+                continue
+            if len(cells) < 2 or not cells[0] or not cells[1]:
+                raise RosterError(f"line {number}: must be a folder or archive, and a student")
+            if stem_of(cells[0]) in found:
+                raise RosterError(f"line {number}: {cells[0]} is there twice")
+            found[stem_of(cells[0])] = cells[1]
+    return found
+
+
+def missing_in(submissions: Sequence[Submission], roster: Dict[str, str]) -> List[Submission]:
+    """Return a submission with nothing to judge for each entry of a roster that is not there.
+
+    :param submissions: those that are there
+    :param roster: student of each folder or archive
+    """
+    there = {stem_of(one.entry) for one in submissions}
+    return [Submission(name, name, "", "nothing handed in") for name in roster if name not in there]

@@ -1,0 +1,168 @@
+"""Tests of what is found in the folder of a class: folders, workspaces, archives, and a roster."""
+
+import io
+import os
+import pathlib
+import tarfile
+import zipfile
+from typing import Dict, List, Tuple
+
+import pytest
+
+from pid_control.runner import archives
+from pid_control.runner.archives import ArchiveError, is_archive, stem_of, unpack
+from pid_control.runner.submissions import (
+    RosterError,
+    Submission,
+    missing_in,
+    read_roster,
+    submissions_in,
+)
+
+PACKAGE = {"package.xml": "<package><name>x</name></package>", "scripts/controller.py": "pass\n"}
+
+
+def fill(folder: pathlib.Path, files: Dict[str, str]) -> None:
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text)
+
+
+def make_zip(path: pathlib.Path, files: Dict[str, str]) -> pathlib.Path:
+    with zipfile.ZipFile(str(path), "w") as archive:
+        for name, text in files.items():
+            archive.writestr(name, text)
+    return path
+
+
+def make_tar(path: pathlib.Path, files: Dict[str, str]) -> pathlib.Path:
+    with tarfile.open(str(path), "w:gz") as archive:
+        for name, text in files.items():
+            member = tarfile.TarInfo(name)
+            member.size = len(text)
+            archive.addfile(member, io.BytesIO(text.encode()))
+    return path
+
+
+def found(tmp_path: pathlib.Path) -> List[Tuple[str, str]]:
+    """Return name and reason of each submission in the folder class."""
+    scratch = str(tmp_path / "scratch")
+    submissions = submissions_in(str(tmp_path / "class"), "controller.py", scratch)
+    for one in submissions:
+        assert bool(one.package) != bool(one.why)
+        assert not one.package or os.path.isfile(os.path.join(one.package, "package.xml"))
+    return [(one.name, one.why) for one in submissions]
+
+
+def test_each_entry_of_a_class_has_a_submission(tmp_path: pathlib.Path) -> None:
+    class_ = tmp_path / "class"
+    fill(class_ / "anna", PACKAGE)
+    fill(class_ / "ben" / "catkin_ws" / "src" / "repository" / "pid", PACKAGE)
+    fill(class_ / "ben" / "catkin_ws" / "src" / "repository" / "msgs", {"package.xml": ""})
+    fill(class_ / "ben" / "catkin_ws" / "devel" / "share" / "pid", PACKAGE)
+    make_zip(class_ / "cleo.zip", {f"cleo-main/{name}": text for name, text in PACKAGE.items()})
+    make_tar(class_ / "dora.tar.gz", PACKAGE)
+    (class_ / "emil_123_assignsubmission").mkdir()
+    make_zip(class_ / "emil_123_assignsubmission" / "work.zip", PACKAGE)
+    fill(class_, {"finn/controller.py": "", "gina/notes.txt": "", "hugo.pdf": "", ".hidden": ""})
+    (class_ / "ida.zip").write_bytes(b"broken")
+    lines = dict(found(tmp_path))
+    assert {name for name, why in lines.items() if not why} == {
+        "anna",
+        "ben/catkin_ws/src/repository/pid",
+        "cleo.zip/cleo-main",
+        "dora.tar.gz",
+        "emil_123_assignsubmission/work.zip",
+    }
+    assert {name: why for name, why in lines.items() if why} == {
+        "finn": "it has no package.xml: not a ROS package; controller.py can be judged by its path",
+        "gina": "it has no package.xml: not a ROS package",
+        "hugo.pdf": "it is neither a folder nor an archive (zip, tar)",
+        "ida.zip": "it cannot be unpacked: File is not a zip file",
+    }
+
+
+def test_workspace_with_a_compiled_controller_is_the_package_that_builds_it(
+    tmp_path: pathlib.Path,
+) -> None:
+    sources = tmp_path / "class" / "anna" / "src"
+    fill(sources / "messages", {"package.xml": ""})
+    text = "add_executable(controller src/controller.cpp)\n"
+    fill(sources / "pid", {"package.xml": "", "CMakeLists.txt": text})
+    scratch = str(tmp_path / "scratch")
+    [one] = submissions_in(str(tmp_path / "class"), "controller", scratch)
+    assert (one.package, one.siblings) == (str(sources / "pid"), [str(sources / "messages")])
+
+
+def test_a_class_that_is_a_package_is_its_only_submission(tmp_path: pathlib.Path) -> None:
+    fill(tmp_path / "class", PACKAGE)
+    assert found(tmp_path) == [(".", "")]
+
+
+@pytest.mark.parametrize("make", [make_zip, make_tar])
+@pytest.mark.parametrize("name", ["../evil", "/tmp/evil", "a/../../evil", "..\\evil", "C:\\evil"])
+def test_unpack_path_that_leads_out_is_refused(
+    tmp_path: pathlib.Path, make: object, name: str
+) -> None:
+    assert callable(make)
+    archive = make(tmp_path / ("x.zip" if make is make_zip else "x.tar.gz"), {name: "evil"})
+    with pytest.raises(ArchiveError, match="a path leads out of it"):
+        unpack(str(archive), str(tmp_path / "target"))
+    assert sorted(os.listdir(str(tmp_path))) == [archive.name]
+
+
+def test_unpack_leaves_links_out(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "x.tar"
+    with tarfile.open(str(path), "w") as archive:
+        for kind in (tarfile.SYMTYPE, tarfile.LNKTYPE, tarfile.FIFOTYPE):
+            member = tarfile.TarInfo(f"link{kind!r}")
+            member.type, member.linkname = kind, "/etc/passwd"
+            archive.addfile(member)
+        archive.addfile(tarfile.TarInfo("file"), io.BytesIO())
+    unpack(str(path), str(tmp_path / "target"))
+    assert os.listdir(str(tmp_path / "target")) == ["file"]
+
+
+def test_unpack_large_archives_are_refused(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    many = make_zip(tmp_path / "many.zip", {str(index): "" for index in range(4)})
+    large = make_zip(tmp_path / "large.zip", {"zeros": "0" * 5000})
+    monkeypatch.setattr(archives, "_MOST", 3)
+    monkeypatch.setattr(archives, "_LARGEST", 4999)
+    with pytest.raises(ArchiveError, match="too many files"):
+        unpack(str(many), str(tmp_path / "target"))
+    with pytest.raises(ArchiveError, match="too large"):
+        unpack(str(large), str(tmp_path / "target"))
+    assert not (tmp_path / "target").exists()
+
+
+def test_stem_of_removes_the_ending_of_archives_only(tmp_path: pathlib.Path) -> None:
+    names = ["a.zip", "a.TAR.GZ", "a.tgz", "a.b", "a"]
+    assert [stem_of(name) for name in names] == ["a", "a", "a", "a.b", "a"]
+    (tmp_path / "folder.zip").mkdir()
+    assert not is_archive(str(tmp_path / "folder.zip"))
+
+
+def test_roster_maps_folders_and_archives_to_students(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "roster.csv"
+    path.write_text('\ufeff g1.zip , "Anna, B."\ng2,Ben\n\ng3.tar.gz,Cleo\n', encoding="utf-8")
+    roster = read_roster(str(path))
+    assert roster == {"g1": "Anna, B.", "g2": "Ben", "g3": "Cleo"}
+    there = [Submission("g1.zip/x", "g1.zip", "/x"), Submission("g2", "g2", "/y")]
+    [missing] = missing_in(there, roster)
+    assert (missing.entry, missing.why) == ("g3", "nothing handed in")
+
+
+@pytest.mark.parametrize(
+    "text, says",
+    [
+        ("a\n", "line 1: must be a folder or archive, and a student"),
+        ("a,Anna\na.zip,Ben\n", "line 2: a.zip is there twice"),
+    ],
+)
+def test_roster_invalid_row_is_refused(tmp_path: pathlib.Path, text: str, says: str) -> None:
+    path = tmp_path / "roster.csv"
+    path.write_text(text)
+    with pytest.raises(RosterError, match=says):
+        read_roster(str(path))

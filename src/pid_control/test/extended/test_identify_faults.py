@@ -35,7 +35,8 @@ class IdentifyFaults(IdentifyCase):
         self.host_motor()
         for arguments, why, status in (
             (["--output", "speed/data"], "speed/data: unknown topic", 2),
-            (["--output", "motor_output/speed"], "unknown field 'speed'; it has: output, time", 1),
+            (["--output", "motor_output/speed"], "unknown field 'speed'; it has: output, time", 2),
+            (["--output", "motor_output/status"], "motor_output/status is not a number", 2),
             (["--input", "motor_input/speed"], "unknown field 'speed'; it has: input, time", 2),
         ):
             command = self.start("identify", *arguments)

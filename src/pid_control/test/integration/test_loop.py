@@ -79,12 +79,13 @@ class Loop(unittest.TestCase):
     def host_loop(self, timeout: float = TIMEOUT_S) -> Dict[str, Node]:
         """Host the loop with a constant set point, and wait until the motor does that.
 
-        :param timeout: the controller's; on a busy machine the motor falls silent for a while
+        :param timeout: the controller's; on a busy machine motor and set point fall silent for a
+            while
         """
         nodes = {
             "system": self.host_motor(),
             "set_point_generator": self.host_set_point(),
-            "controller": self.host("controller", timeout=timeout),
+            "controller": self.host("controller", timeout=timeout, command_timeout=0.0),
         }
         self.wait_for_speed(4.0)
         return nodes
@@ -200,7 +201,7 @@ class Loop(unittest.TestCase):
     def test_controller_shutdown_stops_motor(self) -> None:
         self.host_motor()
         self.host_set_point()
-        controller = self.start("controller", timeout=TIMEOUT_S)
+        controller = self.start("controller", timeout=TIMEOUT_S, command_timeout=0.0)
         self.wait_for_speed(4.0)
         self.inputs.clear()
         wait_until(lambda: self.inputs.count() > 0, lambda: "no inputs")
@@ -222,7 +223,7 @@ class Loop(unittest.TestCase):
     def test_managed_controller_activation_resets(self) -> None:
         self.host_motor()
         self.host_set_point()
-        controller = self.start("controller", managed=True, timeout=TIMEOUT_S)
+        controller = self.start("controller", managed=True, timeout=TIMEOUT_S, command_timeout=0.0)
         self.manage("controller", "configure")
         for _ in range(2):
             # Time for an integral to grow, if it were at work.
@@ -267,6 +268,18 @@ class Loop(unittest.TestCase):
         last_zero = max(index for index, value in enumerate(inputs) if value == 0.0)
         # The integral of before is gone: the first answer is the proportional term's.
         self.assertAlmostEqual(inputs[last_zero + 1], 4.0 * 0.08, delta=1e-6)
+
+    def test_controller_killed_set_point_gets_input_zero(self) -> None:
+        self.host_motor()
+        given = dict(waveform="constant", amplitude=0.0, offset=4.0, rate=100.0)
+        source = self.start("set_point_generator", **given)
+        self.host("controller", timeout=TIMEOUT_S, command_timeout=2.0)
+        self.wait_for_speed(4.0)
+        self.end(source, signal.SIGKILL)  # without a stop_value
+        self.wait_for_line("nothing for 2 s: the input is 0")
+        self.assert_stands()
+        self.start("set_point_generator", **given)
+        self.wait_for_speed(4.0)
 
     def test_controller_restarted_motor_gets_previous_input(self) -> None:
         nodes = self.host_loop()

@@ -157,6 +157,24 @@ def test_change_of_settings_makes_no_jump(change: dict) -> None:
     assert law.update(5.0, 4.0, DT).output > after  # and it goes on
 
 
+def test_change_of_ki_to_0_holds_the_integral() -> None:
+    settings = PidSettings(PI, 0.08, 1.5)
+    law = Pid(settings)
+    for _ in range(30):
+        before = law.update(5.0, 4.0, DT).output
+    law.change(settings._replace(ki=0.0))
+    for _ in range(30):
+        assert law.update(5.0, 4.0, DT).output == pytest.approx(before, abs=1e-9)
+    law.change(settings)
+    assert law.update(5.0, 4.0, DT).output == pytest.approx(before, abs=1e-9)
+
+
+def test_ki_of_0_from_the_beginning_has_no_integral() -> None:
+    law = Pid(PidSettings(PI, 0.08, 0.0))
+    law.resume(0.5)
+    assert law.update(5.0, 4.0, 0.0).output == pytest.approx(0.08)
+
+
 @pytest.mark.parametrize("dead_zone", [0.0, 0.05])
 def test_from_manual_to_automatic_without_a_jump(dead_zone: float) -> None:
     settings = PidSettings(MANUAL, 0.08, 1.5, manual_output=0.4, dead_zone=dead_zone)

@@ -66,6 +66,14 @@ class ControllerParameters(ParameterSet):
         help="longest time without a measurement, then 0 goes out; by ROS time",
     )
 
+    command_timeout = FloatParameter(
+        1.0,
+        minimum=0.0,
+        maximum=1e6,
+        unit="s",
+        help="longest time without a set point, then 0 goes out; by ROS time; 0 for ever",
+    )
+
     @rule("output_min", "output_max")
     def _limits_are_in_order(self) -> None:
         if self.output_min >= self.output_max:

@@ -109,7 +109,7 @@ class Pid:
     """PID controller, updated by each measurement.
 
     A change of settings or mode does not make the output jump if the integral term is active: it
-    absorbs the difference.
+    absorbs the difference. With ki 0 the integral is held; the modes without it clear it.
 
     Not safe for several threads at once.
 
@@ -168,9 +168,9 @@ class Pid:
         self._measurement = measurement
         rest = proportional + self._derivative + feed_forward
         growth = settings.ki * interval * (set_point - measurement)
-        if not settings.integrates:
+        if settings.mode not in (PI, PID):
             growth = self._integral = 0.0
-        elif self._resumes:
+        elif self._resumes and settings.integrates:
             # The current limits and dead zone apply, whatever they were for the latest output.
             growth = 0.0
             self._integral = settings.uncompensated(settings.limited(self._output)) - rest

@@ -25,9 +25,10 @@ class Controller:
     input carries the stamp of the output that it answers. If the motor restarts, or a few outputs
     are missing, the next input continues from the last one.
 
-    The controller stops the motor with one input of 0 while the set point is missing or the
-    controller is disabled, when the motor is silent for longer than the timeout, and when the node
-    shuts down or, if managed, is deactivated. After that the controller is reset.
+    The controller stops the motor with one input of 0 while the set point is missing, or older than
+    the command timeout, or the controller is disabled; when the motor is silent for longer than the
+    timeout; and when the node shuts down or, if managed, is deactivated. After that the controller
+    is reset.
 
     :ROS Subscribers:
         - ``set_point`` (pid_control/set_point), ``motor_output`` (pid_control/motor_output); values
@@ -51,11 +52,12 @@ class Controller:
         self._is_active = False
         # ROS time: a paused simulation is not a silent motor.
         self._clock = time.monotonic if rospy.rostime.is_wallclock() else rospy.get_time
-        #: Latest stamp of the motor [s], latest input, and time of the latest output received [s].
-        self._stamp = self._input = self._heard_at = 0.0
+        #: Latest stamp of the motor [s], latest input, and times of the latest output and set point
+        #: received [s].
+        self._stamp = self._input = self._heard_at = self._asked_at = 0.0
         self._publisher = node.create_publisher("motor_input", motor_input)
         self._terms = node.create_publisher("~terms", ControllerTerms)
-        self._motor = node.resolve("motor_output")
+        self._motor, self._command = node.resolve("motor_output"), node.resolve("set_point")
         self._throttle = Throttle(_WARN_EVERY_S)
         self._group = node.default_group
         node.create_subscription("set_point", set_point, self._on_set_point, finite=True)
@@ -65,7 +67,7 @@ class Controller:
         node.on_shutdown(self._end)
 
     def _on_set_point(self, message: set_point) -> None:
-        self._set_point = message.setPoint
+        self._set_point, self._asked_at = message.setPoint, self._clock()
 
     def _on_output(self, message: motor_output) -> None:
         if not self._is_active:
@@ -104,6 +106,7 @@ class Controller:
 
     def _check_silence(self, _elapsed: float) -> None:
         self._is_active = not self._has_ended
+        self._forget_old_set_point()
         timeout = self._settings.values.timeout
         if not self._is_stopped and self._clock() - self._heard_at > timeout:
             was_at_work = self._input != 0.0
@@ -111,6 +114,15 @@ class Controller:
             self._stamps = StampClassifier()  # the next motor may have another clock
             if was_at_work:
                 rospy.logwarn("%s: nothing for %g s: the input is 0", self._motor, timeout)
+
+    def _forget_old_set_point(self) -> None:
+        longest = self._settings.values.command_timeout
+        is_old = self._set_point is not None and self._clock() - self._asked_at > longest > 0.0
+        if is_old:
+            self._set_point = None
+            if not self._is_stopped:
+                rospy.logwarn("%s: nothing for %g s: the input is 0", self._command, longest)
+                self._stop()
 
     def _stop(self) -> None:
         if not self._is_stopped:

@@ -75,6 +75,8 @@ class LiveExperiment:
             )
         self._message = input_class()
         put_number(self._message, self._input, 0.0)
+        if "[" not in self._output.path:  # an array is empty before the first message
+            number_in(output_class(), self._output)
         changes = excitation(drive.least, drive.largest, drive.seconds)
         self._progress = Progress(changes, drive.seconds)
         self._outputs, self._inputs = Samples(), Samples()

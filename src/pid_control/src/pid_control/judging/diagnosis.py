@@ -208,6 +208,8 @@ def _limit_cause(
             f"the input is limited to ±{limit:.6g}, not to ±1: one of: a limit that is too wide,"
             f" or other units (divide it by {limit:.6g})",
         )
+    if metric == "peak_input" and evidence.was_measured and not evidence.beyond:
+        return Cause("no clamp", "the input is within -1 and 1, but beyond the limit for it")
     if metric == "peak_input":
         side = f" {evidence.beyond[0]}" if len(evidence.beyond) == 1 else ""
         return Cause("no clamp", f"the input is not limited{side}: keep it within -1 and 1")

@@ -45,6 +45,7 @@ class Law(NamedTuple):
 class Evidence(NamedTuple):
     """Properties of a law that the records show. Each is measured, or None or False.
 
+    :ivar was_measured: True if there is a complete record
     :ivar was_probed: True if small errors were tried
     :ivar ignores: topics on which the input does not depend
     :ivar law: the PI law; None if its answers are others, or it has a derivative
@@ -59,6 +60,7 @@ class Evidence(NamedTuple):
     :ivar beyond: sides on which the input exceeds 1, of "above" and "below"
     """
 
+    was_measured: bool = False
     was_probed: bool = False
     ignores: Tuple[str, ...] = ()
     law: Optional[Law] = None
@@ -79,7 +81,8 @@ def evidence_of(records: Sequence[Record]) -> Evidence:
     :param records: the records
     """
     by_name = {record.scenario.name: record for record in records if not record.failure}
-    evidence = Evidence(beyond=_sides_beyond(list(by_name.values())))
+    beyond = _sides_beyond(list(by_name.values()))
+    evidence = Evidence(was_measured=bool(by_name), beyond=beyond)
     if "held" in by_name:
         evidence = _with_probes(evidence, by_name["held"])
     if "rate" in by_name:

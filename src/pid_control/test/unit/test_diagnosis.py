@@ -5,15 +5,15 @@ from typing import Any, Callable, Dict, List, Set
 
 import pytest
 from hypothesis import given, settings
-from hypothesis import strategies as some
 
-from pid_control.controller.pid import BACK_CALCULATION, CLAMPING, PI, PID, PidSettings
+from pid_control.controller.pid import PidSettings
 from pid_control.identification.response import Model
 from pid_control.judging.experiment import Output
 from pid_control.judging.judgement import Judgement, judge
 from pid_control.judging.reports import as_sentences
 from pid_control.judging.simulation import Law, pid_law
 from pid_control.tuning.rules import METHODS, gains_of
+from laws import CORRECT, clipped, correct, law_of
 from played import default_limits, pi, play_all
 
 LIMITS = default_limits()
@@ -21,30 +21,6 @@ LIMITS = default_limits()
 LOOP_S = 0.01
 #: Flaws that say only how well the motor follows.
 ABOUT_GAINS = {"gains", "chatter", "unexplained"}
-
-#: Returns the input: state, set point, speed, time since the previous turn.
-Step = Callable[[Dict[str, float], float, float, float], float]
-
-
-def clipped(value: float, limit: float = 1.0) -> float:
-    return max(-limit, min(limit, value))
-
-
-def law_of(step: Step) -> Callable[[], Law]:
-    """Return what makes a law with a state of its own."""
-
-    def make() -> Law:
-        state: Dict[str, float] = {"integral": 0.0, "before": 0.0, "input": 0.0}
-        times: List[float] = []
-
-        def answer(set_point: float, output: Output) -> float:
-            dt = output.time - times[-1] if times and output.time > times[-1] else 0.0
-            times.append(output.time)
-            return step(state, set_point, output.speed, dt)
-
-        return answer
-
-    return make
 
 
 def student(kp: float = 0.08, ki: float = 1.5, **faults: Any) -> Callable[[], Law]:
@@ -183,55 +159,7 @@ def test_judge_passes_the_gains_of_tune(method: str) -> None:
 
 
 @settings(deadline=None, max_examples=8)
-@given(
-    kp=some.floats(-2.5, 0.5).map(lambda power: 10.0**power),
-    ki=some.floats(-0.5, 2.0).map(lambda power: 10.0**power),
-    kd=some.one_of(some.just(0.0), some.floats(1e-4, 1e-2)),
-    filter_time=some.sampled_from([0.005, 0.01, 0.02]),
-    limit=some.sampled_from([0.8, 0.9, 1.0]),
-    anti_windup=some.sampled_from([CLAMPING, BACK_CALCULATION, "bounded", "velocity"]),
-    period=some.sampled_from([0.0, 0.005, 0.01, 0.02]),
-)
-def test_judge_correct_controllers_get_no_false_cause(
-    kp: float,
-    ki: float,
-    kd: float,
-    filter_time: float,
-    limit: float,
-    anti_windup: str,
-    period: float,
-) -> None:
-    judgement = judged(correct(kp, ki, kd, filter_time, limit, anti_windup), period)
+@given(**CORRECT)
+def test_judge_correct_controllers_get_no_false_cause(period: float, **law: Any) -> None:
+    judgement = judged(correct(**law), period)
     assert set(judgement.flaws()) <= ABOUT_GAINS, as_sentences(judgement)
-
-
-def correct(
-    kp: float, ki: float, kd: float, filter_time: float, limit: float, anti_windup: str
-) -> Callable[[], Law]:
-    """Return a controller without a fault; its gains need not suit."""
-    if anti_windup in (CLAMPING, BACK_CALCULATION):
-        own = PidSettings(
-            mode=PID if kd else PI,
-            kp=kp,
-            ki=ki,
-            kd=kd,
-            filter_time=filter_time,
-            output_min=-limit,
-            output_max=limit,
-            anti_windup=anti_windup,
-            tracking_time=0.05,
-        )
-        return lambda: pid_law(own)
-
-    def bounded(state: Dict[str, float], set_point: float, speed: float, dt: float) -> float:
-        error = set_point - speed
-        state["integral"] = clipped(state["integral"] + error * dt, limit / ki)
-        return clipped(kp * error + ki * state["integral"], limit)
-
-    def velocity(state: Dict[str, float], set_point: float, speed: float, dt: float) -> float:
-        error = set_point - speed
-        change = kp * (error - state["before"]) + ki * error * dt
-        state["input"], state["before"] = clipped(state["input"] + change, limit), error
-        return state["input"]
-
-    return law_of(bounded if anti_windup == "bounded" else velocity)

@@ -137,6 +137,24 @@ def test_judge_unknown_cause_is_said_to_be_unknown(make: Callable[[], Law]) -> N
     assert all("one of: " in failure.cause.sentence for failure in judgement.failures)
 
 
+def test_judge_constant_interval_of_a_loop_that_catches_up_is_a_fact() -> None:
+    records = play_all(student(dt=0.001, ki=15.0), LOOP_S)
+    # rospy.Rate makes two turns at the same time where the loop is slow: each grows as much.
+    [index] = [i for i, record in enumerate(records) if record.scenario.name == "rate"]
+    begin, end = records[index].scenario.slow
+    answers, grown, before = [], 0.0, 0.0
+    for time, value in records[index].answers:
+        change, before = value - before, value
+        is_slow = begin <= time < end
+        answers.append((time, value + grown))
+        if is_slow and abs(change) < 0.01:
+            grown += change
+            answers.append((time, value + grown))
+    records[index] = records[index]._replace(answers=answers)
+    text = as_sentences(judge(records, LIMITS))
+    assert "dt is a constant, not measured" in text
+
+
 def test_judge_gains_are_blamed_only_if_a_faultless_law_with_them_fails_too() -> None:
     judgement = judged(student(kp=0.005, ki=0.2))
     assert judgement.flaws() == ["gains"]

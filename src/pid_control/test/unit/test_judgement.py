@@ -189,6 +189,15 @@ def test_judge_machine_clock_is_not_judged() -> None:
     assert is_fatal(record, LIMITS)
 
 
+def test_judge_division_by_0_with_a_simulated_clock_is_not_judged() -> None:
+    words = "ZeroDivisionError: float division by zero (controller.py, line 38)"
+    record = Record(STEPS, ENDED, words, is_simulated=True)
+    judgement = judge([record], LIMITS)
+    assert (judgement.verdict, judgement.flaws()) == (NOT_JUDGED, ["division by 0"])
+    assert words in judgement.reason and "judge it with --real-time" in judgement.reason
+    assert judge([record._replace(is_simulated=False)], LIMITS).flaws() == ["crash"]
+
+
 def test_judge_time_limit_is_not_a_pass() -> None:
     good = judge([play_one("held", pi())], LIMITS, "60 s are over in rate")
     assert (good.verdict, good.reason) == (NOT_JUDGED, "60 s are over in rate")

@@ -40,6 +40,7 @@ class Cause(NamedTuple):
 #: Flaws, worst first: each may be the reason of those after it.
 FLAWS = (
     "crash",
+    "division by 0",
     "not connected",
     "silent",
     "endless output",
@@ -310,6 +311,13 @@ def cause_of_failure(record: Record) -> Cause:
     :param record: a record with a failure
     """
     words = f": {record.words}" if record.words else ""
+    if record.failure == ENDED and record.is_simulated and "ZeroDivisionError" in record.words:
+        # By the machine's clock, the time between two turns is never 0.
+        return Cause(
+            "division by 0",
+            f"the controller ended by itself{words}; one of: a fault of its own, or a dt of 0, as"
+            " two turns can be at the same time by a simulated clock: judge it with --real-time",
+        )
     if record.failure == ENDED:
         return Cause("crash", f"the controller ended by itself{words}")
     if record.failure == WRITES_WITHOUT_END:

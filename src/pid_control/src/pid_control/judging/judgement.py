@@ -14,6 +14,8 @@ PASSED, FAILED, NOT_JUDGED = "passed", "failed", "not judged"
 STATUS = {PASSED: 0, FAILED: 1, NOT_JUDGED: 125}
 #: Flaws that stop the judgement: the other scenarios would take too long, or say nothing.
 _FATAL = ("flood", "restless", "machine clock", "endless output", "silent", "not connected")
+#: Flaws that a simulated clock may be the reason of: the machine's shows whether it is.
+_OF_CLOCK = ("machine clock", "division by 0")
 #: Inputs are float32.
 _ROUNDING = 1e-6
 
@@ -105,9 +107,9 @@ def judge(records: Sequence[Record], limits: Limits, reason: str = "") -> Judgem
                 cause = cause_of(name, metric, figures, evidence, is_broken)
                 failures.append(Failure(name, text_of(finding), cause))
     failures.sort(key=lambda failure: FLAWS.index(failure.cause.flaw))
-    if any(failure.cause.flaw == "machine clock" for failure in failures):
-        clock = next(one for one in failures if one.cause.flaw == "machine clock")
-        return Judgement(NOT_JUDGED, findings, failures, clock.cause.sentence)
+    of_clock = [failure for failure in failures if failure.cause.flaw in _OF_CLOCK]
+    if of_clock:
+        return Judgement(NOT_JUDGED, findings, failures, of_clock[0].cause.sentence)
     if failures:
         return Judgement(FAILED, findings, failures)
     if reason or not findings:

@@ -54,6 +54,7 @@ class Record(NamedTuple):
     :ivar rows: state of the loop over time
     :ivar answers: time [s] and input of each message, finite or not
     :ivar busy: processor time of the controller [s]
+    :ivar is_simulated: True if the clock was simulated
     :ivar pauses: pauses of the clock; none by the machine's clock
     """
 
@@ -65,6 +66,7 @@ class Record(NamedTuple):
     rows: Sequence[Row] = ()
     answers: Sequence[Tuple[float, float]] = ()
     busy: float = 0.0
+    is_simulated: bool = False
     pauses: Sequence[Pause] = ()
 
     @property

@@ -130,7 +130,9 @@ class BenchRunner:
             if failure == NOT_CONNECTED and self._follow_types():
                 return None
             missing, hint = self._bench.missing(), self._bench.hint()
-            return Record(scenario, failure, controller.last_words(), missing, hint)
+            words = controller.last_words()
+            is_simulated = not self._real_time
+            return Record(scenario, failure, words, missing, hint, is_simulated=is_simulated)
         self._bench.check_publishers()
         watch = controller.watch
         clock: Clock = WallClock()
@@ -166,6 +168,7 @@ class BenchRunner:
             rows=experiment.rows,
             answers=answers,
             busy=watch.busy() - busy_before,
+            is_simulated=not self._real_time,
             pauses=pauses,
         )
         return completed(record, controller)

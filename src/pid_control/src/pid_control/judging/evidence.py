@@ -159,7 +159,7 @@ def _one_sided(fits: Sequence[Fit]) -> Optional[bool]:
 
 
 def _are_equal(values: Sequence[float]) -> bool:
-    return max(values) - min(values) <= _EQUAL * max(map(abs, values)) + 1e-9
+    return max(values) - min(values) <= _EQUAL * max(abs(value) for value in values) + 1e-9
 
 
 def _grows_per_turn(record: Record) -> bool:
@@ -188,7 +188,7 @@ def _with_limits(evidence: Evidence, record: Record) -> Evidence:
     ends: List[float] = []
     for _, end, sign in STAYS:
         values = [row.input * sign for row in record.between(end - _FLAT_S, end)]
-        if max(values) - min(values) > 1e-6 * max(map(abs, values)):
+        if max(values) - min(values) > 1e-6 * max(abs(value) for value in values):
             return evidence  # the input still changes: no limit
         ends.append(values[-1])
     law = evidence.law

@@ -267,8 +267,8 @@ def _standstill_jump(record: Record) -> Optional[float]:
     if len(leaps) < 2 or abs(slopes[0]) < _NO_GROWTH:
         return None
     jumps = [leap / slope for leap, slope in zip(leaps, slopes)]
-    if max(map(abs, jumps)) < _AFTER_STEP_S:
-        return max(map(abs, jumps))
+    if max(abs(jump) for jump in jumps) < _AFTER_STEP_S:
+        return max(abs(jump) for jump in jumps)
     ratio = record.pauses[1].length / record.pauses[0].length
     return min(jumps) if abs(leaps[1] - ratio * leaps[0]) < _EQUAL * abs(leaps[1]) else None
 

@@ -121,7 +121,7 @@ def receiving(
     made: _Executor,
     function: Callable[[Any], Any],
     group: Optional[CallbackGroup] = None,
-    depth: int = 10,
+    depth: Optional[int] = None,
 ) -> SubscriptionCallback:
     callback = SubscriptionCallback(group or Group(), function, "topic", False, depth)
     callback.attach(made._ready)

@@ -13,21 +13,28 @@ class Subscription:
     """Subscription to a topic.
 
     The callback mostly gets one message; after a busy moment it gets several at once. No message is
-    dropped.
+    dropped here.
 
     :param name: topic, resolved
     :param data_class: message class
     :param receive: called with a list of messages, oldest first, and whether the calling thread may
         be blocked; from a thread for each publisher, or the publishing thread of this process
+    :param newest_only: whether only the newest messages matter, so that connections are read until
+        they are empty
     :raises TypeError: if the class is not a message class
     """
 
     def __init__(
-        self, name: str, data_class: type, receive: Callable[[List[Any], bool], None]
+        self,
+        name: str,
+        data_class: type,
+        receive: Callable[[List[Any], bool], None],
+        newest_only: bool = False,
     ) -> None:
         check_message_class(data_class, name)
         self.resolved_name = name
         self._data_class, self._receive = data_class, receive
+        self._newest_only = newest_only
         self._subscriber: Optional[rospy.Subscriber] = None
         self._is_closed = self._is_late = False
 
@@ -42,7 +49,9 @@ class Subscription:
         before = registry.name_before_remapping(name)
         with registry.topic_lock():
             self._is_late = latched.is_subscribed(name)
-            if not mismatch and incoming_topic.receive_in_batches(name, data_class, self._receive):
+            if not mismatch and incoming_topic.receive_in_batches(
+                name, data_class, self._receive, self._newest_only
+            ):
                 self._subscriber = rospy.Subscriber(before, data_class, tcp_nodelay=True)
             else:
                 self._subscriber = rospy.Subscriber(

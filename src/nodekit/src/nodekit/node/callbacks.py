@@ -1,6 +1,7 @@
 """Callbacks: user functions, called in their group until they are closed."""
 
 import threading
+import time
 from concurrent.futures import Future
 from typing import Any, Callable, List, Optional, Tuple
 from weakref import WeakValueDictionary
@@ -18,22 +19,20 @@ from nodekit.validation import check_function
 MOST_KEPT = 10_000
 #: Default of how many messages wait for an executor; the newest.
 DEPTH = 10
+#: A message that waits longer than this for its callback is warned of [s].
+LATE_S = 1.0
 #: Most calls of a service that wait for an executor: each has a thread and a connection.
 MOST_CALLS = 1000
 
 
-def queue_depth(queue_size: Optional[int]) -> int:
-    """Return how many messages may wait for an executor.
+def check_queue_size(queue_size: Optional[int]) -> None:
+    """Check a queue size.
 
     :param queue_size: what the user has set, None if unset, -1 for no limit
     :raises ValueError: if it is neither positive nor -1
     """
-    if queue_size is None:
-        return DEPTH
-    if queue_size == -1:
-        return MOST_KEPT
-    if isinstance(queue_size, int) and queue_size > 0:
-        return queue_size
+    if queue_size in (None, -1) or (isinstance(queue_size, int) and queue_size > 0):
+        return
     allowed = "must be a whole number of at least 1, or -1 for no limit of its own"
     raise ValueError(f"queue_size: refused {queue_size!r}: {allowed}")
 
@@ -203,7 +202,9 @@ class SubscriptionCallback(Callback):
     """Callback of a subscription, for single messages or batches.
 
     :param batches: whether the function takes lists
-    :param depth: most messages that wait for an executor; the newest
+    :param queue_size: most messages that wait, the newest; -1 for no limit but
+        :data:`MOST_KEPT`. None for :data:`DEPTH` with an executor; without one, the messages of
+        other processes wait at their sender
     """
 
     kind = "subscription"
@@ -215,16 +216,22 @@ class SubscriptionCallback(Callback):
         function: Callable[[Any], Any],
         what: str,
         batches: bool,
-        depth: int = DEPTH,
+        queue_size: Optional[int] = None,
     ) -> None:
         super().__init__(group, function, what)
-        self._batches, self._depth = batches, depth
+        self._batches, self._queue_size = batches, queue_size
+        #: Whether only the newest messages are to wait, without an executor too.
+        self.newest_only = queue_size is not None and queue_size > 0
+        self._depth = queue_size if queue_size is not None and queue_size > 0 else MOST_KEPT
         self._kept: List[Any] = []  # mostly empty: a list takes a tenth of a deque's memory then
+        self._kept_since = 0.0
+        self._has_thread = self._is_late_reported = False
         self._retry = CoalescingCallback(group, self._deliver_kept, what)
         self._throttle = Throttle(10.0)
 
     def _new_queue(self, ready: ReadyQueue) -> CallQueue:
-        return CallQueue(ready, self.group, self._depth, self._deliver, self._drop, self._batches)
+        depth = DEPTH if self._queue_size is None else self._depth
+        return CallQueue(ready, self.group, depth, self._deliver_queued, self._drop, self._batches)
 
     def receive(self, messages: List[Any], may_wait: bool) -> None:
         """Pass messages to the function.
@@ -237,33 +244,79 @@ class SubscriptionCallback(Callback):
         if calls is not None:
             for message in messages:
                 calls.put(message)
-        elif not may_wait:
-            if not self._kept and self.group.try_enter():
-                self._deliver(messages)
+        elif may_wait and not self.newest_only:
+            arrived_at = time.monotonic()
+            for message in [messages] if self._batches else messages:
+                self.group.enter()
+                self._call_inside_since(arrived_at, message)
                 self.group.leave()
-                return
-            with self._keeping:
-                self._kept += messages
-                lost = max(0, len(self._kept) - MOST_KEPT)
-                del self._kept[:lost]
-            if lost and self._throttle.is_due():
-                rospy.logwarn("%s: callback is too slow, messages are dropped", self.what)
-            self._retry.trigger()
-        elif self._batches:
-            self.call(messages)
+        elif not self._kept and self.group.try_enter():
+            arrived_at = time.monotonic()
+            self._deliver(messages[-self._depth :] if self.newest_only else messages, arrived_at)
+            self.group.leave()
         else:
-            for message in messages:
-                self.call(message)
+            self._keep(messages)
+            if may_wait:  # the calling thread must go on to read, or its messages would grow old
+                self._deliver_in_thread()
+            else:
+                self._retry.trigger()
+
+    def _keep(self, messages: List[Any]) -> None:
+        with self._keeping:
+            if not self._kept:
+                self._kept_since = time.monotonic()
+            self._kept += messages
+            lost = max(0, len(self._kept) - self._depth)
+            del self._kept[:lost]
+        if lost and not self.newest_only and self._throttle.is_due():
+            rospy.logwarn("%s: callback is too slow, messages are dropped", self.what)
+
+    def _deliver_in_thread(self) -> None:
+        """Deliver the kept messages in a thread that waits for the group, if none does already."""
+        with self._keeping:
+            if not self._has_thread:
+                threading.Thread(target=self._wait_and_deliver, name=self.what, daemon=True).start()
+                self._has_thread = True
+
+    def _wait_and_deliver(self) -> None:
+        self.group.enter()
+        with self._keeping:
+            self._has_thread = False  # before the delivery, which may miss later messages
+        self._deliver_kept()
+        self.group.leave()
 
     def _deliver_kept(self) -> None:
         while self._kept:
             with self._keeping:
                 kept, self._kept = self._kept, []
-            self._deliver(kept)
+            self._deliver(kept, self._kept_since)
 
-    def _deliver(self, messages: List[Any]) -> None:
-        if self._batches:
-            self.call_inside(messages)
-        else:
-            for message in messages:
-                self.call_inside(message)
+    def _deliver_queued(self, messages: List[Any]) -> None:
+        calls = self.calls
+        waited = calls.longest_wait if calls is not None else 0.0
+        self._deliver(messages, time.monotonic() - waited)
+
+    def _deliver(self, messages: List[Any], arrived_at: float) -> None:
+        for message in [messages] if self._batches else messages:
+            self._call_inside_since(arrived_at, message)
+
+    def _call_inside_since(self, arrived_at: float, message: Any) -> None:
+        """Call the function from inside the group; warn once of messages that have waited.
+
+        :param arrived_at: monotonic time of the message's arrival [s]
+        :param message: the message, or a batch
+        """
+        age = time.monotonic() - arrived_at
+        if age > LATE_S and not (self._is_late_reported or self.closed):
+            self._is_late_reported = True
+            rospy.logwarn(
+                "%s: messages wait for their callback (%.1f s); shorten the callbacks of its group,"
+                " or set queue_size=1 to receive only the newest message",
+                self.what,
+                age,
+            )
+        try:  # a copy of call_inside, which saves a call per message
+            if not self.closed:
+                fork_guard.call(self.function, message)
+        except BaseException:
+            self.failures.record(self.what, self.closed)

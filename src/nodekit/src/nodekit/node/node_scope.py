@@ -14,11 +14,10 @@ from nodekit.messaging.rate_limited_log import RateLimitedLog, shortened
 from nodekit.messaging.service import Service
 from nodekit.messaging.subscription import LatestMessage, Subscription
 from nodekit.node.callbacks import (
-    MOST_KEPT,
     Callback,
     ServiceCallback,
     SubscriptionCallback,
-    queue_depth,
+    check_queue_size,
 )
 from nodekit.node.clients import Client
 from nodekit.node.node_context import NodeContext
@@ -123,9 +122,9 @@ class NodeScope(OldMethods, ResourceOwner):
         :param name: topic
         :param data_class: message class
         :param callback: called with each message
-        :param queue_size: with an executor, how many messages wait for it, the newest ones:
-            :data:`.DEPTH` by default, :data:`.MOST_KEPT` for -1, rospy's "no limit". Without an
-            executor it is ignored: while the callback is busy, messages wait at the sender
+        :param queue_size: how many messages wait while the callback is busy, the newest ones; -1
+            is rospy's "no limit". By default, :data:`.DEPTH` wait for an executor, and without
+            one, all wait at the sender
         :param finite: ignore, with a warning, messages with NaN or infinity in a field
         :param group: the callback's group; the node's default group by default
         :raises ValueError: if the queue size is neither positive nor -1
@@ -140,8 +139,9 @@ class NodeScope(OldMethods, ResourceOwner):
                 text = shortened(" ".join(str(message).split()))
                 rospy.logwarn("%s: %s is not finite and is ignored", resolved, text)
 
-        depth = queue_depth(queue_size)
-        return self._subscribe(name, data_class, only_finite if finite else callback, depth, group)
+        check_queue_size(queue_size)
+        function = only_finite if finite else callback
+        return self._subscribe(name, data_class, function, queue_size, group)
 
     def create_batch_subscription(
         self,
@@ -157,21 +157,21 @@ class NodeScope(OldMethods, ResourceOwner):
         :param callback: called with a list of messages, oldest first
         :param group: the callback's group; the node's default group by default
         """
-        return self._subscribe(name, data_class, callback, MOST_KEPT, group, batches=True)
+        return self._subscribe(name, data_class, callback, -1, group, batches=True)
 
     def _subscribe(
         self,
         name: str,
         data_class: type,
         callback: Callable[[Any], Any],
-        depth: int,
+        queue_size: Optional[int],
         group: Optional[CallbackGroup],
         batches: bool = False,
     ) -> Subscription:
         resolved = self.resolve(name)
         group = group or self.default_group
-        handler = SubscriptionCallback(group, callback, resolved, batches, depth)
-        subscription = Subscription(resolved, data_class, handler.receive)
+        handler = SubscriptionCallback(group, callback, resolved, batches, queue_size)
+        subscription = Subscription(resolved, data_class, handler.receive, handler.newest_only)
         self.own(handler)
         return self._open(subscription)
 

@@ -65,12 +65,15 @@ def subscriber_mismatch() -> str:
     return ""
 
 
-def receive_in_batches(name: str, data_class: type, callback: BatchCallback) -> bool:
+def receive_in_batches(
+    name: str, data_class: type, callback: BatchCallback, newest_only: bool = False
+) -> bool:
     """Pass the messages of a topic on in batches; call this before subscribing.
 
     :param name: topic, resolved
     :param data_class: message class
     :param callback: called from the thread of the connection or of the publisher
+    :param newest_only: whether only the newest messages matter to the callback
     :returns: whether that is possible; not if there is a plain ``rospy.Subscriber`` already
     :raises rospy.ROSException: if this process subscribes to it with another type
     """
@@ -80,10 +83,10 @@ def receive_in_batches(name: str, data_class: type, callback: BatchCallback) -> 
         check_topic_type(topic, data_class)
         if topic is None:
             topic = IncomingTopic(name, data_class)
-            topic.add_batch_callback(callback)
+            topic.add_batch_callback(callback, newest_only)
             manager._add(topic, manager.subs, Registration.SUB)
         elif isinstance(topic, IncomingTopic):
-            topic.add_batch_callback(callback)
+            topic.add_batch_callback(callback, newest_only)
         else:
             return False
     return True
@@ -122,15 +125,19 @@ class IncomingTopic(_Topic):
         super().__init__(name, data_class)
         self.resolved_name = name  # rospy has remapped it a second time
         self._batch_callbacks: List[BatchCallback] = []
+        #: Whether connections are read until they are empty, since a callback wants the newest.
+        self.reads_until_empty = False
         self._takes_any_type = issubclass(data_class, rospy.AnyMsg)
         #: Time of the latest announcement of each connected publisher, which may be a new one [s].
         self._notified_at: Dict[str, float] = {}
 
-    def add_batch_callback(self, callback: BatchCallback) -> None:
+    def add_batch_callback(self, callback: BatchCallback, newest_only: bool = False) -> None:
         """Add a batch callback.
 
         :param callback: as in :func:`receive_in_batches`
+        :param newest_only: as in :func:`receive_in_batches`
         """
+        self.reads_until_empty = self.reads_until_empty or newest_only
         self._batch_callbacks = self._batch_callbacks + [callback]
 
     def remove_batch_callback(self, callback: BatchCallback) -> None:
@@ -234,7 +241,7 @@ class IncomingTopic(_Topic):
                 _remove_if_rejected(self, c)
                 # Only rospy's own reader keeps the queue size of a plain rospy.Subscriber.
                 if self.queue_size is None:
-                    c.receive_once = Reader(c).receive_once
+                    c.receive_once = Reader(c, self).receive_once
             return bool(super().add_connection(c))
 
     def _is_received_directly(self, uri: str) -> bool:

@@ -1,7 +1,10 @@
 """Reader of a publisher's connection; unpacks all messages of one read at once."""
 
+import contextlib
 import mmap
+import socket
 import struct
+import time
 from typing import Any, List
 
 import genpy
@@ -11,16 +14,19 @@ from rospy.impl.tcpros_base import TCPROSTransport
 
 _LENGTH = struct.Struct("<I")
 _PREFIX = _LENGTH.size
+#: Longest time to go on reading after a message, for callbacks that want the newest [s].
+_UNTIL_EMPTY_S = 0.05
 
 
 class Reader:
     """Reader of complete messages from one connection.
 
     :param transport: rospy's object for the connection
+    :param topic: the subscribed topic, whose ``reads_until_empty`` is followed
     """
 
-    def __init__(self, transport: TCPROSTransport) -> None:
-        self._transport = transport
+    def __init__(self, transport: TCPROSTransport, topic: Any) -> None:
+        self._transport, self._topic = transport, topic
         self._data_class = transport.protocol.recv_data_class
         # One buffer for all reads: a new one for each recv() would fragment the heap. Pages of an
         # anonymous mapping that are never written take no memory.
@@ -43,6 +49,8 @@ class Reader:
         messages = self._unpack(data or self._read())
         while not messages and not transport.done and not rospy.core.is_shutdown():
             messages = self._unpack(self._read())
+        if self._topic.reads_until_empty:
+            self._read_until_empty(messages)
         transport.stat_num_msg += len(messages)
         if transport.is_latched and messages:
             transport.latch = messages[-1]
@@ -71,6 +79,20 @@ class Reader:
             raise TransportTerminated("the sender has closed the connection")
         self._transport.stat_bytes += size
         return bytes(self._buffer[:size])
+
+    def _read_until_empty(self, messages: List[Any]) -> None:
+        """Add the messages that have arrived meanwhile, without waiting.
+
+        :param messages: those that are read already
+        """
+        deadline = time.monotonic() + _UNTIL_EMPTY_S
+        with contextlib.suppress(OSError):  # nothing is left, or the next call reports the error
+            while time.monotonic() < deadline:
+                size = self._socket.recv_into(self._buffer, 0, socket.MSG_DONTWAIT)
+                if not size:
+                    return
+                self._transport.stat_bytes += size
+                messages += self._unpack(bytes(self._buffer[:size]))
 
     def _unpack(self, data: bytes) -> List[Any]:
         if self._parts:

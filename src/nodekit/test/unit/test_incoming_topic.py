@@ -351,6 +351,34 @@ def test_subscriber_of_the_same_process_hears_without_a_connection(together, mon
     assert batches[0][0]._connection_header["topic"] == TOPIC
 
 
+def test_link_within_the_process_counts_and_is_listed_as_a_connection(together, monkeypatch):
+    publisher, ear = together
+    monkeypatch.setattr(rospy, "get_name", lambda: "/process")
+    monkeypatch.setattr(rospy, "get_node_uri", lambda: "http://here")
+    publisher.publish_all([String("one"), String("three")])
+    assert publisher.get_num_connections() == ear.subscription.get_num_connections() == 1
+    assert publisher.get_num_connections(in_process=False) == 0
+    outgoing, incoming = get_topic_manager().get_pub_sub_info()
+    kind = "INTRAPROCESS"
+    assert outgoing[1:6] == ("/process", "o", kind, TOPIC, True)
+    assert incoming[1:6] == ("http://here", "i", kind, TOPIC, True)
+    [(_, _, [sent])], [(_, [received])] = get_topic_manager().get_pub_sub_stats()
+    size = len(packet("one") + packet("three")) - 2 * 4
+    assert sent == (outgoing[0], size, 2, True)
+    assert received == (incoming[0], size, 2, -1, True)
+    ear.subscription.close()
+    assert publisher.get_num_connections() == 0
+    assert get_topic_manager().get_pub_sub_info() == []
+
+
+def test_closed_publisher_of_the_process_is_no_connection(together):
+    publisher, ear = together
+    assert ear.subscription.get_num_connections() == 1
+    publisher.close()
+    assert ear.subscription.get_num_connections() == 0
+    assert get_topic_manager().get_pub_sub_info() == []
+
+
 def test_subscriber_of_any_type_in_the_same_process_is_told_the_type(stack, monkeypatch):
     monkeypatch.setattr(rospy, "get_node_uri", lambda: "http://here")
     publisher = opened(stack, Float32, latch=True)

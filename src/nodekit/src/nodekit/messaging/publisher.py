@@ -187,9 +187,14 @@ class Publisher:
         if topic is not None:
             topic.latch_all(messages)
 
-    def get_num_connections(self) -> int:
-        """Return the number of connected subscribers, without those in the same process."""
-        publisher = self._publisher
+    def get_num_connections(self, in_process: bool = True) -> int:
+        """Return the number of subscribing nodes.
+
+        :param in_process: whether to count this process, if it subscribes to the topic
+        """
+        publisher, topic = self._publisher, self._topic
+        if topic is not None and not in_process:
+            return len(topic.links())
         return int(publisher.get_num_connections()) if publisher is not None else 0
 
     def statistics(self) -> List[SubscriberStatistics]:

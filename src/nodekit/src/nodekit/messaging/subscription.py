@@ -68,7 +68,7 @@ class Subscription:
         latched.receive_latched(self.resolved_name, self._receive, self._is_late)
 
     def get_num_connections(self) -> int:
-        """Return the number of connected publishers, without those in the same process."""
+        """Return the number of publishing nodes, with this process if it publishes the topic."""
         subscriber = self._subscriber
         return int(subscriber.get_num_connections()) if subscriber is not None else 0
 

@@ -10,7 +10,7 @@ import inspect
 import math
 import time
 import traceback
-from typing import Any, Callable, Dict, List
+from typing import Any, Callable, Dict, List, Optional
 
 import rospy
 import rospy.core
@@ -19,8 +19,10 @@ from rospy.exceptions import TransportInitError
 from rospy.impl.registration import Registration, get_topic_manager
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSSub
+from rospy.impl.transport import INBOUND
 
 from nodekit.rospy_internals import registrar
+from nodekit.rospy_internals.intraprocess_link import IntraprocessLink
 from nodekit.rospy_internals.registry import check_topic_type
 from nodekit.rospy_internals.tcpros_reader import Reader
 
@@ -128,6 +130,7 @@ class IncomingTopic(_Topic):
         #: Whether connections are read until they are empty, since a callback wants the newest.
         self.reads_until_empty = False
         self._takes_any_type = issubclass(data_class, rospy.AnyMsg)
+        self._link: Optional[IntraprocessLink] = None
         #: Time of the latest announcement of each connected publisher, which may be a new one [s].
         self._notified_at: Dict[str, float] = {}
 
@@ -171,7 +174,39 @@ class IncomingTopic(_Topic):
         :param bodies: serialized messages, without their lengths
         :param header: the connection header of the publisher
         """
+        if self._link is None:
+            self._link = self._new_link()
+        self._link.count(bodies)
         self.receive_callback(self.copies(bodies, header), None)
+
+    @staticmethod
+    def _new_link() -> IntraprocessLink:
+        return IntraprocessLink(INBOUND, rospy.get_node_uri() or "")
+
+    def intraprocess_link(self) -> Optional[IntraprocessLink]:
+        """Return the link to the publisher in this process; None without one."""
+        if not self.hears(get_topic_manager().get_publisher_impl(self.resolved_name)):
+            return None
+        if self._link is None:
+            self._link = self._new_link()
+        return self._link
+
+    def get_num_connections(self) -> int:
+        """Return the number of publishing nodes, with this one."""
+        return int(super().get_num_connections()) + (self.intraprocess_link() is not None)
+
+    def get_stats_info(self) -> List[Any]:
+        """Return the connections of this topic, in the format of ``getBusInfo``."""
+        link = self.intraprocess_link()
+        own = [] if link is None else [link.bus_info(self.resolved_name)]
+        return list(super().get_stats_info()) + own
+
+    def get_stats(self) -> Any:
+        """Return the statistics of this topic, in the format of ``getBusStats``."""
+        name, rows = super().get_stats()
+        link = self.intraprocess_link()
+        own = [] if link is None else [(link.id, link.stat_bytes, link.stat_num_msg, -1, True)]
+        return name, rows + own
 
     def copies(self, bodies: List[bytes], header: Dict[str, str]) -> List[Any]:
         """Return deserialized copies of messages that are published in this process.

@@ -21,8 +21,10 @@ import rospy.topics
 from rospy.impl.registration import Registration, get_topic_manager
 from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSPub
+from rospy.impl.transport import OUTBOUND
 
 from nodekit.rospy_internals.incoming_topic import IncomingTopic, subscriber_mismatch
+from nodekit.rospy_internals.intraprocess_link import IntraprocessLink
 from nodekit.rospy_internals.registry import check_topic_type
 from nodekit.transport.delivery import deliver
 from nodekit.transport.subscriber_connection import SubscriberConnection
@@ -145,6 +147,7 @@ class OutgoingTopic(_Topic):
         self._subscriptions: Dict[str, Any] = get_topic_manager().subs
         self._known_connections: Optional[List[Any]] = None
         self._links = _NO_CONNECTIONS
+        self._intraprocess: Optional[IntraprocessLink] = None
         self.buff = None  # only rospy's own publish() needs it
         #: How long a later subscriber gets the last message [s].
         self.lifespan = 0.0
@@ -213,9 +216,7 @@ class OutgoingTopic(_Topic):
                 raise rospy.ROSException("publish() to a closed topic")
             if self.connections is not self._known_connections:
                 self._update_links()
-            listener = self._subscriptions.get(self.resolved_name)
-            if listener is not None and not self._is_heard_by(listener):
-                listener = None
+            listener = self._listener()
             is_heard = bool(self._links) or listener is not None
             if not is_heard and not rospy.core.is_initialized():
                 raise rospy.ROSException("publish() before init_node()")
@@ -236,11 +237,28 @@ class OutgoingTopic(_Topic):
                 deliver(data, self._links.values(), len(packets))
         if listener is not None:  # without the lock: callbacks may publish on other topics
             bodies = [packet[_LENGTH.size :] for packet in packets]
+            self._link_within().count(bodies)
             listener.receive_directly(bodies, self.local_header)
 
-    def _is_heard_by(self, topic: Any) -> bool:
-        """Return whether subscribers in this process get messages directly."""
-        return isinstance(topic, IncomingTopic) and topic.hears(self)
+    def _listener(self) -> Optional[IncomingTopic]:
+        """Return the subscribed topic in this process that gets messages directly, if any."""
+        topic = self._subscriptions.get(self.resolved_name)
+        return topic if isinstance(topic, IncomingTopic) and topic.hears(self) else None
+
+    def _link_within(self) -> IntraprocessLink:
+        if self._intraprocess is None:
+            self._intraprocess = IntraprocessLink(OUTBOUND, rospy.get_name())
+        return self._intraprocess
+
+    def get_num_connections(self) -> int:
+        """Return the number of subscribing nodes, with this one."""
+        return int(super().get_num_connections()) + (self._listener() is not None)
+
+    def get_stats_info(self) -> List[Any]:
+        """Return the connections of this topic, in the format of ``getBusInfo``."""
+        is_heard = self._listener() is not None
+        own = [self._link_within().bus_info(self.resolved_name)] if is_heard else []
+        return list(super().get_stats_info()) + own
 
     def _serialize(self, message: Any) -> bytes:
         """Return a serialized message with its length prefix."""
@@ -285,7 +303,11 @@ class OutgoingTopic(_Topic):
         """Return the statistics of this topic, in the format of ``getBusStats``."""
         for link in self.links():
             link.update_rospy_statistics()
-        return super().get_stats()
+        name, size, rows = super().get_stats()
+        if self._listener() is None:
+            return name, size, rows
+        own = self._link_within()
+        return name, size, [*rows, (own.id, own.stat_bytes, own.stat_num_msg, True)]
 
     def links(self) -> List[RosSubscriberConnection]:
         """Return the connections to subscribers.

@@ -195,7 +195,8 @@ class TopicToRos1:
 
     def forward_if_heard(self) -> None:
         """Subscribe to the topic, or no longer."""
-        is_heard = self._found.latched or self._publisher.get_num_connections() > 0
+        subscribers = self._publisher.get_num_connections(in_process=False)
+        is_heard = self._found.latched or subscribers > 0
         self._switch(self._wanted if is_heard else {})
 
     def _switch(self, wanted: Mapping[bool, Quality]) -> None:

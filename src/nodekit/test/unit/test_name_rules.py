@@ -63,3 +63,13 @@ def test_invalid_node_names_are_rejected():
     for namespace, base in (("/a b", "motor"), ("/lab", "a:b")):
         with pytest.raises(IllegalName, match="node name '/"):
             Names.hosted(namespace, base)
+
+
+def test_member_of_a_hosted_node_is_in_the_namespace_of_that_node() -> None:
+    hosting = Names.hosted("/lab", "robots")
+    found = [hosting.of_member(namespace, "motor").node for namespace in ("", "arm", "/other")]
+    assert found == ["/lab/motor", "/lab/arm/motor", "/other/motor"]
+
+
+def test_member_of_a_process_is_in_the_namespace_of_the_process() -> None:
+    assert Names("/lab/robots", False).of_member("arm", "motor").node == "/arm/motor"

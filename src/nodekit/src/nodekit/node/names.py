@@ -38,6 +38,19 @@ class Names(NamedTuple):
         node = f"{rospy.resolve_name(namespace).rstrip('/')}/{name}"
         return cls(checked(node, "node name"), True)
 
+    def of_member(self, namespace: str, name: str) -> "Names":
+        """Return the names of a node that this one hosts.
+
+        :param namespace: namespace of the member; relative to that of this node
+        :param name: base name of the member
+        :raises TypeError: if one of them is not text
+        :raises IllegalName: if ROS does not allow that name
+        """
+        check_name(namespace, "namespace")
+        if self.is_hosted and not namespace.startswith(("/", "~")):
+            namespace = f"{self.node.rpartition('/')[0]}/{namespace}"
+        return Names.hosted(namespace, name)
+
     def resolve(self, name: str) -> str:
         """Return the global name of a topic, a service or a parameter.
 

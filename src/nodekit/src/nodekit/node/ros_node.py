@@ -49,14 +49,14 @@ class Node(NodeScope):
         this node, or at once if this one has started.
 
         :param name: base name
-        :param namespace: its namespace; relative to that of the process
+        :param namespace: its namespace; relative to that of this node
         :param cls: its class, called with the node
         :returns: the node, which this one owns
         :raises TypeError: if a name is not text, or the class not callable
         :raises ParameterError: if one of its parameters is rejected
         :raises Exception: from its class or its start; the node is closed then
         """
-        names = Names.hosted(namespace, name)
+        names = self._context.names.of_member(namespace, name)
         check_function(cls, f"{names.node}: class")
         node = Node(names, StartQueue() if self._start_queue.has_started else self._start_queue)
         try:

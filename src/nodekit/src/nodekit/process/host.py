@@ -7,7 +7,6 @@ from typing import Collection, List, Mapping, Sequence, Tuple
 import rospy
 
 from nodekit.node.name_rules import IllegalName
-from nodekit.node.names import Names
 from nodekit.node.ros_node import Node
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.parameter_types import ParameterError
@@ -46,7 +45,8 @@ def host_all(node: Node, members: Sequence[Member]) -> List[Node]:
     # Otherwise rospy sends the names of all topics, including theirs, with each log line.
     parameter_cache.cache(parameter_cache.ROSOUT_PARAMETER, True)
     up = []
-    names = [Names.hosted(namespace, base).node for base, namespace, _ in members]
+    hosting = node._context.names
+    names = [hosting.of_member(namespace, base).node for base, namespace, _ in members]
     for name, count in Counter(names).items():
         if count > 1:
             raise IllegalName(f"node name '{name}': {count} members use it")

@@ -1,0 +1,138 @@
+"""Every node publishes the same in a process of its own and together with all others in one."""
+
+import os
+import pathlib
+import subprocess
+import sys
+from typing import Dict, Iterator, List, Set
+
+import pytest
+import rosgraph
+
+from nodekit.testing.processes import Master
+from nodekit.testing.waiting import wait_until
+
+from . import node_processes
+
+HERE = pathlib.Path(__file__).parent
+SOURCES = HERE.parents[2] / "src"
+WAYS = ["separate", "hosted"]
+#: Services of a process, not of a node.
+OF_PROCESS = ("/get_loggers", "/set_logger_level")
+#: Longest start of all nodes on a busy machine [s].
+TIMEOUT_S = 120.0
+#: The topics with messages, without those of dynamic_reconfigure.
+HEARD = {
+    "basics/output_topic",
+    "basics/robot_command",
+    "basics/topic_name",
+    "loop/controller/terms",
+    "loop/motor_input",
+    "loop/motor_output",
+    "loop/set_point",
+    "managed/lifecycle_aware_node/heartbeat",
+    "managed/lifecycle_aware_node/state",
+    "motor/motor_input_u",
+    "motor/motor_speed_y",
+    "motor/motor_state",
+    "parameters/camera/camera_info",
+    "parameters/camera/image_color",
+    "parameters/chatter",
+    "parameters/lidar/points",
+    "parameters/radar/tracks",
+    "plant/output",
+    "random/cmd_vel",
+    "robot/contact",
+    "robot/ground_truth",
+    "robot/joint_states",
+    "robot/odom",
+    "robot/world",
+    "sensors/data/camera",
+    "sensors/data/lidar",
+    "sensors/data/temperature",
+    "signals/chatter",
+    "signals/proc_signal",
+    "signals/signal",
+    "signals/signal_generator/status",
+    "status/robot_status",
+}
+#: The topics that are advertised besides, and have messages only once something happens.
+SILENT = {
+    "managed/lifecycle_aware_node/transition_event",
+    "robot/cmd_vel",
+    "robot/scan",
+    "robot/waypoint_controller/arrived",
+    "robot/waypoint_controller/current_goal",
+    "robot/waypoint_controller/progress",
+    "basics/mean_brightness",
+}
+
+
+@pytest.fixture(scope="module")
+def master() -> Iterator[rosgraph.Master]:
+    """Run all nodes both ways; yield a client of their master."""
+    server = Master()
+    path = f"{HERE}:{os.environ['PYTHONPATH']}"
+    environment = {**os.environ, "ROS_MASTER_URI": server.uri, "PYTHONPATH": path}
+    processes: List[subprocess.Popen] = []
+    try:
+        for way in WAYS:
+            command = [sys.executable, str(HERE / "node_processes.py"), way, way]
+            processes.append(
+                subprocess.Popen(
+                    command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+                )
+            )
+        yield rosgraph.Master("/test", server.uri)
+    finally:
+        for process in processes:
+            process.terminate()
+        for process in processes:
+            process.wait(TIMEOUT_S)
+        server.kill()
+
+
+def of_nodes(way: str, topics: List[str]) -> Set[str]:
+    """Return topics without their space, and without those of dynamic_reconfigure."""
+    return {
+        topic[len(f"/{way}/") :]
+        for topic in topics
+        if not topic.endswith(("/parameter_descriptions", "/parameter_updates"))
+    }
+
+
+def heard(master: rosgraph.Master) -> Dict[str, Set[str]]:
+    """Return the topics that a subscriber of the same process, or of another one, has heard."""
+    found: Dict[str, Set[str]] = {}
+    for way in WAYS:
+        key = node_processes.HEARD.format(way)
+        found[way] = of_nodes(way, master.getParam(key) if master.hasParam(key) else [])
+    return found
+
+
+def differences(master: rosgraph.Master) -> str:
+    return str({way: topics ^ HEARD for way, topics in heard(master).items()})
+
+
+def test_hosted_nodes_publish_what_separate_ones_do(master: rosgraph.Master) -> None:
+    expected = {way: HEARD for way in WAYS}
+    wait_until(lambda: heard(master) == expected, lambda: differences(master), TIMEOUT_S)
+    for way in WAYS:
+        topics = [topic for topic, _ in master.getPublishedTopics(f"/{way}/")]
+        assert of_nodes(way, topics) == HEARD | SILENT
+    services = [name for name, _ in master.getSystemState()[2]]
+    separate, hosted = (
+        {name[len(way) + 2 :] for name in services if name.startswith(f"/{way}/")} for way in WAYS
+    )
+    assert hosted == {name for name in separate if not name.endswith(OF_PROCESS)}
+
+
+def test_every_node_is_run_or_left_out_for_a_reason() -> None:
+    modules = {
+        f"{path.parents[1].name}.nodes.{path.stem}"
+        for path in SOURCES.glob("*/src/*/nodes/*.py")
+        if path.stem != "__init__"
+    }
+    run = {module for part in node_processes.NODES.values() for module in part}
+    assert run.isdisjoint(node_processes.LEFT_OUT)
+    assert run.union(node_processes.LEFT_OUT) == modules

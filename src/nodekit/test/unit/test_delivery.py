@@ -17,6 +17,7 @@ from nodekit.transport import delivery
 from nodekit.transport.subscriber_connection import (
     PROBATION_S,
     REPORT_PERIOD_S,
+    STALL_S,
     LossReports,
     Phase,
     SubscriberConnection,
@@ -129,20 +130,29 @@ def receive(sock, size):
             st.tuples(st.just("flush"), st.just(0), st.just(0)),
         ),
         max_size=60,
-    )
+    ),
+    st.sampled_from([None, 1, 3, 10]),
 )
-def test_messages_are_whole_in_order_and_accounted_for(steps):
+def test_messages_are_whole_in_order_and_accounted_for(steps, depth):
     ours, theirs = socket.socketpair()
     with ours, theirs:
         ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)
         theirs.setblocking(False)
         link = RecordingLink(ours)
+        link.depth = depth
         received, offered = b"", 0
         for step, size, count in steps:
             if step == "offer":
                 together = b"".join(packet(offered + each, size) for each in range(count))
                 if link.stalled:
+                    waiting = sum(each.messages for each in link.held if not each.has_begun)
+                    lost = link.lost
                     link.hold(together, count)
+                    if waiting + count <= (depth or 1):
+                        assert link.lost == lost, "so many may wait"
+                    assert sum(
+                        each.messages for each in link.held[:-1] if not each.has_begun
+                    ) <= max(0, (depth or 1) - count)
                 elif not link.send(together, count):
                     link.stall()
                 offered += count
@@ -179,6 +189,60 @@ def test_what_is_lost_counts_as_so_many_messages_as_went_together(pairs, clock):
         delivery.deliver(BIG, [link], 3)
     held = sum(each.messages for each in link.held)
     assert (link.sent, held, link.lost) == (0, 6, 54)
+
+
+def test_receiver_with_a_depth_is_not_waited_for_and_loses_only_what_exceeds_it(pairs, clock):
+    start = clock.now
+    ours, theirs = pairs()
+    link = SubscriberConnection("full", ours, threading.RLock(), depth=10)
+    for number in range(11):  # one is partly sent
+        delivery.deliver(packet(number, 100_000), [link])
+    assert (clock.now, link.lost) == (start, 0)
+    for number in range(11, 14):
+        delivery.deliver(packet(number, 100_000), [link])
+    assert (clock.now, link.lost) == (start, 3)
+    received = b""
+    while not link.flush(clock.now):
+        received += read_all(theirs)
+    assert unpack(received + read_all(theirs)) == [0, *range(4, 14)]
+
+
+def test_held_data_is_bounded_in_bytes_and_the_newest_is_always_held(pairs, monkeypatch, clock):
+    monkeypatch.setattr("nodekit.transport.subscriber_connection.MOST_HELD", 3 * len(BIG))
+    link = SubscriberConnection("full", pairs()[0], threading.RLock(), depth=100)
+    for _ in range(10):
+        delivery.deliver(BIG, [link])
+    assert (len(link.held), link.lost) == (3, 7)
+    delivery.deliver(5 * BIG, [link])
+    assert ([each.size for each in link.held], link.lost) == ([len(BIG), 5 * len(BIG)], 9)
+
+
+def test_receiver_that_takes_data_has_not_stalled(pairs, clock):
+    ours, theirs = pairs()
+    link = SubscriberConnection("slow", ours, threading.RLock(), depth=2)
+    link._took_data_at = clock.now
+    delivery.deliver(BIG, [link])
+    for _ in range(10):
+        clock.now += 0.9 * STALL_S
+        read_all(theirs)
+        assert not link.flush(clock.now)
+        assert not link.takes_nothing(clock.now)
+    clock.now += 1.1 * STALL_S
+    assert link.takes_nothing(clock.now)
+
+
+def test_receiver_is_served_at_once_while_another_one_is_watched(pairs, monkeypatch):
+    monkeypatch.setattr(delivery, "DRAIN_PERIOD_S", 10 * TIME_OUT)
+    deaf = SubscriberConnection("deaf", pairs()[0], threading.RLock(), depth=1)
+    with deaf.lock:
+        delivery.deliver(BIG, [deaf])
+    ours, theirs = pairs()
+    reads = SubscriberConnection("reads", ours, threading.RLock(), depth=1)
+    with reads.lock:
+        delivery.deliver(BIG, [reads])
+    assert receive(theirs, len(BIG)) == BIG
+    deaf.drop()
+    delivery._drain.watch([deaf])  # wakes the thread, which ends then
 
 
 def test_others_have_the_message_before_a_full_receiver_is_waited_for(pairs, clock):

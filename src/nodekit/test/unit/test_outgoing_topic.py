@@ -24,6 +24,8 @@ from nodekit.testing.waiting import wait_until
 
 TOPIC = "/topic"
 TIME_OUT = 20.0  # s
+#: The size of a picture of 1920 x 1080 pixels in colour.
+LARGE = 6_220_800 * "x"
 
 
 @pytest.fixture
@@ -135,6 +137,49 @@ def test_unknown_rospy_means_a_plain_publisher(opened, connect, monkeypatch):
     impl(publisher).publish(String("plain"))
     assert receive(subscriber).data == "plain"
     assert publisher.statistics() == []
+
+
+@pytest.mark.parametrize("queue_size, pause", [(10, 10), (40, 32), (0, 35), (-1, 35)])
+def test_large_messages_within_the_queue_size_survive_a_pause(opened, connect, queue_size, pause):
+    publisher = opened(String, queue_size=queue_size)
+    subscriber = connect(publisher)
+    texts = [str(number) + LARGE for number in range(1 + pause)]  # one is partly sent
+    for text in texts:
+        publisher.publish(String(text))
+    assert [receive(subscriber).data == text for text in texts] == [True] * len(texts)
+    assert [(one.lost, one.stalled) for one in publisher.statistics()] == [(0, False)]
+
+
+def test_queue_size_one_keeps_the_newest_and_counts_the_others(opened, connect):
+    publisher = opened(String, queue_size=1)
+    subscriber = connect(publisher)
+    for number in range(10):
+        publisher.publish(String(str(number) + LARGE))
+    assert [receive(subscriber).data.rstrip("x") for _ in range(2)] == ["0", "9"]
+    wait_until(lambda: publisher.statistics()[0].sent == 2, lambda: "not sent")
+    assert publisher.statistics()[0].lost == 8
+
+
+def test_largest_queue_size_of_a_topic_counts_for_connected_subscribers_too(opened, connect):
+    subscriber = connect(opened(String, queue_size=1))
+    publisher = opened(String, queue_size=5)
+    opened(String, queue_size=2)
+    for number in range(8):
+        publisher.publish(String(str(number) + LARGE))
+    heard = [receive(subscriber).data.rstrip("x") for _ in range(6)]
+    assert heard == ["0", "3", "4", "5", "6", "7"]
+
+
+@pytest.mark.parametrize("queue_size", [-2, 1.5, "10"])
+def test_invalid_queue_size_is_refused(unopened, queue_size):
+    must = "must be a whole number of at least 1, or 0 or -1 for no limit of its own"
+    with pytest.raises(ValueError, match=f"{TOPIC}: queue_size: refused {queue_size!r}: {must}"):
+        unopened(String, queue_size=queue_size)
+
+
+def test_unknown_rospy_gets_the_queue_size(opened, monkeypatch):
+    monkeypatch.setattr(outgoing_topic, "publisher_mismatch", lambda: "all is different")
+    assert impl(opened(String, queue_size=3)).queue_size == 3
 
 
 def test_construction_warns_of_nothing(opened):

@@ -101,14 +101,21 @@ class ManagedPublisher(Publisher):
     :param data_class: message class
     :param latch: whether later subscribers get the last message
     :param lifespan: how long they get the last message if it is not latched [s]
+    :param queue_size: most messages held for a subscriber that does not read
 
     :ivar dropped: number of dropped messages
     """
 
     def __init__(
-        self, gate: ActivationGate, name: str, data_class: type, latch: bool, lifespan: float = 0.0
+        self,
+        gate: ActivationGate,
+        name: str,
+        data_class: type,
+        latch: bool,
+        lifespan: float = 0.0,
+        queue_size: Optional[int] = None,
     ) -> None:
-        super().__init__(name, data_class, latch, lifespan)
+        super().__init__(name, data_class, latch, lifespan, queue_size)
         self.dropped = 0
         self._gate = gate
         self._kept: Any = None

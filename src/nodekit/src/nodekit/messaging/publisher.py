@@ -1,7 +1,9 @@
 """Publisher that sends at once, and that a stalled subscriber cannot block."""
 
 import io
+import sys
 import threading
+import time
 from typing import Any, List, Mapping, NamedTuple, Optional, Sequence
 
 import genpy
@@ -27,17 +29,26 @@ class SubscriberStatistics(NamedTuple):
     sent: int
     #: messages dropped because the subscriber did not read
     lost: int
-    #: whether the subscriber is stalled now
+    #: whether the subscriber has taken nothing for 50 ms, and data waits for it
     stalled: bool
 
 
+def _depth(queue_size: int, name: str) -> int:
+    """Return how many messages are held; raise a ValueError for an invalid queue size."""
+    if not isinstance(queue_size, int) or queue_size < -1:
+        must = "must be a whole number of at least 1, or 0 or -1 for no limit of its own"
+        raise ValueError(f"topic {name}: queue_size: refused {queue_size!r}: {must}")
+    return queue_size if queue_size > 0 else sys.maxsize
+
+
 class Publisher:
-    """Publisher of a topic, without a queue.
+    """Publisher of a topic, which sends in the calling thread.
 
     :meth:`publish` returns when the operating system has the message: latency is lowest, and a
-    subscriber that reads loses nothing. A subscriber that does not read blocks one call, for up to
-    50 ms; then it gets only the newest message, in the background, until it reads again. Its lost
-    messages are counted and reported; messages are never split. Thread-safe.
+    subscriber that reads loses nothing. For a subscriber that does not read, as many messages are
+    held as ``queue_size`` says, the newest, and sent in the background. Without a queue size, it
+    blocks one call, for up to 50 ms; then it gets only the newest message until it reads again. Its
+    lost messages are counted and reported; messages are never split. Thread-safe.
 
     Before the publisher is open, the last message of a latched topic is kept, and sent on opening.
 
@@ -47,7 +58,11 @@ class Publisher:
     :param lifespan: how long later subscribers get the last message of an unlatched topic [s]: a
         node that starts a moment later does not have to wait for the next one. Not in the same
         process, where subscriptions open before the first message is published
+    :param queue_size: most messages held for a subscriber that does not read, 0 or -1 for no limit
+        but :data:`.MOST_HELD` bytes; :meth:`publish` never waits for a subscriber then. Of several
+        publishers of the topic in the process, the largest counts
     :raises TypeError: if the class is not a message class
+    :raises ValueError: if the queue size is not a whole number of at least -1
     """
 
     __slots__ = (
@@ -55,6 +70,7 @@ class Publisher:
         "data_class",
         "_latch",
         "_lifespan",
+        "_depth",
         "_first",
         "_publisher",
         "_topic",
@@ -64,13 +80,19 @@ class Publisher:
     _lock = threading.Lock()
 
     def __init__(
-        self, name: str, data_class: type, latch: bool = False, lifespan: float = 0.0
+        self,
+        name: str,
+        data_class: type,
+        latch: bool = False,
+        lifespan: float = 0.0,
+        queue_size: Optional[int] = None,
     ) -> None:
         check_message_class(data_class, name)
         self.resolved_name = name
         self.data_class = data_class
         self._latch = latch
         self._lifespan = lifespan
+        self._depth = None if queue_size is None else _depth(queue_size, name)
         self._first: Any = None
         self._publisher: Optional[rospy.Publisher] = None
         self._topic: Optional[outgoing_topic.OutgoingTopic] = None
@@ -87,12 +109,14 @@ class Publisher:
         topic: Optional[outgoing_topic.OutgoingTopic] = None
         with registry.topic_lock():
             if not mismatch:
-                topic = outgoing_topic.send_at_once(name, data_class, self._latch, self._lifespan)
+                topic = outgoing_topic.send_at_once(
+                    name, data_class, self._latch, self._lifespan, self._depth
+                )
             publisher = rospy.Publisher(
                 registry.name_before_remapping(name),
                 data_class,
                 latch=self._latch,
-                queue_size=FALLBACK_QUEUE_SIZE,
+                queue_size=self._depth or FALLBACK_QUEUE_SIZE,
             )
         publisher.name = publisher.resolved_name = name  # rospy has made copies of the text
         while True:  # another thread may publish meanwhile; the newest is latched
@@ -202,7 +226,8 @@ class Publisher:
 
         :returns: one entry per subscriber; empty with rospy's own queues
         """
-        links = self._topic.links() if self._topic is not None else []
+        links, now = self._topic.links() if self._topic is not None else [], time.monotonic()
         return [
-            SubscriberStatistics(link.name, link.sent, link.lost, link.stalled) for link in links
+            SubscriberStatistics(link.name, link.sent, link.lost, link.takes_nothing(now))
+            for link in links
         ]

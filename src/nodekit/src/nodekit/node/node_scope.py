@@ -102,11 +102,14 @@ class NodeScope(OldMethods, ResourceOwner):
         :param name: topic
         :param data_class: message class
         :param latch: whether later subscribers get the last message
-        :param queue_size: ignored, since there is no queue; accepted for code ported from rospy
+        :param queue_size: how many messages are held for a subscriber that does not read, the
+            newest; 0 or -1 for no limit of its own. By default, such a subscriber delays one call
+            by up to 50 ms, then gets the newest only
         :param lifespan: how long later subscribers get the last message of a topic that is not
             latched [s]; do not change that message after publishing it
         """
-        return self._open(self._new_publisher(self.resolve(name), data_class, latch, lifespan))
+        resolved = self.resolve(name)
+        return self._open(self._new_publisher(resolved, data_class, latch, lifespan, queue_size))
 
     def create_subscription(
         self,

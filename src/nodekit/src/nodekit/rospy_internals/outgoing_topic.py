@@ -1,4 +1,4 @@
-"""Published topic without a queue, in place of rospy's implementation object.
+"""Published topic that is sent by the publishing thread, in place of rospy's implementation object.
 
 One object serves all publishers of a topic in a process; rospy uses it to send the last message of
 a latched topic to a new subscriber. Subscribers in the same process get messages directly.
@@ -62,7 +62,7 @@ def publisher_mismatch() -> str:
 
 
 def send_at_once(
-    name: str, data_class: type, latch: bool, lifespan: float
+    name: str, data_class: type, latch: bool, lifespan: float, depth: Optional[int] = None
 ) -> Optional["OutgoingTopic"]:
     """Send a topic's messages through :mod:`nodekit.transport.delivery`.
 
@@ -72,6 +72,8 @@ def send_at_once(
     :param data_class: message class
     :param latch: whether later subscribers get the last message
     :param lifespan: how long later subscribers get the last message of an unlatched topic [s]
+    :param depth: most messages held for a subscriber that does not read, see
+        :class:`.SubscriberConnection`; of several publishers, the largest counts
     :returns: the topic; None if this process has a plain ``rospy.Publisher`` of it
     :raises rospy.ROSException: if this process publishes it with another type
     """
@@ -87,6 +89,8 @@ def send_at_once(
     if latch:
         topic.enable_latch()
     topic.lifespan = lifespan
+    if depth is not None:
+        topic.hold_at_least(depth)
     return topic
 
 
@@ -96,10 +100,17 @@ class RosSubscriberConnection(SubscriberConnection):
     :param transport: rospy's object for it
     :param lock: the topic's lock
     :param topic: the topic's name, for reports
+    :param depth: as in :class:`.SubscriberConnection`
     """
 
-    def __init__(self, transport: TCPROSTransport, lock: ContextManager[Any], topic: str) -> None:
-        super().__init__(transport.endpoint_id, transport.socket, lock)
+    def __init__(
+        self,
+        transport: TCPROSTransport,
+        lock: ContextManager[Any],
+        topic: str,
+        depth: Optional[int],
+    ) -> None:
+        super().__init__(transport.endpoint_id, transport.socket, lock, depth)
         self._transport = transport
         self._header_bytes = transport.stat_bytes
         self._topic = topic
@@ -134,7 +145,7 @@ _Topic: Any = getattr(rospy.topics, "_PublisherImpl", object)
 
 
 class OutgoingTopic(_Topic):
-    """Published topic without a queue; one of rospy's implementation objects.
+    """Published topic without rospy's queues; one of rospy's implementation objects.
 
     :param name: topic, resolved
     :param data_class: message class
@@ -149,6 +160,8 @@ class OutgoingTopic(_Topic):
         self._links = _NO_CONNECTIONS
         self._intraprocess: Optional[IntraprocessLink] = None
         self.buff = None  # only rospy's own publish() needs it
+        #: Most messages held for a subscriber that does not read; None for the newest only.
+        self._depth: Optional[int] = None
         #: How long a later subscriber gets the last message [s].
         self.lifespan = 0.0
         self._last: Any = None
@@ -183,7 +196,17 @@ class OutgoingTopic(_Topic):
             self._latched, self.latch = tuple(messages), None
 
     def set_queue_size(self, queue_size: Optional[int]) -> None:
-        """Ignore the queue size that another publisher of the topic sets."""
+        """Ignore the queue size that rospy sets; see :meth:`hold_at_least`."""
+
+    def hold_at_least(self, depth: int) -> None:
+        """Hold this many messages for a subscriber that does not read, unless more are held.
+
+        :param depth: number of messages
+        """
+        with self._lock:
+            self._depth = max(depth, self._depth or 0)
+            for link in self._links.values():
+                link.depth = self._depth
 
     def publish(self, message: Any, connection_override: Any = None) -> None:
         """Send a message.
@@ -327,6 +350,6 @@ class OutgoingTopic(_Topic):
                 links[connection] = self._links[connection]
             elif connection.socket is not None:
                 links[connection] = RosSubscriberConnection(
-                    connection, self._lock, self.resolved_name
+                    connection, self._lock, self.resolved_name, self._depth
                 )
         self._links = links or _NO_CONNECTIONS

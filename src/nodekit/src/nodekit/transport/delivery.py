@@ -1,9 +1,9 @@
 """Delivery of messages over stream sockets, in which no receiver can block the others.
 
-Messages are sent from the caller's own thread, without a queue. A receiver that does not read
-blocks once, for up to :data:`PATIENCE_S`; then it is stalled, and a background thread serves it,
-see :mod:`nodekit.transport.subscriber_connection`. The thread exists only while a receiver is
-stalled.
+Messages are sent from the caller's own thread. What a receiver does not take at once is sent by a
+background thread, see :mod:`nodekit.transport.subscriber_connection`: at once if its connection has
+a depth, otherwise after a wait of up to :data:`PATIENCE_S`, once. The thread exists only while data
+is held.
 
 A delivery holds one or more messages: they share a system call, which takes longer than all other
 work for a small message.
@@ -11,6 +11,7 @@ work for a small message.
 
 import contextlib
 import logging
+import os
 import select
 import threading
 import time
@@ -20,7 +21,7 @@ from nodekit.transport.subscriber_connection import SubscriberConnection
 
 #: Longest wait of one delivery for all its receivers together [s].
 PATIENCE_S = 0.05
-#: Longest time until the background thread serves a newly stalled receiver [s].
+#: Longest time between two checks of stalled receivers for closed sockets and reports [s].
 DRAIN_PERIOD_S = 0.1
 #: Pause of the background thread [s]: a socket short of memory is "writable" but accepts nothing.
 DRAIN_PAUSE_S = 0.001
@@ -77,11 +78,16 @@ class _Drain:
         self._lock = threading.Lock()
         self._links: Set[SubscriberConnection] = set()
         self._thread: Optional[threading.Thread] = None
+        #: Ends of a pipe that wakes the thread up.
+        self._wake_out, self._wake_in = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
 
     def watch(self, links: List[SubscriberConnection]) -> None:
         with self._lock:
             self._links.update(links)
-            if self._links and self._thread is None:
+            if self._thread is not None:
+                with contextlib.suppress(BlockingIOError):  # the pipe is full: it wakes up anyway
+                    os.write(self._wake_in, b"1")
+            elif self._links:
                 thread = threading.Thread(target=self._run, name="drain", daemon=True)
                 thread.start()  # may fail; the next stall retries
                 self._thread = thread
@@ -115,13 +121,17 @@ class _Drain:
     def _writable(self, links: List[SubscriberConnection]) -> List[SubscriberConnection]:
         """Wait for the stalled links; return those that may be writable."""
         poller = select.poll()
+        poller.register(self._wake_out, select.POLLIN)
         polled: Dict[int, SubscriberConnection] = {}
         for link in links:
             descriptor = link.fileno()
             if link.stalled and descriptor >= 0:
                 poller.register(descriptor, select.POLLOUT)
                 polled[descriptor] = link
-        return [polled[descriptor] for descriptor, _ in poller.poll(1000 * DRAIN_PERIOD_S)]
+        ready = [descriptor for descriptor, _ in poller.poll(1000 * DRAIN_PERIOD_S)]
+        if self._wake_out in ready:
+            os.read(self._wake_out, 4096)
+        return [polled[descriptor] for descriptor in ready if descriptor in polled]
 
 
 @contextlib.contextmanager

@@ -1,16 +1,23 @@
 """Connection to one subscriber: sent, held and lost messages.
 
-A receiver that does not read takes memory for two deliveries at most: the partly sent one, the rest
-of which is sent first (a message is never split), and the newest one, so that the last value of a
-slow stream arrives. Deliveries in between are lost, counted and reported.
+For a receiver that does not read, the partly sent delivery is held, the rest of which is sent first
+(a message is never split), and the newest messages, up to the depth that was asked for and to
+:data:`MOST_HELD`. Without a depth that is the newest delivery, so that the last value of a slow
+stream arrives. Older deliveries are lost, counted and reported.
 """
 
 import enum
 import socket
+import time
 from typing import Any, ContextManager, List, Optional
 
 #: After a stall, a receiver is not waited for again for this long [s].
 PROBATION_S = 10.0
+#: Most data that is held for a receiver, apart from the newest delivery [bytes]: forty pictures of
+#: 1920 x 1080 pixels.
+MOST_HELD = 256_000_000
+#: A receiver that takes no data for this long has stalled [s].
+STALL_S = 0.05
 #: Shortest time between two reports of the same kind about the same receiver [s].
 REPORT_PERIOD_S = 10.0
 
@@ -34,7 +41,7 @@ class Phase(enum.Enum):
     KEEPING_UP = enum.auto()
     #: has time to read; its delivery may be partly sent
     WAITED_FOR = enum.auto()
-    #: gets the newest delivery only, in the background
+    #: gets the held deliveries in the background
     STALLED = enum.auto()
     #: accepts each delivery at once again, but has stalled before
     ON_PROBATION = enum.auto()
@@ -106,16 +113,23 @@ class SubscriberConnection:
     :param name: name of the receiver, for reports
     :param sock: connected stream socket
     :param lock: lock of all deliveries to this connection
+    :param depth: most messages held, besides a partly sent delivery; the newest. None to hold the
+        newest delivery only, and to wait for the receiver before
     """
 
-    def __init__(self, name: str, sock: Any, lock: ContextManager[Any]) -> None:
+    def __init__(
+        self, name: str, sock: Any, lock: ContextManager[Any], depth: Optional[int] = None
+    ) -> None:
         self.name = name
         self.lock = lock
         self.phase = Phase.KEEPING_UP
         #: completely sent messages, and their bytes; lost messages
         self.sent = self.sent_bytes = self.lost = 0
-        #: held deliveries, two at most; only the first may be partly sent
+        self.depth = depth
+        #: held deliveries; only the first may be partly sent
         self.held: List[Delivery] = []
+        self._held_messages = self._held_bytes = 0  # in all of them
+        self._took_data_at = 0.0
         self._socket = sock
         self._probation_ends = 0.0
         self._reports = LossReports()
@@ -131,9 +145,16 @@ class SubscriberConnection:
         :param lost: messages lost since the last report
         """
 
+    def takes_nothing(self, now: float) -> bool:
+        """Return whether the receiver has stalled: data is held that it does not take.
+
+        :param now: monotonic time [s]
+        """
+        return self.stalled and now - self._took_data_at > STALL_S
+
     @property
     def stalled(self) -> bool:
-        """Whether the receiver is stalled now."""
+        """Whether the receiver is served in the background now."""
         return self.phase is Phase.STALLED
 
     def fileno(self) -> int:
@@ -155,21 +176,39 @@ class SubscriberConnection:
             self.drop()
             return True
         if size != len(data):
-            self.held.append(Delivery(data, messages, size))
+            self._append(Delivery(data, messages, size))
+            self._took_data_at = time.monotonic()
             return False
         self.sent += messages
         self.sent_bytes += size
         return True
 
     def hold(self, data: bytes, messages: int) -> None:
-        """Hold a delivery, behind a partly sent one and in place of an unsent one.
+        """Hold a delivery, behind the others; drop the oldest unsent ones above the limits.
 
         :param data: the delivery
         :param messages: number of its messages
         """
-        if self.held and not self.held[-1].has_begun:
-            self.lost += self.held.pop().messages
-        self.held.append(Delivery(data, messages))
+        self._append(Delivery(data, messages))
+        begun = self.held[0] if self.held[0].has_begun else None
+        oldest = 0 if begun is None else 1
+        spared = 0 if begun is None else begun.messages
+        most = (self.depth or 1) + spared
+        while len(self.held) > oldest + 1 and (
+            self._held_messages > most or self._held_bytes > MOST_HELD
+        ):
+            self.lost += self._remove(oldest).messages
+
+    def _append(self, delivery: Delivery) -> None:
+        self.held.append(delivery)
+        self._held_messages += delivery.messages
+        self._held_bytes += delivery.size
+
+    def _remove(self, index: int) -> Delivery:
+        delivery = self.held.pop(index)
+        self._held_messages -= delivery.messages
+        self._held_bytes -= delivery.size
+        return delivery
 
     def flush(self, now: float) -> bool:
         """Send held data without waiting.
@@ -186,12 +225,13 @@ class SubscriberConnection:
             except OSError:
                 self.drop()
                 return True
+            self._took_data_at = now
             first.unsent = first.unsent[size:]
             if first.unsent:
                 return False
             self.sent += first.messages
             self.sent_bytes += first.size
-            del self.held[0]
+            self._remove(0)
         if self.phase is Phase.WAITED_FOR:
             self.phase = Phase.KEEPING_UP
         elif self.phase is Phase.STALLED:
@@ -200,11 +240,13 @@ class SubscriberConnection:
         return True
 
     def begin_wait(self, now: float) -> bool:
-        """Start a wait for the receiver, unless it has stalled recently.
+        """Start a wait for the receiver, unless it has stalled recently or a depth is given.
 
         :param now: monotonic time [s]
         :returns: whether to wait
         """
+        if self.depth is not None:
+            return False
         if self.phase is Phase.ON_PROBATION and now < self._probation_ends:
             return False
         self.phase = Phase.WAITED_FOR
@@ -218,6 +260,7 @@ class SubscriberConnection:
         """Close the connection: the receiver has gone, or the socket is closed."""
         self.phase = Phase.GONE
         self.held.clear()
+        self._held_messages = self._held_bytes = 0
         self.close()
 
     def report_if_due(self, now: float) -> None:

@@ -106,7 +106,9 @@ def main() -> None:
     nodes = [(f"{space}/{part}", module) for part, modules in NODES.items() for module in modules]
     nodes.append((space, "node_processes"))
     if how == "hosted":
-        run("", "nodekit.commands.host", [member(*node) for node in nodes])
+        sys.argv[1:] = [member(*node) for node in nodes]
+        importlib.import_module("nodekit.entry_point").run_command("host")
+        return
     children = [fork(space, module) for space, module in nodes]
     signal.signal(signal.SIGTERM, lambda *_: None)
     signal.pause()
@@ -130,20 +132,18 @@ def fork(space: str, module: str) -> int:
     """Run a node in a child; return its process id."""
     child = os.fork()
     if not child:
-        run(space, module, [])
+        run(space, module)
     return child
 
 
-def run(space: str, module: str, arguments: List[str]) -> None:
+def run(space: str, module: str) -> None:
     """Run the ``main`` of a module in a namespace, and end the process."""
     os.environ["ROS_NAMESPACE"] = space
-    sys.argv[1:] = arguments
+    sys.argv[1:] = [f"__name:={module.rpartition('.')[2]}"]
     if module == "node_processes":
+        sys.argv[1:] = []
         importlib.import_module("nodekit").run("recorder", Recorder)
-    elif arguments:
-        importlib.import_module(module).main()
     else:
-        sys.argv.append(f"__name:={module.rpartition('.')[2]}")
         importlib.import_module("nodekit.entry_point").main(module)
 
 

@@ -11,6 +11,8 @@ import rospy
 from nodekit.groups.callback_groups import CallbackGroup, NoGroup
 from nodekit.groups.ready_queue import CallQueue, ReadyQueue
 from nodekit.messaging.callback_errors import CallbackErrors
+from nodekit.messaging.finite import is_finite
+from nodekit.messaging.rate_limited_log import shortened
 from nodekit.node import fork_guard
 from nodekit.throttle import Throttle
 from nodekit.validation import check_function
@@ -21,6 +23,8 @@ MOST_KEPT = 10_000
 DEPTH = 10
 #: A message that waits longer than this for its callback is warned of [s].
 LATE_S = 1.0
+#: Least time between two warnings about messages that are ignored [s].
+_WARN_EVERY_S = 10.0
 #: Most calls of a service that wait for an executor: each has a thread and a connection.
 MOST_CALLS = 1000
 
@@ -35,6 +39,24 @@ def check_queue_size(queue_size: Optional[int]) -> None:
         return
     allowed = "must be a whole number of at least 1, or -1 for no limit of its own"
     raise ValueError(f"queue_size: refused {queue_size!r}: {allowed}")
+
+
+def finite_only(callback: Callable[[Any], Any], topic: str) -> Callable[[Any], None]:
+    """Return a callback that ignores, with a warning, messages with NaN or infinity in a field.
+
+    :param callback: called with the other messages
+    :param topic: names the messages in the log
+    """
+    throttle = Throttle(_WARN_EVERY_S)
+
+    def call_if_finite(message: Any) -> None:
+        if is_finite(message):
+            callback(message)
+        elif throttle.is_due():
+            text = shortened(" ".join(str(message).split()))
+            rospy.logwarn("%s: %s is not finite and is ignored", topic, text)
+
+    return call_if_finite
 
 
 class Callback:

@@ -8,9 +8,8 @@ from std_srvs.srv import Trigger
 
 from nodekit.groups.callback_groups import CallbackGroup, NoGroup
 from nodekit.groups.ready_queue import ReadyQueue
-from nodekit.messaging.finite import is_finite
 from nodekit.messaging.publisher import Publisher
-from nodekit.messaging.rate_limited_log import RateLimitedLog, shortened
+from nodekit.messaging.rate_limited_log import RateLimitedLog
 from nodekit.messaging.service import Service
 from nodekit.messaging.subscription import LatestMessage, Subscription
 from nodekit.node.callbacks import (
@@ -18,6 +17,7 @@ from nodekit.node.callbacks import (
     ServiceCallback,
     SubscriptionCallback,
     check_queue_size,
+    finite_only,
 )
 from nodekit.node.clients import Client
 from nodekit.node.node_context import NodeContext
@@ -33,13 +33,9 @@ from nodekit.parameters.declaration import OwnParameters, ParameterSet, Rule, Sn
 from nodekit.parameters.declaration_checks import check_rules
 from nodekit.parameters.schema import AT_START
 from nodekit.rospy_internals.shutdown import ShutdownPhase, at_end
-from nodekit.throttle import Throttle
 from nodekit.timing.scheduler import Scheduler, get_scheduler
 from nodekit.validation import check_function, check_name, check_service_class
 from nodekit_msgs.srv import SetParameters
-
-#: Least time between two warnings about messages that are ignored [s].
-_WARN_EVERY_S = 10.0
 
 
 class NodeScope(OldMethods, ResourceOwner):
@@ -132,18 +128,9 @@ class NodeScope(OldMethods, ResourceOwner):
         :param group: the callback's group; the node's default group by default
         :raises ValueError: if the queue size is neither positive nor -1
         """
-        resolved, throttle = self.resolve(name), Throttle(_WARN_EVERY_S)
-        check_function(callback, resolved)
-
-        def only_finite(message: Any) -> None:
-            if is_finite(message):
-                callback(message)
-            elif throttle.is_due():
-                text = shortened(" ".join(str(message).split()))
-                rospy.logwarn("%s: %s is not finite and is ignored", resolved, text)
-
+        check_function(callback, self.resolve(name))
         check_queue_size(queue_size)
-        function = only_finite if finite else callback
+        function = finite_only(callback, self.resolve(name)) if finite else callback
         return self._subscribe(name, data_class, function, queue_size, group)
 
     def create_batch_subscription(

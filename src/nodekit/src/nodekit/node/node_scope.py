@@ -3,7 +3,6 @@
 import contextlib
 from typing import Any, Callable, Collection, Iterator, List, Optional, Type
 
-import rospy
 from std_srvs.srv import Trigger
 
 from nodekit.groups.callback_groups import CallbackGroup, NoGroup

@@ -17,7 +17,7 @@ from nodekit.node.ros_node import Node
 from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.declaration import OwnParameters
 from nodekit.parameters.parameter_types import ParameterError
-from nodekit.process import arguments, launch_arguments
+from nodekit.process import arguments, launch_arguments, own_address
 from nodekit.rospy_internals import registrar, startup
 from nodekit.rospy_internals.registry import NameTaken, all_entries
 from nodekit.validation import check_function, check_name
@@ -29,6 +29,15 @@ EXIT_OK, EXIT_REFUSED = 0, 1
 #: Exit status of the process, unless its start is refused.
 _status = EXIT_OK
 
+#: Errors that end the start in one sentence.
+_REFUSALS = (
+    arguments.ArgumentError,
+    own_address.AddressError,
+    IllegalName,
+    NameTaken,
+    ParameterError,
+)
+
 #: Longest wait for a running start when the node is told to end [s].
 _START_WAIT_S = 1.0
 
@@ -37,8 +46,8 @@ def run(name: str, cls: NodeClass) -> None:
     """Run a node until it is shut down, then end the process.
 
     The exit status is 0 after SIGINT, SIGTERM, SIGHUP or ``rosnode kill``, and 1
-    if the start was refused because of an argument, a name, a parameter or an
-    unreachable master, or if the node called :func:`abort`.
+    if the start was refused because of an argument, a name, an address, a parameter or
+    an unreachable master, or if the node called :func:`abort`.
 
     :param name: name of the node unless ``__name`` is given
     :param cls: the node's class, called with the process's :class:`.Node`
@@ -48,6 +57,8 @@ def run(name: str, cls: NodeClass) -> None:
     check_function(cls, "run: class")
     try:
         arguments.check(rospy.names.get_mappings().get("__name", name), os.environ, sys.argv)
+        own_address.default_to_loopback(os.environ, sys.argv)
+        own_address.check()
         startup.register_signals()
         _tighten_timer_slack()
         _wait_for_master(name)
@@ -55,7 +66,7 @@ def run(name: str, cls: NodeClass) -> None:
         if not rospy.is_shutdown():
             rospy.spin()
         del kept_alive
-    except (arguments.ArgumentError, IllegalName, NameTaken, ParameterError) as error:
+    except _REFUSALS as error:
         rospy.logfatal("%s", error)
         end(EXIT_REFUSED)
     except MasterUnreachable as error:
@@ -87,6 +98,7 @@ def init_node(name: str) -> Node:
     :returns: the node, an argument of its class
     :raises MasterUnreachable: if the master does not respond
     """
+    own_address.default_to_loopback(os.environ, sys.argv)
     startup.apply_patches()
     with startup.fast_init_poll():
         rospy.init_node(name, disable_signals=True)

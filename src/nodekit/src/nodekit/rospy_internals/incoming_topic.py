@@ -241,7 +241,7 @@ class IncomingTopic(_Topic):
 
         :param endpoint_id: URI of the publishing node
         """
-        if self._is_received_directly(endpoint_id):
+        if self.is_received_directly(endpoint_id):
             return True
         found = bool(super().has_connection(endpoint_id))
         if found:
@@ -279,7 +279,11 @@ class IncomingTopic(_Topic):
                     c.receive_once = Reader(c, self).receive_once
             return bool(super().add_connection(c))
 
-    def _is_received_directly(self, uri: str) -> bool:
+    def is_received_directly(self, uri: str) -> bool:
+        """Return whether a publisher is in this process and needs no connection.
+
+        :param uri: URI of the publishing node
+        """
         publisher = get_topic_manager().get_publisher_impl(self.resolved_name)
         return uri == rospy.get_node_uri() and self.hears(publisher)
 
@@ -298,8 +302,9 @@ def _remove_if_rejected(topic: Any, connection: Any) -> None:
     def connect_or_leave(*args: Any, **kwds: Any) -> None:
         try:
             connect(*args, **kwds)
-        except TransportInitError:
+        except TransportInitError as error:
             topic.remove_connection(connection)
+            registrar.connection_failed(topic.resolved_name, connection.endpoint_id, error)
             raise
 
     connection.connect = connect_or_leave

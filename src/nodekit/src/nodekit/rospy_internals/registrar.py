@@ -7,6 +7,7 @@ have a time-out, and may hold several registrations.
 import contextlib
 import threading
 import time
+from functools import partial
 from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Sequence, Tuple
 
 import rospy
@@ -20,6 +21,7 @@ from rospy.impl.registration import (
 )
 
 from nodekit.master import MasterClient
+from nodekit.rospy_internals.connection_watch import ConnectionWatch
 from nodekit.rospy_internals.registry import Entry, all_entries
 
 #: Sends calls (method, argument, ...) to the master and returns its replies (code, message,
@@ -71,8 +73,16 @@ class _Registrar(RegistrationListener):
         self.request = request
         self.services: Dict[str, str] = {}
         self.local = threading.local()
+        self.watch = ConnectionWatch(request)
         self._private = rospy.get_name() + "/"
         self._listener = listener
+        connect_one = getattr(listener, "_connect_topic_thread", None)
+        if connect_one is not None:
+            listener._connect_topic_thread = partial(self._connect_one, connect_one)
+
+    def _connect_one(self, connect_one: Callable[[str, str], None], name: str, uri: str) -> None:
+        self.watch.begin(name, uri)
+        connect_one(name, uri)
 
     def reg_added(self, resolved_name: str, data_type_or_uri: str, reg_type: str) -> None:
         """Register a new topic or service, or add it to the batch of this thread."""
@@ -216,6 +226,17 @@ def connect(name: str, publisher: str) -> None:
     """Connect a subscribed topic to a publisher, given by its URI, unless it is connected."""
     if _registrar is not None:
         _registrar.connect(name, [publisher])
+
+
+def connection_failed(name: str, publisher: str, error: object) -> None:
+    """Keep the reason why a subscribed topic has no connection to a publisher, for a warning.
+
+    :param name: topic, resolved
+    :param publisher: URI of the publisher
+    :param error: the reason
+    """
+    if _registrar is not None:
+        _registrar.watch.fail(name, publisher, error)
 
 
 @contextlib.contextmanager

@@ -7,6 +7,7 @@ Otherwise the error would occur at the node's start or at the first message, far
 import inspect
 import math
 import numbers
+from typing import Any, Callable, Optional
 
 #: Longest time-out of a request [s].
 LONGEST_S = 1e9
@@ -23,12 +24,14 @@ def check_name(name: object, what: str) -> None:
         raise TypeError(f"{what}: refused {_shown(name)}: must be text")
 
 
-def check_function(function: object, what: str) -> None:
+def check_function(function: object, what: str, arguments: Optional[int] = None) -> None:
     """Check that a callback is a plain function.
 
     :param function: the argument
     :param what: purpose of the function, for the error
-    :raises TypeError: if it is not callable, or is a coroutine or generator function
+    :param arguments: number of arguments that it is called with; None to accept any
+    :raises TypeError: if it is not callable, is a coroutine or generator function, or cannot be
+        called with that number of arguments
     """
     if not callable(function):
         raise TypeError(f"{what}: refused {_shown(function)}: must be a function")
@@ -40,6 +43,23 @@ def check_function(function: object, what: str) -> None:
         if inspect.isgeneratorfunction(called):
             why = "must not have a yield, as it would do nothing: write return, or call a function"
             raise TypeError(f"{what}: refused {_shown(function)}: {why}")
+
+    if arguments is not None and not isinstance(function, type):
+        _check_arguments(function, what, arguments)
+
+
+def _check_arguments(function: Callable[..., Any], what: str, arguments: int) -> None:
+    try:
+        signature = inspect.signature(function)
+    except ValueError:  # some functions of C have none
+        return
+    try:
+        signature.bind(*range(arguments))
+    except TypeError:
+        number = {0: "no argument", 1: "one argument"}.get(arguments, f"{arguments} arguments")
+        given = ", ".join(signature.parameters)
+        why = f"must take {number}, and its parameters are ({given})"
+        raise TypeError(f"{what}: refused {_shown(function)}: {why}") from None
 
 
 def check_message_class(given: object, topic: str) -> None:

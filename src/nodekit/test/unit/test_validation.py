@@ -113,6 +113,60 @@ def test_callback_that_nobody_awaits(what: str, take: Callable[[Any], Any]) -> N
     assert text.endswith("write def, and in it asyncio.run(...) around what must be awaited")
 
 
+#: Number of arguments that the functions of TAKERS are called with.
+COUNTS = [1, 1, 1, 1, 1, 0, 0, 0, 1, 1, 1, 1]
+
+
+class Beating:
+    """A class with callbacks of all numbers of arguments."""
+
+    def take_0(self) -> None:
+        pass
+
+    def take_1(self, first: Any) -> None:
+        pass
+
+    def take_2(self, first: Any, second: Any) -> None:
+        pass
+
+    def take_1_or_2(self, first: Any, second: int = 5) -> None:
+        pass
+
+
+@pytest.mark.parametrize("taker, count", list(zip(TAKERS, COUNTS)))
+def test_callback_with_another_number_of_arguments_is_refused_at_its_line(
+    taker: Tuple[str, Callable[[Any], Any]], count: int
+) -> None:
+    what, take = taker
+    given = Beating().take_1 if count == 0 else Beating().take_0
+    text = refusal(lambda: take(given))
+    assert text.startswith(what)
+    assert f": refused Beating.{given.__name__}: must take " in text
+    parameters, number = ("(first)", "no") if count == 0 else ("()", "one")
+    assert text.endswith(f"must take {number} argument, and its parameters are {parameters}")
+
+
+@pytest.mark.parametrize("name, fits", [("take_1", True), ("take_2", False), ("take_1_or_2", True)])
+def test_callback_needs_no_more_arguments_than_it_gets(name: str, fits: bool) -> None:
+    function = getattr(Beating(), name)
+    if fits:
+        node().create_timer(1.0, function)
+    else:
+        text = refusal(lambda: node().create_timer(1.0, function))
+        assert text.endswith("must take one argument, and its parameters are (first, second)")
+
+
+def test_callback_of_changes_takes_the_new_and_the_old_values() -> None:
+    text = refusal(lambda: check_function(Beating().take_1, "on_change", 2))
+    must = "must take 2 arguments, and its parameters are (first)"
+    assert text == f"on_change: refused Beating.take_1: {must}"
+
+
+def test_rate_takes_no_argument() -> None:
+    text = refusal(lambda: node().create_timer(Beating().take_1, print))
+    assert text.startswith("/lab/one: rate: refused Beating.take_1: must take no argument")
+
+
 def test_the_way_out_of_async_is_one() -> None:
     def callback(argument: Any) -> None:
         asyncio.run(awaited(argument))

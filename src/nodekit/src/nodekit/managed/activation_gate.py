@@ -79,6 +79,8 @@ class DeactivateHook(Callback):
     :param what: names it in the log
     """
 
+    takes = 0
+
     def __init__(self, gate: ActivationGate, function: Callable[[], Any], what: str) -> None:
         super().__init__(NoGroup(), function, what)
         self._gate = gate

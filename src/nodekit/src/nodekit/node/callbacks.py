@@ -73,9 +73,11 @@ class Callback:
 
     #: Type of the callback in reports.
     kind = "callback"
+    #: Number of arguments of its function, if that is the same for all of the kind.
+    takes: Optional[int] = None
 
     def __init__(self, group: CallbackGroup, function: Callable[..., Any], what: str) -> None:
-        check_function(function, what)
+        check_function(function, what, self.takes)
         self.group = group
         self.function = function
         self.closed = False
@@ -143,6 +145,7 @@ class ServiceCallback(Callback):
     """Callback of a service, whose caller waits for the result or exception."""
 
     kind = "service"
+    takes = 1
     #: The callbacks of this process by the name of their service.
     offered: "WeakValueDictionary[str, ServiceCallback]" = WeakValueDictionary()
 
@@ -230,6 +233,7 @@ class SubscriptionCallback(Callback):
     """
 
     kind = "subscription"
+    takes = 1
     _keeping = threading.Lock()  # shared by all, held only to add or take messages
 
     def __init__(

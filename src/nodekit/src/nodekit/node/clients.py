@@ -178,7 +178,7 @@ class CallFuture(concurrent.futures.Future):
         :param function: the function
         :raises TypeError: if it is not callable, or async
         """
-        check_function(function, f"{self._client.name}: add_done_callback")
+        check_function(function, f"{self._client.name}: add_done_callback", 1)
         super().add_done_callback(
             lambda _: self._client.done.offer(partial(self._call_back, function))
         )

@@ -127,7 +127,7 @@ class NodeScope(OldMethods, ResourceOwner):
         :param group: the callback's group; the node's default group by default
         :raises ValueError: if the queue size is neither positive nor -1
         """
-        check_function(callback, self.resolve(name))
+        check_function(callback, self.resolve(name), 1)
         check_queue_size(queue_size)
         function = finite_only(callback, self.resolve(name)) if finite else callback
         return self._subscribe(name, data_class, function, queue_size, group)
@@ -231,7 +231,7 @@ class NodeScope(OldMethods, ResourceOwner):
         """
         group = group or self.default_group
         if callable(rate_hz):
-            check_function(rate_hz, f"{self.name}: rate")
+            check_function(rate_hz, f"{self.name}: rate", 0)
         what = f"{self.name}: {getattr(callback, '__qualname__', 'a timer')}"
         timer = self._new_timer(get_scheduler(steady), group, rate_hz, callback, catch_up, what)
         if callable(rate_hz):
@@ -356,6 +356,7 @@ class NodeScope(OldMethods, ResourceOwner):
         self._call_at_end(callback, "before_deactivate")
 
     def _call_at_end(self, callback: Callable[[], Any], what: str) -> None:
+        check_function(callback, f"{self.name}: {what}", 0)
         hook = self.own(Callback(NoGroup(), callback, f"{self.name}: {what}"))
         unregistration = self.own(contextlib.ExitStack())
         unregistration.callback(at_end(ShutdownPhase.NODES, hook.call))

@@ -24,7 +24,7 @@ class ChangeCallback(CoalescingCallback):
         self, group: CallbackGroup, live: LiveParameters[Any], on_change: Callable[[Any, Any], Any]
     ) -> None:
         super().__init__(group, self._report_change, f"{live.namespace}: on_change")
-        check_function(on_change, self.what)
+        check_function(on_change, self.what, 2)
         self._live, self._on_change = live, on_change
         self._reported = live.values
 
@@ -54,7 +54,7 @@ class ParameterCallback(CoalescingCallback):
         self, group: CallbackGroup, key: str, watcher: Watcher, callback: Callable[[Any], Any]
     ) -> None:
         super().__init__(group, lambda: callback(self._value), key)
-        check_function(callback, key)
+        check_function(callback, key, 1)
         #: To be opened before the first trigger.
         self.followed = FollowedParameter(key, watcher, self._on_value)
         self._value = self.followed.first()

@@ -57,7 +57,7 @@ class Node(NodeScope):
         :raises Exception: from its class or its start; the node is closed then
         """
         names = self._context.names.of_member(namespace, name)
-        check_function(cls, f"{names.node}: class")
+        check_function(cls, f"{names.node}: class", 1)
         node = Node(names, StartQueue() if self._start_queue.has_started else self._start_queue)
         try:
             node._guest = cls(node)

@@ -31,6 +31,7 @@ class NodeTimer(Callback):
     """
 
     kind = "timer"
+    takes = 1
     #: Shared by all, held only to set a rate.
     _lock = threading.Lock()
     #: Numbers of the calls of rate functions, in order.

@@ -25,7 +25,7 @@ class FollowedParameter:
     """
 
     def __init__(self, key: str, watcher: Watcher, callback: Callable[[Optional[Any]], object]):
-        check_function(callback, key)
+        check_function(callback, key, 1)
         self.key = key.rstrip("/")
         self._watcher = watcher
         self._callback = callback

@@ -116,7 +116,7 @@ class LiveParameters(Generic[Snapshot]):
         :returns: a function that removes the listener
         :raises TypeError: if the listener is not a function, or async
         """
-        check_function(listener, f"{self.namespace}: add_listener")
+        check_function(listener, f"{self.namespace}: add_listener", 0)
         with self._lock:
             self._listeners += (listener,)
 

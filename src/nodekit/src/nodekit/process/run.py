@@ -54,7 +54,7 @@ def run(name: str, cls: NodeClass) -> None:
     :raises TypeError: if the name is not text, or the class not callable
     """
     check_name(name, "run: name, which comes first")
-    check_function(cls, "run: class")
+    check_function(cls, "run: class", 1)
     try:
         arguments.check(rospy.names.get_mappings().get("__name", name), os.environ, sys.argv)
         own_address.default_to_loopback(os.environ, sys.argv)

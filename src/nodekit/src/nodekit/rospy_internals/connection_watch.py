@@ -17,7 +17,7 @@ from rospy.impl.registration import get_topic_manager
 #: Longest time from an announcement to a connection [s].
 PATIENCE_S = 5.0
 _PERIOD_S = 1.0
-#: Timeout of the connection that finds out why there is none [s].
+#: Timeout of the probe of a publisher that is not connected [s].
 _PROBE_S = 2.0
 #: Longest reason in a warning [characters]: rospy's reasons hold whole headers.
 _LONGEST_REASON = 200

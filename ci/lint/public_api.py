@@ -8,7 +8,14 @@ from .structure import ROOMS
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
 #: Public modules beside the names in nodekit's ``__init__``; docs/api.md describes each.
-PUBLIC = ("entry_point", "lifecycle_states", "master", "message_definitions", "testing")
+PUBLIC = (
+    "entry_point",
+    "lifecycle_states",
+    "master",
+    "message_definitions",
+    "service_hint",
+    "testing",
+)
 #: nodekit itself, lists of its rooms with the tests of them, and a measurement of its parts.
 INSIDE = (
     "src/nodekit/scripts/",

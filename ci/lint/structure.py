@@ -71,6 +71,7 @@ SUBJECTS: Dict[str, Dict[str, str]] = {
         "timing": "clocks, and timers without drift",
         "messaging": "publishers, subscriptions, services, a log for streams",
         "parameter_server": "one watcher, live parameters, `~describe`, `~change`",
+        "service_hint": "what to say of a node without a service that a command needs",
         "groups": "callback groups, and the ready queue of an executor",
         "node": "Node and NodeScope: names, topics, timers, clients, ownership, order of opening",
         "executors": "executors with one thread or many; one module",

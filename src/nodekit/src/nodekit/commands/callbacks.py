@@ -10,7 +10,7 @@ import yaml
 from std_srvs.srv import Trigger
 
 from nodekit.commands.request_errors import exit_on_error
-from nodekit.commands.service_hint import is_running, service_hint
+from nodekit.service_hint import is_running, service_hint
 from nodekit.executors import SERVICE
 from nodekit.master import MasterClient
 from nodekit.node.clients import call_service

@@ -10,7 +10,7 @@ import rospy
 import yaml
 
 from nodekit.commands.request_errors import exit_on_error
-from nodekit.commands.service_hint import service_hint
+from nodekit.service_hint import service_hint
 from nodekit.master import MasterClient
 from nodekit.node.parameter_client import ChangeRefused, ParameterClient
 from nodekit.parameter_server.parameter_services import CHANGE

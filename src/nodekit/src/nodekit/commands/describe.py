@@ -13,7 +13,7 @@ from std_srvs.srv import Trigger
 
 from nodekit.commands.parameter_table import as_table
 from nodekit.commands.request_errors import exit_on_error
-from nodekit.commands.service_hint import service_hint
+from nodekit.service_hint import service_hint
 from nodekit.master import MasterClient
 from nodekit.node.clients import CallError, call_service
 from nodekit.parameter_server.parameter_services import DESCRIBE

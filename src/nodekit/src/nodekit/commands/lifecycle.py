@@ -10,7 +10,7 @@ import rospy
 from lifecycle_msgs.msg import Transition
 from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
 from nodekit.commands.request_errors import exit_on_error
-from nodekit.commands.service_hint import service_hint
+from nodekit.service_hint import service_hint
 from nodekit.lifecycle_states import NotAllowed, State, requested
 from nodekit.master import MasterClient
 from nodekit.node.clients import CallError, call_service

@@ -1,7 +1,6 @@
 """The command ``rosrun robot_interfaces_demo fleet_report``."""
 
 import argparse
-import difflib
 import sys
 from typing import NoReturn
 
@@ -11,6 +10,7 @@ from std_srvs.srv import Trigger
 
 from nodekit import CallError, MasterUnreachable, call_service
 from nodekit.master import MasterClient
+from nodekit.service_hint import service_hint
 
 #: Base name of the service of a fleet_monitor.
 SERVICE = "report"
@@ -25,7 +25,7 @@ def main() -> None:
     try:
         master = MasterClient("/fleet_report")
         if master.lookup_service(f"{node}/{SERVICE}") is None:
-            _give_up(f"there is no fleet_monitor {node}; {_hint(master, node)}")
+            _give_up(f"there is no fleet_monitor {node}; {service_hint(master, SERVICE, node)}")
         answer = call_service(f"{node}/{SERVICE}", Trigger, timeout=arguments.timeout).result()
     except MasterUnreachable as error:
         _give_up(f"no master at {error}")
@@ -35,12 +35,6 @@ def main() -> None:
         sys.exit(130)  # as a shell puts it
     print(answer.message)
     sys.exit(ALL_WELL if answer.success else SOMETHING_WRONG)
-
-
-def _hint(master: MasterClient, node: str) -> str:
-    names = master.namespaces_offering(SERVICE)
-    near = difflib.get_close_matches(node.rstrip("/"), names, n=1) or names
-    return f"there is {', '.join(near)}" if near else "no such node is running"
 
 
 def _give_up(why: str) -> NoReturn:

@@ -1,4 +1,7 @@
-"""Hint for a command whose node does not offer the command's service."""
+"""Hint for a command whose node does not offer the command's service.
+
+A command finds out which node to suggest, and does not call a running node missing.
+"""
 
 import difflib
 

@@ -1,7 +1,7 @@
 """Poses on the plane, errors between them, and wrapped angles."""
 
 import math
-from typing import NamedTuple, Optional
+from typing import NamedTuple, Optional, Sequence
 
 
 class Pose(NamedTuple):
@@ -65,6 +65,24 @@ def errors(pose: Pose, goal: Goal) -> Errors:
     dx, dy = goal.x - pose.x, goal.y - pose.y
     heading = 0.0 if goal.theta is None else wrap(goal.theta - pose.theta)
     return Errors(math.hypot(dx, dy), wrap(math.atan2(dy, dx) - pose.theta), heading)
+
+
+def pose_fault(position: Sequence[float], orientation: Sequence[float]) -> str:
+    """Return why a robot's pose cannot be used; empty if it can.
+
+    :param position: its coordinates, m
+    :param orientation: the parts of its quaternion
+    """
+    length = math.hypot(*orientation[:2]) + math.hypot(*orientation[2:])
+    if not all(map(math.isfinite, (*position, length * length))):
+        return f"position {_listed(position)}, orientation {_listed(orientation)}: not finite"
+    if not length * length:
+        return f"orientation {_listed(orientation)}: not a quaternion"
+    return ""
+
+
+def _listed(parts: Sequence[float]) -> str:
+    return "({})".format(", ".join(f"{part:g}" for part in parts))
 
 
 def heading_of(x: float, y: float, z: float, w: float) -> float:

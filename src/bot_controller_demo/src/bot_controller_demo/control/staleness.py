@@ -22,6 +22,16 @@ class Staleness:
         """
         self._stamp, self._arrived_at = stamp or now, now
 
+    def skew(self, now: float, limit: float) -> float:
+        """Return how far stamps are behind the clock, of messages that arrive in time [s].
+
+        :param now: s, by the same clock
+        :param limit: age up to which a message has arrived in time, s
+        :returns: 0 if the stamps are in time too, or no messages arrive
+        """
+        behind = self._arrived_at - self._stamp
+        return behind if 0.0 <= now - self._arrived_at <= limit < behind else 0.0
+
     def age(self, now: float) -> float:
         """Return the age of the last message [s]; infinite without one, or after a clock reset.
 

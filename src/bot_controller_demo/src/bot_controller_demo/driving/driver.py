@@ -11,7 +11,7 @@ from std_msgs.msg import Bool
 from bot_controller_demo.driving.commands import Commands
 from bot_controller_demo.driving.parameters import DrivingParameters
 from bot_controller_demo.control.staleness import Staleness
-from bot_controller_demo.control.geometry import Goal, Pose, heading_of
+from bot_controller_demo.control.geometry import Goal, Pose, heading_of, pose_fault
 from bot_controller_demo.control.goal_controller import ARRIVED, Guidance, GoalController
 from bot_controller_demo.control.progress_checker import GIVEN_UP, ProgressChecker
 from bot_controller_demo.control.steering import COURSE_LEAST_TOLERANCE, COURSE_RATIOS, may_circle
@@ -59,7 +59,10 @@ class Driver:
         self._progress_checker = ProgressChecker()
         self.frame: Optional[str] = None
         self._odometry_name = node.resolve("odom")
-        self._is_waiting = False
+        #: Why the latest message cannot be used; empty if it can.
+        self._fault = ""
+        #: What the robot waits for, as was logged; empty while it does not wait.
+        self._waits_for = ""
         self._checked: Optional[DrivingParameters] = None
         node.create_subscription("odom", Odometry, self._on_odometry)
 
@@ -139,10 +142,11 @@ class Driver:
 
     def _on_odometry(self, message: Odometry) -> None:
         position, turn = message.pose.pose.position, message.pose.pose.orientation
-        pose = Pose(position.x, position.y, heading_of(turn.x, turn.y, turn.z, turn.w))
-        if not all(map(math.isfinite, pose)):
+        parts = (turn.x, turn.y, turn.z, turn.w)
+        self._fault = pose_fault((position.x, position.y), parts)
+        if self._fault:
             return  # so the odometry grows old
-        self._pose = pose
+        self._pose = Pose(position.x, position.y, heading_of(*parts))
         self._stamp = message.header.stamp or rospy.Time.now()
         self._staleness.record_message(message.header.stamp.to_sec(), rospy.get_time())
         guess, self.frame = self.frame or _ODOM, message.header.frame_id
@@ -151,24 +155,35 @@ class Driver:
 
     def _has_odometry(self, limit: float) -> bool:
         """Tell whether it is known where the robot is; stop it where not, and say so once."""
-        age = self._staleness.age(rospy.get_time())
-        is_waiting = age > limit
-        if is_waiting:
-            self._progress_checker.forget()
-            self._commands.publish(STOP)
-        if is_waiting != self._is_waiting:
-            self._is_waiting = is_waiting
-            if not is_waiting:
+        now = rospy.get_time()
+        age, skew = self._staleness.age(now), self._staleness.skew(now, limit)
+        if age <= limit:
+            if self._waits_for:
                 rospy.loginfo("receiving odometry: the robot drives")
-            elif math.isinf(age):
-                rospy.loginfo("waiting for odometry on %s", self._odometry_name)
-            else:
-                rospy.logwarn(
-                    "%s is %.2f s old: the robot is stopped until there is a new message",
-                    self._odometry_name,
-                    age,
-                )
-        return not is_waiting
+            self._waits_for = ""
+            return True
+        self._progress_checker.forget()
+        self._commands.publish(STOP)
+        name = self._odometry_name
+        if self._fault:
+            waits_for = "pose"
+            text = f"{name} cannot be used ({self._fault}): the robot is stopped"
+        elif math.isinf(age):
+            waits_for, text = "first", f"waiting for odometry on {name}"
+        elif skew:
+            waits_for = "clock"
+            text = (
+                f"{name} has stamps {skew:.2f} s behind this clock: the robot is stopped; "
+                "set the clocks of both machines alike"
+            )
+        else:
+            waits_for = "next"
+            text = f"{name} is {age:.2f} s old: the robot is stopped until there is a new message"
+        if waits_for != self._waits_for:
+            self._waits_for = waits_for
+            log = rospy.loginfo if waits_for == "first" else rospy.logwarn
+            log("%s", text)
+        return False
 
     def _warn_of_circling(self, settings: DrivingParameters) -> None:
         """Warn, once for each change of settings, of a law that may circle its goal."""

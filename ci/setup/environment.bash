@@ -64,9 +64,11 @@ enter_workspace() {
     fi
 }
 
-# Say so where the master that a command would talk to is another user's: on a machine that many
-# share, theirs may be nodes of the same names, which ours would end.
-warn_of_foreign_master() { # COMMAND…
+# Refuse a command that would talk to the master of another user, unless ROS_MASTER_URI chooses it:
+# on a machine that many share, theirs may be nodes of the same names, which ours would end.
+refuse_foreign_master() { # CHOSEN_URI COMMAND…
+    local chosen=$1
+    shift
     local uri=${ROS_MASTER_URI:-http://localhost:11311} port word owner free
     [[ $uri =~ ^https?://(localhost|127\.[0-9.]+|\[::1\]):([0-9]+)/?$ ]] || return 0
     port=${BASH_REMATCH[2]}
@@ -87,6 +89,15 @@ warn_of_foreign_master() { # COMMAND…
     free=$(listeners | awk -v port="$port" '{ taken[$1] } END { while (++port in taken); print port }')
     say "port $port of this machine is used by $(id -nu "$owner" 2>/dev/null || echo "user $owner"), not by" \
         "you: for a master of your own, 'export ROS_MASTER_URI=http://localhost:$free' in each terminal."
+    if [ -n "$chosen" ]; then return 0; fi
+    case ${1-} in
+        true | catkin*) ;; # only builds
+        *)
+            say "nothing was started: nodes of yours could end theirs. To use their master all the same," \
+                "'export ROS_MASTER_URI=$uri'."
+            exit 125
+            ;;
+    esac
 }
 
 # The TCP ports that something on this machine listens at: port and user, a line each.

@@ -197,7 +197,7 @@ def test_without_a_terminal_the_shell_reads_commands(built: Workspace) -> None:
 
 
 @pytest.mark.parametrize("words", [(), ("--port=1", "-p", "PORT")])
-def test_says_whose_the_master_is(built: Workspace, words: Sequence[str]) -> None:
+def test_master_of_another_user_is_refused_unless_it_is_chosen(built: Workspace, words: Sequence[str]) -> None:
     owner = pwd.getpwuid(os.getuid()).pw_name
     with socket.create_server(("localhost", 0)) as listener:
         port = listener.getsockname()[1]
@@ -205,11 +205,17 @@ def test_says_whose_the_master_is(built: Workspace, words: Sequence[str]) -> Non
         built.fakes.update(HASTY_AWK)
         command = ["roslaunch", "--help"] if words else ["true"]
         command += [word.replace("PORT", str(port)) for word in words]
-        changes = {} if words else {"ROS_MASTER_URI": f"http://localhost:{port}"}
+        changes = {"ROS_MASTER_URI": "" if words else f"http://localhost:{port}"}
         try:
-            (line,) = built.run(*command, **changes).stderr.splitlines()
+            done = built.run(*command, **changes)
         finally:
             built.fakes.clear()
+        line, *refusal = done.stderr.splitlines()
+        if words:
+            assert done.returncode == 125 and done.stdout == ""
+            assert len(refusal) == 1 and "nothing was started" in refusal[0]
+        else:
+            assert (done.returncode, refusal) == (0, [])
         assert f"port {port} of this machine is used by {owner}" in line
         found = re.search("'export ROS_MASTER_URI=http://localhost:([0-9]+)'", line)
         assert found and int(found.group(1)) > port

@@ -1,5 +1,7 @@
 """Log of a stream above the limit, and of very long lines."""
 
+import inspect
+import logging
 import threading
 
 import pytest
@@ -83,3 +85,34 @@ def test_a_line_that_cannot_be_logged_counts_and_holds_up_no_other():
         log.line("first")
     log.line("second")
     assert logged == ["second"]
+
+
+class Author:
+    """A class whose lines are logged."""
+
+    def __init__(self, log):
+        self.log = log
+
+    def write(self):
+        self.log.line("100 %")
+        return inspect.currentframe().f_lineno - 1
+
+
+def test_lines_carry_the_place_of_the_call(caplog):
+    caplog.set_level(logging.INFO)
+    logger = logging.getLogger("rosout")
+    logger.addHandler(caplog.handler)
+    before, logger.propagate = logger.propagate, False
+    try:
+        log = RateLimitedLog(per_second=1)
+        line = [Author(log).write() for _ in range(9)][0]
+        log.end_second()
+    finally:
+        logger.propagate = before
+        logger.removeHandler(caplog.handler)
+    *lines, summary = caplog.records
+    assert [record.getMessage() for record in lines] == ["100 %"] * len(lines)
+    assert summary.getMessage() == "... and 6 more in the last second"
+    for record in caplog.records:
+        place = (record.pathname, record.lineno, record.funcName, record.levelname)
+        assert place == (__file__, line, "Author.write", "INFO")

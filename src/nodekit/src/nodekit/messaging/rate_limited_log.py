@@ -1,9 +1,10 @@
 """Log of a stream of lines, with a limit of lines per second."""
 
+import logging
+import sys
 import threading
-from typing import Callable
-
-import rospy
+from types import FrameType
+from typing import Callable, Optional, Tuple
 
 #: Longest line that is logged in full [characters].
 LONGEST = 1000
@@ -24,19 +25,40 @@ def shortened(text: str) -> str:
     return f"{text[:start]}... ({left_out} characters) ...{text[-_END:]}"
 
 
+#: File, line and function that a line of the log is from.
+_Place = Tuple[str, int, str]
+
+
+def _place_of(frame: FrameType) -> _Place:
+    """Return where a frame is, as rospy names it."""
+    function, owner = frame.f_code.co_name, frame.f_locals.get("self")
+    name = function if owner is None else f"{type(owner).__name__}.{function}"
+    return frame.f_code.co_filename, frame.f_lineno, name
+
+
+def _log_info(text: str, place: _Place) -> None:
+    """Log a line as ``rospy.loginfo`` does, but with the place of the line that caused it."""
+    logger, (path, line, function) = logging.getLogger("rosout"), place
+    if logger.isEnabledFor(logging.INFO):
+        fields = (logger.name, logging.INFO, path, line, text, (), None, function)
+        logger.handle(logger.makeRecord(*fields))
+
+
 class RateLimitedLog:
     """Log of a stream of lines; counts the lines above the limit.
 
     :param per_second: logged lines per second
-    :param log: writes one line; ``rospy.loginfo`` by default
+    :param log: writes one line; by default, as ``rospy.loginfo`` at the line that calls
+        :meth:`line`
     """
 
     #: Allowance for the jitter of a stream at the limit [lines].
     JITTER = 2
 
-    def __init__(self, per_second: int = 10, log: Callable[[str], None] = rospy.loginfo) -> None:
+    def __init__(self, per_second: int = 10, log: Optional[Callable[[str], None]] = None) -> None:
         self._limit = per_second + self.JITTER
-        self._log = log
+        self._write = log
+        self._place: _Place = (__file__, 0, "")
         self._lock = threading.Lock()
         self._count = 0
 
@@ -49,7 +71,14 @@ class RateLimitedLog:
             self._count += 1
             if self._count > self._limit:
                 return
+        self._place = _place_of(sys._getframe(1))
         self._log(shortened(text))
+
+    def _log(self, text: str) -> None:
+        if self._write is None:
+            _log_info(text, self._place)
+        else:
+            self._write(text)
 
     def end_second(self, _elapsed: float = 0.0) -> None:
         """Log the number of skipped lines of the last second; call this each second."""

@@ -121,3 +121,20 @@ def test_a_refusal_is_one_sentence(monkeypatch: "pytest.MonkeyPatch") -> None:
     with pytest.raises(SystemExit) as caught:
         new.main()
     assert str(caught.value.code).startswith("new: package name 'Robot': must be")
+
+
+@pytest.mark.parametrize("marked, command", [(True, "catkin build"), (False, "catkin_make")])
+def test_advice_names_the_tool_that_builds_the_workspace(
+    tmp_path: pathlib.Path,
+    monkeypatch: "pytest.MonkeyPatch",
+    capsys: "pytest.CaptureFixture[str]",
+    marked: bool,
+    command: str,
+) -> None:
+    (tmp_path / "src").mkdir()
+    if marked:
+        (tmp_path / ".catkin_tools").mkdir()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.argv", ["new", "first_robot"])
+    new.main()
+    assert f"next: build the workspace with {command}, source" in capsys.readouterr().out

@@ -42,10 +42,20 @@ def main() -> None:
         created = make(arguments.name, pathlib.Path(folder), template)
     except NewPackageError as error:
         sys.exit(f"new: {error}")
-    print(
-        f"made {created}\nnext: build the workspace with catkin_make, source devel/setup.bash, then"
-    )
+    build = build_command(pathlib.Path(folder).resolve())
+    print(f"made {created}\nnext: build the workspace with {build}, source devel/setup.bash, then")
     print(f"  roslaunch {arguments.name} my_node.launch")
+
+
+def build_command(folder: pathlib.Path) -> str:
+    """Return the command that builds the workspace of a folder.
+
+    :param folder: a folder of its sources
+    """
+    # catkin_tools marks its workspaces; catkin_make refuses to build in their spaces.
+    around = (folder, *folder.parents)
+    marked = any((place / ".catkin_tools").is_dir() for place in around)
+    return "catkin build" if marked else "catkin_make"
 
 
 def check_name(name: str, packages: rospkg.RosPack) -> None:

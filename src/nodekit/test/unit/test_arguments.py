@@ -9,7 +9,7 @@ import pytest
 
 from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.node.name_rules import IllegalName
-from nodekit.process.arguments import ArgumentError, check, misspelt_settings
+from nodekit.process.arguments import ArgumentError, check, misspelt_settings, surprising_values
 from nodekit.testing.processes import Master, Process
 
 URI = "http://localhost:11311"
@@ -99,6 +99,19 @@ def test_misspelt_setting_gets_the_corrected_one(argument, meant):
 def test_argument_that_sets_or_remaps_gets_no_warning(argument):
     used = ["used", "~used"].__contains__
     assert misspelt_settings(["node.py", argument], ["rate", "used"], used) == []
+
+
+@pytest.mark.parametrize("text, value", [("1:30", "90"), ("-1:30.5", "-90.5"), ("1:00:00", "3600")])
+def test_number_in_base_60_is_warned_of_with_its_value(text, value):
+    (warning,) = surprising_values(["node.py", f"_gain:={text}", "_rate:=5"])
+    assert warning.startswith(f"argument _gain:={text}: YAML reads {text} in base 60, as {value}; ")
+
+
+@pytest.mark.parametrize(
+    "argument", ["_gain:=1.30", "_gain:='1:30'", "_gain:=a:30", "gain:=1:30", "__log:=1:30", "1:30"]
+)
+def test_value_that_is_read_as_it_looks_gets_no_warning(argument):
+    assert surprising_values(["node.py", argument]) == []
 
 
 NODE = """

@@ -26,6 +26,10 @@ _MISSPELT = re.compile(
 )
 
 
+#: A number that YAML 1.1 reads in base 60, such as 1:30.
+_BASE_60 = re.compile(r"[-+]?[1-9][0-9_]*(:[0-5]?[0-9])+(\.[0-9_]*)?")
+
+
 class ArgumentError(ValueError):
     """Error of a malformed argument or variable; the text has its name and the rule."""
 
@@ -64,6 +68,24 @@ def misspelt_settings(
             if given.startswith("_") or not is_used(given):
                 meant = f"_{name}:={found['value']}"
                 warnings.append(f"argument {argument}: sets nothing; did you mean {meant}?")
+    return warnings
+
+
+def surprising_values(argv: Sequence[str]) -> List[str]:
+    """Return a warning for each private parameter whose value YAML does not read as it looks.
+
+    :param argv: arguments of the command line
+    """
+    warnings = []
+    for argument in argv:
+        name, is_given, text = argument.partition(":=")
+        if is_given and re.match("_[^_]", name) and _BASE_60.fullmatch(text):
+            (value,) = load_command_line_node_params([argument]).values()
+            advice = f"write {name}:={text.replace(':', '.')} for a decimal number"
+            warnings.append(
+                f"argument {argument}: YAML reads {text} in base 60, as {value:g}; {advice}, or"
+                f" \"{name}:='{text}'\" for text"
+            )
     return warnings
 
 

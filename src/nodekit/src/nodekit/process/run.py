@@ -158,7 +158,7 @@ def _start_beside(name: str, cls: NodeClass) -> List[object]:
             with get_watcher().reading_ahead([node.name]) as held:
                 made.extend([node, selected_class(cls, node.name, held[node.name])(node)])
             node.start()
-            for warning in _misspelt_settings(node):
+            for warning in _misspelt_settings(node) + arguments.surprising_values(sys.argv):
                 rospy.logwarn("%s", warning)
         except BaseException as error:
             errors.append(error)

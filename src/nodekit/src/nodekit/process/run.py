@@ -18,6 +18,7 @@ from nodekit.parameter_server.watcher import get_watcher
 from nodekit.parameters.declaration import OwnParameters
 from nodekit.parameters.parameter_types import ParameterError
 from nodekit.process import arguments, launch_arguments, own_address
+from nodekit.process.constructor_watch import ConstructorWatch
 from nodekit.rospy_internals import registrar, startup
 from nodekit.rospy_internals.registry import NameTaken, all_entries
 from nodekit.validation import check_function, check_name
@@ -147,6 +148,7 @@ def _start_beside(name: str, cls: NodeClass) -> List[object]:
     :returns: the node and the object of its class; empty if a signal came first
     :raises Exception: from the start, unless the node is shutting down
     """
+    watch = ConstructorWatch()
     made: List[object] = []
     errors: List[BaseException] = []
 
@@ -156,7 +158,9 @@ def _start_beside(name: str, cls: NodeClass) -> List[object]:
             for warning in launch_arguments.warnings():
                 rospy.logwarn("%s", warning)
             with get_watcher().reading_ahead([node.name]) as held:
-                made.extend([node, selected_class(cls, node.name, held[node.name])(node)])
+                selected = selected_class(cls, node.name, held[node.name])
+                with watch.running():
+                    made.extend([node, selected(node)])
             node.start()
             for warning in _misspelt_settings(node) + arguments.surprising_values(sys.argv):
                 rospy.logwarn("%s", warning)
@@ -167,6 +171,7 @@ def _start_beside(name: str, cls: NodeClass) -> List[object]:
     worker.start()
     while worker.is_alive() and not rospy.is_shutdown():
         worker.join(0.1)
+        watch.warn_if_waiting()
     worker.join(_START_WAIT_S)
     if errors and not rospy.is_shutdown():
         raise errors[0]

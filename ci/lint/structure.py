@@ -57,6 +57,7 @@ SIBLINGS: Dict[str, Tuple[str, str]] = {
 #: The subject of each room of a package that has many.
 SUBJECTS: Dict[str, Dict[str, str]] = {
     "nodekit": {
+        "shadowed_modules": "files beside a script that hide modules of Python or ROS",
         "deprecated": "old names of the public API, which warn",
         "entry_point": "the first lines of a script, before rospy is imported, and the last ones",
         "validation": "checks arguments of nodekit's methods, at the line of the call",

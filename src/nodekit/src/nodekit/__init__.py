@@ -6,9 +6,13 @@ use, so that a program that only validates parameters does not import rospy, and
 """
 
 import importlib
+import sys
 from typing import TYPE_CHECKING, Any, Dict
 
 from nodekit.deprecated import OLD_NAMES, warn_once
+from nodekit.shadowed_modules import check_script_folder
+
+check_script_folder(sys.argv)
 
 if TYPE_CHECKING:  # the same names for type checkers and editors
     from nodekit.executors import MultiThreadedExecutor as MultiThreadedExecutor

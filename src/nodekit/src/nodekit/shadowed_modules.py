@@ -1,0 +1,42 @@
+# Pure: knows no ROS.
+"""Check for files beside a script that hide modules of Python or ROS from it.
+
+A script called signal.py is imported in place of Python's module, by rospy, and the error is about
+a circular import.
+"""
+
+import os
+import sys
+from typing import Sequence
+
+#: What rospy and nodekit import, by its first name.
+USED = (
+    "argparse array atexit base64 bisect calendar collections concurrent contextlib copy copyreg "
+    "ctypes dataclasses datetime decimal email enum errno fcntl functools gc genericpath genmsg "
+    "genpy getpass glob hashlib heapq html http importlib inspect io itertools json keyword locale "
+    "logging math mmap numbers numpy opcode operator os pickle platform posixpath pwd queue random "
+    "re resource rosgraph rosgraph_msgs roscpp roslib rospkg rospy select selectors shlex shutil "
+    "signal socket socketserver ssl stat std_msgs std_srvs string struct subprocess sys tempfile "
+    "textwrap threading time token tokenize traceback types typing urllib uuid warnings weakref "
+    "xml xmlrpc yaml zipfile zlib"
+).split()
+
+
+def check_script_folder(arguments: Sequence[str]) -> None:
+    """End the program with one sentence if a file beside its script hides a module.
+
+    :param arguments: arguments of the command line; the first is the script
+    :raises SystemExit: if a file does
+    """
+    script = os.path.realpath(arguments[0] if arguments else "")
+    folder = os.path.dirname(script)
+    # Python puts it first; catkin's development space puts its own folders before it.
+    if not os.path.isfile(script) or folder not in sys.path:
+        return
+    for name in USED:
+        path = os.path.join(folder, name + ".py")
+        if os.path.isfile(path):
+            sys.exit(
+                f"{path}: the file hides the module {name}, which every node needs, from "
+                f"{os.path.basename(script)}; rename the file"
+            )

@@ -197,7 +197,9 @@ def test_without_a_terminal_the_shell_reads_commands(built: Workspace) -> None:
 
 
 @pytest.mark.parametrize("words", [(), ("--port=1", "-p", "PORT")])
-def test_master_of_another_user_is_refused_unless_it_is_chosen(built: Workspace, words: Sequence[str]) -> None:
+def test_master_of_another_user_is_refused_unless_it_is_chosen(
+    built: Workspace, words: Sequence[str]
+) -> None:
     owner = pwd.getpwuid(os.getuid()).pw_name
     with socket.create_server(("localhost", 0)) as listener:
         port = listener.getsockname()[1]

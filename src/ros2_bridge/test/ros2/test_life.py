@@ -18,6 +18,7 @@ import rospy
 import yaml
 from rcl_interfaces.msg import Log
 from rclpy.node import Node
+from rosgraph_msgs.msg import Clock
 from std_msgs.msg import Float32, String
 from std_srvs.srv import Trigger
 from test_topics import publisher1
@@ -31,6 +32,25 @@ from ros2_bridge.ros1.single_instance import domain
 #: How long roslaunch waits for a node to end before it kills it [s]: its DEFAULT_TIMEOUT_SIGINT,
 #: which cannot be imported where messages are those of ROS 2.
 ROSLAUNCH_PATIENCE_S = 15.0
+
+
+def test_clock_of_a_simulation_reaches_ros2(ros: both.Both) -> None:
+    rospy.set_param("/use_sim_time", True)
+    clock = publisher1(ros, "/clock", "rosgraph_msgs/Clock")
+    try:
+        with both.Bridge() as bridge:
+            ear = ros.hear2("/clock", Clock)
+            wait_until(
+                lambda: clock.send(struct.pack("<II", 12, 500)) or ear.heard,
+                lambda: f"no time in ROS 2: {bridge.logged()}",
+            )
+            assert (ear.heard[0].clock.sec, ear.heard[0].clock.nanosec) == (12, 500)
+            ear.end()
+            assert bridge.interrupt() == 0
+            assert not bridge.logged("Traceback") and not bridge.logged("_buff")
+    finally:
+        rospy.delete_param("/use_sim_time")
+        clock.unregister()
 
 
 def test_second_bridge_is_refused(ros: both.Both) -> None:

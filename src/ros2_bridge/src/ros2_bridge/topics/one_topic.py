@@ -1,6 +1,7 @@
 """Bridge of one topic in one direction, which subscribes on demand."""
 
 import contextlib
+import io
 import threading
 import time
 from functools import partial
@@ -24,6 +25,20 @@ from ros2_bridge.types.type_registry import MessageType
 _MOST_SENDERS = 1000
 #: Shortest time between two log lines of one kind [s].
 _LOG_PERIOD_S = 1.0
+
+
+def serialized(message: Any) -> bytes:
+    """Return the bytes of a message of ROS 1.
+
+    :param message: a raw one; of another class on topics that rospy itself subscribes to, such as
+        /clock, as the first subscription of a process chooses the class for all
+    """
+    raw: Optional[bytes] = getattr(message, "_buff", None)
+    if raw is None:
+        buffer = io.BytesIO()
+        message.serialize(buffer)
+        raw = buffer.getvalue()
+    return raw
 
 
 class Count:
@@ -122,7 +137,7 @@ class TopicToRos2:
                 self.count.thinned += 1
                 continue
             try:
-                data = self.kind.codec.to_cdr(message._buff)
+                data = self.kind.codec.to_cdr(serialized(message))
             except ConversionError as error:
                 self.count.refused += 1
                 if self._throttle.is_due():

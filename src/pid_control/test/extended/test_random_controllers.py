@@ -18,7 +18,7 @@ LIMITS = default_limits()
 class RandomControllers(unittest.TestCase):
     """As the unit test of the same name, with more of them."""
 
-    @settings(deadline=None, max_examples=100)
+    @settings(deadline=None, max_examples=20)
     @given(**CORRECT)
     def test_judge_correct_controllers_get_no_false_cause(self, period: float, **law: Any) -> None:
         judgement = judge(play_all(correct(**law), period), LIMITS)

@@ -53,8 +53,9 @@ class TestBench:
 
         :param messages: message of each topic
         """
-        for topic in (self._output, self._set_point, self._input):
-            topic.close()
+        self._output.close()
+        self._set_point.close()
+        self._input.close()
         self.messages = messages
         self._open()
 

@@ -408,3 +408,25 @@ def test_the_lag_of_a_slower_simulation_is_that_of_the_present() -> None:
         topic.take(numpy.array([5 * MS * index]), numpy.array([EPOCH + 10 * MS * index]))
     behind = EPOCH + 10 * MS * 1999 - 5 * MS * 1999 - topic.time.clock.offset
     assert abs(behind) <= SETTLED_NS + 20 * MS
+
+
+# --- Stamps that follow no clock ------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["countdown", "random", "backwards from 3 s on"])
+@pytest.mark.parametrize("is_stamp", [False, True])
+def test_no_message_waits_for_longer_than_the_patience(kind: str, is_stamp: bool) -> None:
+    received = at_50_hz(1000)
+    elapsed = received - EPOCH
+    own = {
+        "countdown": 20 * NS - elapsed,
+        "random": numpy.random.default_rng(1).integers(0, 10**6 * NS, 1000),
+        "backwards from 3 s on": numpy.where(elapsed < 3 * NS, elapsed, 6 * NS - elapsed),
+    }[kind]
+    topic = Topic(Clocks(), is_stamp)
+    for start in range(0, 1000, 5):
+        topic.take(own[start : start + 5], received[start : start + 5])
+        waiting = topic._received
+        if len(waiting):
+            assert waiting[-1] - waiting[0] <= topic.time.patience + 100 * MS
+    assert len(topic.shown().times) == 1000

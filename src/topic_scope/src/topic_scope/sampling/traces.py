@@ -109,7 +109,7 @@ class Stream:
         :param now: the time [ns]
         :returns: as :meth:`add`
         """
-        if self._waiting is None or now < self._waiting[0].times[-1] + self._time.patience:
+        if self._waiting is None or now < self._waiting[0].times[0] + self._time.patience:
             return math.inf
         return self._place(*self._waiting, True)
 

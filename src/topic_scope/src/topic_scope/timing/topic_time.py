@@ -140,7 +140,9 @@ class TopicTime:
                 self._jump(run[0][:agreeing], run[1][:agreeing])
                 placed.append(self._accepted(run[0][:agreeing], run[1][:agreeing], 0))
                 start += agreeing
-            elif end < stop or (end == len(own) and is_final):
+            elif end < stop or (
+                end == len(own) and (is_final or received[-1] - received[start] > self.patience)
+            ):
                 placed.append(self._placed_alone(*run))
                 start = end
             elif end == len(own):

@@ -62,6 +62,23 @@ class TraceChecker:
             self._check = MaskCheck(mask, start)
         self._recorder.want(mask.names, now)
 
+    def start(self, now: float) -> bool:
+        """Check what is received from now on, once both traces have been received.
+
+        :param now: the time [s]
+        :returns: whether they have been
+        """
+        if self._check is None:
+            return False
+        mask = self._check.mask
+        self._recorder.update()
+        for name in (mask.field, mask.reference):
+            trace = self._recorder.trace(name)
+            if trace is None or trace.silence(now) is None:
+                return False
+        self._check.start(now)
+        return True
+
     def _one_of(self, name: str) -> str:
         names = self._recorder.expand(name)
         if len(names) != 1:
@@ -188,13 +205,17 @@ def check_live(arguments: argparse.Namespace) -> int:
     checker = TraceChecker(recorder, arguments)
     states: "queue.Queue[GraphState]" = queue.Queue()
     MasterWatch(source, layouts).start(states.put, lambda _uri: None)
-    began, until = source.clock.now(), time.monotonic() + arguments.seconds
-    while time.monotonic() < until and not checker.update():
+    # Samples that come while the other trace is yet to be subscribed to are not checked.
+    start, until = math.inf, time.monotonic() + arguments.seconds
+    while time.monotonic() < until and not (start < math.inf and checker.update()):
         try:
             recorder.set_topics(states.get(timeout=_LIVE_S).published_types)
-            checker.begin(source.clock.now(), began)
+            checker.begin(source.clock.now(), start)
         except queue.Empty:
             pass
+        now = source.clock.now()
+        if start == math.inf and checker.start(now):
+            start, until = now, time.monotonic() + arguments.seconds
     status = checker.finish()
     rospy.signal_shutdown("the verdict is there")
     return status

@@ -135,6 +135,13 @@ class MaskCheck:
         self._seen = self._open = numpy.empty(0, numpy.int64)
         self._open_from = to_ns(math.inf)
 
+    def start(self, moment: float) -> None:
+        """Check only samples that are received from now on.
+
+        :param moment: the time [s]
+        """
+        self._start = to_ns(moment)
+
     def update(self, samplers: SampleReader) -> Verdict:
         """Check the new samples, and those whose reference is known now.
 

@@ -82,7 +82,7 @@ SUBJECTS: Dict[str, Dict[str, str]] = {
         "testing": "what tests of nodes need; installed",
     },
     "topic_scope": {
-        "timing": "clocks that stamps follow, one offset for each, and stamps that others contradict",
+        "timing": "clocks that stamps follow, an offset for each, and implausible stamps",
         "messages": "definitions, fields, values and stamps of messages, installed or not",
         "analysis": "computations on samples: bins, measurements, spectra",
         "formulas": "traces computed from others by an expression: read, checked, evaluated",

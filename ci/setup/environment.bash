@@ -94,7 +94,7 @@ refuse_foreign_master() { # CHOSEN_URI COMMAND…
         true | catkin*) ;; # only builds
         *)
             say "nothing was started: nodes of yours could end theirs. To use their master all the same," \
-                "'export ROS_MASTER_URI=$uri'."
+                "'export ROS_MASTER_URI=http://127.0.0.1:$port'."
             exit 125
             ;;
     esac

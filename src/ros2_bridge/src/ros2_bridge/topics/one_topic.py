@@ -210,8 +210,9 @@ class TopicToRos1:
 
     def forward_if_heard(self) -> None:
         """Subscribe to the topic, or no longer."""
-        subscribers = self._publisher.get_num_connections(in_process=False)
-        is_heard = self._found.latched or subscribers > 0
+        is_heard = (
+            self._found.latched or self._publisher.get_num_connections(in_process=False) > 0
+        )
         self._switch(self._wanted if is_heard else {})
 
     def _switch(self, wanted: Mapping[bool, Quality]) -> None:

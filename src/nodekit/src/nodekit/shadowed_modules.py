@@ -31,12 +31,21 @@ def check_script_folder(arguments: Sequence[str]) -> None:
     script = os.path.realpath(arguments[0] if arguments else "")
     folder = os.path.dirname(script)
     # Python puts it first; catkin's development space puts its own folders before it.
-    if not os.path.isfile(script) or folder not in sys.path:
+    is_of_python = folder == os.path.dirname(os.path.realpath(os.__file__))  # as pydoc is
+    if not os.path.isfile(script) or folder not in sys.path or is_of_python:
         return
     for name in USED:
         path = os.path.join(folder, name + ".py")
-        if os.path.isfile(path):
+        if os.path.isfile(path) and _is_imported_from(name, path):
             sys.exit(
                 f"{path}: the file hides the module {name}, which every node needs, from "
                 f"{os.path.basename(script)}; rename the file"
             )
+
+
+def _is_imported_from(name: str, path: str) -> bool:
+    """Return whether ``import name`` takes a file, and not a module built in or loaded before."""
+    if name in sys.builtin_module_names:
+        return False
+    loaded = getattr(sys.modules.get(name), "__file__", None) or path
+    return os.path.realpath(loaded) == os.path.realpath(path)

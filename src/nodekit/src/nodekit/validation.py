@@ -50,8 +50,9 @@ def check_function(function: object, what: str, arguments: Optional[int] = None)
 
 def _check_arguments(function: Callable[..., Any], what: str, arguments: int) -> None:
     try:
-        signature = inspect.signature(function)
-    except ValueError:  # some functions of C have none
+        # A decorator may call the function that it wraps with other arguments.
+        signature = inspect.signature(function, follow_wrapped=False)
+    except (TypeError, ValueError):  # some functions of C have none, and proxies an odd one
         return
     try:
         signature.bind(*range(arguments))

@@ -107,6 +107,12 @@ def test_number_in_base_60_is_warned_of_with_its_value(text, value):
     assert warning.startswith(f"argument _gain:={text}: YAML reads {text} in base 60, as {value}; ")
 
 
+@pytest.mark.parametrize("text, has", [("1:30", True), ("1:30.5", False), ("1:00:00", False)])
+def test_decimal_number_is_proposed_only_where_it_would_be_one(text, has):
+    (warning,) = surprising_values(["node.py", f"_gain:={text}"])
+    assert ("for a decimal number" in warning) == has
+
+
 @pytest.mark.parametrize(
     "argument", ["_gain:=1.30", "_gain:='1:30'", "_gain:=a:30", "gain:=1:30", "__log:=1:30", "1:30"]
 )

@@ -151,7 +151,7 @@ def test_messages_are_whole_in_order_and_accounted_for(steps, depth):
                     if waiting + count <= (depth or 1):
                         assert link.lost == lost, "so many may wait"
                     assert sum(
-                        each.messages for each in link.held[:-1] if not each.has_begun
+                        each.messages for each in list(link.held)[:-1] if not each.has_begun
                     ) <= max(0, (depth or 1) - count)
                 elif not link.send(together, count):
                     link.stall()
@@ -208,13 +208,36 @@ def test_receiver_with_a_depth_is_not_waited_for_and_loses_only_what_exceeds_it(
 
 
 def test_held_data_is_bounded_in_bytes_and_the_newest_is_always_held(pairs, monkeypatch, clock):
-    monkeypatch.setattr("nodekit.transport.subscriber_connection.MOST_HELD", 3 * len(BIG))
+    monkeypatch.setattr("nodekit.transport.subscriber_connection.MOST_HELD", 3 * (len(BIG) + 500))
     link = SubscriberConnection("full", pairs()[0], threading.RLock(), depth=100)
     for _ in range(10):
         delivery.deliver(BIG, [link])
     assert (len(link.held), link.lost) == (3, 7)
     delivery.deliver(5 * BIG, [link])
     assert ([each.size for each in link.held], link.lost) == ([len(BIG), 5 * len(BIG)], 9)
+
+
+def test_many_small_messages_are_bounded_by_the_memory_they_take(pairs, monkeypatch):
+    monkeypatch.setattr("nodekit.transport.subscriber_connection.MOST_HELD", len(BIG) + 100_000)
+    link = SubscriberConnection("full", pairs()[0], threading.RLock(), depth=1_000_000)
+    delivery.deliver(BIG, [link])
+    for _ in range(1000):
+        delivery.deliver(b"small", [link])
+    assert len(link.held) < 300
+
+
+def test_flush_of_many_messages_returns_before_all_are_sent(pairs, clock):
+    ours, theirs = pairs()
+    link = SubscriberConnection("back", ours, threading.RLock(), depth=1_000_000)
+    delivery.deliver(BIG, [link])
+    for _ in range(1000):
+        delivery.deliver(b"small", [link])
+    read_all(theirs)
+    while link.held[0].size == len(BIG):
+        assert not link.flush(clock.now)
+        read_all(theirs)
+    assert not link.flush(clock.now)
+    assert len(link.held) > 500
 
 
 def test_receiver_that_takes_data_has_not_stalled(pairs, clock):
@@ -357,7 +380,7 @@ def test_sending_says_whether_all_of_it_went_out_or_nobody_is_there(pairs):
     assert link.send(b"news", 1)
     theirs.close()
     assert link.send(b"more", 1)
-    assert (link.phase, link.held, link.sent) == (Phase.GONE, [], 1)
+    assert (link.phase, list(link.held), link.sent) == (Phase.GONE, [], 1)
 
 
 def test_socket_closed_by_someone_else_ends_the_background_thread(pairs):
@@ -474,7 +497,7 @@ def test_probation_ends_with_a_wait_that_is_not_in_vain(pairs, clock):
         register=lambda *args: None, unregister=lambda descriptor: None, poll=read
     )
     delivery.deliver(BIG, [link])
-    assert (link.phase, link.held, link.sent) == (Phase.KEEPING_UP, [], 2)
+    assert (link.phase, list(link.held), link.sent) == (Phase.KEEPING_UP, [], 2)
 
 
 @pytest.mark.parametrize("lost", [0, 2])
@@ -486,11 +509,11 @@ def test_receiver_that_closes_while_messages_are_held_back(pairs, clock, unwatch
     assert [item.has_begun for item in link.held] == [True, False]
     theirs.close()
     assert link.flush(clock.now), "nothing is held back any more"
-    assert (link.phase, link.held, link.fileno()) == (Phase.GONE, [], -1)
+    assert (link.phase, list(link.held), link.fileno()) == (Phase.GONE, [], -1)
     for _ in range(3):
         delivery.deliver(BIG, [link])
     assert (link.sent, link.sent_bytes, link.lost) == (0, 0, lost)
-    assert link.held == []
+    assert not link.held
     assert not link.needs_attention()
     link.report_if_due(clock.now)
     assert link.reports == []
@@ -584,6 +607,7 @@ class LockWithEvent:
 
 def test_receiver_that_stalls_again_while_it_is_let_go_is_watched_further(pairs, monkeypatch):
     drain = delivery._Drain()
+    drain._open_pipe()
     drain._thread = threading.current_thread()  # as if it ran
     monkeypatch.setattr(delivery, "_drain", drain)
     monkeypatch.setattr(delivery, "DRAIN_PERIOD_S", 0.0)
@@ -597,6 +621,7 @@ def test_receiver_that_stalls_again_while_it_is_let_go_is_watched_further(pairs,
 
 def test_receiver_that_is_back_is_let_go(monkeypatch, pairs):
     drain = delivery._Drain()
+    drain._open_pipe()
     monkeypatch.setattr(delivery, "DRAIN_PERIOD_S", 0.0)
     link = RecordingLink(pairs()[0])
     link.phase = Phase.ON_PROBATION

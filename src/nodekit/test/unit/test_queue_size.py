@@ -140,7 +140,7 @@ def test_message_that_waits_in_a_batch_is_warned_of_once_with_its_age(
     slow.receive(list(range(10)), True)
     assert logged == [
         f"{TOPIC}: messages wait for their callback (1.2 s); shorten the callbacks of its group, "
-        "or set queue_size=1 to receive only the newest message"
+        "or set queue_size=1 to receive only the newest"
     ]
 
 
@@ -175,3 +175,16 @@ def test_prompt_messages_are_not_warned_of(logged: List[str]) -> None:
     for number in range(100):
         callback.receive([number], True)
     assert heard == list(range(100)) and logged == []
+
+
+def test_message_newer_than_those_dropped_has_not_waited_as_long(
+    logged: List[str], now: List[float]
+) -> None:
+    group, heard = Group(), []  # type: Group, List[int]
+    callback = receiving(group, heard, 1)
+    with group:
+        callback.receive([1], False)
+        now[0] += 1.5
+        callback.receive([2], False)
+    assert heard == [2]
+    assert logged == []

@@ -46,3 +46,14 @@ def test_other_files_beside_the_script_are_its_own(tmp_path: Path) -> None:
     for name in ("talker.py", "process.py", "this.py", "signals.py"):
         (tmp_path / name).write_text(PORTED)
     assert run_script(tmp_path / "talker.py").returncode == 0
+
+
+def test_file_that_hides_nothing_is_accepted(tmp_path: Path) -> None:
+    for name in ("time.py", "os.py", "talker.py"):  # built in, and loaded before the script
+        (tmp_path / name).write_text(PORTED)
+    assert run_script(tmp_path / "talker.py").returncode == 0
+
+
+def test_program_of_python_itself_may_import_nodekit() -> None:
+    done = subprocess.run([sys.executable, "-m", "pydoc", "nodekit"], stdout=subprocess.PIPE)
+    assert b"nodekit" in done.stdout and done.returncode == 0

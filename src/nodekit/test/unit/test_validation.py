@@ -369,3 +369,25 @@ def test_parameters_that_are_not_declared_in_a_class(declaration: Any) -> None:
     text = refusal(lambda: node().declare_parameters(declaration))
     assert text.startswith("/lab/one: parameters: refused ")
     assert text.endswith(": must be a class that derives from ParameterSet")
+
+
+def test_decorated_callback_is_checked_by_the_parameters_of_the_decorator() -> None:
+    def without() -> None:
+        """Take nothing."""
+
+    @functools.wraps(without)
+    def with_message(_message: object) -> None:
+        without()
+
+    check_function(with_message, "what", 1)
+
+
+def test_callable_with_an_odd_signature_is_accepted() -> None:
+    class Proxy:
+        def __getattr__(self, name: str) -> object:
+            return object()
+
+        def __call__(self, *_arguments: object) -> None:
+            """Take anything."""
+
+    check_function(Proxy(), "what", 1)

@@ -250,7 +250,7 @@ class SubscriptionCallback(Callback):
         self.newest_only = queue_size is not None and queue_size > 0
         self._depth = queue_size if queue_size is not None and queue_size > 0 else MOST_KEPT
         self._kept: List[Any] = []  # mostly empty: a list takes a tenth of a deque's memory then
-        self._kept_since = 0.0
+        self._kept_at: List[float] = []  # monotonic time of the arrival of each [s]
         self._has_thread = self._is_late_reported = False
         self._retry = CoalescingCallback(group, self._deliver_kept, what)
         self._throttle = Throttle(10.0)
@@ -289,11 +289,10 @@ class SubscriptionCallback(Callback):
 
     def _keep(self, messages: List[Any]) -> None:
         with self._keeping:
-            if not self._kept:
-                self._kept_since = time.monotonic()
             self._kept += messages
+            self._kept_at += [time.monotonic()] * len(messages)
             lost = max(0, len(self._kept) - self._depth)
-            del self._kept[:lost]
+            del self._kept[:lost], self._kept_at[:lost]
         if lost and not self.newest_only and self._throttle.is_due():
             rospy.logwarn("%s: callback is too slow, messages are dropped", self.what)
 
@@ -315,7 +314,8 @@ class SubscriptionCallback(Callback):
         while self._kept:
             with self._keeping:
                 kept, self._kept = self._kept, []
-            self._deliver(kept, self._kept_since)
+                kept_at, self._kept_at = self._kept_at, []
+            self._deliver(kept, kept_at[0])
 
     def _deliver_queued(self, messages: List[Any]) -> None:
         calls = self.calls
@@ -335,11 +335,13 @@ class SubscriptionCallback(Callback):
         age = time.monotonic() - arrived_at
         if age > LATE_S and not (self._is_late_reported or self.closed):
             self._is_late_reported = True
+            advice = "" if self._depth == 1 else ", or set queue_size=1 to receive only the newest"
             rospy.logwarn(
-                "%s: messages wait for their callback (%.1f s); shorten the callbacks of its group,"
-                " or set queue_size=1 to receive only the newest message",
+                "%s: messages wait for their callback (%.1f s); "
+                "shorten the callbacks of its group%s",
                 self.what,
                 age,
+                advice,
             )
         try:  # a copy of call_inside, which saves a call per message
             if not self.closed:

@@ -81,9 +81,11 @@ def surprising_values(argv: Sequence[str]) -> List[str]:
         name, is_given, text = argument.partition(":=")
         if is_given and re.match("_[^_]", name) and _BASE_60.fullmatch(text):
             (value,) = load_command_line_node_params([argument]).values()
-            advice = f"write {name}:={text.replace(':', '.')} for a decimal number"
+            decimal = ""
+            if text.count(":") == 1 and "." not in text:
+                decimal = f"write {name}:={text.replace(':', '.')} for a decimal number, or "
             warnings.append(
-                f"argument {argument}: YAML reads {text} in base 60, as {value:g}; {advice}, or"
+                f"argument {argument}: YAML reads {text} in base 60, as {value!r}; {decimal}write"
                 f" \"{name}:='{text}'\" for text"
             )
     return warnings

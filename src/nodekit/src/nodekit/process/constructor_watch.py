@@ -16,7 +16,7 @@ PATIENCE_S = 5.0
 _BUSY = 0.5
 #: Folders whose code waits for others: Python's library, rospy, nodekit.
 _LIBRARIES = tuple(
-    os.path.dirname(os.path.abspath(path))
+    os.path.dirname(os.path.abspath(path)) + os.sep
     for path in (threading.__file__, rospy.__file__, os.path.dirname(__file__))
 )
 
@@ -46,7 +46,10 @@ class ConstructorWatch:
         if since is None or time.monotonic() - since < PATIENCE_S:
             return
         frame = sys._current_frames().get(self._thread)
-        busy = time.clock_gettime(self._clock) - self._busy_before
+        try:
+            busy = time.clock_gettime(self._clock) - self._busy_before
+        except OSError:  # the thread has just ended
+            return
         if self._since is None or busy > _BUSY * PATIENCE_S:
             return
         self._since = None

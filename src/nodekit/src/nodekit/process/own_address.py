@@ -28,8 +28,18 @@ def default_to_loopback(environ: MutableMapping[str, str], argv: Sequence[str]) 
     """
     if source(environ, argv) or not _is_loopback(environ.get("ROS_MASTER_URI", ""), argv):
         return
+    if rosgraph.network.use_ipv6() and not _has_ipv6_loopback():
+        return
     environ.pop("ROS_IP", None)  # empty, which rospy takes for a name
     environ["ROS_HOSTNAME"] = "localhost"
+
+
+def _has_ipv6_loopback() -> bool:
+    """Return whether ``localhost`` has an address of IPv6, which not each machine gives it."""
+    try:
+        return bool(socket.getaddrinfo("localhost", None, socket.AF_INET6))
+    except OSError:
+        return False
 
 
 def source(environ: Mapping[str, str], argv: Sequence[str]) -> str:
@@ -75,5 +85,8 @@ def _is_loopback(master_uri: str, argv: Sequence[str]) -> bool:
     for argument in argv:
         if argument.startswith("__master:="):
             master_uri = argument.partition(":=")[2]
-    host = urlsplit(master_uri).hostname or "localhost"
+    try:
+        host = urlsplit(master_uri).hostname or "localhost"
+    except ValueError:  # a malformed address, which the check of the master's names
+        return True
     return host in ("localhost", "::1") or host.startswith("127.")

@@ -7,6 +7,7 @@ subscriber waits for ever.
 import socket
 import threading
 import time
+import traceback
 from typing import Any, Callable, Dict, List, Set, Tuple
 from urllib.parse import urlsplit
 
@@ -74,6 +75,8 @@ class ConnectionWatch:
                             self._errors.pop((topic, uri), None)
                 except (ConnectionError, ValueError):  # the master does not answer; later, it will
                     pass
+                except Exception:  # a topic that is being closed, for example
+                    rospy.logdebug("%s", traceback.format_exc())
             with self._lock:
                 if not self._missing:
                     self._is_running = False
@@ -90,11 +93,13 @@ class ConnectionWatch:
         if publisher:
             self._reported.add((topic, uri))
             why = self._errors.get((topic, uri)) or _probe(uri)
-            remedy = (
-                "use the same version of the message type on both sides"
-                if "md5sum" in why or "type" in why
-                else "check that node, and ROS_IP or ROS_HOSTNAME where it runs"
-            )
+            remedy = "check that node, and ROS_IP or ROS_HOSTNAME where it runs"
+            if (
+                "ROS_HOSTNAME=localhost" in why
+            ):  # rospy's words: such a node connects to none beyond
+                remedy = "set ROS_IP here to an address of this machine"
+            elif "md5sum" in why or "type" in why:
+                remedy = "use the same version of the message type on both sides"
             text = "topic %s: no connection to publisher %s at %s (%s); %s"
             rospy.logwarn(text, topic, publisher, uri, why[:_LONGEST_REASON], remedy)
         return True

@@ -78,8 +78,8 @@ class _Drain:
         self._lock = threading.Lock()
         self._links: Set[SubscriberConnection] = set()
         self._thread: Optional[threading.Thread] = None
-        #: Ends of a pipe that wakes the thread up.
-        self._wake_out, self._wake_in = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
+        #: Ends of a pipe that wakes the thread up; it exists as long as the thread does.
+        self._wake_out = self._wake_in = -1
 
     def watch(self, links: List[SubscriberConnection]) -> None:
         with self._lock:
@@ -88,15 +88,31 @@ class _Drain:
                 with contextlib.suppress(BlockingIOError):  # the pipe is full: it wakes up anyway
                     os.write(self._wake_in, b"1")
             elif self._links:
-                thread = threading.Thread(target=self._run, name="drain", daemon=True)
-                thread.start()  # may fail; the next stall retries
-                self._thread = thread
+                self._start()
+
+    def _open_pipe(self) -> None:
+        self._wake_out, self._wake_in = os.pipe2(os.O_NONBLOCK | os.O_CLOEXEC)
+
+    def _start(self) -> None:
+        thread = threading.Thread(target=self._run, name="drain", daemon=True)
+        self._open_pipe()
+        try:
+            thread.start()  # may fail; the next stall retries
+        except BaseException:
+            self._close_pipe()
+            raise
+        self._thread = thread
+
+    def _close_pipe(self) -> None:
+        os.close(self._wake_out)
+        os.close(self._wake_in)
 
     def _run(self) -> None:
         while True:
             with self._lock:
                 if not self._links:
                     self._thread = None
+                    self._close_pipe()
                     return
                 links = list(self._links)
             self._serve(links)

@@ -210,9 +210,7 @@ class TopicToRos1:
 
     def forward_if_heard(self) -> None:
         """Subscribe to the topic, or no longer."""
-        is_heard = (
-            self._found.latched or self._publisher.get_num_connections(in_process=False) > 0
-        )
+        is_heard = self._found.latched or self._publisher.get_num_connections(in_process=False) > 0
         self._switch(self._wanted if is_heard else {})
 
     def _switch(self, wanted: Mapping[bool, Quality]) -> None:

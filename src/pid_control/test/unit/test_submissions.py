@@ -123,6 +123,40 @@ def test_unpack_leaves_links_out(tmp_path: pathlib.Path) -> None:
     assert os.listdir(str(tmp_path / "target")) == ["file"]
 
 
+@pytest.mark.parametrize("ending", ["zip", "tar.xz"])
+def test_class_with_a_damaged_archive_says_so_and_has_the_others(
+    tmp_path: pathlib.Path, ending: str
+) -> None:
+    path = tmp_path / "class" / f"anna.{ending}"
+    fill(tmp_path / "class" / "ben", PACKAGE)
+    text = "".join(map(str, range(50000)))
+    if ending == "zip":
+        with zipfile.ZipFile(str(path), "w", zipfile.ZIP_DEFLATED) as zipped:
+            zipped.writestr("numbers", text)
+    else:
+        with tarfile.open(str(path), f"w:{ending[-2:]}") as packed:
+            member = tarfile.TarInfo("numbers")
+            member.size = len(text)
+            packed.addfile(member, io.BytesIO(text.encode()))
+    damaged = bytearray(path.read_bytes())
+    middle = len(damaged) // 2
+    damaged[middle : middle + 200] = b"\xff" * 200
+    path.write_bytes(bytes(damaged))
+    (anna, why), ben = found(tmp_path)
+    assert (anna, ben) == (path.name, ("ben", ""))
+    assert why.startswith("it cannot be unpacked: ")
+
+
+def test_unpack_path_with_a_zero_byte_is_refused(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "x.tar"
+    with tarfile.open(str(path), "w", format=tarfile.PAX_FORMAT) as packed:
+        member = tarfile.TarInfo("file")
+        member.pax_headers = {"path": "a\0b"}
+        packed.addfile(member, io.BytesIO())
+    with pytest.raises(ArchiveError, match="it cannot be unpacked: embedded null byte"):
+        unpack(str(path), str(tmp_path / "target"))
+
+
 def test_unpack_large_archives_are_refused(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:

@@ -48,19 +48,12 @@ def unpack(path: str, target: str) -> None:
             with source, open(place, "wb") as file:
                 left = _copy(source, file, left)
             os.chmod(place, 0o600 | (mode & 0o111))
-    except (
-        zipfile.BadZipFile,
-        tarfile.TarError,
-        RuntimeError,  # encrypted
-        NotImplementedError,  # an unknown compression
-        EOFError,
-        OSError,
-    ) as error:
-        shutil.rmtree(target, ignore_errors=True)
-        raise ArchiveError(f"it cannot be unpacked: {error}") from None
     except ArchiveError:
         shutil.rmtree(target, ignore_errors=True)
         raise
+    except Exception as error:  # of any kind: the modules do not check what they read
+        shutil.rmtree(target, ignore_errors=True)
+        raise ArchiveError(f"it cannot be unpacked: {error}") from None
 
 
 def _files(path: str) -> Iterator[Tuple[str, int, IO[bytes]]]:

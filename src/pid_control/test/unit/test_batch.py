@@ -147,6 +147,42 @@ def test_build_adds_the_messages_of_the_course_if_they_are_used(
         assert (added / "msg" / "motor_input.msg").is_file()
 
 
+def test_build_folder_called_like_the_messages_of_the_course_has_both(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    put_catkin_make(tmp_path, monkeypatch, "built", 0)
+    package = tmp_path / "pid_control"
+    package.mkdir()
+    text = "<package><name>anna</name><depend>pid_control</depend></package>"
+    (package / "package.xml").write_text(text)
+    sources = pathlib.Path(batch.build(str(package), str(tmp_path / "scratch"))) / "src"
+    texts = [path.read_text() for path in sources.glob("*/package.xml")]
+    assert len(texts) == 2 and text in texts
+
+
+def test_batch_goes_on_after_a_package_that_cannot_be_read(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    judge = tmp_path / "judge"
+    for name in ("anna", "ben"):
+        (tmp_path / "class" / name).mkdir(parents=True)
+        (tmp_path / "class" / name / "package.xml").write_text("")
+        (tmp_path / "class" / name / "controller.py").write_text("")
+    judge.write_text("print('judged')")
+    monkeypatch.setattr(sys, "argv", [str(judge)])
+
+    def needs_build(package: str) -> bool:
+        if package.endswith("anna"):
+            raise OSError("Input/output error")
+        return False
+
+    monkeypatch.setattr(batch, "_needs_build", needs_build)
+    output = tmp_path / "out"
+    assert batch.Batch(str(tmp_path / "class"), [], [], str(output), 10.0).run() == 1
+    assert "it cannot be judged: Input/output error" in (output / "anna.html").read_text()
+    assert (output / "ben.txt").read_text() == "judged\n"
+
+
 def test_batch_with_a_roster_names_students_and_writes_a_page_for_each(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:

@@ -140,8 +140,9 @@ class Batch:
                 raise _Broken((text.strip().splitlines() or ["the judge said nothing"])[-1])
             with open(table, encoding="utf-8", newline="") as file:
                 [row] = csv.DictReader(file)
-        except _Broken as error:
-            judgement = Judgement(NOT_JUDGED, [], [], str(error))
+        except (_Broken, OSError) as error:
+            why = str(error) if isinstance(error, _Broken) else f"it cannot be judged: {error}"
+            judgement = Judgement(NOT_JUDGED, [], [], why)
             [row] = csv.DictReader(io.StringIO(as_csv([(name, judgement)])))
         student = self._roster.get(stem_of(submission.entry), "")
         row = {**({"student": student} if self._roster else {}), **row, "controller": name}
@@ -185,7 +186,7 @@ def build(package: str, scratch: str, siblings: Sequence[str] = ()) -> str:
     """
     workspace = os.path.join(scratch, "workspace")
     os.makedirs(os.path.join(workspace, "src"))
-    os.symlink(package, os.path.join(workspace, "src", os.path.basename(package)))
+    os.symlink(package, os.path.join(workspace, "src", "package"))
     for index, sibling in enumerate(siblings):
         os.symlink(sibling, os.path.join(workspace, "src", f"sibling{index}"))
     _add_messages([package, *siblings], os.path.join(workspace, "src"))

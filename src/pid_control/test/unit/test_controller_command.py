@@ -3,7 +3,7 @@
 import os
 import pathlib
 import sys
-from typing import List
+from typing import List, Optional
 
 import pytest
 
@@ -215,6 +215,40 @@ def test_find_controller_launch_file_that_cannot_be_used_is_noted(tmp_path: path
     program = package_with_launch_file(tmp_path, LAUNCH.replace("gains.yaml", "no.yaml"))
     [note] = find_controller([str(program)]).notes
     assert "loop.launch cannot be used: " in note and "no.yaml" in note
+
+
+@pytest.mark.parametrize(
+    "text, says",
+    [
+        (LAUNCH.replace("$(find anna)", "$(find missing)"), "missing"),
+        (LAUNCH.replace('"50"', '"$(eval 1/0)"'), "division by zero"),
+        (LAUNCH.replace("--fast", "don't"), "No closing quotation"),
+        (None, "loop.launch"),  # a link that leads nowhere
+    ],
+)
+def test_find_controller_faulty_launch_file_is_noted_but_refused_if_told(
+    tmp_path: pathlib.Path, text: Optional[str], says: str
+) -> None:
+    program = package_with_launch_file(tmp_path, text or "")
+    launch = tmp_path / "launch" / "loop.launch"
+    if text is None:
+        launch.unlink()
+        launch.symlink_to(tmp_path / "gone.launch")
+    command = find_controller([str(program)])
+    assert command.argv == [str(program)]
+    [note] = command.notes
+    assert note.startswith(f"{launch} cannot be used: ") and says in note
+    with pytest.raises(CommandError, match=f"--launch: .*cannot be used: .*{says}"):
+        find_controller([str(program)], launch=str(launch))
+
+
+@pytest.mark.parametrize("wrong", ["$(find missing)", "$(eval 1/0)"])
+def test_find_controller_in_a_launch_file_with_a_fault_is_refused(
+    tmp_path: pathlib.Path, wrong: str
+) -> None:
+    package_with_launch_file(tmp_path, f'<launch><param name="x" value="{wrong}"/></launch>')
+    with pytest.raises(CommandError, match="loop.launch: (missing|division by zero)"):
+        find_controller([f"{tmp_path}/launch/loop.launch"])
 
 
 @pytest.mark.parametrize(

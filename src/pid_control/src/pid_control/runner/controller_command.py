@@ -10,8 +10,8 @@ from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Se
 import roslaunch.config
 import roslaunch.substitution_args
 import rospkg
-from roslaunch.core import Node, RLException, local_machine, setup_env
-from roslaunch.node_args import NodeParamsException, create_local_process_args
+from roslaunch.core import Node, local_machine, setup_env
+from roslaunch.node_args import create_local_process_args
 
 from pid_control.runner.python_program import start_words
 
@@ -106,14 +106,15 @@ def _with_launch_file(
                 if not nodes:
                     continue
                 variables = setup_env(nodes[0], local_machine(), "", command.environment)
-        except (RLException, NodeParamsException, ValueError, OSError) as error:
+            arguments = shlex.split(nodes[0].args or "")
+        except Exception as error:  # of any kind: $(eval …) runs what the student wrote
             problems.append(f"{file} cannot be used: {' '.join(str(error).split())[:200]}")
             continue
         node = nodes[0]
         parameters, of_others = _split_parameters(config, node)
         names = [f"__name:={node.name}", *(f"{old}:={new}" for old, new in node.remap_args)]
         return command._replace(
-            argv=[*command.argv, *shlex.split(node.args or ""), *names],
+            argv=[*command.argv, *arguments, *names],
             environment=variables,
             parameters=parameters,
             of_others=of_others,
@@ -126,13 +127,17 @@ def _with_launch_file(
 
 
 def _launch_files(package: str, path: str) -> List[str]:
-    """Return the launch files of a package that name a program."""
+    """Return the launch files of a package that name a program, and those that cannot be read."""
     found = []
     for file in sorted(_files(package)) if package else []:
         if file.endswith(".launch"):
-            with open(file, encoding="utf-8", errors="replace") as opened:
-                if os.path.basename(path) in opened.read():
-                    found.append(file)
+            try:
+                with open(file, encoding="utf-8", errors="replace") as opened:
+                    names_it = os.path.basename(path) in opened.read()
+            except OSError:
+                names_it = True  # roslaunch will say what is wrong with it
+            if names_it:
+                found.append(file)
     return found
 
 
@@ -267,7 +272,9 @@ def _command_of_launch_file(
         node = _choose(config.nodes, wanted, path)
         command = create_local_process_args(node, local_machine(), environment)
         variables = setup_env(node, local_machine(), "", environment)
-    except (RLException, NodeParamsException, ValueError) as error:
+    except CommandError:
+        raise
+    except Exception as error:  # of any kind: $(eval …) runs what the student wrote
         raise CommandError(f"{path}: {error}") from None
     finally:
         os.environ.clear()

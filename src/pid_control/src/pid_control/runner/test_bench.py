@@ -1,9 +1,10 @@
 """Test bench of a controller: motor, set point and clock in one node."""
 
 import contextlib
+import http.client
 import threading
 import xmlrpc.client
-from typing import Any, Dict, List, Optional
+from typing import Any, Dict, List, Optional, Tuple
 
 import rosgraph
 import rospy
@@ -15,10 +16,42 @@ from pid_control.runner.loop_messages import LoopMessage, course_messages
 
 #: Name of the node.
 NAME = "judge"
+#: Longest wait for an answer of a node [s].
+_NODE_S = 2.0
 
 
 class PublisherConflict(Exception):
     """Another node publishes a topic of the bench; the message names it."""
+
+
+class _Transport(xmlrpc.client.Transport):
+    """HTTP that gives up after a time."""
+
+    def make_connection(self, host: Any) -> http.client.HTTPConnection:
+        connection = super().make_connection(host)
+        connection.timeout = _NODE_S
+        return connection
+
+
+def ask_types(uris: Dict[str, str]) -> Tuple[Dict[str, str], List[str]]:
+    """Ask nodes for the types of their topics.
+
+    :param uris: XML-RPC URI of each node
+    :returns: type of each topic, and the nodes that do not answer as a node would; a node that has
+        ended is not one of these
+    """
+    found: Dict[str, str] = {}
+    silent: List[str] = []
+    for node, uri in sorted(uris.items()):
+        try:
+            with xmlrpc.client.ServerProxy(uri, transport=_Transport()) as proxy:
+                answers: Any = (proxy.getPublications(NAME), proxy.getSubscriptions(NAME))
+            found.update({str(name): str(kind) for one in answers for name, kind in one[2]})
+        except ConnectionRefusedError:
+            continue
+        except Exception:  # of any kind: a student's node may reply anything
+            silent.append(node)
+    return found, silent
 
 
 class TestBench:
@@ -61,15 +94,16 @@ class TestBench:
 
     def types_of_controller(self) -> Dict[str, str]:
         """Return the types of the topics that other nodes publish and subscribe to, as they say."""
-        found: Dict[str, str] = {}
+        return self._types()[0]
+
+    def _types(self) -> Tuple[Dict[str, str], List[str]]:
         publishers, subscribers, _ = rospy.get_master().getSystemState()[2]
         nodes = {node for _, names in publishers + subscribers for node in names}
+        uris: Dict[str, str] = {}
         for node in nodes - {rospy.get_name()}:
             with contextlib.suppress(OSError, rosgraph.MasterException, xmlrpc.client.Error):
-                with xmlrpc.client.ServerProxy(rosgraph.Master(NAME).lookupNode(node)) as proxy:
-                    for answer in (proxy.getPublications(NAME), proxy.getSubscriptions(NAME)):
-                        found.update(dict(answer[2]))  # type: ignore[index, arg-type]
-        return found
+                uris[node] = rosgraph.Master(NAME).lookupNode(node)
+        return ask_types(uris)
 
     def close(self) -> None:
         """Shut the node down for good, while the master still runs."""
@@ -90,7 +124,7 @@ class TestBench:
     def hint(self) -> str:
         """Return a text about other types, or topics, of the controller, if any."""
         own = {"/motor_output", "/set_point", "/motor_input", "/clock", "/rosout", "/rosout_agg"}
-        types = self.types_of_controller()
+        types, silent = self._types()
         for name in self.missing():
             message_class = self.messages[name].message_class
             kind = types.get("/" + name, message_class._type)
@@ -99,6 +133,8 @@ class TestBench:
             if "/" + name in types:
                 return f"its {name} has another definition of {kind} than the judge"
         others = ", ".join(sorted(topic for topic in types if topic not in own))
+        if not others and silent:
+            return f"cannot tell its types: {', '.join(silent)} does not answer"
         return f"it has the topics {others}" if others else ""
 
     def check_publishers(self) -> None:

@@ -1,0 +1,54 @@
+"""Tests of asking the nodes of a student for the types of their topics."""
+
+import contextlib
+import socket
+import threading
+import xmlrpc.server
+from typing import Any, Iterator
+
+import pytest
+
+from pid_control.runner import test_bench
+
+
+@contextlib.contextmanager
+def node_that_replies(reply: Any) -> Iterator[str]:
+    """Serve a node that has this reply to any question; give its URI."""
+    server = xmlrpc.server.SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False)
+    for method in ("getPublications", "getSubscriptions"):
+        server.register_function(lambda _caller: reply, method)
+    thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.01})
+    thread.start()
+    try:
+        yield f"http://127.0.0.1:{server.server_address[1]}/"
+    finally:
+        server.shutdown()
+        thread.join()
+        server.server_close()
+
+
+def test_ask_types_returns_the_types_that_nodes_have() -> None:
+    with node_that_replies([1, "", [["/set_point", "anna/set_point"]]]) as uri:
+        assert test_bench.ask_types({"/anna": uri}) == ({"/set_point": "anna/set_point"}, [])
+
+
+@pytest.mark.parametrize("reply", [0, [1, ""], [1, "", 5], [1, "", [["/set_point"]]]])
+def test_ask_types_reply_of_no_node_is_named(reply: Any) -> None:
+    with node_that_replies(reply) as uri:
+        assert test_bench.ask_types({"/anna": uri}) == ({}, ["/anna"])
+
+
+def test_ask_types_node_that_never_answers_is_named(monkeypatch: "pytest.MonkeyPatch") -> None:
+    monkeypatch.setattr(test_bench, "_NODE_S", 0.1)
+    with socket.socket() as listening:
+        listening.bind(("127.0.0.1", 0))
+        listening.listen(5)
+        uri = "http://127.0.0.1:{}/".format(listening.getsockname()[1])
+        assert test_bench.ask_types({"/anna": uri}) == ({}, ["/anna"])
+
+
+def test_ask_types_node_that_has_ended_is_left_out() -> None:
+    with socket.socket() as bound:  # it does not listen
+        bound.bind(("127.0.0.1", 0))
+        uri = "http://127.0.0.1:{}/".format(bound.getsockname()[1])
+        assert test_bench.ask_types({"/anna": uri}) == ({}, [])

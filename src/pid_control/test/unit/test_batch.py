@@ -183,6 +183,24 @@ def test_batch_goes_on_after_a_package_that_cannot_be_read(
     assert (output / "ben.txt").read_text() == "judged\n"
 
 
+def test_batch_names_that_are_equal_without_their_marks_have_a_page_each(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    judge, output = tmp_path / "judge", tmp_path / "out"
+    names = ["Anna B", "Anna_B", "class"]
+    for name in names:
+        (tmp_path / "class" / name).mkdir(parents=True)
+        (tmp_path / "class" / name / "package.xml").write_text("")
+        (tmp_path / "class" / name / "controller.py").write_text("")
+    judge.write_text("import sys; print('judged', sys.argv[-1])")
+    monkeypatch.setattr(sys, "argv", [str(judge)])
+    batch.Batch(str(tmp_path / "class"), [], [], str(output), 10.0).run()
+    overview = (output / "class.html").read_text()
+    for name, stem in zip(names, ["Anna_B", "Anna_B-2", "class-2"]):
+        assert f"{name}/controller.py" in (output / f"{stem}.html").read_text()
+        assert f'"{stem}.html"' in overview
+
+
 def test_batch_with_a_roster_names_students_and_writes_a_page_for_each(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:

@@ -4,6 +4,7 @@ import contextlib
 import csv
 import glob
 import io
+import itertools
 import os
 import re
 import signal
@@ -77,6 +78,8 @@ class Batch:
         self._options, self._time_limit = list(options), time_limit
         self._rows: List[Dict[str, str]] = []
         self._files: Dict[str, List[str]] = {}
+        #: Names of files, without their endings, that are taken.
+        self._stems = {"class"}
 
     def run(self) -> int:
         """Judge all packages, and update the files after each of them.
@@ -105,7 +108,7 @@ class Batch:
     def _judge(self, submission: Submission, scratch: str) -> Dict[str, str]:
         """Judge a submission, and return its row."""
         name, package = submission.name, submission.package
-        stem = re.sub(r"[^\w.-]", "_", name)
+        stem = self._new_stem(name)
         picture, words = stem + ".svg", stem + ".txt"
         table = os.path.join(scratch, "judged.csv")
         self._files[name] = []
@@ -151,6 +154,14 @@ class Batch:
         self._put(page, as_page_of_student(row, text, drawn))
         self._files[name].insert(0, page)
         return row
+
+    def _new_stem(self, name: str) -> str:
+        """Return a name for the files of a submission that no other one has."""
+        first = re.sub(r"[^\w.-]", "_", name)
+        numbered = (f"{first}-{number}" for number in itertools.count(2))
+        stem = next(one for one in itertools.chain([first], numbered) if one not in self._stems)
+        self._stems.add(stem)
+        return stem
 
     def _write(self) -> None:
         text = io.StringIO()

@@ -157,6 +157,48 @@ def test_unpack_path_with_a_zero_byte_is_refused(tmp_path: pathlib.Path) -> None
         unpack(str(path), str(tmp_path / "target"))
 
 
+@pytest.mark.parametrize("make", [make_zip, make_tar])
+def test_unpack_name_with_a_colon_is_kept(tmp_path: pathlib.Path, make: object) -> None:
+    assert callable(make)
+    name = "notes 10:30.txt"
+    archive = make(tmp_path / ("x.zip" if make is make_zip else "x.tar.gz"), {name: "text"})
+    unpack(str(archive), str(tmp_path / "target"))
+    assert (tmp_path / "target" / name).read_text() == "text"
+
+
+def test_unpack_members_that_are_no_files_count_too(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setattr(archives, "_MOST", 3)
+    make_zip(tmp_path / "x.zip", {f"{index}/": "" for index in range(4)})
+    with tarfile.open(str(tmp_path / "x.tar"), "w") as packed:
+        for index in range(4):
+            member = tarfile.TarInfo(str(index))
+            member.type, member.linkname = tarfile.SYMTYPE, "x"
+            packed.addfile(member)
+    for name in ("x.zip", "x.tar"):
+        with pytest.raises(ArchiveError, match="too many files"):
+            unpack(str(tmp_path / name), str(tmp_path / "target"))
+
+
+@pytest.mark.parametrize("ending", ["tar", "tar.gz", "tar.bz2", "tar.xz"])
+def test_unpack_large_header_is_refused(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch", ending: str
+) -> None:
+    path = tmp_path / f"x.{ending}"
+    with tarfile.open(str(path), "w:" + ending[4:], format=tarfile.PAX_FORMAT) as packed:
+        packed.addfile(tarfile.TarInfo("small"), io.BytesIO())
+    unpack(str(path), str(tmp_path / "small"))
+    assert os.listdir(str(tmp_path / "small")) == ["small"]
+    with tarfile.open(str(path), "w:" + ending[4:], format=tarfile.PAX_FORMAT) as packed:
+        member = tarfile.TarInfo("file")
+        member.pax_headers = {"comment": "0" * 200_000}
+        packed.addfile(member, io.BytesIO())
+    monkeypatch.setattr(archives, "_LARGEST", 100_000)
+    with pytest.raises(ArchiveError, match="too large"):
+        unpack(str(path), str(tmp_path / "target"))
+
+
 def test_unpack_large_archives_are_refused(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:

@@ -1,15 +1,27 @@
 """Archives of students: unpacked with bounds, and never outside of a folder."""
 
+import bz2
+import gzip
+import lzma
 import os
+import re
 import shutil
 import tarfile
 import zipfile
-from typing import IO, Iterator, Tuple
+from typing import IO, Any, Callable, Dict, Iterator, Optional, Tuple
 
-#: Bounds of an archive: size of its content [bytes], and number of its files.
+#: Bounds of an archive: size of its content [bytes], and number of its members.
 _LARGEST, _MOST = 200_000_000, 10_000
 _ENDINGS = (".zip", ".tar", ".tar.gz", ".tgz", ".tar.bz2", ".tbz2", ".tar.xz", ".txz")
 _CHUNK = 1 << 16
+#: What opens a compressed file, by the bytes that it starts with.
+_OPENERS: Dict[bytes, Callable[..., Any]] = {
+    b"\x1f\x8b": gzip.open,
+    b"BZh": bz2.open,
+    b"\xfd7zXZ": lzma.open,
+}
+#: Letter of a drive at the start of a path of Windows.
+_DRIVE = re.compile("[A-Za-z]:")
 
 
 class ArchiveError(Exception):
@@ -43,6 +55,8 @@ def unpack(path: str, target: str) -> None:
             count += 1
             if count > _MOST:
                 raise ArchiveError(f"too many files (more than {_MOST})")
+            if source is None:
+                continue
             place = _place(target, name)
             os.makedirs(os.path.dirname(place), exist_ok=True)
             with source, open(place, "wb") as file:
@@ -56,24 +70,50 @@ def unpack(path: str, target: str) -> None:
         raise ArchiveError(f"it cannot be unpacked: {error}") from None
 
 
-def _files(path: str) -> Iterator[Tuple[str, int, IO[bytes]]]:
+class _Bounded:
+    """Unpacked content of a tar file, refused where it becomes too large.
+
+    :param file: the content
+    """
+
+    def __init__(self, file: IO[bytes]) -> None:
+        self._file, self._left = file, _LARGEST
+
+    def read(self, size: int) -> bytes:
+        """Return the next bytes.
+
+        :param size: largest number of them
+        :raises ArchiveError: if they are too many, together with those before
+        """
+        data = self._file.read(size)
+        self._left -= len(data)
+        _check(self._left)
+        return data
+
+
+def _files(path: str) -> Iterator[Tuple[str, int, Optional[IO[bytes]]]]:
+    """Yield name, mode and content of each member; the content of what is no file is None."""
     if path.lower().endswith(".zip"):
         with zipfile.ZipFile(path) as archive:
             for info in archive.infolist():
                 mode = info.external_attr >> 16
-                if not info.is_dir() and mode & 0o170000 in (0, 0o100000):
-                    yield info.filename, mode, archive.open(info)
+                is_file = not info.is_dir() and mode & 0o170000 in (0, 0o100000)
+                yield info.filename, mode, archive.open(info) if is_file else None
         return
-    with tarfile.open(path) as packed:
-        for member in packed:
-            source = packed.extractfile(member) if member.isfile() else None
-            if source is not None:
+    with open(path, "rb") as file:
+        start = file.read(max(map(len, _OPENERS)))
+    opener = next((_OPENERS[one] for one in _OPENERS if start.startswith(one)), open)
+    with opener(path, "rb") as unpacked:
+        # As a stream, which is read in small parts: a header may claim any size.
+        with tarfile.open(fileobj=_Bounded(unpacked), mode="r|") as packed:
+            for member in packed:
+                source = packed.extractfile(member) if member.isfile() else None
                 yield member.name, member.mode, source
 
 
 def _place(target: str, name: str) -> str:
     parts = name.replace("\\", "/").split("/")
-    if name.startswith(("/", "\\")) or ".." in parts or ":" in parts[0]:
+    if name.startswith(("/", "\\")) or ".." in parts or _DRIVE.match(name):
         raise ArchiveError(f"a path leads out of it ({name})")
     return os.path.join(target, *(part for part in parts if part not in ("", ".")))
 
@@ -83,8 +123,12 @@ def _copy(source: IO[bytes], file: IO[bytes], left: int) -> int:
     while True:
         chunk = source.read(_CHUNK)  # not by the size that the archive claims
         left -= len(chunk)
-        if left < 0:
-            raise ArchiveError(f"too large (more than {_LARGEST // 1_000_000} MB)")
+        _check(left)
         if not chunk:
             return left
         file.write(chunk)
+
+
+def _check(left: int) -> None:
+    if left < 0:
+        raise ArchiveError(f"too large (more than {_LARGEST // 1_000_000} MB)")

@@ -3,6 +3,7 @@
 import contextlib
 import io
 import os
+import re
 from typing import Any, Dict, List, NamedTuple
 from xml.etree import ElementTree
 
@@ -16,12 +17,15 @@ from pid_control.runner.controller_command import ControllerCommand
 from pid_control.runner.loop_messages import (
     COURSE_CLASSES,
     LoopMessage,
+    MessageTypeError,
     course_messages,
     loop_message,
 )
 
 #: Package that the course's messages are in, in a student's workspace too.
 _COURSE = "pid_control"
+#: Legal name of a package that has messages: it becomes a folder, and a name in Python.
+_LEGAL = re.compile("[a-z][a-z0-9_]*")
 _INIT = "import pkgutil\n\n__path__ = pkgutil.extend_path(__path__, __name__)\n"
 
 
@@ -43,12 +47,18 @@ def read_messages(command: ControllerCommand, scratch: str) -> StudentMessages:
 
     :param command: the controller's command
     :param scratch: folder for generated Python modules
-    :raises MessageTypeError: if the message of a topic has no float field
+    :raises MessageTypeError: if the message of a topic has no float field, or the name of the
+        package is illegal
     """
     texts = _definitions(command.package)
     name = _name(command.package) if texts else ""
     if not texts or not name or _is_own(command.package):
         return StudentMessages(command, {}, course_messages())
+    if not _LEGAL.fullmatch(name):
+        raise MessageTypeError(
+            "package.xml: <name> must be small letters, digits and _, with a letter first"
+            f" ({name[:80]!r})"
+        )
     notes: List[str] = []
     if name == _COURSE:
         for topic, course_class in COURSE_CLASSES.items():

@@ -109,9 +109,10 @@ def main() -> None:
         sys.argv[1:] = [member(*node) for node in nodes]
         importlib.import_module("nodekit.entry_point").run_command("host")
         return
+    # Blocked before the forks, so that one that comes early ends the children too.
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})
     children = [fork(space, module) for space, module in nodes]
-    signal.signal(signal.SIGTERM, lambda *_: None)
-    signal.pause()
+    signal.sigwait({signal.SIGTERM})
     for child in children:
         os.kill(child, signal.SIGTERM)
     for child in children:
@@ -132,6 +133,7 @@ def fork(space: str, module: str) -> int:
     """Run a node in a child; return its process id."""
     child = os.fork()
     if not child:
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGTERM})
         run(space, module)
     return child
 

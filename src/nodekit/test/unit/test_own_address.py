@@ -35,7 +35,7 @@ STOCK = """
 import rospy
 from std_msgs.msg import String
 rospy.init_node("stock")
-print(rospy.wait_for_message("/topic", String, 20.0).data)
+print(rospy.wait_for_message("/topic", String, 120.0).data)
 """
 
 

@@ -183,6 +183,25 @@ def test_batch_goes_on_after_a_package_that_cannot_be_read(
     assert (output / "ben.txt").read_text() == "judged\n"
 
 
+def test_batch_controller_beside_an_unrelated_package_that_does_not_build_is_judged(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    put_catkin_make(tmp_path, monkeypatch, "error: broken", 1)
+    judge, output = tmp_path / "judge", tmp_path / "out"
+    for name in ("broken", "pid"):
+        package = tmp_path / "class" / "anna" / name
+        package.mkdir(parents=True)
+        (package / "package.xml").write_text(f"<package><name>{name}</name></package>")
+    (package / "controller.py").write_text("")
+    broken = tmp_path / "class" / "anna" / "broken" / "CMakeLists.txt"
+    broken.write_text("add_executable(x x.cpp)\n")
+    judge.write_text("print('judged')")
+    monkeypatch.setattr(sys, "argv", [str(judge)])
+    batch.Batch(str(tmp_path / "class"), [], [], str(output), 10.0).run()
+    assert "does not build" not in (output / "class.csv").read_text()
+    assert (output / "anna_pid.txt").read_text() == "judged\n"
+
+
 def test_batch_names_that_are_equal_without_their_marks_have_a_page_each(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:

@@ -15,6 +15,7 @@ from pid_control.runner.submissions import (
     RosterError,
     Submission,
     missing_in,
+    needed_siblings,
     read_roster,
     submissions_in,
 )
@@ -92,6 +93,26 @@ def test_workspace_with_a_compiled_controller_is_the_package_that_builds_it(
     scratch = str(tmp_path / "scratch")
     [one] = submissions_in(str(tmp_path / "class"), "controller", scratch)
     assert (one.package, one.siblings) == (str(sources / "pid"), [str(sources / "messages")])
+
+
+def test_needed_siblings_are_those_that_a_package_depends_on(tmp_path: pathlib.Path) -> None:
+    needs = {
+        "pid": ("pid", "<depend>tools</depend><test_depend>broken</test_depend>"),
+        "tools": ("tools", "<run_depend> messages </run_depend><exec_depend>pid</exec_depend>"),
+        "messages": ("messages", "<build_depend>rospy</build_depend>"),
+        "messages_old": ("messages", ""),
+        "pid_old": ("pid", ""),
+        "broken": ("broken", "<depend>messages</depend>"),
+    }
+    for folder, (name, elements) in needs.items():
+        text = f"<package><name>{name}</name>{elements}</package>"
+        fill(tmp_path / folder, {"package.xml": text})
+    fill(tmp_path / "unreadable", {"package.xml": '<?xml version="1.0" encoding="no"?><package/>'})
+    names = [*needs, "unreadable"]
+    siblings = sorted(str(tmp_path / name) for name in names if name != "pid")
+    found = needed_siblings(str(tmp_path / "pid"), siblings)
+    assert found == [str(tmp_path / "messages"), str(tmp_path / "tools")]
+    assert needed_siblings(str(tmp_path / "unreadable"), siblings) == []
 
 
 def test_a_class_that_is_a_package_is_its_only_submission(tmp_path: pathlib.Path) -> None:

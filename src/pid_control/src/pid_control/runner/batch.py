@@ -20,7 +20,7 @@ from pid_control.judging.judgement import FAILED, NOT_JUDGED, PASSED, STATUS, Ju
 from pid_control.judging.reports import as_csv
 from pid_control.runner.archives import stem_of
 from pid_control.runner.controller_command import find_files, near_names
-from pid_control.runner.submissions import Submission, missing_in, submissions_in
+from pid_control.runner.submissions import Submission, missing_in, needed_siblings, submissions_in
 
 #: Default name of the controller in each package.
 _NAME = "controller.py"
@@ -119,8 +119,9 @@ class Batch:
             found = find_files(package, self._name)
             options = [*self._options, "--csv", table]
             options += ["--picture", os.path.join(self._output, picture)]
-            if any(map(_needs_build, [package, *submission.siblings])):
-                workspace = build(package, scratch, submission.siblings)
+            siblings = needed_siblings(package, submission.siblings)
+            if any(map(_needs_build, [package, *siblings])):
+                workspace = build(package, scratch, siblings)
                 options += ["--workspace", workspace]
                 found += glob.glob(os.path.join(workspace, "devel", "lib", "*", self._name))
             if not found:
@@ -187,11 +188,11 @@ def _needs_build(package: str) -> bool:
 
 
 def build(package: str, scratch: str, siblings: Sequence[str] = ()) -> str:
-    """Build a package, and those beside it, in a new workspace.
+    """Build a package, and those that it needs, in a new workspace.
 
     :param package: folder of the package
     :param scratch: folder for the workspace
-    :param siblings: folders of the packages that it may need
+    :param siblings: folders of the packages that it needs
     :returns: path of the workspace
     :raises _Broken: if the build fails
     """

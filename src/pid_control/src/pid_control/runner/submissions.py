@@ -4,7 +4,8 @@ import contextlib
 import csv
 import os
 import re
-from typing import Dict, List, NamedTuple, Sequence
+from typing import Dict, List, NamedTuple, Sequence, Tuple
+from xml.etree import ElementTree
 
 from pid_control.runner.archives import ArchiveError, is_archive, stem_of, unpack
 from pid_control.runner.controller_command import find_files
@@ -13,6 +14,9 @@ from pid_control.runner.controller_command import find_files
 _DEEPEST, _DEEPEST_OF_ENTRY = 3, 5
 #: Folders of a workspace that have no sources.
 _BUILT = ("build", "devel", "install", "logs")
+#: Elements of a package.xml that name a package without which it is not built, or does not run;
+#: the last one is of format 1.
+_NEEDS = ("depend", "build_depend", "exec_depend", "run_depend")
 
 
 class RosterError(Exception):
@@ -102,6 +106,37 @@ def _of_entry(entry: str, place: str, controller: str, scratch: str) -> List[Sub
         )
         for one in chosen
     ]
+
+
+def needed_siblings(package: str, siblings: Sequence[str]) -> List[str]:
+    """Return those packages beside a package that it needs, also through each other.
+
+    :param package: folder of the package
+    :param siblings: folders of the packages beside it; of those with one name, the first counts
+    """
+    own, wanted = _name_and_needs(package)
+    by_name: Dict[str, Tuple[str, List[str]]] = {}
+    for sibling in siblings:
+        name, needs = _name_and_needs(sibling)
+        by_name.setdefault(name, (sibling, needs))
+    by_name.pop(own, None)
+    found: List[str] = []
+    while wanted:
+        sibling, needs = by_name.pop(wanted.pop(), ("", []))
+        if sibling:
+            found.append(sibling)
+            wanted += needs
+    return sorted(found)
+
+
+def _name_and_needs(package: str) -> Tuple[str, List[str]]:
+    """Return the name of a package and those of the packages that it needs, as it says."""
+    try:
+        root = ElementTree.parse(os.path.join(package, "package.xml")).getroot()
+    except (OSError, ElementTree.ParseError, LookupError, ValueError):  # also of its encoding
+        return "", []
+    needs = [(one.text or "").strip() for one in root if one.tag in _NEEDS]
+    return (root.findtext("name") or "").strip(), needs
 
 
 def _builds(package: str, program: str) -> bool:

@@ -168,6 +168,18 @@ def test_class_with_a_damaged_archive_says_so_and_has_the_others(
     assert why.startswith("it cannot be unpacked: ")
 
 
+def test_unpack_damage_that_only_the_sum_shows_is_refused(tmp_path: pathlib.Path) -> None:
+    path = tmp_path / "x.tar.gz"
+    with tarfile.open(str(path), "w:gz", compresslevel=0) as packed:
+        member = tarfile.TarInfo("file")
+        member.size = 4
+        packed.addfile(member, io.BytesIO(b"text"))
+    content = path.read_bytes()
+    path.write_bytes(content.replace(b"text", b"tent"))
+    with pytest.raises(ArchiveError, match="it cannot be unpacked: CRC check failed"):
+        unpack(str(path), str(tmp_path / "target"))
+
+
 def test_unpack_path_with_a_zero_byte_is_refused(tmp_path: pathlib.Path) -> None:
     path = tmp_path / "x.tar"
     with tarfile.open(str(path), "w", format=tarfile.PAX_FORMAT) as packed:

@@ -105,10 +105,13 @@ def _files(path: str) -> Iterator[Tuple[str, int, Optional[IO[bytes]]]]:
     opener = next((_OPENERS[one] for one in _OPENERS if start.startswith(one)), open)
     with opener(path, "rb") as unpacked:
         # As a stream, which is read in small parts: a header may claim any size.
-        with tarfile.open(fileobj=_Bounded(unpacked), mode="r|") as packed:
+        content: Any = _Bounded(unpacked)
+        with tarfile.open(fileobj=content, mode="r|") as packed:
             for member in packed:
                 source = packed.extractfile(member) if member.isfile() else None
                 yield member.name, member.mode, source
+        while content.read(_CHUNK):
+            pass  # to its end, where the sum is that shows damage
 
 
 def _place(target: str, name: str) -> str:

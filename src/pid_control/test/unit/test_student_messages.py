@@ -74,9 +74,9 @@ def test_package_of_another_name_has_its_own_types(tmp_path: pathlib.Path) -> No
     assert found.by_topic["motor_output"].is_of_course
 
 
-@pytest.mark.parametrize("name", ["../../evil", "/tmp/evil", "Reto", "my-package", "a b", "2dof"])
+@pytest.mark.parametrize("name", ["../../evil", "/tmp/evil", "my-package", "a b", "2dof"])
 def test_package_with_an_illegal_name_is_refused(tmp_path: pathlib.Path, name: str) -> None:
-    with pytest.raises(MessageTypeError, match=f"<name> must be small letters.*'{name}'"):
+    with pytest.raises(MessageTypeError, match=f"<name> must be letters.*'{name}'"):
         read(tmp_path / "a", name, {"set_point": "float32 r\n"})
     assert [path.name for path in tmp_path.iterdir()] == ["a"]
     assert [path.name for path in (tmp_path / "a").iterdir()] == ["package"]

@@ -115,6 +115,24 @@ def test_needed_siblings_are_those_that_a_package_depends_on(tmp_path: pathlib.P
     assert needed_siblings(str(tmp_path / "unreadable"), siblings) == []
 
 
+@pytest.mark.parametrize(
+    "files",
+    [
+        {"scripts/controller.py": "import rospy\nfrom messages.msg import set_point\n"},
+        {"src/controller.cpp": '#include "messages/set_point.h"\n'},
+        {"CMakeLists.txt": "find_package(catkin REQUIRED COMPONENTS\n  rospy messages)\n"},
+    ],
+)
+def test_needed_siblings_include_those_that_a_package_uses_without_a_declaration(
+    tmp_path: pathlib.Path, files: Dict[str, str]
+) -> None:
+    fill(tmp_path / "pid", {"package.xml": "<package><name>pid</name></package>", **files})
+    for name in ("messages", "unrelated"):
+        fill(tmp_path / name, {"package.xml": f"<package><name>{name}</name></package>"})
+    siblings = [str(tmp_path / name) for name in ("messages", "unrelated")]
+    assert needed_siblings(str(tmp_path / "pid"), siblings) == siblings[:1]
+
+
 def test_a_class_that_is_a_package_is_its_only_submission(tmp_path: pathlib.Path) -> None:
     fill(tmp_path / "class", PACKAGE)
     assert found(tmp_path) == [(".", "")]

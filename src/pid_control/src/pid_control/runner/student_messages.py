@@ -25,7 +25,7 @@ from pid_control.runner.loop_messages import (
 #: Package that the course's messages are in, in a student's workspace too.
 _COURSE = "pid_control"
 #: Legal name of a package that has messages: it becomes a folder, and a name in Python.
-_LEGAL = re.compile("[a-z][a-z0-9_]*")
+_LEGAL = re.compile("[A-Za-z][A-Za-z0-9_]*")
 _INIT = "import pkgutil\n\n__path__ = pkgutil.extend_path(__path__, __name__)\n"
 
 
@@ -56,7 +56,7 @@ def read_messages(command: ControllerCommand, scratch: str) -> StudentMessages:
         return StudentMessages(command, {}, course_messages())
     if not _LEGAL.fullmatch(name):
         raise MessageTypeError(
-            "package.xml: <name> must be small letters, digits and _, with a letter first"
+            "package.xml: <name> must be letters, digits and _, with a letter first"
             f" ({name[:80]!r})"
         )
     notes: List[str] = []

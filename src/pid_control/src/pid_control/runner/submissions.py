@@ -3,6 +3,7 @@
 import contextlib
 import csv
 import os
+import pathlib
 import re
 from typing import Dict, List, NamedTuple, Sequence, Tuple
 from xml.etree import ElementTree
@@ -108,6 +109,14 @@ def _of_entry(entry: str, place: str, controller: str, scratch: str) -> List[Sub
     ]
 
 
+#: Files that name other packages, and their lines that do.
+_SOURCES = (".py", ".cpp", ".cc", ".h", ".hpp")
+_IMPORTS = re.compile(
+    r"^\s*(?:import|from)\s+[^\n]*|^\s*#\s*include\b[^\n]*|\bfind_package\s*\([^)]*", re.MULTILINE
+)
+_WORD = re.compile(r"\w+")
+
+
 def needed_siblings(package: str, siblings: Sequence[str]) -> List[str]:
     """Return those packages beside a package that it needs, also through each other.
 
@@ -130,13 +139,23 @@ def needed_siblings(package: str, siblings: Sequence[str]) -> List[str]:
 
 
 def _name_and_needs(package: str) -> Tuple[str, List[str]]:
-    """Return the name of a package and those of the packages that it needs, as it says."""
+    """Return the name of a package, and those that it declares or mentions in its files.
+
+    A build in a workspace works without a declaration, so many packages have none.
+    """
     try:
         root = ElementTree.parse(os.path.join(package, "package.xml")).getroot()
     except (OSError, ElementTree.ParseError, LookupError, ValueError):  # also of its encoding
         return "", []
-    needs = [(one.text or "").strip() for one in root if one.tag in _NEEDS]
-    return (root.findtext("name") or "").strip(), needs
+    needs = {(one.text or "").strip() for one in root if one.tag in _NEEDS}
+    for path in pathlib.Path(package).rglob("*"):
+        if path.suffix in _SOURCES or path.name == "CMakeLists.txt":
+            with contextlib.suppress(OSError):
+                text = path.read_text("utf-8", "replace")
+                needs.update(
+                    name for line in _IMPORTS.findall(text) for name in _WORD.findall(line)
+                )
+    return (root.findtext("name") or "").strip(), sorted(needs)
 
 
 def _builds(package: str, program: str) -> bool:

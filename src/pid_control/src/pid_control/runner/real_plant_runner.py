@@ -13,7 +13,12 @@ from pid_control.runner.clock import WallClock
 from pid_control.runner.controller_command import ControllerCommand
 from pid_control.runner.controller_process import ControllerProcess
 from pid_control.runner.deferred_signals import deferred_signals
-from pid_control.runner.outcome import TimeLimitExceeded, completed, failure_of
+from pid_control.runner.outcome import (
+    JudgingError,
+    TimeLimitExceeded,
+    completed,
+    failure_of,
+)
 from pid_control.runner.real_plant import RealPlant
 
 #: Timeout for the controller's connections [s].
@@ -117,7 +122,11 @@ class RealPlantRunner:
             self._plant.send_set_point(self._scale * value_at(scenario.set_point, now))
             now += SET_POINT_S
             clock.wait(now + _SETTLE_S)
-            failure = failure_of(controller)
+            try:
+                failure = failure_of(controller)
+            except JudgingError:
+                self._plant.check_node()  # a node that is shut down has ended the controller
+                raise
         self.latest = max(self.latest, clock.latest)
         log = self._plant.pop_log()
         rows = rows_of(log, scenario, zero, self._scale)

@@ -17,6 +17,7 @@ from nodekit.testing.waiting import TIMEOUT_S, wait_until
 WORKSPACE = both.SOURCES.parent
 sys.path.append(str(WORKSPACE / "docs" / "tests"))
 console_blocks = importlib.import_module("console_blocks")
+job = importlib.import_module("job")
 PAGE = WORKSPACE / "docs" / "tutorials" / "robot_from_ros2.md"
 
 
@@ -35,13 +36,12 @@ def start(command: str) -> Terminal:
     """Type a command; one for ROS 2 is run as ./ci/ros2 does."""
     mine = command.replace("./ci/ros2 python3", f"env -u PYTHONPATH {sys.executable}")
     output = tempfile.NamedTemporaryFile()
-    popen = subprocess.Popen(
-        ["bash", "-c", f"exec {mine}"],
-        cwd=str(WORKSPACE),
-        env={**os.environ, "PYTHONUNBUFFERED": "1"},  # as in a terminal
-        stdout=output,
-        stderr=output,
-    )
+    terminal = job.Terminal(pathlib.Path(output.name))
+    with open(os.open(terminal.name, os.O_WRONLY | os.O_NOCTTY), "wb") as device:
+        popen = subprocess.Popen(
+            ["bash", "-c", f"exec {mine}"], cwd=str(WORKSPACE), stdout=device, stderr=device
+        )
+    terminal.follow()
     return Terminal(popen, output)
 
 

@@ -4,16 +4,13 @@ cosmic-ray is not installed where the unit tests run, so pytest does not collect
 """
 
 import ast
-import pathlib
 import sys
 import tempfile
 from typing import List, Tuple
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "mutation"))
-
-from cosmic import mutants_of  # noqa: E402
-from cosmic_ray.mutating import mutate_code  # noqa: E402
-from cosmic_ray.plugins import get_operator  # noqa: E402
+from cosmic import mutants_of
+from cosmic_ray.mutating import mutate_code
+from cosmic_ray.plugins import get_operator
 
 HEAD = "def f(self, a, b):\n    "
 #: A statement of a function, and what becomes of it.

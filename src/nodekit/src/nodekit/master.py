@@ -74,8 +74,11 @@ class SystemState(NamedTuple):
     services: Registrations
 
 
-class _Transport(xmlrpc.client.Transport):
-    """HTTP transport with a time-out, without compression."""
+class TimeoutTransport(xmlrpc.client.Transport):
+    """HTTP transport with a time-out, without compression.
+
+    :param timeout: longest wait for a connection, and for each part of a reply [s]
+    """
 
     # Compression takes the master several times as long as the rest of its reply.
     accept_gzip_encoding = False
@@ -139,7 +142,7 @@ class MasterClient:
         self._node_uri = node_uri
         self._lock = threading.Lock()
         try:
-            self._proxy = xmlrpc.client.ServerProxy(self._uri, transport=_Transport(timeout))
+            self._proxy = xmlrpc.client.ServerProxy(self._uri, transport=TimeoutTransport(timeout))
         except OSError as error:
             raise self._unreachable(f"{error}{scheme_hint(self._uri)}") from None
 

@@ -1,7 +1,6 @@
 """Test bench of a controller: motor, set point and clock in one node."""
 
 import contextlib
-import http.client
 import threading
 import xmlrpc.client
 from typing import Any, Dict, List, Optional, Tuple
@@ -11,6 +10,7 @@ import rospy
 from rosgraph_msgs.msg import Clock
 
 from nodekit import init_node
+from nodekit.master import TimeoutTransport
 from pid_control.judging.experiment import Outgoing
 from pid_control.runner.loop_messages import LoopMessage, course_messages
 
@@ -24,15 +24,6 @@ class PublisherConflict(Exception):
     """Another node publishes a topic of the bench; the message names it."""
 
 
-class _Transport(xmlrpc.client.Transport):
-    """HTTP that gives up after a time."""
-
-    def make_connection(self, host: Any) -> http.client.HTTPConnection:
-        connection = super().make_connection(host)
-        connection.timeout = _NODE_S
-        return connection
-
-
 def ask_types(uris: Dict[str, str]) -> Tuple[Dict[str, str], List[str]]:
     """Ask nodes for the types of their topics.
 
@@ -44,7 +35,7 @@ def ask_types(uris: Dict[str, str]) -> Tuple[Dict[str, str], List[str]]:
     silent: List[str] = []
     for node, uri in sorted(uris.items()):
         try:
-            with xmlrpc.client.ServerProxy(uri, transport=_Transport()) as proxy:
+            with xmlrpc.client.ServerProxy(uri, transport=TimeoutTransport(_NODE_S)) as proxy:
                 answers: Any = (proxy.getPublications(NAME), proxy.getSubscriptions(NAME))
             found.update({str(name): str(kind) for one in answers for name, kind in one[2]})
         except ConnectionRefusedError:

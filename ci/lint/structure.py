@@ -78,7 +78,9 @@ SUBJECTS: Dict[str, Dict[str, str]] = {
         "executors": "executors with one thread or many; one module",
         "managed": "managed nodes",
         "process": "`run` and `host`",
-        "commands": "`rosrun nodekit describe`, `change`, `callbacks`, `lifecycle`, `host`, `new`",
+        "doctor": "checks of a system: workspace, machine, master, nodes, topics",
+        "commands": "`rosrun nodekit describe`, `change`, `callbacks`, `lifecycle`, `host`, `new`,"
+        " `doctor`",
         "testing": "what tests of nodes need; installed",
     },
     "topic_scope": {

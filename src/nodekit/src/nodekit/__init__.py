@@ -6,13 +6,15 @@ use, so that a program that only validates parameters does not import rospy, and
 """
 
 import importlib
+import os
 import sys
 from typing import TYPE_CHECKING, Any, Dict
 
 from nodekit.deprecated import OLD_NAMES, warn_once
-from nodekit.shadowed_modules import check_script_folder
+from nodekit.shadowed_modules import check_script_folder, warn_of_hidden_modules
 
 check_script_folder(sys.argv)
+warn_of_hidden_modules(os.environ)
 
 if TYPE_CHECKING:  # the same names for type checkers and editors
     from nodekit.executors import MultiThreadedExecutor as MultiThreadedExecutor

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Check for files beside a script that hide modules of Python or ROS from it.
+"""Check for files beside a script, or on PYTHONPATH, that hide modules of Python or ROS.
 
 A script called signal.py is imported in place of Python's module, by rospy, and the error is about
 a circular import.
@@ -7,7 +7,7 @@ a circular import.
 
 import os
 import sys
-from typing import Sequence
+from typing import Mapping, Sequence
 
 #: What rospy and nodekit import, by its first name.
 USED = (
@@ -40,6 +40,24 @@ def check_script_folder(arguments: Sequence[str]) -> None:
             sys.exit(
                 f"{path}: the file hides the module {name}, which every node needs, from "
                 f"{os.path.basename(script)}; rename the file"
+            )
+
+
+def warn_of_hidden_modules(environ: Mapping[str, str]) -> None:
+    """Print a sentence for each file on ``PYTHONPATH`` that hides a module; not all do harm.
+
+    :param environ: variables of the environment
+    """
+    for folder in filter(None, environ.get("PYTHONPATH", "").split(os.pathsep)):
+        try:
+            hiding = {name + ".py" for name in USED} & {*os.listdir(folder)}
+        except OSError:  # no such folder, which Python ignores, too
+            continue
+        for name in sorted(hiding):
+            print(
+                f"{os.path.join(folder, name)}: the file is on PYTHONPATH and hides the module "
+                f"{name[:-3]} from every program; rename the file",
+                file=sys.stderr,
             )
 
 

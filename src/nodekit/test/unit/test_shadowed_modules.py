@@ -11,11 +11,11 @@ SCRIPT = "import rospy\nfrom nodekit import Node, run\nprint(Node, run)\n"
 PORTED = "from nodekit import Node, run\nprint(Node, run)\n"
 
 
-def run_script(path: Path) -> "subprocess.CompletedProcess[str]":
+def run_script(path: Path, **environment: str) -> "subprocess.CompletedProcess[str]":
     return subprocess.run(
         [sys.executable, str(path)],
         cwd="/",
-        env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"},
+        env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1", **environment},
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         universal_newlines=True,
@@ -57,3 +57,17 @@ def test_file_that_hides_nothing_is_accepted(tmp_path: Path) -> None:
 def test_program_of_python_itself_may_import_nodekit() -> None:
     done = subprocess.run([sys.executable, "-m", "pydoc", "nodekit"], stdout=subprocess.PIPE)
     assert b"nodekit" in done.stdout and done.returncode == 0
+
+
+def test_file_on_the_import_path_is_named_before_it_does_harm(tmp_path: Path) -> None:
+    (tmp_path / "scripts").mkdir()
+    (tmp_path / "scripts" / "talker.py").write_text(PORTED)
+    (tmp_path / "queue.py").write_text("")
+    (tmp_path / "mine.py").write_text("")
+    path = os.pathsep.join(["/no/such/folder", str(tmp_path), os.environ["PYTHONPATH"]])
+    done = run_script(tmp_path / "scripts" / "talker.py", PYTHONPATH=path)
+    assert done.stderr.splitlines()[0] == (
+        f"{tmp_path}/queue.py: the file is on PYTHONPATH and hides the module queue from every "
+        "program; rename the file"
+    )
+    assert "mine.py: " not in done.stderr

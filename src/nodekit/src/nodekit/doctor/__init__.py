@@ -1,0 +1,1 @@
+"""Checks of a ROS system: its master, its machine, its workspace, its graph."""

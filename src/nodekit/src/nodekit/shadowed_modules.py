@@ -48,7 +48,10 @@ def warn_of_hidden_modules(environ: Mapping[str, str]) -> None:
 
     :param environ: variables of the environment
     """
+    python = os.path.dirname(os.path.realpath(os.__file__))
     for folder in filter(None, environ.get("PYTHONPATH", "").split(os.pathsep)):
+        if os.path.realpath(folder) == python:
+            continue
         try:
             hiding = {name + ".py" for name in USED} & {*os.listdir(folder)}
         except OSError:  # no such folder, which Python ignores, too

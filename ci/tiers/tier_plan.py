@@ -22,6 +22,9 @@ SPACES = CI / "tests" / "spaces"
 LANE_S = 60.0
 #: The most such steps of a package.
 LANES = 3
+#: The marker of unit tests that belong to the tier of this name, and how a file spells it.
+EXTENDED = "extended"
+MARK = f"pytest.mark.{EXTENDED}"
 #: What a rostest file is taken to need where it has not been run yet [s].
 UNKNOWN_S = 10.0
 
@@ -109,11 +112,25 @@ def ci_tests() -> List[Step]:
 
 def unit(names: Optional[Set[str]] = None) -> List[Step]:
     """Return the steps that run the unit tests of some packages, or of all."""
-    return [
-        pytest_step("unit", package.name, package / "test" / "unit")
-        for package in packages()
-        if (names is None or package.name in names) and (package / "test" / "unit").is_dir()
-    ]
+    steps = []
+    for package in packages():
+        folder = package / "test" / "unit"
+        if (names is None or package.name in names) and folder.is_dir():
+            steps.append(pytest_step("unit", package.name, folder))
+            steps[-1].command.extend(["-m", f"not {EXTENDED}"])
+    return steps
+
+
+def extended(names: Optional[Set[str]], times: Times) -> List[Step]:
+    """Return the steps that run rostest files of ``test/extended``, and unit tests marked so."""
+    steps = rostest_steps("extended", names, times)
+    for package in packages():
+        files = sorted((package / "test" / "unit").glob("test_*.py"))
+        marked = [file for file in files if MARK in file.read_text("utf-8")]
+        if marked and (names is None or package.name in names):
+            steps.append(pytest_step("extended", f"{package.name}, unit", *marked))
+            steps[-1].command.extend(["-m", EXTENDED])
+    return steps
 
 
 def install() -> List[Step]:
@@ -273,7 +290,7 @@ def steps_of(tier: str, names: Optional[Set[str]], times: Times, since: str = ""
         "install": install,
         "catkin_build": catkin_build,
         "integration": lambda: rostest_steps(tier, names, times),
-        "extended": lambda: rostest_steps(tier, names, times),
+        "extended": lambda: extended(names, times),
         "ros2": ros2,
     }
     return makers[tier]()

@@ -1,0 +1,29 @@
+"""The division of unit tests between the tiers ``unit`` and ``extended``."""
+
+import pathlib
+
+import pytest
+
+from ci.tiers import tier_plan
+from ci.tiers.times import Times
+
+UNMARKED = "def test_quick() -> None: ...\n"
+MARKED = "import pytest\n@pytest.mark.extended\ndef test_slow() -> None: ...\n"
+
+
+def test_marked_unit_tests_belong_to_the_extended_tier_alone(
+    monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path
+) -> None:
+    for package, text in ("one", UNMARKED), ("two", UNMARKED + MARKED):
+        folder = tmp_path / package / "test" / "unit"
+        folder.mkdir(parents=True)
+        (folder / "test_some.py").write_text(text)
+    packages = [tmp_path / "one", tmp_path / "two"]
+    monkeypatch.setattr(tier_plan, "packages", lambda: packages)
+    units = tier_plan.unit()
+    assert [step.name for step in units] == ["one", "two"]
+    assert all(step.command[-2:] == ["-m", "not extended"] for step in units)
+    (extended,) = tier_plan.extended(None, Times(tmp_path / "times.json"))
+    assert extended.name == "two, unit" and extended.command[-2:] == ["-m", "extended"]
+    assert str(tmp_path / "two" / "test" / "unit" / "test_some.py") in extended.command
+    assert tier_plan.extended({"one"}, Times(tmp_path / "times.json")) == []

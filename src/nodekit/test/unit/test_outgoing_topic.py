@@ -139,7 +139,15 @@ def test_unknown_rospy_means_a_plain_publisher(opened, connect, monkeypatch):
     assert publisher.statistics() == []
 
 
-@pytest.mark.parametrize("queue_size, pause", [(10, 10), (40, 32), (0, 35), (-1, 35)])
+@pytest.mark.parametrize(
+    "queue_size, pause",
+    [
+        (10, 10),
+        pytest.param(40, 32, marks=pytest.mark.extended),
+        (0, 35),
+        pytest.param(-1, 35, marks=pytest.mark.extended),
+    ],
+)
 def test_large_messages_within_the_queue_size_survive_a_pause(opened, connect, queue_size, pause):
     publisher = opened(String, queue_size=queue_size)
     subscriber = connect(publisher)

@@ -74,7 +74,9 @@ def script(tmp_path: Path) -> str:
     return str(path)
 
 
-@pytest.mark.parametrize("name", ["ROS_IP", "ROS_HOSTNAME"])
+@pytest.mark.parametrize(
+    "name", ["ROS_IP", pytest.param("ROS_HOSTNAME", marks=pytest.mark.extended)]
+)
 def test_node_with_the_address_of_another_machine_ends_with_cause_and_remedy(
     script: str, name: str
 ) -> None:
@@ -138,7 +140,14 @@ LAUNCH = """
 """
 
 
-@pytest.mark.parametrize("way", ["script", "rosrun", "roslaunch"])
+@pytest.mark.parametrize(
+    "way",
+    [
+        "script",
+        pytest.param("rosrun", marks=pytest.mark.extended),
+        pytest.param("roslaunch", marks=pytest.mark.extended),
+    ],
+)
 def test_node_listens_on_loopback_only_and_stock_nodes_reach_it(
     script: str, unset: Master, way: str, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Tests of rare faults of the judge: another clock, another name, Ctrl-C at startup."""
+"""Tests of the judge: class runs, launch files, another clock, and Ctrl-C at any time."""
 
+import csv
 import os
 import signal
 import subprocess
@@ -14,6 +15,41 @@ from nodekit.testing.waiting import wait_until
 class JudgeFaults(JudgeCase):
     """Each test has a folder of its own."""
 
+    def test_judge_launch_file_runs_one_node_with_its_parameters(self) -> None:
+        """The course's launch file starts the motor and the set point as well."""
+        gains = self.folder / "gains.yaml"
+        gains.write_text("{kp: -0.05, ki: -1.0}\n")
+        words = ["pid_control", "motor_control.launch", f"control_config:={gains}"]
+        self.assert_judged(1, "failed: sign", "--only", "held", *words)
+
+    def test_batch_with_broken_packages_writes_one_csv_and_one_page(self) -> None:
+        self.make_package("anna", "flaw_windup.py")
+        self.make_package("ben/ben_control", "flaw_crash_at_start.py")
+        self.make_package("cleo")
+        (self.folder / "class" / "cleo" / "scripts" / "Controller.py").touch()
+        output = self.folder / "out"
+        words = ["--output", output, "--only", "windup", "--class", self.folder / "class"]
+        self.assert_judged(1, "anna: failed: the integral goes on growing", *words)
+        with (output / "class.csv").open() as file:
+            rows = {row["controller"]: row for row in csv.DictReader(file)}
+        self.assertEqual(
+            {name: (row["verdict"], row["flaws"]) for name, row in rows.items()},
+            {
+                "anna": ("failed", "windup"),
+                "ben/ben_control": ("failed", "crash"),
+                "cleo": ("not judged", ""),
+            },
+        )
+        self.assertIn("no_such_module", rows["ben/ben_control"]["why"])
+        self.assertEqual(
+            rows["cleo"]["why"], "it has no controller.py; did you mean Controller.py?"
+        )
+        page = (output / "class.html").read_text()
+        self.assertIn("<h1>3 controllers</h1><p>0 passed, 2 failed, 1 not judged</p>", page)
+        self.assertIn('href="anna.svg"', page)
+        self.assertIn("likely cause (windup)", (output / "anna.txt").read_text())
+        self.assertTrue((output / "anna.svg").is_file())
+
     def test_judge_time_time_is_not_judged(self) -> None:
         says = "not judged: it goes by the machine's clock (time.time(), time.sleep())"
         self.assert_judged(125, says, CONTROLLERS / "flaw_time_time.py")
@@ -23,6 +59,14 @@ class JudgeFaults(JudgeCase):
         words = ["--output", self.folder, "--only", "windup", "--class", self.folder / "class"]
         says = "pid_control: failed: the integral goes on growing"
         self.assert_judged(1, says, *words)
+
+    def test_judge_ctrl_c_ends_all_child_processes(self) -> None:
+        judge = self.start_judge()
+        self.wait_for_program("good_loop.py")
+        os.killpg(judge.pid, signal.SIGINT)  # as a terminal does: to all in the foreground
+        _, errors = judge.communicate(timeout=LONG_S)
+        self.assertEqual((judge.returncode, errors), (130, ""))
+        wait_until(lambda: not self.processes(), lambda: f"left behind: {self.processes()}")
 
     def test_judge_ctrl_c_during_master_start_ends_it(self) -> None:
         judge = self.start_judge()

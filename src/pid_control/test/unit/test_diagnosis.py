@@ -104,6 +104,7 @@ def test_judge_a_fault_is_named_as_a_fact(make: Callable[[], Law], says: List[st
     assert [words for words in says if words not in text] == [], text
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize(
     "make, allowed",
     [
@@ -166,6 +167,7 @@ def test_judge_several_faults_are_all_named_worst_first() -> None:
     assert judgement.flaws() == ["no clamp", "windup", "interval"]
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("method", METHODS)
 def test_judge_passes_the_gains_of_tune(method: str) -> None:
     gains = gains_of(Model(13.1, 0.04, 0.0), LOOP_S)[method]
@@ -176,6 +178,7 @@ def test_judge_passes_the_gains_of_tune(method: str) -> None:
     assert set(judgement.flaws()) <= ABOUT_GAINS, as_sentences(judgement)
 
 
+@pytest.mark.extended
 @settings(deadline=None, max_examples=8)
 @given(**CORRECT)
 def test_judge_correct_controllers_get_no_false_cause(period: float, **law: Any) -> None:

@@ -18,6 +18,7 @@ NOISE = 0.05
 SLOW = Model(2.0, 1.0)
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("noise, most", [(0.0, 0.01), (NOISE, 0.05)])
 def test_each_value_of_random_plants_is_found(noise: float, most: float) -> None:
     """Of 50 plants, half without noise; the larger draw, 200, is test/extended/random_plants."""

@@ -112,7 +112,14 @@ def test_nothing_is_checked_in_a_gap_of_the_reference() -> None:
     assert verdict.text.endswith(" not checked")
 
 
-@pytest.mark.parametrize("late", [0.35, 0.6, 5.0])
+@pytest.mark.parametrize(
+    "late",
+    [
+        0.35,
+        pytest.param(0.6, marks=pytest.mark.extended),
+        pytest.param(5.0, marks=pytest.mark.extended),
+    ],
+)
 def test_a_sample_that_comes_late_is_checked_at_its_stamp(late: float) -> None:
     """Of a trace that comes in time, and of one that is late as a whole."""
     stamps = [NOW + 10 * MS * index for index in range(1000)]
@@ -138,6 +145,7 @@ def test_a_sample_that_comes_late_is_checked_at_its_stamp(late: float) -> None:
         assert verdict.unchecked <= 12
 
 
+@pytest.mark.extended
 @settings(max_examples=30, deadline=None)
 @given(st.data())
 def test_each_sample_is_in_one_count_however_it_comes(data: st.DataObject) -> None:

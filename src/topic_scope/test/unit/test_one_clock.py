@@ -80,7 +80,14 @@ def received(
 
 @pytest.mark.parametrize("name", ["/{}/point/x", "/{}/point/x@stamp"], ids=["chosen", "named"])
 @pytest.mark.parametrize("behind", [OLD, SIMULATION], ids=["old bag", "simulation"])
-@pytest.mark.parametrize("speed", [0.1, 1.0, 10.0])
+@pytest.mark.parametrize(
+    "speed",
+    [
+        0.1,
+        pytest.param(1.0, marks=pytest.mark.extended),
+        pytest.param(10.0, marks=pytest.mark.extended),
+    ],
+)
 def test_equal_sines_of_one_clock_are_in_phase_though_one_is_delivered_late(
     name: str, behind: int, speed: float
 ) -> None:

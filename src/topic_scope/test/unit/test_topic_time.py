@@ -280,7 +280,16 @@ def test_topics_of_one_clock_are_moved_together(
     assert first.tolist() == second.tolist()
 
 
-@pytest.mark.parametrize("speed", [0.1, 0.5, 1.0, 2.0, 10.0])
+@pytest.mark.parametrize(
+    "speed",
+    [
+        pytest.param(0.1, marks=pytest.mark.extended),
+        0.5,
+        pytest.param(1.0, marks=pytest.mark.extended),
+        2.0,
+        10.0,
+    ],
+)
 def test_topics_of_a_replay_at_another_speed_differ_by_their_stamps(speed: float) -> None:
     """Both record the same stamps; one of them did so 0.1 s later."""
     clocks = Clocks()

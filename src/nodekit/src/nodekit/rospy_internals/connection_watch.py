@@ -21,7 +21,7 @@ _PERIOD_S = 1.0
 #: Timeout of the probe of a publisher that is not connected [s].
 _PROBE_S = 2.0
 #: Longest reason in a warning [characters]: rospy's reasons hold whole headers.
-_LONGEST_REASON = 200
+_LONGEST_REASON = 400
 
 
 class ConnectionWatch:

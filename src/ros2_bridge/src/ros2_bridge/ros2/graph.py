@@ -21,6 +21,8 @@ class Topic(NamedTuple):
     :param publishers: names of the publishing nodes in ROS 1
     :param senders: names of the publishers themselves, 16 bytes each
     :param subscribers: names of the subscribing nodes in ROS 1
+    :param definitions: of each publisher (True) and subscriber (False), the type, the hash of its
+        definition and the name of its node in ROS 2
     :param offers: of those publishers that keep messages for those who come later (True), and of
         those that do not (False), as far as there are such, whether one may lose messages
     """
@@ -30,6 +32,7 @@ class Topic(NamedTuple):
     senders: Set[bytes]
     subscribers: Set[str]
     offers: Dict[bool, bool]
+    definitions: Set[Tuple[bool, str, str, str]]
 
     @property
     def latched(self) -> bool:
@@ -67,7 +70,7 @@ class Ros2Graph:
 
     def _node_of(self, endpoint: Any) -> str:
         """Return the name in ROS 1 of the node that has an endpoint, or else the one in ROS 2."""
-        name = f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
+        name = _name_of(endpoint)
         return self._names.in_ros1(name) or name
 
     def topics(self) -> Dict[str, Topic]:
@@ -91,6 +94,11 @@ class Ros2Graph:
                 {bytes(each.endpoint_gid) for each in publishers},
                 set(map(self._node_of, subscribers)),
                 offers,
+                {
+                    (publishes, each.topic_type, str(each.topic_type_hash), _name_of(each))
+                    for publishes, endpoints in ((True, publishers), (False, subscribers))
+                    for each in endpoints
+                },
             )
         return found
 
@@ -145,6 +153,11 @@ class Ros2Graph:
                 if name_in_ros1 is not None:
                     found[name_in_ros1] = (types[0], node)
         return found
+
+
+def _name_of(endpoint: Any) -> str:
+    """Return the name in ROS 2 of the node that has an endpoint."""
+    return f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
 
 
 def _asked(ask: Callable[[str, str], Any], node: str) -> List[Any]:

@@ -11,6 +11,7 @@ from ros2_bridge.actions.discovery import is_of_action
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.graph import Topic
 from ros2_bridge.ros2.participant import Participant
+from ros2_bridge.ros2.peer_definitions import PeerDefinitions
 from ros2_bridge.rules.selection import OWN_WAYS, Rules, Way, wanted
 from ros2_bridge.rules.active_pairs import PairBridge, for_all
 from ros2_bridge.rules.settings import Qualities
@@ -37,6 +38,7 @@ class TopicBridge(PairBridge[_Pair]):
         skip_log: SkipLog,
     ) -> None:
         super().__init__(skip_log)
+        self._definitions = PeerDefinitions(participant)
         self._node, self._participant, self._types, self._qualities = (
             node,
             participant,
@@ -87,13 +89,31 @@ class TopicBridge(PairBridge[_Pair]):
         types = self._types2(way)
         return not types or pair.kind.ros1 in map(self._types.ros1_name, types)
 
+    def _has_known_definitions(self, way: Way) -> bool:
+        """Return whether the other end in ROS 2 uses the bridge's definition of the type.
+
+        :returns: False if it is not known yet
+        :raises Unbridgeable: if it does not
+        """
+        found = self._ros2[way.name].definitions if way.name in self._ros2 else set()
+        return all(
+            self._definitions.are_known_to_fit(way.name, type_name, type_hash, node)
+            for publishes, type_name, type_hash, node in sorted(found)
+            if publishes != way.to_ros2
+        )
+
     def _is_as_begun(self, way: Way, pair: _Pair) -> bool:
         found = self._ros2.get(way.name)
+        try:
+            if not self._has_known_definitions(way):
+                return False
+        except Unbridgeable:
+            return False  # the attempt to begin it again reports why
         return found is None or isinstance(pair, TopicToRos2) or pair.fits(found)
 
     def _begin(self, way: Way) -> Optional[_Pair]:
         kind = self._kind(way)
-        if kind is None:
+        if kind is None or not self._has_known_definitions(way):
             return None
         name, other = way.name, self._rules.names.in_ros2(way.name) or way.name
         validate_full_topic_name(other)  # /robot/1 is legal in ROS 1 only

@@ -1,0 +1,127 @@
+"""Nodes of ROS 2 with another definition of a type: no value is swapped, and the user is told."""
+
+import os
+import pathlib
+import subprocess
+import sys
+from typing import Callable, Iterator
+
+import both
+import pytest
+import rospy
+from std_msgs.msg import Int32
+from test_topics import publisher1
+
+from nodekit.testing.waiting import TIMEOUT_S
+from ros2_bridge.environment import twin_builder
+
+PREFIX = pathlib.Path(sys.prefix)
+#: Sends and receives a message; the values of its fields are told by their names.
+PEER = """
+import sys
+import rclpy
+from pid_control.msg import MotorInput, SetPoint
+
+rclpy.init()
+node = rclpy.create_node(sys.argv[2])
+cls = {"MotorInput": MotorInput, "SetPoint": SetPoint}[sys.argv[2]]
+message = cls()
+for number, name in enumerate(cls.get_fields_and_field_types(), 1):
+    setattr(message, name, float(number))
+out = node.create_publisher(cls, sys.argv[1], 10)
+node.create_timer(0.1, lambda: out.publish(message))
+node.create_subscription(cls, sys.argv[1] + "_back", lambda message: print(message, flush=True), 10)
+rclpy.spin(node)
+"""
+#: The same fields as the bridge's, in another order; and in the same order, one with another name.
+SWAPPED = "float64 time\nfloat32 input\n"
+RENAMED = "float32 wanted\nfloat64 time\n"
+
+
+@pytest.fixture(scope="module")
+def peer(tmp_path_factory: "pytest.TempPathFactory") -> Iterator[Callable[..., pathlib.Path]]:
+    """Return what starts a node in an environment that has other definitions of two messages.
+
+    It returns the file of what the node has received.
+    """
+    place = tmp_path_factory.mktemp("other")
+    prefix, twins = place / "ros2", place / "twins"
+    subprocess.run(["cp", "-rs", str(PREFIX), str(prefix)], check=True)
+    for library in (prefix / "lib").glob("libpid_control__*"):
+        library.unlink()  # or the builder would write through the links
+    source = twins / "pid_control" / "source"
+    (source / "msg").mkdir(parents=True)
+    given = PREFIX.with_name(PREFIX.name + "_twins") / "pid_control" / "source"
+    (source / "package.xml").write_text((given / "package.xml").read_text())
+    (source / "msg" / "MotorInput.msg").write_text(SWAPPED)
+    (source / "msg" / "SetPoint.msg").write_text(RENAMED)
+    python = str(prefix / "bin" / "python")
+    builder = [python, twin_builder.__file__, str(twins), "pid_control"]
+    # Without this process's, which name the libraries of the other environment.
+    kept = ("HOME", "PATH", "ROS_DOMAIN_ID", "ROS_AUTOMATIC_DISCOVERY_RANGE")
+    environment = {name: value for name, value in os.environ.items() if name in kept}
+    environment["AMENT_PREFIX_PATH"] = str(prefix)
+    subprocess.run(builder, env=environment, check=True)
+    assert not (source.parent / "error").exists(), (source.parent / "error").read_text()
+    script = place / "peer.py"
+    script.write_text(PEER)
+    running = []
+
+    def start(topic: str, name: str) -> pathlib.Path:
+        output = place / f"{name}.txt"
+        with output.open("w") as file:
+            running.append(
+                subprocess.Popen([python, str(script), topic, name], env=environment, stdout=file)
+            )
+        return output
+
+    yield start
+    for each in running:
+        each.kill()
+        each.wait(TIMEOUT_S)
+
+
+def test_swapped_fields_are_not_passed_and_both_definitions_are_named(
+    ros: both.Both, bridge: both.Bridge, peer: Callable[..., pathlib.Path]
+) -> None:
+    ear = ros.hear1("/swapped", "pid_control/motor_input")
+    received = peer("/swapped", "MotorInput")
+    out = publisher1(ros, "/swapped_back", "pid_control/motor_input")
+    there, here = "(double time, float input) there", "(float input, double time) in the bridge"
+    for topic in "/swapped", "/swapped_back":
+        bridge.wait_for_log(
+            f"{topic}: /MotorInput has another definition of pid_control/msg/MotorInput"
+        )
+        bridge.wait_for_log(topic, there, here)
+    assert not ros.node.count_publishers("/swapped_back") and not out.get_num_connections()
+    assert not ear.heard and not received.read_text(), (ear.heard, received.read_text())
+    out.unregister()
+    ear.end()
+
+
+def test_other_names_in_the_same_order_are_passed_with_a_warning(
+    ros: both.Both, bridge: both.Bridge, peer: Callable[..., pathlib.Path]
+) -> None:
+    ear = ros.hear1("/renamed", "pid_control/set_point")
+    peer("/renamed", "SetPoint")
+    assert len(ear.wait()[0]._buff) == 12
+    bridge.wait_for_log("/renamed: /SetPoint has another definition", "with other names", "wanted")
+    ear.end()
+
+
+def test_other_definitions_of_ros1_are_named_with_both_checksums(
+    ros: both.Both, bridge: both.Bridge
+) -> None:
+    raw = ros.types.message("std_msgs/Int32").raw
+    older = type("Older", (raw,), {"_md5sum": "0" * 32, "__slots__": []})
+    out = rospy.Publisher("/older", older, queue_size=1)
+    received = ros.hear2("/older", Int32)
+    bridge.wait_for_log("/older", "0" * 32, raw._md5sum)
+    sent = ros.node.create_publisher(Int32, "/newer", 10)
+    subscriber = rospy.Subscriber("/newer", older)
+    bridge.wait_for_log("/newer", "0" * 32, raw._md5sum)
+    assert not received.heard
+    subscriber.unregister()
+    ros.node.destroy_publisher(sent)
+    received.end()
+    out.unregister()

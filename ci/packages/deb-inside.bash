@@ -32,11 +32,12 @@ take_base() { # SUITE ROOT
 }
 
 take_build() { # SUITE ROOT
-    local tree=$2/home/student/tree date version
+    local tree=$2/home/student/tree date snapshot version
+    snapshot=$(git -C "$workspace" log -1 --format=%cd.%h --date=format:%Y%m%d --abbrev=7 "$commit")
     date=$(git -C "$workspace" log -1 --format=%cD "$commit")
     furnish "$2" && mkdir "$2/home/student/earlier" "$tree" || return
     git -C "$workspace" archive "$commit" | tar -C "$tree" -x &&
-        python3 "$workspace/ci" packages.debian_files "$tree" "$1" "$date" &&
+        python3 "$workspace/ci" packages.debian_files "$tree" "$1" "$date" "$snapshot" &&
         chroot "$2" chown -R student: /home/student || return
     say "$1: what the build needs"
     apt_get "$2" online install build-essential lintian &&

@@ -2,7 +2,8 @@
 
 ``python3 ci packages.debian_files`` prints what packaging/dependencies.txt lacks or has too much,
 and ends with status 1 if there is something.
-``python3 ci packages.debian_files TREE SUITE DATE`` makes TREE/debian of an exported workspace.
+``python3 ci packages.debian_files TREE SUITE DATE [SNAPSHOT]`` makes TREE/debian of an exported
+workspace.
 """
 
 import pathlib
@@ -172,14 +173,36 @@ def control(manifests: List[Manifest], table: Table) -> str:
     return "\n".join([source, *(binary_paragraph(each, own, table) for each in manifests)])
 
 
-def make(tree: pathlib.Path, suite: str, date: str) -> None:
+def version_of(released: str, is_release: bool, snapshot: str) -> str:
+    """Return the version of a build, which apt takes for newer than what was released before.
+
+    :param released: version in the package.xml files
+    :param is_release: whether the commit is that of this version
+    :param snapshot: date and abbreviation of the commit, such as ``20261127.abc1234``
+    :returns: such as ``1.0.1~git20261127.abc1234`` for a commit after 1.0.0
+    """
+    if is_release:
+        return released
+    major, minor, patch = released.split(".")
+    return f"{major}.{minor}.{int(patch) + 1}~git{snapshot}"
+
+
+def is_release(tree: pathlib.Path) -> bool:
+    """Return whether a tree is that of a version: no changelog has a part that is to come."""
+    changelogs = tree.glob("src/*/CHANGELOG.rst")
+    return not any(re.search("^Forthcoming$", log.read_text("utf-8"), re.M) for log in changelogs)
+
+
+def make(tree: pathlib.Path, suite: str, date: str, snapshot: str = "") -> None:
     """Make the folder debian of an exported workspace.
 
     :param date: of the commit that is built, as RFC 5322 has it
+    :param snapshot: its date and abbreviation, for a commit between two versions
     """
     manifests = read_manifests(tree / "src")
     table = read_table((tree / "packaging" / "dependencies.txt").read_text("utf-8"))
-    version, maintainer, release = manifests[0].version, manifests[0].maintainer, RELEASES[suite]
+    released, maintainer, release = manifests[0].version, manifests[0].maintainer, RELEASES[suite]
+    version = version_of(released, is_release(tree), snapshot)
     target = tree / "debian"
     shutil.copytree(str(tree / "packaging" / "debian"), str(target))
     (target / "control").write_text(control(manifests, table), "utf-8")

@@ -10,15 +10,19 @@ read_options() { # ALL-PARTS,… "NAME…" ARGUMENT…
     local all=$1 names=$2 name part
     shift 2
     for name in $names; do declare -g "$name="; done
-    only=$all
-    while [[ ${1-} == -* ]]; do
+    only=$all suites=()
+    while [ $# -gt 0 ]; do
+        if [[ $1 != -* ]]; then
+            suites+=("$1")
+            shift
+            continue
+        fi
         name=${1#--}
         [[ " $names " == *" $name "* ]] || help_or_refuse "$1"
         [[ ${2-} == *[!,]* ]] || die "--$name takes a name, or names separated by commas."
         declare -g "$name=$2"
         shift 2
     done
-    suites=("$@")
     for part in ${only//,/ }; do
         [[ ,$all, == *,"$part",* ]] || die "unknown part '$part': must be one of ${all//,/, }."
     done

@@ -36,6 +36,7 @@ def test_the_commands_are_those_of_the_page() -> None:
         (["--only"], "--only takes a name"),
         (["--only", ","], "--only takes a name"),
         (["sid"], "unknown suite 'sid'"),
+        (["bookworm", "--only", "bake"], "unknown part 'bake'"),
         (["--other"], "Usage: ci/deb"),
     ],
 )

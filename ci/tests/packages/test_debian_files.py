@@ -2,6 +2,7 @@
 
 import pathlib
 import re
+import subprocess
 from typing import List
 
 import pytest
@@ -158,3 +159,18 @@ def test_the_synopsis_is_the_beginning_of_the_description(description: str, expe
 
 def test_the_workspaces_own_table_is_complete() -> None:
     assert list(debian_files.all_faults()) == []
+
+
+def test_build_between_two_versions_has_a_version_between_them(tree: pathlib.Path) -> None:
+    log = tree / "src" / "one" / "CHANGELOG.rst"
+    log.write_text(
+        "Forthcoming\n-----------\n* More.\n\n1.2.3 (2026-11-01)\n------\n* Forthcoming.\n"
+    )
+    debian_files.make(tree, "trixie", "Sun, 22 Nov 2026 06:00:00 +0000", "20261122.abc1234")
+    changelog = (tree / "debian" / "changelog").read_text()
+    assert changelog.startswith("ros-basic-comms (1.2.4~git20261122.abc1234+deb13) trixie; ")
+    log.write_text("1.2.3 (2026-11-01)\n------\n* Forthcoming.\n")
+    assert debian_files.is_release(tree)
+    versions = ["1.2.3+deb12", "1.2.4~git20261122.abc1234+deb12", "1.2.4+deb12"]
+    for older, newer in zip(versions, versions[1:]):
+        subprocess.run(["dpkg", "--compare-versions", older, "lt", newer], check=True)

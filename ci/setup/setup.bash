@@ -21,6 +21,8 @@ die() {
 
 # How often a long step says on a terminal that it goes on, s.
 every=5
+# How long a step writes nothing until that is said elsewhere, s.
+stalled=30
 
 user_name() { id -nu 2>/dev/null || id -u; }
 
@@ -31,7 +33,7 @@ quietly() { # COMMAND…
         # The pipe's end is the end of the command, however it comes.
         { "$@" >"$state/log" 2>&1 8>&-; } 8> >(show_progress)
     else
-        "$@" >"$state/log" 2>&1
+        { "$@" >"$state/log" 2>&1 8>&-; } 8> >(show_stalls)
     fi
 }
 
@@ -43,6 +45,20 @@ show_progress() {
         [ "$status" -gt 128 ] || return 0 # no time-out
         line=$(tail -n 1 "$state/log" | tr -d '[:cntrl:]')
         say "$((SECONDS - began)) s: ${line:0:72}"
+    done
+}
+
+# Say that a log no longer grows, as where a network hangs, until the input ends.
+show_stalls() {
+    local began=$SECONDS size=0 before status line
+    while status=0; do
+        before=$size
+        read -rt "$stalled" line || status=$?
+        [ "$status" -gt 128 ] || return 0 # no time-out
+        size=$(stat -c %s "$state/log")
+        [ "$size" = "$before" ] || continue
+        line=$(tail -n 1 "$state/log" | tr -d '[:cntrl:]')
+        say "$((SECONDS - began)) s, and nothing new for $stalled s: ${line:0:72}"
     done
 }
 

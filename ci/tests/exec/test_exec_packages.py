@@ -322,3 +322,22 @@ def test_without_apt_it_names_what_a_ros_of_its_own_lacks(workspace: Workspace) 
     assert result.returncode == 0
     assert "rosdep install" in result.stderr and " one two" in result.stderr
     assert "rosdep" not in workspace.run("true", CMAKE_PREFIX_PATH=str(prefix)).stderr
+
+
+def test_an_installation_that_hangs_is_said_to_where_there_is_no_terminal(
+    workspace: Workspace,
+) -> None:
+    log = workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
+    said = log.parent / "said"
+    hangs = f"echo 'Connecting to mirror'; until grep -q 'Connecting' '{said}'; do sleep 0.1; done"
+    workspace.fakes["apt-get"] += f"; [[ $1 != install ]] || {{ {hangs}; }}"
+    workspace.patch("setup.bash", "stalled=30\n", "stalled=0.2\n")
+    with said.open("w") as errors:
+        subprocess.run(
+            [str(workspace.root / "ci" / "exec"), "true"],
+            env=workspace.environment(),
+            stderr=errors,
+            check=True,
+            timeout=120,
+        )
+    assert "and nothing new for 0.2 s: Connecting to mirror" in said.read_text()

@@ -8,7 +8,7 @@ from rcl_interfaces.msg import ParameterEvent
 from rclpy.node import Node as Ros2Node
 from rclpy.serialization import deserialize_message
 
-from nodekit import Node
+from nodekit import Node, NodeScope
 from nodekit.master import MasterClient
 from ros2_bridge.parameters.ros1_parameters import (
     DescribedParameters,
@@ -25,6 +25,16 @@ from ros2_bridge.rules.active_pairs import Bridged
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.settings import Quality
 from ros2_bridge.rules.skip_log import SkipLog
+
+try:
+    from ros2_bridge.parameters.reconfigured_parameters import (
+        SERVICE as RECONFIGURE,
+        ReconfiguredParameters,
+    )
+
+    AVAILABLE = True
+except ImportError:  # dynamic_reconfigure is optional
+    AVAILABLE = False
 
 _EVENTS = "/parameter_events"
 #: How long a node is given to describe its parameters [s]. Then it counts as one that does not, and
@@ -133,6 +143,8 @@ class NodeBridge:
         self._to_ros2.close_missing(wanted)
         for name in wanted:
             style = "plain" if now > self._since[name] + _DESCRIBE_S else "none"
+            if AVAILABLE and f"{name}/{RECONFIGURE}" in services:
+                style = "reconfigured"
             style = "described" if name in describing else style
             style = style if parameters else "none"
             with self._skip_log.catching(name):  # ROS 2 may refuse its name
@@ -172,22 +184,30 @@ class NodeBridge:
         if self._own is None:
             name = self._node.name
             self._own = self._bridged(
-                self._participant.node, DescribedParameters(self._client, name)
+                self._participant.node,
+                DescribedParameters(self._client, name),
+                self._node.create_scope(),
             )
 
     def _parameters(self, name: str, style: str) -> Optional[ParametersToRos2]:
         """Bridge the parameters of a node of ROS 1.
 
-        :param style: "described" where it describes them itself, "plain" where it does not
+        :param style: "described" where it describes them itself, "reconfigured" where
+            dynamic_reconfigure does, "plain" where neither does
         """
         if style == "none":
             return None
+        scope, node = self._node.create_scope(), self._to_ros2[name].node
+        if style == "reconfigured":
+            return self._bridged(node, ReconfiguredParameters(self._client, name, scope), scope)
         kind = DescribedParameters if style == "described" else ServerParameters
-        return self._bridged(self._to_ros2[name].node, kind(self._client, name))
+        return self._bridged(node, kind(self._client, name), scope)
 
-    def _bridged(self, node: Ros2Node, parameters: Ros1Parameters) -> ParametersToRos2:
+    def _bridged(
+        self, node: Ros2Node, parameters: Ros1Parameters, scope: NodeScope
+    ) -> ParametersToRos2:
         return ParametersToRos2(
-            self._node.create_scope(),
+            scope,
             self._participant,
             node,
             self._other(parameters.name),

@@ -2,6 +2,7 @@
 
 import collections
 import math
+import pathlib
 import queue
 import threading
 from types import SimpleNamespace
@@ -185,11 +186,58 @@ def test_plain_node_has_what_is_on_the_server(ros: both.Both, bridge: both.Bridg
     names = ros.call2(ListParameters, "/tests/list_parameters").result.names
     assert set(names) == {"gain", "pid.p", "name", "use_sim_time"}
     assert get(ros, "pid.p", "gain", node="/tests") == [0.5, 2]
-    assert set_one(ros, "pid.p", 0.75, node="/tests").successful
+    result = set_one(ros, "pid.p", 0.75, node="/tests")
+    said = "pid.p: written to the parameter server; /tests may read it at its start only"
+    assert (result.successful, result.reason) == (True, said)
     assert rospy.get_param("/tests/pid/p") == 0.75
     result = set_one(ros, "gain", 2**40, node="/tests")
     assert not result.successful and "integers of 32 bits" in result.reason
     out.unregister()
+
+
+#: A node with a server of dynamic_reconfigure, which halves one value that it is given.
+STOCK = """
+import rospy
+from dynamic_reconfigure.cfg import TestConfig
+from dynamic_reconfigure.server import Server
+
+def change(config, level):
+    config.double_no_minmax = min(config.double_no_minmax, 50.0)
+    return config
+
+rospy.init_node("stock")
+server = Server(TestConfig, change)
+rospy.spin()
+"""
+
+
+def test_stock_node_is_set_and_described_by_dynamic_reconfigure(
+    ros: both.Both, bridge: both.Bridge, tmp_path: pathlib.Path
+) -> None:
+    script = tmp_path / "stock.py"
+    script.write_text(STOCK)
+    process = both.Process(str(script))
+    try:
+        name = "/stock/describe_parameters"
+        wait_until(lambda: ros.offers2(name), lambda: "the node has no parameters in ROS 2")
+
+        def described() -> Any:
+            request = {"names": ["int_"]}
+            return ros.call2(DescribeParameters, name, **request).descriptors[0]
+
+        wait_until(lambda: described().integer_range, lambda: "the node is not described")
+        limits = described().integer_range[0]
+        assert set_one(ros, "int_", limits.to_value, node="/stock").successful
+        assert get(ros, "int_", node="/stock") == [limits.to_value]
+        result = set_one(ros, "int_", limits.to_value + 1, node="/stock")
+        assert not result.successful
+        assert f"must be from {limits.from_value} to {limits.to_value}" in result.reason
+        result = set_one(ros, "double_no_minmax", 80.0, node="/stock")
+        assert not result.successful
+        assert result.reason == "double_no_minmax: /stock has made it 50.0"
+        assert get(ros, "double_no_minmax", "int_", node="/stock") == [50.0, limits.to_value]
+    finally:
+        process.interrupt()
 
 
 def test_node_that_has_just_begun_to_check_is_not_passed_over() -> None:

@@ -1,6 +1,6 @@
 """Parameters of a ROS 1 node: read from the server, changed through the node's own checks."""
 
-from typing import Any, Dict, Mapping, NamedTuple, Optional
+from typing import Any, Dict, List, Mapping, NamedTuple, Optional
 
 from nodekit import (
     CallError,
@@ -70,6 +70,14 @@ class Ros1Parameters:
         except (CallError, ChangeRefused, MasterUnreachable) as error:
             return str(error)
 
+    def caution(self, names: List[str]) -> str:
+        """Return what the user must know of a change of parameters; empty for nothing.
+
+        :param names: names of the parameters in ROS 2
+        """
+        del names
+        return ""
+
     def _read(self) -> Dict[str, Parameter]:
         raise NotImplementedError
 
@@ -110,3 +118,11 @@ class ServerParameters(Ros1Parameters):
             return f"{self.name} has just begun to check its parameters itself; try again"
         self._client.write({f"{self.name}/{key}": value for key, value in values.items()})
         return ""
+
+    def caution(self, names: List[str]) -> str:
+        if not names:
+            return ""
+        which = ", ".join(names)
+        return (
+            f"{which}: written to the parameter server; {self.name} may read it at its start only"
+        )

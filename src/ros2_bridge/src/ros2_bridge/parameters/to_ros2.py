@@ -138,7 +138,8 @@ class ParametersToRos2:
         reason = "; ".join(reasons) or self._parameters.change(values)
         if not reason:
             self._publish_changes()
-        return SetParametersResult(successful=not reason, reason=reason)
+        said = reason or self._parameters.caution(list(values))
+        return SetParametersResult(successful=not reason, reason=said)
 
     def _wrong_types(self, parameters: List[Any]) -> List[str]:
         """Return why whole numbers are refused that are given to doubles, as rclpy refuses them."""

@@ -176,14 +176,6 @@ def test_relative_names_are_taken_for_global_ones(tmp_path: Path) -> None:
     assert found == [(0, "/a", serialized(Int32(1))), (5, "/a", serialized(Int32(2)))]
 
 
-def test_topic_that_changes_its_type(tmp_path: Path) -> None:
-    # rosbag writes one type for each name, but in bags of other recorders these are one topic.
-    path = write_bag(tmp_path / "x.bag", [("/x", Int32(1), 0), ("x", Float64(1.0), 1)])
-    with BagFile(path) as bag, pytest.raises(BagError) as caught:
-        list(slices(bag, ["/x"]))
-    assert str(caught.value).endswith("the messages of /x change their type")
-
-
 def refusal(path: Path) -> str:
     with pytest.raises(BagError) as caught, BagFile(str(path)) as bag:
         read(bag, {one.topic for one in bag.connections.values()}, 0)

@@ -29,7 +29,11 @@ def header(*names: str) -> str:
 
     :param names: names of the columns, those of the times before those of the fields
     """
-    return ",".join(f'"{name}"' if "," in name else name for name in names) + "\n"
+    return ",".join(_cell(name) for name in names) + "\n"
+
+
+def _cell(text: str) -> str:
+    return '"' + text.replace('"', '""') + '"' if "," in text or '"' in text else text
 
 
 def rows(columns: Sequence[CsvColumn], stamp: Callable[[Any, Any], str]) -> Iterator[str]:

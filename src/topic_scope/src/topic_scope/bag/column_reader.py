@@ -1,7 +1,8 @@
 """Read columns out of the messages of a bag, and write them to a CSV file."""
 
 import math
-from typing import Any, Iterable, Iterator, List, TextIO
+import struct
+from typing import Any, Iterable, Iterator, List, Optional, TextIO
 
 import numpy
 
@@ -9,13 +10,16 @@ from topic_scope.analysis.csv_rows import CsvColumn, header, rows
 from topic_scope.bag.columns import Column
 from topic_scope.bag.message_slices import FirstMessage, Slice
 from topic_scope.messages.arrays import first_missing, lengths_in
-from topic_scope.messages.decoding import Decoder, NotThere
+from topic_scope.messages.decoding import Decoder, NotThere, rounding_text
 from topic_scope.messages.derived import make, parts
 from topic_scope.messages.fields import FieldError, Key, to_text
 from topic_scope.messages.timestamp_source import is_exact, path_of, read_times, topic_time
 from topic_scope.timing.clocks import ELSEWHERE_NS, Clocks
 from topic_scope.timing.nanoseconds import NO_TIME, exact_seconds
 from topic_scope.timing.topic_time import AHEAD_NS, TopicTime
+
+#: What stands for the number of a message that ends before it.
+_CUT_OFF = object()
 
 
 class ColumnReader:
@@ -51,6 +55,18 @@ class ColumnReader:
         #: How many elements the array has had at most, and what is to be said of it.
         self._longest = -1
         self._missing = "it is not there"
+        self._cut_off = 0
+
+    @property
+    def cut_off(self) -> Optional[str]:
+        """Count of messages that end before what was asked for, as text; None without any."""
+        count = self._cut_off
+        return f"{count} message{'s' * (count > 1)} cut off: left out" if count else None
+
+    @property
+    def correction(self) -> Optional[str]:
+        """Rounding of values and count of missing ones, as text; None where all is usual."""
+        return "; ".join(filter(None, (rounding_text(self.rounding), self.cut_off))) or None
 
     def check(self) -> None:
         """Check that what was asked for was there once.
@@ -61,17 +77,14 @@ class ColumnReader:
             raise FieldError(f"{self.column.name}: {self._missing}")
 
     def rows(self, messages: List[bytes]) -> numpy.ndarray:
-        """Return what the function of the column needs: a row for each number, NaN where it lacks.
-
-        :raises struct.error: if a message is cut off
-        """
+        """Return a row for each number that the function of the column needs; NaN where it lacks."""
         rows = numpy.array([decoder.decode(messages) for decoder in self._decoders])
         for decoder, row in zip(self._decoders, rows):
             self.rounding = max(self.rounding, decoder.rounding(row))
         unknown = numpy.flatnonzero(numpy.isnan(rows).any(axis=0)).tolist()
         for index in unknown:
-            for decoder in self._decoders:
-                self._value(decoder, messages[index])
+            values = [self._value(decoder, messages[index]) for decoder in self._decoders]
+            self._cut_off += _CUT_OFF in values
         self._was_there = self._was_there or len(unknown) < len(messages)
         return rows
 
@@ -100,8 +113,6 @@ class ColumnReader:
 
         Rows stand at the stamps where these were named, else at the time of recording; those of a
         derivative in the middle of two messages.
-
-        :raises struct.error: if a message is cut off
         """
         times = self._stamps_ns(found) if self.is_exact else found.times
         places = numpy.arange(len(found.messages))
@@ -127,7 +138,8 @@ class ColumnReader:
         (decoder,) = self._decoders
         for message in messages:
             value = self._value(decoder, message)
-            if value is None:
+            if value is None or value is _CUT_OFF:
+                self._cut_off += value is _CUT_OFF
                 yield ""
             elif decoder.is_time:
                 yield exact_seconds(value)
@@ -138,6 +150,8 @@ class ColumnReader:
         """Return a number as it is, None where an element on the way to it is not there."""
         try:
             value = decoder.value(message)
+        except struct.error:
+            return _CUT_OFF
         except NotThere:
             if not self._was_there:
                 self._explain(message)
@@ -162,7 +176,6 @@ def write_csv(file: TextIO, readers: List[ColumnReader], slices: Iterable[List[S
     :param file: where to write
     :param readers: read what is written, column by column
     :param slices: the messages
-    :raises struct.error: if a message is cut off
     """
     file.write(header("time", *(reader.column.name for reader in readers)))
     for found in slices:

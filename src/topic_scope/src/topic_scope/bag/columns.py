@@ -13,12 +13,12 @@ from topic_scope.messages.fields import (
     Path,
     ending,
     expand,
+    name_of,
     numeric_fields,
     parted,
     resolve,
     split,
     to_path,
-    to_text,
 )
 from topic_scope.messages.timestamp_source import path_of
 
@@ -33,17 +33,19 @@ class Column(NamedTuple):
     :param path: where the number stands in a message
     :param timestamp: name of the time to plot it over; see :func:`.timestamp_source.path_of`
     :param function: name of what is computed of it; see :mod:`.derived`
+    :param field: name of the number where the bag has a topic that it could be taken for
     """
 
     topic: str
     path: Path
     timestamp: str = ""
     function: str = ""
+    field: str = ""
 
     @property
     def name(self) -> str:
         """The name of the field, e.g. ``/signal/signal_y``."""
-        field = f"{self.topic}/{to_text(self.path)}" if self.path else self.topic
+        field = self.field or name_of(self.topic, self.path, (self.topic,))
         return field + ending(self.function, self.timestamp)
 
 
@@ -103,7 +105,7 @@ def all_columns(first_messages: Mapping[str, FirstMessage]) -> List[Column]:
     :param first_messages: as :func:`.first_messages` returns them
     """
     return [
-        Column(topic, field.path)
+        Column(topic, field.path, field=_field(topic, field.path, first_messages))
         for topic, (layout, data) in sorted(first_messages.items())
         for field in numeric_fields(layout, lengths_in(layout, data))
     ]
@@ -124,7 +126,16 @@ def _columns(name: str, first_messages: Mapping[str, FirstMessage]) -> List[Colu
     except FieldError as error:
         known = [column.name for column in all_columns(first_messages)]
         raise FieldError(f"{name}: {error}; {_hint(bare, known, first_messages)}") from error
-    return [Column(topic, path, timestamp, function) for path in found]
+    return [
+        Column(topic, path, timestamp, function, _field(topic, path, first_messages))
+        for path in found
+    ]
+
+
+def _field(topic: str, path: Path, topics: Collection[str]) -> str:
+    """Return the name of a number among those of other topics; nothing where its own will do."""
+    name = name_of(topic, path, topics)
+    return "" if name == name_of(topic, path, (topic,)) else name
 
 
 def _hint(name: str, known: List[str], topics: Collection[str]) -> str:

@@ -25,7 +25,6 @@ def write_computed_csv(
     :param lines: what is written, column by column
     :param readers: read the numbers that they are made of
     :param slices: the messages
-    :raises struct.error: if a message is cut off
     """
     parts: List[List[CsvColumn]] = [[] for _ in readers]
     for found in slices:

@@ -78,10 +78,16 @@ class BagFile:
     :ivar connections: by their numbers; only those with messages
     :ivar start: time of the first message, since the epoch [ns]
     :ivar end: time of the last one
+    :ivar faults: topics that cannot be read, and why
+    :ivar lost: parts that could not be read, in words
+    :ivar left_out: what else was asked for and is left out, in words
     """
 
     def __init__(self, path: str) -> None:
         self.path = path
+        self.faults: Dict[str, str] = {}
+        self.lost: List[str] = []
+        self.left_out: List[str] = []
         try:
             self._file = open(path, "rb")
         except OSError as error:
@@ -164,13 +170,43 @@ class BagFile:
         """Return the numbers of the connections of some topics, by their global names."""
         return [number for number, one in self.connections.items() if one.topic in topics]
 
-    def first_chunk(self, connection: int) -> int:
-        """Return the number of the earliest chunk that holds messages of a connection.
+    def earliest(self) -> Dict[int, bytes]:
+        """Read an early message of each topic; by the numbers of their connections.
 
-        :param connection: its number
+        A topic without one that can be read is among :attr:`faults`.
         """
-        holding = numpy.isin(self._chunks["position"], self._holding[connection])
-        return int(numpy.flatnonzero(holding)[0])
+        found: Dict[int, bytes] = {}
+        waiting = {one.topic for one in self.connections.values()}
+        after, last = dict.fromkeys(waiting, -1), dict.fromkeys(waiting, "")
+        while waiting:
+            by_chunk: Dict[int, List[int]] = {}
+            for topic in sorted(waiting):
+                places = [
+                    (chunk, number)
+                    for number in self.numbers_of([topic])
+                    for chunk in self._chunks_with(number, after[topic])[:1]
+                ]
+                if places:
+                    chunk, number = min(places)
+                    by_chunk.setdefault(chunk, []).append(number)
+                    after[topic] = chunk
+                else:
+                    waiting.remove(topic)
+                    self.faults[topic] = last[topic]
+            for chunk, numbers in sorted(by_chunk.items()):
+                try:
+                    parts = [part for part in self.read(chunk, numbers) if part.messages]
+                except BagError as error:
+                    last.update((self.connections[one].topic, str(error)) for one in numbers)
+                    continue
+                found.update((part.connection, part.messages[0]) for part in parts)
+                waiting -= {self.connections[part.connection].topic for part in parts}
+        return found
+
+    def _chunks_with(self, connection: int, after: int) -> List[int]:
+        """Return the numbers of the chunks with messages of a connection, behind one of them."""
+        holding = numpy.isin(self._chunks["position"][after + 1 :], self._holding[connection])
+        return (numpy.flatnonzero(holding) + after + 1).tolist()
 
     def chunks_after(self, time: int, last: Iterable[int] = ()) -> "Tuple[List[int], List[int]]":
         """Return the numbers of the chunks that hold messages later than a time, and their starts.

@@ -1,13 +1,14 @@
 """Series of a bag's lines, by the names of the lines."""
 
-import struct
-from typing import Iterable, List, Mapping, Sequence, Tuple
+from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from topic_scope.bag.columns import Line, choose_lines
 from topic_scope.bag.file import BagFile
 from topic_scope.bag.message_slices import FirstMessage, Slice
 from topic_scope.bag.series import Series, collect, computed
 from topic_scope.bag.column_reader import ColumnReader
+from topic_scope.formulas.names import expand, terms
+from topic_scope.messages.fields import FieldError, parted, split
 
 
 def chosen(
@@ -15,14 +16,35 @@ def chosen(
 ) -> Tuple[List[Line], List[ColumnReader]]:
     """Return what names stand for in a bag, and what reads that.
 
+    What is left out, as its topics cannot be read, is in ``left_out`` of the bag then.
+
     :param bag: the bag
     :param first: as :func:`.first_messages` returns them
     :param names: of fields, or of what is computed
-    :raises FieldError: if there is no such field, or a formula is wrong
+    :raises FieldError: if there is no such field, a formula is wrong, or no line is left
     """
-    lines = choose_lines(list(names), first)
-    columns = dict.fromkeys(column for line in lines for column in line.columns)
-    return lines, [ColumnReader(column, first[column.topic], bag.start) for column in columns]
+    lines: Dict[str, Line] = {}
+    for name in names:
+        fault = _fault(name, bag, first)
+        if fault is None:
+            lines.update((line.name, line) for line in choose_lines([name], first))
+        else:
+            bag.left_out.append(fault)
+    if bag.left_out and not lines:
+        raise FieldError("; ".join(dict.fromkeys(bag.left_out)))
+    columns = dict.fromkeys(column for line in lines.values() for column in line.columns)
+    readers = [ColumnReader(column, first[column.topic], bag.start) for column in columns]
+    return list(lines.values()), readers
+
+
+def _fault(name: str, bag: BagFile, first: Mapping[str, FirstMessage]) -> Optional[str]:
+    """Return why a line cannot be read, in words; None where all of its topics can."""
+    topics = {*first, *bag.faults}
+    for field in (parted(term)[0] for one in expand(name) for term in terms(one)):
+        place = split(field, topics)
+        if place is not None and place[0] in bag.faults:
+            return f"{bag.path}: {place[0]} is left out: {bag.faults[place[0]]}"
+    return None
 
 
 def series_of(
@@ -37,14 +59,17 @@ def series_of(
     :param lines: as :func:`chosen` returns them
     :param readers: the same
     :param messages: of their topics
-    :raises BagError: if a part of the bag is broken
     """
-    try:
-        found = collect(readers, messages)
-    except struct.error as error:
-        raise bag.broken(error) from error
+    found = collect(readers, messages)
+    if bag.lost:
+        found = [one._replace(correction=_with_lost(one.correction, bag)) for one in found]
     series = {one.name: one for one in found}
     return [
         computed(line.name, line.formula, found) if line.formula else series[line.name]
         for line in lines
     ]
+
+
+def _with_lost(correction: Optional[str], bag: BagFile) -> str:
+    text = f"{len(bag.lost)} broken part{'s' * (len(bag.lost) > 1)} of the bag left out"
+    return "; ".join(filter(None, (correction, text)))

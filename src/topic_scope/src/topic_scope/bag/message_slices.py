@@ -1,6 +1,6 @@
 """The messages of a bag, topic by topic, in the order of time."""
 
-from typing import Collection, Dict, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Collection, Dict, Iterator, List, NamedTuple, Optional
 
 import numpy
 
@@ -38,55 +38,52 @@ class FirstMessage(NamedTuple):
 
 
 def first_messages(bag: BagFile) -> Dict[str, FirstMessage]:
-    """Return one of the first messages of each topic, by global name.
+    """Return one of the first messages of each topic that can be read, by global name.
 
-    :raises BagError: if a part of the bag is broken
+    The others are among the ``faults`` of the bag then.
     """
-    firsts: Dict[str, Tuple[int, int]] = {}
-    for number, connection in bag.connections.items():
-        place = (bag.first_chunk(number), number)
-        firsts[connection.topic] = min(place, firsts.get(connection.topic, place))
-    by_chunk: Dict[int, List[int]] = {}
-    for chunk, number in sorted(firsts.values()):
-        by_chunk.setdefault(chunk, []).append(number)
+    types: Dict[str, Dict[Optional[str], str]] = {}
+    for topic, header in bag.connections.values():
+        types.setdefault(topic, {})[header.get("md5sum")] = header.get("type", "")
+    for topic, names in types.items():
+        if len(names) > 1:
+            text = "its messages change their type: " + ", ".join(sorted(set(names.values())))
+            bag.faults.setdefault(topic, text)
     found: Dict[str, FirstMessage] = {}
-    for chunk, numbers in by_chunk.items():
-        for part in bag.read(chunk, numbers):
-            topic, header = bag.connections[part.connection]
-            try:
-                layout = definitions.parse(
-                    header.get("type", ""), header.get("message_definition", "")
-                )
-            except definitions.DefinitionError as error:
-                raise bag.broken(error) from error
-            if part.messages:
-                found[topic] = FirstMessage(layout, part.messages[0])
+    for number, data in bag.earliest().items():
+        topic, header = bag.connections[number]
+        text = header.get("message_definition", "")
+        try:
+            layout = definitions.parse(header.get("type", ""), text)
+        except definitions.DefinitionError as error:
+            bag.faults.setdefault(topic, f"its definition cannot be read: {error}")
+        if topic not in bag.faults:
+            found[topic] = FirstMessage(layout, data)
     return found
 
 
 def slices(
     bag: BagFile, topics: Collection[str], start: int = 0, end: Optional[int] = None
 ) -> Iterator[List[Slice]]:
-    """Read the messages of some topics, a chunk or so at a time.
+    """Read the messages of some topics, a chunk or so at a time; broken chunks are left out.
+
+    What was left out is in ``lost`` of the bag then.
 
     :param topics: global names
     :param start: time of the first one, since the start of the bag [ns]
     :param end: time of the last one; None for the end of the bag
     :returns: slices of the topics, at most one of each; what comes later in time comes later
-    :raises BagError: if a part of the bag is broken, or a topic changes its type
     """
     wanted = bag.numbers_of(topics)
-    said = [bag.connections[number] for number in wanted]
-    types = {(one.topic, one.header.get("md5sum")) for one in said}
-    for topic in topics:
-        if sum(name == topic for name, _ in types) > 1:
-            raise BagError(f"{bag.path}: the messages of {topic} change their type")
     first = bag.start + start
     last = bag.end if end is None else min(bag.start + end, bag.end)
     numbers, starts = bag.chunks_after(first - 1)
     waiting: List[Part] = []
     for number, known_until in zip(numbers, [*starts[1:], last + 1]):
-        waiting += bag.read(number, wanted)
+        try:
+            waiting += bag.read(number, wanted)
+        except BagError as error:
+            bag.lost.append(str(error))
         until = min(known_until, last + 1)
         yield _sliced(bag, waiting, first, until)
         if known_until > last:

@@ -4,14 +4,14 @@ from typing import Dict, List, Sequence, Tuple
 
 import numpy
 
-from topic_scope.bag.columns import Column, choose
+from topic_scope.bag.columns import choose
 from topic_scope.bag.file import BagFile
 from topic_scope.bag.line_series import chosen, series_of
 from topic_scope.bag.message_slices import first_messages, slices
 from topic_scope.bag.series import Series
 from topic_scope.formulas.names import formula_of, terms
 from topic_scope.messages.arrays import Arrays
-from topic_scope.messages.fields import FieldError, Path, parted, split
+from topic_scope.messages.fields import FieldError, Path, ending, name_of, parted, split
 from topic_scope.messages.timestamp_source import longest_step, path_of
 from topic_scope.sampling.overlay_trace import OverlayStream, OverlayTrace
 from topic_scope.timing.nanoseconds import array_to_ns, to_ns
@@ -33,6 +33,7 @@ class BagOverlay:
     :ivar types: type of each of its topics
     :ivar layouts: the same as layouts; see :class:`.Overlay`
     :ivar arrays: arrays in its messages
+    :ivar faults: its topics that cannot be read, and why
     """
 
     def __init__(self, path: str, name: str, offset: float = 0.0) -> None:
@@ -41,6 +42,7 @@ class BagOverlay:
         with BagFile(path) as bag:
             self.length = bag.length / 1e9
             self._first = first_messages(bag)
+            self.faults = bag.faults
         self._prefix = f"/{name}"
         self.layouts = {self._prefix + topic: one.layout for topic, one in self._first.items()}
         self.types = {topic: layout.datatype for topic, layout in self.layouts.items()}
@@ -67,7 +69,8 @@ class BagOverlay:
         :param timestamp: name of the time that it goes by
         :param function: name of what is computed of it
         """
-        name = Column(self._own(topic), path, timestamp, function).name
+        own = name_of(self._own(topic), path, self._first)
+        name = own + ending(function, timestamp)
         time, problem = None, ""
         try:
             choose([name], self._first)
@@ -118,4 +121,6 @@ class BagOverlay:
             return series_of(bag, lines, readers, slices(bag, topics))
 
     def _own(self, name: str) -> str:
-        return name[len(self._prefix) :] if name.startswith(self._prefix + "/") else name
+        quote = '"' if name.startswith('"') else ""
+        begin = f"{quote}{self._prefix}/"
+        return f"{quote}/{name[len(begin) :]}" if name.startswith(begin) else name

@@ -11,7 +11,6 @@ from topic_scope.bag.message_slices import Slice
 from topic_scope.bag.column_reader import ColumnReader
 from topic_scope.formulas.parser import Formula
 from topic_scope.formulas.signals import Signal
-from topic_scope.messages.decoding import rounding_text
 from topic_scope.messages.derived import make
 from topic_scope.messages.fields import FieldError, Path
 from topic_scope.messages.timestamp_source import longest_step, oddities
@@ -130,7 +129,7 @@ class _Recorded:
             made, found = _with_gaps(path, made, found)
             times.extend(made / NS)
             values.extend(found)
-        texts = oddities(self._reader.stamp_path, time), rounding_text(self._reader.rounding)
+        texts = oddities(self._reader.stamp_path, time), self._reader.correction
         return Series(column.name, times, values, "; ".join(filter(None, texts)) or None)
 
 
@@ -148,7 +147,6 @@ def collect(readers: List[ColumnReader], slices: Iterable[List[Slice]]) -> List[
     :param readers: read the numbers, column by column
     :param slices: the messages
     :returns: a series for each column
-    :raises struct.error: if a message is cut off
     """
     clocks = Clocks(OFFSET_NS)
     placements: Dict[Tuple[str, str], _Placement] = {}

@@ -3,9 +3,8 @@
 import argparse
 import math
 import os
-import struct
 import sys
-from typing import Iterator, List, Optional, TextIO
+from typing import Iterator, List, Optional, TextIO, Tuple
 
 from tqdm import tqdm
 
@@ -19,6 +18,8 @@ from topic_scope.messages.fields import FieldError
 
 #: As many lines as :mod:`.plot` has styles and colours for.
 LINES = 40
+#: Exit status: something was left out; nothing was written.
+LEFT_OUT, FAILED = 1, 2
 #: From how many messages on it takes long enough for a progress bar.
 LONG = 20000
 _BAR = "{percentage:3.0f} % |{bar}| {elapsed} < {remaining}"
@@ -26,7 +27,7 @@ _FORMATS = ("png", "svg", "pdf", "csv")
 
 
 def main() -> None:
-    """Plot fields of a bag, or write them to a CSV file."""
+    """Plot fields of a bag, or write them to a CSV file; exit with 0, 1 or 2."""
     arguments = _parser().parse_args()
     if arguments.align and not _is_level(arguments.align[1]):
         _fail(f"--align: {arguments.align[1]!r} is not a level")
@@ -34,7 +35,11 @@ def main() -> None:
         start, end = arguments.start / 1e9, arguments.end / 1e9
         _fail(f"--start {start:g} is after --end {end:g}: nothing lies between")
     try:
-        _write(arguments)
+        left_out = _write(arguments)
+        for text in left_out:
+            print(f"plot_bag: {text}", file=sys.stderr)
+        if left_out:
+            sys.exit(LEFT_OUT)
     except (BagError, FieldError) as error:
         _fail(str(error))
     except ModuleNotFoundError as error:
@@ -54,7 +59,7 @@ def _is_level(text: str) -> bool:
 
 def _fail(text: str) -> None:
     print(f"plot_bag: {text}", file=sys.stderr)
-    sys.exit(2)
+    sys.exit(FAILED)
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -62,7 +67,8 @@ def _parser() -> argparse.ArgumentParser:
         prog="plot_bag",
         description="Plot numbers that a bag holds, or write them to a CSV file.",
         epilog="A field is /topic/field, /topic/x:y:z for several, /topic/array[3], a topic for "
-        "all its numbers, or '=/topic/x - 2*/other/y' for what a formula computes.",
+        "all its numbers, or '=/topic/x - 2*/other/y' for what a formula computes. Exit status: 1 "
+        "if something was left out that cannot be read, 2 if nothing was written.",
     )
     parser.add_argument("bag", metavar="FILE.bag", help="what rosbag record has recorded")
     parser.add_argument("fields", metavar="FIELD", nargs="+", help="what to plot")
@@ -140,48 +146,52 @@ def _nanoseconds(text: str) -> int:
     return round(seconds * 1e9)
 
 
-def _write(arguments: argparse.Namespace) -> None:
-    """Write the file; it appears when it is complete."""
+def _write(arguments: argparse.Namespace) -> List[str]:
+    """Write the file; it appears when it is complete.
+
+    :returns: what was left out, and why, in sentences
+    """
     partial = arguments.output + ".part"
     try:
         if _format(arguments.output) == "csv":
             with open(partial, "w", newline="") as file:
-                _write_numbers(file, arguments)
+                left_out = _write_numbers(file, arguments)
         else:
-            _draw(partial, arguments)
+            left_out = _draw(partial, arguments)
         os.replace(partial, arguments.output)
+        return list(dict.fromkeys(left_out))
     finally:
         if os.path.exists(partial):
             os.remove(partial)
 
 
-def _write_numbers(file: TextIO, arguments: argparse.Namespace) -> None:
+def _write_numbers(file: TextIO, arguments: argparse.Namespace) -> List[str]:
     if arguments.over or arguments.align:
         raise FieldError("a .csv is of one bag: --over and --align are for pictures")
     with BagFile(arguments.bag) as bag:
         lines, readers = chosen(bag, first_messages(bag), arguments.fields)
         messages = _in_range(bag, readers, arguments.start, arguments.end)
-        try:
-            if any(line.formula for line in lines):
-                write_computed_csv(file, lines, readers, messages)
-            else:
-                write_csv(file, readers, messages)
-        except struct.error as error:
-            raise bag.broken(error) from error
+        if any(line.formula for line in lines):
+            write_computed_csv(file, lines, readers, messages)
+        else:
+            write_csv(file, readers, messages)
+        return _left_out(bag, readers)
 
 
-def _draw(path: str, arguments: argparse.Namespace) -> None:
+def _draw(path: str, arguments: argparse.Namespace) -> List[str]:
     # It takes a second to load, which an error need not wait for.
     from topic_scope.bag.plot import draw, save
 
     drawn: List[Series] = []
+    left_out: List[str] = []
     for number, name in enumerate([arguments.bag, *arguments.over]):
         with BagFile(name) as bag:
-            lines = _series(bag, arguments.fields, arguments)
+            lines, missing = _series(bag, arguments.fields, arguments)
             by = arguments.offset[number - 1] if 0 < number <= len(arguments.offset) else 0.0
             if arguments.align:
                 field, level = arguments.align[0], float(arguments.align[1])
-                by -= crossing(_series(bag, [field], arguments)[0], level)
+                by -= crossing(_series(bag, [field], arguments)[0][0], level)
+            left_out += missing
         called = "" if number == 0 else f" ({os.path.basename(name)})"
         drawn += [moved(one, by, one.name + called) for one in lines]
     if len(drawn) > LINES:
@@ -193,13 +203,22 @@ def _draw(path: str, arguments: argparse.Namespace) -> None:
     for one in drawn:
         if one.correction:
             print(f"plot_bag: {one.name}: {one.correction}", file=sys.stderr)
+    return left_out
 
 
-def _series(bag: BagFile, fields: List[str], arguments: argparse.Namespace) -> List[Series]:
-    """Return fields of a bag over time, in the range that was asked for."""
+def _series(
+    bag: BagFile, fields: List[str], arguments: argparse.Namespace
+) -> Tuple[List[Series], List[str]]:
+    """Return fields of a bag over time, in the range that was asked for, and what is left out."""
     lines, readers = chosen(bag, first_messages(bag), fields)
     messages = _in_range(bag, readers, arguments.start, arguments.end)
-    return series_of(bag, lines, readers, messages)
+    return series_of(bag, lines, readers, messages), _left_out(bag, readers)
+
+
+def _left_out(bag: BagFile, readers: List[ColumnReader]) -> List[str]:
+    """Return what of a bag was left out, and why, in sentences."""
+    cut_off = [f"{one.column.name}: {one.cut_off}" for one in readers if one.cut_off]
+    return [*bag.left_out, *cut_off, *bag.lost]
 
 
 def _in_range(
@@ -220,6 +239,8 @@ def _in_range(
                 last = int(one.times[-1])
                 done.update(max(last - at, 0))
                 at = max(last, at)
+    if is_empty and bag.lost:
+        raise BagError(bag.lost[0])
     if is_empty:
         text = "nothing of %s was recorded in this time; the bag is %.3f s long"
         raise BagError(text % (", ".join(topics), bag.length / 1e9))

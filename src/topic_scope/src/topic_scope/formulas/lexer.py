@@ -1,8 +1,8 @@
 """Lexer of formulas: names of fields, numbers, functions, operators, brackets.
 
-Only what is listed here ever reaches the parser: no quotes, no dots behind anything but a number or
-a field, no square or curly brackets, no lambda. A ``/`` begins the name of a field where an operand
-has to stand, and divides everywhere else.
+Only what is listed here ever reaches the parser: no quotes but those of a topic, no dots behind
+anything but a number or a field, no square or curly brackets, no lambda. A ``/`` begins the name of
+a field where an operand has to stand, and divides everywhere else.
 """
 
 import re

@@ -4,6 +4,7 @@
 ``/a/x-/b/y``, which needs no ``=``. Everything else is the name of a field.
 """
 
+import re
 from functools import lru_cache
 from typing import Callable, Dict, List, Optional, Sequence, Tuple
 
@@ -13,7 +14,8 @@ from topic_scope.messages import fields
 from topic_scope.messages.fields import FieldError
 
 _MARK = "="
-_BETWEEN = "-/"  # what only a difference has
+#: Two fields with a minus between them, which may be in the quotes of a topic, too.
+_DIFFERENCE = re.compile(r'((?:"[^"]*"|[^"])*?)-("?/.*)')
 
 
 def is_formula(text: str) -> bool:
@@ -31,8 +33,8 @@ def formula_of(name: str) -> Optional[Formula]:
         return None
     if is_formula(name):
         return parse_formula(name.lstrip()[1:])
-    first, minus, second = name.partition(_BETWEEN)
-    return parse_formula(f"{first} - /{second}") if minus else None
+    difference = _DIFFERENCE.fullmatch(name)
+    return parse_formula(" - ".join(difference.groups())) if difference else None
 
 
 def terms(name: str) -> Tuple[str, ...]:
@@ -71,10 +73,14 @@ def expand_with(name: str, resolve: Callable[[str], List[str]]) -> List[str]:
     if is_formula(name):
         formula = parse_formula(name.lstrip()[1:])
         return [_MARK + formula.text(lambda field: _one(resolve(field)))]
-    first, minus, second = name.partition(_BETWEEN)
-    if not minus:
+    difference = _DIFFERENCE.fullmatch(name)
+    if not difference:
         return resolve(name)
-    return ["-".join(_one(resolve(part)) for part in (first, "/" + second))]
+    sides = [_one(resolve(part)) for part in difference.groups()]
+    for side in sides:
+        if not fields.FIELD.fullmatch(side):
+            raise FieldError(f'{side}: here a topic with a hyphen stands in quotes: "/a-b"/field')
+    return ["-".join(sides)]
 
 
 def with_letters(text: str, traces: Sequence[str]) -> str:

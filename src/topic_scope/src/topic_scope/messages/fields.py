@@ -8,6 +8,9 @@ names, these will do: ``/joint_states/position[arm]`` is what stands at the plac
 0 or 1. ``.`` and the name of what is computed of it may follow, see
 :mod:`topic_scope.messages.derived`: ``/topic/field.derivative``; then ``@`` and the name of a time,
 see :mod:`topic_scope.messages.timestamp_source`: ``/topic/field@stamp``.
+
+A topic stands in quotes where its name has other characters, or could be a field of another topic:
+``"/ORB-SLAM"/pose/x``, ``"/imu/data"/data``. A hyphen before a letter needs none outside formulas.
 """
 
 import itertools
@@ -35,11 +38,17 @@ LISTED_FIELDS = 200
 
 _ELEMENT = r"\[(?:\d{1,9}|[A-Za-z_][A-Za-z0-9_-]*)\]"
 _NAME = rf"[A-Za-z][A-Za-z0-9_]*(?:{_ELEMENT})*"
+#: A topic in quotes, and a name that may have hyphens.
+_TOPIC = r'"/[^"\n]{1,200}"'
+_HYPHENS = rf"[A-Za-z][A-Za-z0-9_]*(?:-[A-Za-z][A-Za-z0-9_]*)*(?:{_ELEMENT})*"
+_END = rf"(?:@{_NAME}(?:/{_NAME})*)?"
 _EXPRESSION = re.compile(
-    rf"(?:/|~?/?){_NAME}(?:/{_NAME})*(?::{_NAME})*(?:\.([a-z]+))?(?:@{_NAME}(?:/{_NAME})*)?\Z"
+    rf"(?:{_TOPIC}(?:(?:/{_NAME})+(?::{_NAME})*)?"
+    rf"|(?:/|~?/?){_HYPHENS}(?:/{_HYPHENS})*(?::{_NAME})*)(?:\.([a-z]+))?{_END}\Z"
 )
-#: A field where other text may follow: one alone, from its slash on.
-FIELD = re.compile(rf"/{_NAME}(?:/{_NAME})*(?:\.[a-z]+)?(?:@{_NAME}(?:/{_NAME})*)?")
+#: A field where other text may follow: one alone, from its slash or quote on.
+FIELD = re.compile(rf"(?:{_TOPIC}|/{_NAME})(?:/{_NAME})*(?:\.[a-z]+)?{_END}")
+_QUOTED = re.compile(_TOPIC)
 _PART = re.compile(rf"([A-Za-z][A-Za-z0-9_]*)((?:{_ELEMENT})*)\Z")
 #: The field that has the names of elements, beside their arrays.
 _NAMES = "name"
@@ -80,9 +89,11 @@ def expand(expression: str) -> List[str]:
         )
     if match.group(1) and match.group(1) not in FUNCTIONS:
         raise FieldError(f"there is no .{match.group(1)}; there are .{', .'.join(FUNCTIONS)}")
-    names, end = re.fullmatch(r"([^.@]*)(.*)", expression).groups()  # type: ignore[union-attr]
+    topic = _quoted(expression)
+    rest = expression[len(topic) :]
+    names, end = re.fullmatch(r"([^.@]*)(.*)", rest).groups()  # type: ignore[union-attr]
     first, *others = names.split(":")
-    first = "/" + first.lstrip("/")
+    first = topic + first if topic else "/" + first.lstrip("/")
     parent = first.rpartition("/")[0]
     return [first + end] + [f"{parent}/{other}{end}" for other in others]
 
@@ -93,9 +104,10 @@ def parted(name: str) -> Tuple[str, str, str]:
     :param name: one that :func:`expand` returned
     :returns: the name without them, and both, each empty where none was given
     """
-    names, _, timestamp = name.partition("@")
+    topic = _quoted(name)
+    names, _, timestamp = name[len(topic) :].partition("@")
     field, _, function = names.partition(".")
-    return field, function, timestamp
+    return topic + field, function, timestamp
 
 
 def ending(function: str, timestamp: str) -> str:
@@ -111,6 +123,9 @@ def split(name: str, topics: Collection[str]) -> Optional[Tuple[str, str]]:
     :returns: the longest topic that the name begins with, and the rest, empty for all of a
         message; None if there is no such topic
     """
+    quoted = _quoted(name)
+    if quoted:
+        return (quoted[1:-1], name[len(quoted) + 1 :]) if quoted[1:-1] in topics else None
     topic, rest = name, ""
     while topic:
         if topic in topics:
@@ -118,6 +133,26 @@ def split(name: str, topics: Collection[str]) -> Optional[Tuple[str, str]]:
         topic, _, last = topic.rpartition("/")
         rest = f"{last}/{rest}" if rest else last
     return None
+
+
+def name_of(topic: str, path: Path, topics: Collection[str]) -> str:
+    """Return the name of a field, with its topic in quotes where that is needed.
+
+    :param topic: global name of the topic
+    :param path: where the field stands in a message; empty for all of it
+    :param topics: names of the topics that there are
+    """
+    rest = to_text(path)
+    plain = f"{topic}/{rest}" if rest else topic
+    if FIELD.fullmatch(plain) and split(plain, topics) == (topic, rest):
+        return plain
+    return f'"{topic}"/{rest}' if rest else f'"{topic}"'
+
+
+def _quoted(name: str) -> str:
+    """Return the topic in quotes that a name begins with, its quotes included; or nothing."""
+    match = _QUOTED.match(name)
+    return match.group() if match else ""
 
 
 def to_path(text: str) -> Path:

@@ -13,6 +13,7 @@ class Layouts:
     def __init__(self) -> None:
         self._installed: Dict[str, Optional[Record]] = {}
         self._received: Dict[Tuple[str, str], Optional[Record]] = {}
+        self._problems: Dict[str, str] = {}
 
     def installed(self, datatype: str) -> Optional[Record]:
         """Return the layout of a type.
@@ -40,9 +41,14 @@ class Layouts:
         if key not in self._received:
             try:
                 layout: Optional[Record] = parse(key[0], header.get("message_definition", ""))
-            except DefinitionError:
+            except DefinitionError as error:
                 layout = None
+                self._problems[key[0]] = f"its definition cannot be read: {error}"
             self._received[key] = layout
             if self._installed.get(key[0]) is None:
                 self._installed[key[0]] = layout
         return self._received[key]
+
+    def problem(self, datatype: str) -> Optional[str]:
+        """Return why the layout of a type is not known, in words; None where nothing has come."""
+        return self._problems.get(datatype)

@@ -112,7 +112,8 @@ def parse(arguments: Sequence[str]) -> Options:
     for number, group in enumerate([read.fields, *read.below], 1):
         for word in _words(group):
             try:
-                for name in expand(word if is_formula(word) else ns_join(namespace, word)):
+                is_whole = is_formula(word) or word.startswith('"')
+                for name in expand(word if is_whole else ns_join(namespace, word)):
                     plots.setdefault(name, number)
             except FieldError as error:
                 parser.error(str(error))
@@ -246,10 +247,14 @@ def _as_options(arguments: Sequence[str]) -> List[str]:
 
 
 def _words(group: Sequence[str]) -> List[str]:
-    """Return the names in some arguments: of a launch file they come in one, but not formulas."""
+    """Return the names in some arguments: a launch file puts them in one, but not formulas.
+
+    A topic in quotes may have blanks.
+    """
     words: List[str] = []
     for argument in group:
-        words += [argument] if is_formula(argument) else argument.split()
+        is_whole = is_formula(argument) or argument.startswith('"')
+        words += [argument] if is_whole else argument.split()
     return words
 
 

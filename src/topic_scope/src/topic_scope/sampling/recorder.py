@@ -106,7 +106,7 @@ class Recorder:
         found = [(field, "") for field in fields.numeric_fields(layout, arrays)]
         found += [(field, ".yaw") for field in fields.quaternions(layout, arrays)]
         choices = (
-            Choice(_name(topic, path) + end, field.datatype, topic)
+            Choice(fields.name_of(topic, path, self._types) + end, field.datatype, topic)
             for field, end in found
             for path in arrays.named(field.path)
         )
@@ -150,7 +150,8 @@ class Recorder:
         found = [field.path for field in fields.resolve(layout, text, arrays, function)]
         if found != [fields.to_path(text)]:  # what stands for a part has the names that are listed
             found = [one for path in found for one in arrays.remembered(path)]
-        return [_name(topic, path) + name[len(bare) :] for path in dict.fromkeys(found)]
+        names = [fields.name_of(topic, path, self._types) for path in dict.fromkeys(found)]
+        return [one + name[len(bare) :] for one in names]
 
     def want(self, names: Collection[str], now: float) -> None:
         """Record these fields; those that were wanted before stay for the time of the history.
@@ -304,7 +305,9 @@ class Recorder:
             self.expand(name)
             if isinstance(trace, OverlayTrace):
                 return trace.problem
-            if layout is not None and place[0] in self._arrays:
+            if layout is None:
+                return self._layouts.problem(self._types[place[0]])
+            if place[0] in self._arrays:
                 self._arrays[place[0]].check(layout, fields.to_path(place[1]))
         except fields.FieldError as error:
             return str(error)
@@ -324,7 +327,3 @@ def _rank(item: Tuple[str, str]) -> Tuple[bool, str]:
     """Return what topics are sorted by: what nodes tell of themselves comes last."""
     topic, datatype = item
     return datatype.startswith("dynamic_reconfigure/") or datatype in _LOGS, topic
-
-
-def _name(topic: str, path: fields.Path) -> str:
-    return f"{topic}/{fields.to_text(path)}" if path else topic

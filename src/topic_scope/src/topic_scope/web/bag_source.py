@@ -43,7 +43,11 @@ class BagSource:
         for connection in bag.connections.values():
             # What the bag says of a type counts, whatever is installed under its name.
             self.layouts.received(connection.header)
-            self._types.setdefault(connection.topic, connection.header.get("type", "*"))
+            datatype = connection.header.get("type", "*")
+            self._types.setdefault(connection.topic, datatype)
+            problem = self.layouts.problem(datatype)
+            if problem:
+                rospy.logwarn(f"{path}: {connection.topic} is left out: {problem}")
         self._jumps = 0
         self._told: Dict[str, Any] = {}
 

@@ -23,7 +23,11 @@ def open_overlays(options: Options) -> List[BagOverlay]:
 
     :raises BagError: if one cannot be read
     """
-    return [BagOverlay(one.path, one.name, one.offset) for one in options.over]
+    bags = [BagOverlay(one.path, one.name, one.offset) for one in options.over]
+    for bag in bags:
+        for topic, text in bag.faults.items():
+            rospy.logwarn(f"{bag.path}: {topic} is left out: {text}")
+    return bags
 
 
 class OverlayLoader:

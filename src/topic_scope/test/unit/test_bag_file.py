@@ -12,7 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from std_msgs.msg import Float64, Int32, String
 
-from topic_scope.bag.file import BagError, BagFile
+from topic_scope.bag.file import BagFile
+from topic_scope.bag.recording import BagError
 from topic_scope.bag.message_slices import Slice, first_messages, slices
 
 #: Topic, length of the text, time; small chunks hold some of them each, out of order.

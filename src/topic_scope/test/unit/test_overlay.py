@@ -11,7 +11,7 @@ from geometry_msgs.msg import PointStamped
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64, Float64MultiArray
 
-from topic_scope.bag.file import BagError
+from topic_scope.bag.recording import BagError
 from topic_scope.bag.overlay import BagOverlay
 from topic_scope.messages.layouts import Layouts
 from topic_scope.sampling.recorder import Recorder

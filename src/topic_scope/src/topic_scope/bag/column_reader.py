@@ -77,7 +77,7 @@ class ColumnReader:
             raise FieldError(f"{self.column.name}: {self._missing}")
 
     def rows(self, messages: List[bytes]) -> numpy.ndarray:
-        """Return a row for each number that the function of the column needs; NaN where it lacks."""
+        """Return a row for each number that the column is computed of; NaN where one lacks."""
         rows = numpy.array([decoder.decode(messages) for decoder in self._decoders])
         for decoder, row in zip(self._decoders, rows):
             self.rounding = max(self.rounding, decoder.rounding(row))

@@ -1,4 +1,4 @@
-"""The messages of a bag, chunk by chunk, so that a large one takes little memory.
+"""The messages of a ROS 1 bag, chunk by chunk, so that a large one takes little memory.
 
 A bag is a row of chunks, each with an index of its own behind it. rosbag.Bag reads all of these
 when it opens a bag, and keeps them: 6 s and 98 MB for 400 000 messages. Kept here is where the
@@ -13,6 +13,8 @@ from typing import Collection, Dict, Iterable, List, Mapping, NamedTuple, Tuple
 
 import numpy
 
+from topic_scope.bag.recording import BagError, Connection, Part, Recording
+
 #: What all bags start with, and those of the version that is read.
 _ANY, _MAGIC = b"#ROSBAG V", b"#ROSBAG V2.0\n"
 #: Which kind of record it is.
@@ -22,39 +24,6 @@ _U32, _U64, _TIME = struct.Struct("<I"), struct.Struct("<Q"), struct.Struct("<II
 _ENTRY = numpy.dtype([("s", "<u4"), ("ns", "<u4"), ("offset", "<u4")])
 #: What may come of bytes that are broken.
 _ERRORS = (OSError, EOFError, LookupError, MemoryError, ValueError, struct.error)
-
-
-class BagError(Exception):
-    """A bag that cannot be read; the text is for its owner."""
-
-
-class Connection(NamedTuple):
-    """Connection of a publisher, as the bag records it.
-
-    :param topic: global name of the topic
-    :param header: type, definition and more
-    """
-
-    topic: str
-    header: Mapping[str, str]
-
-
-class Part(NamedTuple):
-    """Messages of one connection.
-
-    :param connection: its number
-    :param times: when they were recorded, ascending, since the epoch [ns]
-    :param messages: as they were sent
-    """
-
-    connection: int
-    times: numpy.ndarray
-    messages: List[bytes]
-
-    def between(self, start: int, end: int) -> "Part":
-        """Return those of them from one time to before another, since the epoch [ns]."""
-        first, last = self.times.searchsorted([start, end]).tolist()
-        return Part(self.connection, self.times[first:last], self.messages[first:last])
 
 
 class Record(NamedTuple):
@@ -68,26 +37,15 @@ class Record(NamedTuple):
     length: int
 
 
-class BagFile:
-    """A bag that is open; may be used in a ``with`` statement.
+class BagFile(Recording):
+    """A bag of ROS 1 that is open.
 
     :param path: the file
     :raises BagError: if it cannot be read, or holds nothing
-
-    :ivar path: the file
-    :ivar connections: by their numbers; only those with messages
-    :ivar start: time of the first message, since the epoch [ns]
-    :ivar end: time of the last one
-    :ivar faults: topics that cannot be read, and why
-    :ivar lost: parts that could not be read, in words
-    :ivar left_out: what else was asked for and is left out, in words
     """
 
     def __init__(self, path: str) -> None:
-        self.path = path
-        self.faults: Dict[str, str] = {}
-        self.lost: List[str] = []
-        self.left_out: List[str] = []
+        super().__init__(path)
         try:
             self._file = open(path, "rb")
         except OSError as error:
@@ -102,24 +60,6 @@ class BagFile:
             raise
         self.start = int(self._chunks["start"].min())
         self.end = int(self._chunks["end"].max())
-
-    def __enter__(self) -> "BagFile":
-        return self
-
-    def __exit__(self, *_error: object) -> None:
-        self.close()
-
-    @property
-    def length(self) -> int:
-        """The time from the first message to the last of any topic [ns]."""
-        return self.end - self.start
-
-    def count(self, topics: Collection[str]) -> int:
-        """Return how many messages topics have.
-
-        :param topics: global names
-        """
-        return sum(self._counts[number] for number in self.numbers_of(topics))
 
     def _read_index(self) -> None:
         version = self._file.readline(80)
@@ -151,7 +91,6 @@ class BagFile:
         chunks: List[Tuple[int, int, int]] = []
         #: By number of the connection, where the chunks are that hold messages of it.
         self._holding: Dict[int, List[int]] = {}
-        self._counts: Dict[int, int] = {}
         for _ in range(_number(fields, "chunk_count")):
             head, length = self._record("chunk info")
             counts = numpy.frombuffer(self._read(length), "<u4").reshape(-1, 2)
@@ -166,15 +105,8 @@ class BagFile:
         if not self.connections:
             raise BagError(f"{self.path} holds no messages")
 
-    def numbers_of(self, topics: Collection[str]) -> List[int]:
-        """Return the numbers of the connections of some topics, by their global names."""
-        return [number for number, one in self.connections.items() if one.topic in topics]
-
     def earliest(self) -> Dict[int, bytes]:
-        """Read an early message of each topic; by the numbers of their connections.
-
-        A topic without one that can be read is among :attr:`faults`.
-        """
+        """Read an early message of each topic; see :meth:`.Recording.earliest`."""
         found: Dict[int, bytes] = {}
         waiting = {one.topic for one in self.connections.values()}
         after, last = dict.fromkeys(waiting, -1), dict.fromkeys(waiting, "")
@@ -209,12 +141,7 @@ class BagFile:
         return (numpy.flatnonzero(holding) + after + 1).tolist()
 
     def chunks_after(self, time: int, last: Iterable[int] = ()) -> "Tuple[List[int], List[int]]":
-        """Return the numbers of the chunks that hold messages later than a time, and their starts.
-
-        :param time: since the epoch [ns]
-        :param last: numbers of connections; of each the last chunk before that counts, too
-        :returns: in the order of their starts [ns]
-        """
+        """Return the chunks that hold messages later than a time; see :class:`.Recording`."""
         counts = self._chunks["end"] > time
         over = numpy.flatnonzero(~counts)
         for one in last:
@@ -224,12 +151,7 @@ class BagFile:
         return numbers.tolist(), self._chunks["start"][numbers].tolist()
 
     def read(self, number: int, wanted: Collection[int]) -> List[Part]:
-        """Read the messages of some connections in a chunk.
-
-        :param number: of the chunk
-        :param wanted: numbers of the connections
-        :raises BagError: if the chunk is broken
-        """
+        """Read the messages of some connections in a chunk; see :class:`.Recording`."""
         try:
             return self._read_chunk(int(self._chunks["position"][number]), wanted)
         except _ERRORS as error:

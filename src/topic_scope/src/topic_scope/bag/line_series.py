@@ -3,7 +3,7 @@
 from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 
 from topic_scope.bag.columns import Line, choose_lines
-from topic_scope.bag.file import BagFile
+from topic_scope.bag.recording import Recording
 from topic_scope.bag.message_slices import FirstMessage, Slice
 from topic_scope.bag.series import Series, collect, computed
 from topic_scope.bag.column_reader import ColumnReader
@@ -12,7 +12,7 @@ from topic_scope.messages.fields import FieldError, parted, split
 
 
 def chosen(
-    bag: BagFile, first: Mapping[str, FirstMessage], names: Sequence[str]
+    bag: Recording, first: Mapping[str, FirstMessage], names: Sequence[str]
 ) -> Tuple[List[Line], List[ColumnReader]]:
     """Return what names stand for in a bag, and what reads that.
 
@@ -37,7 +37,7 @@ def chosen(
     return list(lines.values()), readers
 
 
-def _fault(name: str, bag: BagFile, first: Mapping[str, FirstMessage]) -> Optional[str]:
+def _fault(name: str, bag: Recording, first: Mapping[str, FirstMessage]) -> Optional[str]:
     """Return why a line cannot be read, in words; None where all of its topics can."""
     topics = {*first, *bag.faults}
     for field in (parted(term)[0] for one in expand(name) for term in terms(one)):
@@ -48,7 +48,7 @@ def _fault(name: str, bag: BagFile, first: Mapping[str, FirstMessage]) -> Option
 
 
 def series_of(
-    bag: BagFile,
+    bag: Recording,
     lines: Sequence[Line],
     readers: List[ColumnReader],
     messages: Iterable[List[Slice]],
@@ -70,6 +70,6 @@ def series_of(
     ]
 
 
-def _with_lost(correction: Optional[str], bag: BagFile) -> str:
+def _with_lost(correction: Optional[str], bag: Recording) -> str:
     text = f"{len(bag.lost)} broken part{'s' * (len(bag.lost) > 1)} of the bag left out"
     return "; ".join(filter(None, (correction, text)))

@@ -4,7 +4,7 @@ from typing import Collection, Dict, Iterator, List, NamedTuple, Optional
 
 import numpy
 
-from topic_scope.bag.file import BagError, BagFile, Part
+from topic_scope.bag.recording import BagError, Part, Recording
 from topic_scope.messages import definitions
 
 
@@ -37,7 +37,7 @@ class FirstMessage(NamedTuple):
     data: bytes
 
 
-def first_messages(bag: BagFile) -> Dict[str, FirstMessage]:
+def first_messages(bag: Recording) -> Dict[str, FirstMessage]:
     """Return one of the first messages of each topic that can be read, by global name.
 
     The others are among the ``faults`` of the bag then.
@@ -63,7 +63,7 @@ def first_messages(bag: BagFile) -> Dict[str, FirstMessage]:
 
 
 def slices(
-    bag: BagFile, topics: Collection[str], start: int = 0, end: Optional[int] = None
+    bag: Recording, topics: Collection[str], start: int = 0, end: Optional[int] = None
 ) -> Iterator[List[Slice]]:
     """Read the messages of some topics, a chunk or so at a time; broken chunks are left out.
 
@@ -92,7 +92,7 @@ def slices(
         waiting = [part for part in waiting if part.messages]
 
 
-def _sliced(bag: BagFile, parts: List[Part], start: int, end: int) -> List[Slice]:
+def _sliced(bag: Recording, parts: List[Part], start: int, end: int) -> List[Slice]:
     """Put together what parts hold of each topic from one time to before another [ns]."""
     of_topic: Dict[str, List[Part]] = {}
     for part in parts:

@@ -5,7 +5,7 @@ from typing import Dict, List, Sequence, Tuple
 import numpy
 
 from topic_scope.bag.columns import choose
-from topic_scope.bag.file import BagFile
+from topic_scope.bag.opening import open_bag
 from topic_scope.bag.line_series import chosen, series_of
 from topic_scope.bag.message_slices import first_messages, slices
 from topic_scope.bag.series import Series
@@ -39,7 +39,7 @@ class BagOverlay:
     def __init__(self, path: str, name: str, offset: float = 0.0) -> None:
         self.path, self.name, self.offset = path, name, offset
         self.begin = 0.0
-        with BagFile(path) as bag:
+        with open_bag(path) as bag:
             self.length = bag.length / 1e9
             self._first = first_messages(bag)
             self.faults = bag.faults
@@ -115,7 +115,7 @@ class BagOverlay:
         :raises FieldError: if there is no such line
         :raises BagError: if the bag is broken
         """
-        with BagFile(self.path) as bag:
+        with open_bag(self.path) as bag:
             lines, readers = chosen(bag, self._first, names)
             topics = sorted({reader.column.topic for reader in readers})
             return series_of(bag, lines, readers, slices(bag, topics))

@@ -12,7 +12,7 @@ from typing import Callable, Collection, Deque, Dict, Iterator, List, Mapping, S
 
 import numpy
 
-from topic_scope.bag.file import BagError, BagFile, Part
+from topic_scope.bag.recording import BagError, Part, Recording
 from topic_scope.sampling.message_source import TICK_NS, Batch
 
 #: How long one call may read [s]: while pages are shown, and while they wait.
@@ -80,7 +80,7 @@ class BagPlayer:
     """
 
     def __init__(
-        self, bag: BagFile, history: float, clock: Callable[[], float] = time.monotonic
+        self, bag: Recording, history: float, clock: Callable[[], float] = time.monotonic
     ) -> None:
         self._bag, self._clock = bag, clock
         self._history = round(history * _NS)

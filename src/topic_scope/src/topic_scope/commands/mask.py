@@ -5,13 +5,14 @@ import math
 import queue
 import sys
 import time
-from typing import Dict, List, NoReturn, Optional
+from typing import List, NoReturn, Optional
 
 import rospy
 
 from nodekit import MasterUnreachable, init_node
 from nodekit.master import MasterClient
-from topic_scope.bag.file import BagError, BagFile
+from topic_scope.bag.opening import learn_types, open_bag
+from topic_scope.bag.recording import BagError
 from topic_scope.bag.player import BagPlayer
 from topic_scope.formulas.parser import SECONDS
 from topic_scope.graph.master_watch import GraphState, MasterWatch
@@ -171,15 +172,11 @@ def check_bag(arguments: argparse.Namespace) -> int:
     :returns: the exit status
     :raises BagError: if it cannot be read
     """
-    bag = BagFile(arguments.bag)
+    bag = open_bag(arguments.bag)
     clock, layouts = _Steps(), Layouts()
     player = BagPlayer(bag, _HISTORY_S, clock)
     recorder = Recorder(player, layouts, _HISTORY_S)
-    types: Dict[str, str] = {}
-    for connection in bag.connections.values():
-        layouts.received(connection.header)
-        types.setdefault(connection.topic, connection.header.get("type", "*"))
-    recorder.set_topics(types)
+    recorder.set_topics(learn_types(bag, layouts))
     checker = TraceChecker(recorder, arguments)
     checker.begin(player.start, -math.inf)
     player.seek(player.start)

@@ -8,7 +8,8 @@ from typing import Iterator, List, Optional, TextIO, Tuple
 
 from tqdm import tqdm
 
-from topic_scope.bag.file import BagError, BagFile
+from topic_scope.bag.opening import open_bag
+from topic_scope.bag.recording import BagError, Recording
 from topic_scope.bag.line_series import chosen, series_of
 from topic_scope.bag.message_slices import Slice, first_messages, slices
 from topic_scope.bag.series import Series, crossing, moved
@@ -168,7 +169,7 @@ def _write(arguments: argparse.Namespace) -> List[str]:
 def _write_numbers(file: TextIO, arguments: argparse.Namespace) -> List[str]:
     if arguments.over or arguments.align:
         raise FieldError("a .csv is of one bag: --over and --align are for pictures")
-    with BagFile(arguments.bag) as bag:
+    with open_bag(arguments.bag) as bag:
         lines, readers = chosen(bag, first_messages(bag), arguments.fields)
         messages = _in_range(bag, readers, arguments.start, arguments.end)
         if any(line.formula for line in lines):
@@ -185,7 +186,7 @@ def _draw(path: str, arguments: argparse.Namespace) -> List[str]:
     drawn: List[Series] = []
     left_out: List[str] = []
     for number, name in enumerate([arguments.bag, *arguments.over]):
-        with BagFile(name) as bag:
+        with open_bag(name) as bag:
             lines, missing = _series(bag, arguments.fields, arguments)
             by = arguments.offset[number - 1] if 0 < number <= len(arguments.offset) else 0.0
             if arguments.align:
@@ -207,7 +208,7 @@ def _draw(path: str, arguments: argparse.Namespace) -> List[str]:
 
 
 def _series(
-    bag: BagFile, fields: List[str], arguments: argparse.Namespace
+    bag: Recording, fields: List[str], arguments: argparse.Namespace
 ) -> Tuple[List[Series], List[str]]:
     """Return fields of a bag over time, in the range that was asked for, and what is left out."""
     lines, readers = chosen(bag, first_messages(bag), fields)
@@ -215,14 +216,14 @@ def _series(
     return series_of(bag, lines, readers, messages), _left_out(bag, readers)
 
 
-def _left_out(bag: BagFile, readers: List[ColumnReader]) -> List[str]:
+def _left_out(bag: Recording, readers: List[ColumnReader]) -> List[str]:
     """Return what of a bag was left out, and why, in sentences."""
     cut_off = [f"{one.column.name}: {one.cut_off}" for one in readers if one.cut_off]
     return [*bag.left_out, *cut_off, *bag.lost]
 
 
 def _in_range(
-    bag: BagFile, readers: List[ColumnReader], start: int, end: Optional[int]
+    bag: Recording, readers: List[ColumnReader], start: int, end: Optional[int]
 ) -> Iterator[List[Slice]]:
     """Read the messages of a range of time, and show how far it has got."""
     topics = sorted({reader.column.topic for reader in readers})

@@ -49,6 +49,16 @@ class Layouts:
                 self._installed[key[0]] = layout
         return self._received[key]
 
+    def reject(self, header: Mapping[str, str], problem: str) -> None:
+        """Return no layout for the messages of a connection.
+
+        :param header: what the publisher has said of them
+        :param problem: why there is none, in words
+        """
+        self._received[(header.get("type", ""), header.get("md5sum", ""))] = None
+        self._installed[header.get("type", "")] = None
+        self._problems[header.get("type", "")] = problem
+
     def problem(self, datatype: str) -> Optional[str]:
         """Return why the layout of a type is not known, in words; None where nothing has come."""
         return self._problems.get(datatype)

@@ -9,7 +9,7 @@ from typing import Sequence
 import rospy
 
 from nodekit import NodeScope, run
-from topic_scope.bag.file import BagError
+from topic_scope.bag.recording import BagError
 from topic_scope.bag.overlay import BagOverlay
 from topic_scope.protocol import options
 from topic_scope.protocol.options import Options

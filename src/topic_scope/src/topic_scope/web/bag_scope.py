@@ -12,7 +12,7 @@ import rospy
 import tornado.ioloop
 
 from nodekit.entry_point import end
-from topic_scope.bag.file import BagError
+from topic_scope.bag.recording import BagError
 from topic_scope.bag.overlay import BagOverlay
 from topic_scope.protocol.options import Options
 from topic_scope.web import handlers

@@ -6,7 +6,7 @@ from typing import Any, Dict, List
 import rospy
 import tornado.ioloop
 
-from topic_scope.bag.file import BagFile
+from topic_scope.bag.opening import learn_types, open_bag
 from topic_scope.bag.player import BagPlayer
 from topic_scope.messages.layouts import Layouts
 from topic_scope.page.state import Page
@@ -33,21 +33,15 @@ class BagSource:
 
     def __init__(self, path: str, history: float, window: float) -> None:
         self._name = os.path.basename(path)
-        bag = BagFile(path)
+        bag = open_bag(path)
         self.source = BagPlayer(bag, history)
         self.begin = self.source.start
         self.layouts = Layouts()
         self._robots = SceneFeed(self.source.aside, self.layouts)
         self._window = window
-        self._types: Dict[str, str] = {}
-        for connection in bag.connections.values():
-            # What the bag says of a type counts, whatever is installed under its name.
-            self.layouts.received(connection.header)
-            datatype = connection.header.get("type", "*")
-            self._types.setdefault(connection.topic, datatype)
-            problem = self.layouts.problem(datatype)
-            if problem:
-                rospy.logwarn(f"{path}: {connection.topic} is left out: {problem}")
+        self._types = learn_types(bag, self.layouts)
+        for topic, problem in bag.faults.items():
+            rospy.logwarn(f"{path}: {topic} is left out: {problem}")
         self._jumps = 0
         self._told: Dict[str, Any] = {}
 

@@ -1,0 +1,7 @@
+#!/usr/bin/env python3
+"""Fetch the library that reads recordings of ROS 2: see topic_scope.commands.fetch_rosbags."""
+
+from topic_scope.commands.fetch_rosbags import main
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,254 @@
+"""Recordings of ROS 2, read by the library rosbags: MCAP and SQLite, files and folders.
+
+The bytes of messages become those of ROS 1, and so do definitions: what decodes, plots and plays
+knows one kind. A chunk is a span of time here, of about as many bytes as a chunk of a file.
+"""
+
+import bisect
+import hashlib
+import os
+import pathlib
+from typing import Any, Callable, Collection, Dict, Iterable, Iterator, List, Mapping, Tuple
+
+import numpy
+import yaml
+
+from topic_scope.bag import rosbags_library
+from topic_scope.bag.recording import BagError, Connection, Part, Recording
+from topic_scope.bag.ros2_types import Ros2Type, TypeProblem
+
+#: About how large a span is [bytes], and how many messages it has.
+_SPAN_BYTES, _SPAN_MESSAGES = 4 * 2**20, 4000
+#: What stands for a message that cannot be read: one that is cut off.
+_CUT_OFF = b""
+
+
+class Ros2Recording(Recording):
+    """A recording of ROS 2 that is open.
+
+    Of a folder each file is read on its own: what its ``metadata.yaml`` says of times and topics
+    need not be what is in them.
+
+    :param path: a file, or a folder of such files
+    :raises BagError: if it cannot be read, or holds nothing
+    """
+
+    def __init__(self, path: str) -> None:
+        super().__init__(path)
+        try:
+            rosbags_library.enter()
+            from rosbags.rosbag2 import Reader
+        except ModuleNotFoundError:
+            raise BagError(
+                f"{path} is a recording of ROS 2; to read it, fetch the library rosbags, once: "
+                f"{rosbags_library.COMMAND}"
+            ) from None
+        self._metadata = _metadata(path)
+        self._decompress = _decompression(path, self._metadata)
+        self._readers: List[Any] = []
+        self._sources: Dict[int, Tuple[Any, Any]] = {}
+        self._numbers: Dict[Tuple[int, int], int] = {}
+        self._types: Dict[int, Ros2Type] = {}
+        files = _files(path, self._metadata)
+        try:
+            for file in files:
+                reader = Reader(file)
+                reader.open()
+                self._readers.append(reader)
+            self._learn()
+        except BagError:
+            self.close()
+            raise
+        except Exception as error:  # of a library, given files that may be anything
+            self.close()
+            raise self._broken(error) from error
+        size = sum(os.path.getsize(str(file)) for file in files)
+        self._edges = self._edges_of(size)
+
+    def _learn(self) -> None:
+        """Read what there is: topics, types and times."""
+        self._readers = [one for one in self._readers if one.message_count]
+        if not self._readers:
+            raise BagError(f"{self.path} holds no messages")
+        self._readers.sort(key=lambda one: one.start_time)
+        self.start = self._readers[0].start_time
+        self.end = max(one.end_time for one in self._readers) - 1
+        made: Dict[Tuple[str, str], Ros2Type] = {}
+        for place, reader in enumerate(self._readers):
+            _check_index(reader)
+            for one in reader.connections:
+                if one.msgcount:
+                    number = len(self._sources)
+                    self._sources[number], self._numbers[place, one.id] = (reader, one), number
+                    self._counts[number] = one.msgcount
+                    self.connections[number] = self._connection(number, one, made)
+
+    def _edges_of(self, size: int) -> List[int]:
+        """Return where spans of time begin, and where the last one ends [ns]."""
+        messages = sum(one.message_count for one in self._readers)
+        count = max(1, size // _SPAN_BYTES, messages // _SPAN_MESSAGES)
+        if any(_chunks(one) == [] for one in self._readers):
+            count = 1  # each span of a file without chunks takes a look at all of it
+        whole = self.end + 1 - self.start
+        edges = {self.start + whole * index // count for index in range(count + 1)}
+        return sorted(edges)
+
+    def _connection(
+        self, number: int, source: Any, made: Dict[Tuple[str, str], Ros2Type]
+    ) -> Connection:
+        topic = "/" + source.topic.lstrip("/")
+        language, text = source.msgdef.format.name, source.msgdef.data
+        key = source.msgtype, text
+        try:
+            if source.ext.serialization_format != "cdr":
+                raise TypeProblem(f"its messages are in {source.ext.serialization_format}, not CDR")
+            if key not in made:
+                distribution = str(self._metadata.get("ros_distro") or "")
+                made[key] = Ros2Type(source.msgtype, language, text, distribution)
+        except TypeProblem as problem:
+            self.faults[topic] = f"its definition cannot be read: {problem}"
+            return Connection(topic, {"type": source.msgtype})
+        self._types[number] = made[key]
+        definition = made[key].definition
+        digest = hashlib.md5(definition.encode()).hexdigest()
+        header = {"type": made[key].name, "md5sum": digest, "message_definition": definition}
+        return Connection(topic, header)
+
+    def earliest(self) -> Dict[int, bytes]:
+        """Read an early message of each topic; see :meth:`.Recording.earliest`."""
+        found: Dict[int, bytes] = {}
+        for topic in {one.topic for one in self.connections.values()} - set(self.faults):
+            for number in self.numbers_of([topic]):
+                reader, source = self._sources[number]
+                problem = "the index of the recording lacks its messages"
+                try:
+                    for _, _, data in reader.messages([source]):
+                        found[number] = self._types[number].to_ros1(self._decompress(data))
+                        break
+                except Exception as error:  # of a library, given files that may be anything
+                    problem = f"its messages cannot be read: {error}"
+                if number in found:
+                    break
+            else:
+                self.faults[topic] = problem
+        return found
+
+    def chunks_after(self, time: int, last: Iterable[int] = ()) -> "Tuple[List[int], List[int]]":
+        """Return the chunks that hold messages later than a time; see :class:`.Recording`."""
+        first = len(self._edges) - 1
+        if time < self.end:
+            first = max(bisect.bisect_right(self._edges, time) - 1, 0)
+        numbers = set(range(first, len(self._edges) - 1))
+        for one in last:
+            numbers.update(self._latest_before(first, one))
+        return sorted(numbers), [self._edges[number] for number in sorted(numbers)]
+
+    def _latest_before(self, first: int, connection: int) -> List[int]:
+        """Return the last chunk before one that holds a message of a connection, if there is."""
+        for number in reversed(range(first)):
+            try:
+                if next(self._messages(number, [connection]), None) is not None:
+                    return [number]
+            except Exception:  # it says so when it is read
+                return [number]
+        return []
+
+    def read(self, number: int, wanted: Collection[int]) -> List[Part]:
+        """Read the messages of some connections in a chunk; see :class:`.Recording`."""
+        found: Dict[int, Tuple[List[int], List[bytes]]] = {}
+        try:
+            for connection, time, data in self._messages(number, wanted):
+                times, messages = found.setdefault(connection, ([], []))
+                times.append(time)
+                messages.append(self._converted(connection, data))
+        except Exception as error:  # of a library, given files that may be anything
+            raise self._broken(error) from error
+        return [_part(connection, *both) for connection, both in found.items()]
+
+    def _messages(self, number: int, wanted: Collection[int]) -> Iterator[Tuple[int, int, bytes]]:
+        """Return number of the connection, time [ns] and bytes of the messages in a chunk."""
+        start, end = self._edges[number], self._edges[number + 1]
+        for place, reader in enumerate(self._readers):
+            mine = [self._sources[one] for one in wanted if one in self._types]
+            sources = [source for other, source in mine if other is reader]
+            if sources and reader.start_time < end and start < reader.end_time:
+                for source, time, data in reader.messages(sources, start, end):
+                    yield self._numbers[place, source.id], time, data
+
+    def _converted(self, connection: int, data: bytes) -> bytes:
+        try:
+            return self._types[connection].to_ros1(self._decompress(data))
+        except TypeProblem:
+            return _CUT_OFF
+
+    def close(self) -> None:
+        """Close the files."""
+        for reader in self._readers:
+            reader.close()
+
+    def _broken(self, error: Exception) -> BagError:
+        reason = str(error) or type(error).__name__
+        return BagError(f"{self.path} cannot be read: {reason}")
+
+
+def _metadata(path: str) -> Dict[str, Any]:
+    """Return what the ``metadata.yaml`` of a folder says; nothing where there is none."""
+    try:
+        with open(os.path.join(path, "metadata.yaml"), encoding="utf-8") as file:
+            return dict(yaml.safe_load(file)["rosbag2_bagfile_information"])
+    except (FileNotFoundError, NotADirectoryError):
+        return {}
+    except (OSError, ValueError, LookupError, TypeError, yaml.YAMLError) as error:
+        raise BagError(f"{path}: its metadata.yaml cannot be read: {error}") from error
+
+
+def _files(path: str, metadata: Mapping[str, Any]) -> List[pathlib.Path]:
+    """Return the files of a recording."""
+    folder = pathlib.Path(path)
+    if not folder.is_dir():
+        return [folder]
+    named = [folder / os.path.basename(one) for one in metadata.get("relative_file_paths", [])]
+    missing = [one.name for one in named if not one.exists()]
+    if missing:
+        raise BagError(f"{path}: {missing[0]} is missing, which its metadata.yaml names")
+    return named or sorted([*folder.glob("*.mcap"), *folder.glob("*.db3")])
+
+
+def _decompression(path: str, metadata: Mapping[str, Any]) -> Callable[[bytes], bytes]:
+    """Return what unpacks each message."""
+    mode = str(metadata.get("compression_mode") or "none").lower()
+    if mode == "none":
+        return bytes
+    form = metadata.get("compression_format")
+    if mode != "message" or form != "zstd":
+        raise BagError(
+            f"{path}: its files are compressed by {form}; a plain recording is made by: "
+            "ros2 bag convert"
+        )
+    from rosbags.rosbag2.storage_mcap import zstd
+
+    unpack: Callable[[bytes], bytes] = zstd.decompress
+    return unpack
+
+
+def _chunks(reader: Any) -> Any:
+    """Return the index of the chunks of a file; None where it has none by its kind."""
+    return getattr(reader.storage, "chunks", None)
+
+
+def _check_index(reader: Any) -> None:
+    """Refuse a file whose chunks say nothing of their messages: rosbags would find none.
+
+    :raises BagError: if it is one
+    """
+    chunks = _chunks(reader) or []
+    known = sum(sum(one.channel_count.values()) for one in chunks)
+    if chunks and known < reader.message_count:
+        text = "has no index of its messages; one with an index is made by: mcap recover"
+        raise BagError(f"{reader.path} {text}")
+
+
+def _part(connection: int, times: List[int], messages: List[bytes]) -> Part:
+    moments = numpy.array(times, numpy.int64)
+    order = numpy.argsort(moments, kind="stable")
+    return Part(connection, moments[order], [messages[index] for index in order.tolist()])

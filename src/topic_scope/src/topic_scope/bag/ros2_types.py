@@ -1,0 +1,126 @@
+"""Types of ROS 2 as ROS 1 has them: definitions, and the bytes of messages."""
+
+from typing import Any, Callable, Dict, Tuple
+
+#: What ROS 1 calls types of ROS 2.
+_NAMES = {
+    "builtin_interfaces/msg/Time": "time",
+    "builtin_interfaces/msg/Duration": "duration",
+    "byte": "uint8",
+    "char": "uint8",
+}
+#: Most characters of what a library says.
+_LONGEST = 120
+_HEADER, _EMPTY = "std_msgs/msg/Header", "structure_needs_at_least_one_member"
+
+
+class TypeProblem(ValueError):
+    """A type that cannot be read; the text says why."""
+
+
+class Ros2Type:
+    """A type of ROS 2, by the definition in a recording.
+
+    :param name: e.g. ``std_msgs/msg/Float64``
+    :param language: of the definition: a name of rosbags' ``MessageDefinitionFormat``
+    :param text: the definition; empty for the one that ROS 2 has
+    :param distribution: name of the ROS 2 that is meant
+    :raises TypeProblem: if the definition is malformed, or there is none
+
+    :ivar name: of the type in ROS 1, e.g. ``std_msgs/Float64``
+    :ivar definition: as ROS 1 writes it, followed by those of the types that it uses
+    """
+
+    def __init__(self, name: str, language: str, text: str, distribution: str) -> None:
+        from rosbags.typesys import get_types_from_idl, get_types_from_msg
+
+        self._ros2_name = name
+        try:
+            if language == "NONE" or not text:
+                self._store = _standard_store(distribution)
+            else:
+                parse: Callable[..., Any] = get_types_from_msg
+                parsed = get_types_from_idl(text) if language == "IDL" else parse(text, name)
+                self._store = _store("EMPTY")
+                self._store.register(parsed)
+            self.definition = _definition(name, self._store.fielddefs)
+            self._store.get_msgdef(name)
+        except TypeProblem:
+            raise
+        except Exception as error:  # of a parser of a library, given a text that may be anything
+            raise TypeProblem(_short(error)) from error
+        self.name = _ros1_name(name)
+
+    def to_ros1(self, message: bytes) -> bytes:
+        """Return a message as ROS 1 sends it.
+
+        :param message: as ROS 2 sends it, in CDR
+        :raises TypeProblem: if it does not fit the definition
+        """
+        try:
+            return bytes(self._store.cdr_to_ros1(message, self._ros2_name))
+        except Exception as error:  # of bytes that may be anything
+            raise TypeProblem(_short(error)) from error
+
+
+def _short(error: Exception) -> str:
+    """Return what an error says, in a line: the text may quote a whole definition."""
+    text = " ".join(str(error).split()) or type(error).__name__
+    return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"
+
+
+def _store(name: str) -> Any:
+    from rosbags.typesys import Stores, get_typestore
+
+    return get_typestore(Stores[name])
+
+
+def _standard_store(distribution: str) -> Any:
+    """Return the types that a distribution of ROS 2 has."""
+    from rosbags.typesys import Stores
+
+    known = {one.name for one in Stores}
+    named = f"ROS2_{distribution.upper()}"
+    return _store(named if named in known else "ROS2_HUMBLE")
+
+
+def _ros1_name(name: str) -> str:
+    return f"{name.partition('/')[0]}/{name.rpartition('/')[2]}"
+
+
+def _definition(name: str, types: Dict[str, Any]) -> str:
+    """Return a definition of ROS 1: that of a type, and those of the types that it uses."""
+    names, parts = [name], []
+    for one in names:  # which grows
+        if one not in types:
+            raise TypeProblem(f"the recording has no definition of {one}")
+        constants, fields = types[one]
+        lines = [f"{base} {constant}={value}" for constant, base, value in constants]
+        if one == _HEADER:
+            lines.append("uint32 seq")
+        for field, description in fields:
+            if field != _EMPTY:
+                base, used, array = _named(description)
+                lines.append(f"{base}{array} {field.rstrip('_')}")
+                names += [used] if used and used not in names else []
+        head = "" if one == name else f"{'=' * 80}\nMSG: {_ros1_name(one)}\n"
+        parts.append(head + "".join(line + "\n" for line in lines))
+    return "".join(parts)
+
+
+def _named(description: Any) -> Tuple[str, str, str]:
+    """Return what ROS 1 calls the type of a field, its name in ROS 2 where it has fields, brackets.
+
+    :param description: as in rosbags' field definitions
+    """
+    from rosbags.interfaces import Nodetype
+
+    kind, rest = description
+    array = ""
+    if kind in (Nodetype.ARRAY, Nodetype.SEQUENCE):
+        array = f"[{rest[1]}]" if kind == Nodetype.ARRAY else "[]"
+        kind, rest = rest[0]
+    name = rest if kind == Nodetype.NAME else rest[0]
+    if name in _NAMES:
+        return _NAMES[name], "", array
+    return (_ros1_name(name), name, array) if kind == Nodetype.NAME else (name, "", array)

@@ -1,0 +1,22 @@
+"""The command ``rosrun topic_scope fetch_rosbags.py``."""
+
+import argparse
+import sys
+
+from topic_scope.bag import rosbags_library
+
+
+def main() -> None:
+    """Fetch the library that reads recordings of ROS 2; exit with 0, or 1 if that fails."""
+    argparse.ArgumentParser(
+        prog="fetch_rosbags",
+        description="Fetch the library rosbags from PyPI, once: it reads recordings of ROS 2.",
+    ).parse_args()
+    try:
+        print(f"fetch_rosbags: rosbags is in {rosbags_library.fetch()}")
+    except rosbags_library.Unavailable as reason:
+        sys.exit(f"fetch_rosbags: rosbags cannot be fetched from PyPI: {reason}")
+    except OSError as error:
+        sys.exit(f"fetch_rosbags: {error.filename}: {error.strerror}")
+    except KeyboardInterrupt:
+        sys.exit(130)  # as a shell puts it

@@ -192,11 +192,14 @@ class Ros2Recording(Recording):
 
 
 def _metadata(path: str) -> Dict[str, Any]:
-    """Return what the ``metadata.yaml`` of a folder says; nothing where there is none."""
+    """Return what ``metadata.yaml`` says, in a folder or beside a file; nothing without one."""
+    folder = path if os.path.isdir(path) else os.path.dirname(path)
     try:
-        with open(os.path.join(path, "metadata.yaml"), encoding="utf-8") as file:
-            return dict(yaml.safe_load(file)["rosbag2_bagfile_information"])
-    except (FileNotFoundError, NotADirectoryError):
+        with open(os.path.join(folder, "metadata.yaml"), encoding="utf-8") as file:
+            found = dict(yaml.safe_load(file)["rosbag2_bagfile_information"])
+            named = [os.path.basename(one) for one in found["relative_file_paths"]]
+            return found if folder == path or os.path.basename(path) in named else {}
+    except FileNotFoundError:
         return {}
     except (OSError, ValueError, LookupError, TypeError, yaml.YAMLError) as error:
         raise BagError(f"{path}: its metadata.yaml cannot be read: {error}") from error

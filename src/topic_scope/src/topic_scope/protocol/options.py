@@ -284,8 +284,9 @@ def _over(text: str) -> OverlayOption:
 
 def _name_of(path: str) -> str:
     """Return the name of a file as one of a topic: rosbag begins with the date."""
-    stem, ending = os.path.splitext(os.path.basename(path))
-    name = re.sub(r"\W", "_", stem if ending == ".bag" else stem + ending, flags=re.ASCII)
+    stem, ending = os.path.splitext(os.path.basename(path.rstrip("/")))
+    is_bag = ending in (".bag", ".mcap", ".db3")
+    name = re.sub(r"\W", "_", stem if is_bag else stem + ending, flags=re.ASCII)
     return name if re.match("[A-Za-z]", name) else f"bag_{name}"
 
 

@@ -1,0 +1,216 @@
+"""Recordings of ROS 2 against what was written, and errors of broken ones."""
+
+import re
+import sqlite3
+from pathlib import Path
+from typing import Any, Dict, List, Tuple
+
+import numpy
+import pytest
+import written
+from written import BEGIN, ODD
+
+from topic_scope.bag import ros2_recording
+from topic_scope.bag.columns import all_columns
+from topic_scope.bag.message_slices import first_messages, slices
+from topic_scope.bag.opening import open_bag
+from topic_scope.bag.player import BagPlayer
+from topic_scope.bag.recording import BagError, Recording
+from topic_scope.messages.decoding import Decoder, NotThere
+from topic_scope.messages.fields import Key
+
+KINDS = [("MCAP", ""), ("MCAP", "STORAGE"), ("SQLITE3", ""), ("SQLITE3", "MESSAGE")]
+
+
+@pytest.fixture(scope="module", params=KINDS, ids=lambda kind: "-".join(filter(None, kind)))
+def recording(request: Any, tmp_path_factory: Any) -> str:
+    """Write a recording of each kind, once."""
+    return written.write(
+        tmp_path_factory.mktemp("bags") / "run", written.messages(), *request.param
+    )
+
+
+def told_of(bag: Recording, *span: int) -> Dict[str, List[Tuple[int, bytes]]]:
+    """Return time since the start [ns] and bytes of all messages, as they come."""
+    found: Dict[str, List[Tuple[int, bytes]]] = {}
+    for together in slices(bag, [one.topic for one in bag.connections.values()], *span):
+        for one in together:
+            found.setdefault(one.topic, []).extend(zip(one.times.tolist(), one.messages))
+    return found
+
+
+def value_in(message: Any, path: Tuple[Any, ...]) -> Any:
+    """Return what stands in a message as ROS 2 has it; None for an element that is not there."""
+    for part in path:
+        if isinstance(part, Key):
+            part = message.name.index(part)
+        if isinstance(part, int) and part >= len(message):
+            return None
+        message = message[part] if isinstance(part, int) else getattr(message, part)
+    return message
+
+
+def test_every_value_is_what_was_written(recording: str) -> None:
+    expected, compared = written.by_topic(written.messages()), 0
+    with open_bag(recording) as bag:
+        first, found = first_messages(bag), told_of(bag)
+        assert (bag.faults, bag.lost, sorted(first)) == ({}, [], ["/odd", "/rare", "/x"])
+        assert (bag.start, bag.length) == (BEGIN, 39 * 10**8 + 10)
+        assert bag.count(["/odd", "/rare"]) == 44
+    for column in all_columns(first):
+        if column.path[-1] == "seq":
+            continue  # which ROS 2 has not
+        decoder = Decoder(first[column.topic].layout, column.path)
+        rows = zip(found[column.topic], expected[column.topic])
+        for (time, data), (when, message) in rows:
+            assert time == when
+            try:
+                value = decoder.value(data)
+            except NotThere:
+                value = None
+            place = column.path
+            wanted = value_in(message, tuple(one for one in place if not isinstance(one, Key)))
+            if hasattr(wanted, "nanosec"):
+                wanted = wanted.sec * 10**9 + wanted.nanosec
+            if place == ("raw",):
+                wanted %= 256
+            assert value == wanted, column.name
+            compared += 1
+    assert compared > 400
+    assert [len(one) for one in found.values()] == [len(expected[topic]) for topic in found]
+
+
+def test_spans_hold_each_message_once(recording: str, monkeypatch: "pytest.MonkeyPatch") -> None:
+    with open_bag(recording) as bag:
+        whole, part = told_of(bag), told_of(bag, 10**9, 2 * 10**9)
+    monkeypatch.setattr(ros2_recording, "_SPAN_MESSAGES", 7)
+    with open_bag(recording) as bag:
+        numbers, starts = bag.chunks_after(0)
+        assert len(numbers) == 12 and starts == sorted(starts) and starts[0] == BEGIN
+        assert told_of(bag) == whole
+        assert told_of(bag, 10**9, 2 * 10**9) == part
+    assert part["/x"] == [one for one in whole["/x"] if 10**9 <= one[0] <= 2 * 10**9]
+    assert len(part["/x"]) == 11
+
+
+def test_player_has_the_latest_of_rare_topics_besides(
+    recording: str, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setattr(ros2_recording, "_SPAN_MESSAGES", 7)
+    with open_bag(recording) as bag:
+        player = BagPlayer(bag, 0.5, lambda: 0.0)
+        player.want(["/x"])
+        player.aside.want(["/rare"])
+        player.seek(player.start + 2.9)
+        while player.is_loading:
+            player.now()
+        *_, batch = player.aside.subscriptions()["/rare"].drain()
+        assert Decoder(first_messages(bag)["/rare"].layout, ("data",)).value(
+            batch.messages[-1]
+        ) == (2**53 + 24)
+        times = [t for one in player.subscriptions()["/x"].drain() for t in one.times]
+        assert len(times) == 5 and not player.problems
+
+
+def test_single_files_are_recordings(recording: str) -> None:
+    (path,) = [*Path(recording).glob("*.mcap"), *Path(recording).glob("*.db3")]
+    with open_bag(str(path)) as bag, open_bag(recording) as folder:
+        assert told_of(bag) == told_of(folder)
+
+
+def test_folder_need_not_say_what_is_in_its_files(tmp_path: Path) -> None:
+    """Of real recordings, times and settings in metadata.yaml differ from those in the files."""
+    path = Path(written.write(tmp_path / "run", written.messages()))
+    with open_bag(str(path)) as bag:
+        whole = told_of(bag)
+    metadata = path / "metadata.yaml"
+    text = metadata.read_text()
+    text = re.sub(
+        r"nanoseconds_since_epoch: \d+", f"nanoseconds_since_epoch: {BEGIN + 10**9}", text
+    )
+    text = re.sub(r"offered_qos_profiles: .*", "offered_qos_profiles: []", text)
+    metadata.write_text(text.replace("nanoseconds: 3900000010", "nanoseconds: 5"))
+    with open_bag(str(path)) as bag:
+        assert told_of(bag) == whole
+    metadata.unlink()
+    with open_bag(str(path)) as bag:
+        assert told_of(bag) == whole
+
+
+def test_bad_definition_costs_its_topic_only(tmp_path: Path) -> None:
+    path = Path(written.write(tmp_path / "run", written.messages(4)))
+    (file,) = path.glob("*.mcap")
+    content = file.read_bytes()
+    file.write_bytes(content.replace(b"uint16[] many", b"uint16[? many"))
+    with open_bag(str(file)) as bag:
+        assert sorted(first_messages(bag)) == ["/rare", "/x"]
+        assert list(bag.faults) == ["/odd"]
+        assert bag.faults["/odd"].startswith("its definition cannot be read: Could not parse")
+        assert "\n" not in bag.faults["/odd"] and len(bag.faults["/odd"]) < 200
+        assert sorted(told_of(bag)) == ["/rare", "/x"]
+
+
+def test_message_that_does_not_fit_its_definition_costs_itself(tmp_path: Path) -> None:
+    path = Path(written.write(tmp_path / "run", written.messages(4), "SQLITE3"))
+    (file,) = path.glob("*.db3")
+    with sqlite3.connect(str(file)) as database:
+        times = [BEGIN + 10**8, BEGIN + 2 * 10**8]
+        database.execute(
+            "UPDATE messages SET data = x'00010000ff' WHERE timestamp IN (?, ?)", times
+        )
+    with open_bag(str(file)) as bag:
+        layout = first_messages(bag)["/x"].layout
+        values = Decoder(layout, ("data",)).decode([data for _, data in told_of(bag)["/x"]])
+    assert values.tolist()[::3] == [0.0, 1.5] and numpy.isnan(values[1:3]).all()
+
+
+def test_type_without_a_definition_is_the_one_of_ros2(tmp_path: Path) -> None:
+    path = Path(written.write(tmp_path / "run", written.messages(4), "SQLITE3"))
+    (file,) = path.glob("*.db3")
+    with sqlite3.connect(str(file)) as database:  # as it was up to Humble
+        database.execute("DROP TABLE message_definitions")
+        database.execute("UPDATE schema SET schema_version = 3")
+    with open_bag(str(file)) as bag:
+        assert sorted(first_messages(bag)) == ["/rare", "/x"]
+        assert bag.faults == {
+            "/odd": f"its definition cannot be read: the recording has no definition of {ODD}"
+        }
+
+
+@pytest.mark.parametrize("part", [0.01, 0.5, 0.99])
+def test_file_that_ends_early_is_refused_in_a_sentence(tmp_path: Path, part: float) -> None:
+    path = Path(written.write(tmp_path / "run", written.messages(4)))
+    (file,) = path.glob("*.mcap")
+    file.write_bytes(file.read_bytes()[: int(part * file.stat().st_size)])
+    with pytest.raises(BagError) as caught:
+        open_bag(str(file))
+    assert str(caught.value).startswith(f"{file} cannot be read: ")
+
+
+def test_broken_chunk_is_named(tmp_path: Path) -> None:
+    path = Path(written.write(tmp_path / "run", written.messages(4), "MCAP", "STORAGE"))
+    (file,) = path.glob("*.mcap")
+    content = bytearray(file.read_bytes())
+    place = content.index(b"\x28\xb5\x2f\xfd") + 20  # zstd's own mark
+    content[place : place + 40] = b"\xff" * 40
+    file.write_bytes(bytes(content))
+    with open_bag(str(file)) as bag:
+        assert first_messages(bag) == {}
+        assert all("its messages cannot be read" in text for text in bag.faults.values())
+        assert told_of(bag) == {} and len(bag.lost) == 1
+
+
+def test_folder_that_lacks_a_file_is_refused(tmp_path: Path) -> None:
+    path = Path(written.write(tmp_path / "run", written.messages(4)))
+    (file,) = path.glob("*.mcap")
+    file.rename(tmp_path / "other.mcap")
+    with pytest.raises(BagError, match=f"{file.name} is missing, which its metadata.yaml names"):
+        open_bag(str(path))
+    (path / "metadata.yaml").write_text("rosbag2: [\n")
+    with pytest.raises(BagError, match="its metadata.yaml cannot be read"):
+        open_bag(str(path))
+
+
+def test_empty_recording_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(BagError, match="holds no messages"):
+        open_bag(written.write(tmp_path / "run", [], "SQLITE3"))

@@ -14,7 +14,7 @@ TIERS: Dict[str, str] = {
     "catkin_build": "catkin build in place of catkin_make",
     "integration": "rostest files, src/*/test/integration",
     "extended": "rare faults and long waits, src/*/test/extended",
-    "ros2": "the bridge with ROS 2, src/*/test/ros2; fetches ROS 2 from PyPI",
+    "ros2": "src/*/test/ros2 and recordings: the bridge, recordings of ROS 2; fetches from PyPI",
 }
 #: What ``ci/test`` runs without a word.
 DEFAULT = ("unit", "integration")

@@ -208,7 +208,10 @@ def declared_time(test: pathlib.Path) -> float:
 
 
 def ros2() -> List[Step]:
-    """Return the steps that make an environment with ROS 2, and test the bridge in it."""
+    """Return the steps that make an environment with ROS 2, and test the bridge in it.
+
+    Recordings of ROS 2 take no such environment, but PyPI as well.
+    """
     environment = Step("ros2", "environment", [str(CI / "ros2")], time_limit=1800.0)
     steps = [environment]
     for place in sorted(SOURCES.glob("*/test/ros2")):
@@ -216,7 +219,8 @@ def ros2() -> List[Step]:
             step = ros2_step(place, name=marked.replace("_", " "), after=environment.name)
             step.command.extend(["-m", marked])
             steps.append(step)
-    return steps
+    places = sorted(SOURCES.glob("*/test/recordings"))
+    return [*steps, pytest_step("ros2", "recordings", *places)]
 
 
 def ros2_step(place: pathlib.Path, test: str = "", name: str = "", after: str = "") -> Step:

@@ -41,7 +41,7 @@ def run(tmp_path: Path, monkeypatch: "pytest.MonkeyPatch", capsys: Any) -> Any:
 
 def write_with_faults(path: Path) -> str:
     """Record a topic without a fault, one with a bad definition, and one that changes its type."""
-    bad: Dict[str, str] = {"type": "a/A", "md5sum": "1" * 32, "message_definition": "flaot[ x\n"}
+    bad: Dict[str, str] = {"type": "a/A", "md5sum": "1" * 32, "message_definition": "float64[ x\n"}
     with rosbag.Bag(str(path), "w") as bag:
         for number in range(3):
             time = genpy.Time(0, BEGIN + number * 10**9)

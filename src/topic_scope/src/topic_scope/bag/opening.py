@@ -29,7 +29,7 @@ def learn_types(bag: Recording, layouts: Layouts) -> Dict[str, str]:
     What the recording says of a type counts, whatever is installed under its name.
 
     :param bag: the recording
-    :param layouts: gets the definitions, or why there is none
+    :param layouts: gets the definitions, or why one is missing
     """
     types: Dict[str, str] = {}
     for topic, header in bag.connections.values():
@@ -47,5 +47,5 @@ def _is_of_ros2(path: str) -> bool:
             return any(name.endswith(_FOLDER) for name in os.listdir(path))
         with open(path, "rb") as file:
             return file.read(16).startswith(_ROS2)
-    except OSError:  # whoever opens it says why
+    except OSError:  # which opening it explains
         return False

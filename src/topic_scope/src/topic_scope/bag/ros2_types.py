@@ -25,7 +25,7 @@ class Ros2Type:
     :param language: of the definition: a name of rosbags' ``MessageDefinitionFormat``
     :param text: the definition; empty for the one that ROS 2 has
     :param distribution: name of the ROS 2 that is meant
-    :raises TypeProblem: if the definition is malformed, or there is none
+    :raises TypeProblem: if the definition is malformed or missing
 
     :ivar name: of the type in ROS 1, e.g. ``std_msgs/Float64``
     :ivar definition: as ROS 1 writes it, followed by those of the types that it uses

@@ -8,12 +8,14 @@ from topic_scope.bag import rosbags_library
 
 def main() -> None:
     """Fetch the library that reads recordings of ROS 2; exit with 0, or 1 if that fails."""
-    argparse.ArgumentParser(
+    parser = argparse.ArgumentParser(
         prog="fetch_rosbags",
         description="Fetch the library rosbags from PyPI, once: it reads recordings of ROS 2.",
-    ).parse_args()
+    )
+    parser.add_argument("--print", action="store_true", help="print only where it is")
+    said = "" if parser.parse_args().print else "fetch_rosbags: rosbags is in "
     try:
-        print(f"fetch_rosbags: rosbags is in {rosbags_library.fetch()}")
+        print(f"{said}{rosbags_library.fetch()}")
     except rosbags_library.Unavailable as reason:
         sys.exit(f"fetch_rosbags: rosbags cannot be fetched from PyPI: {reason}")
     except OSError as error:

@@ -50,10 +50,10 @@ class Layouts:
         return self._received[key]
 
     def reject(self, header: Mapping[str, str], problem: str) -> None:
-        """Return no layout for the messages of a connection.
+        """Have the messages of a connection count as unreadable.
 
         :param header: what the publisher has said of them
-        :param problem: why there is none, in words
+        :param problem: why, in words
         """
         self._received[(header.get("type", ""), header.get("md5sum", ""))] = None
         self._installed[header.get("type", "")] = None

@@ -9,7 +9,7 @@ import numpy
 from topic_scope.analysis.csv_rows import CsvColumn, header, rows
 from topic_scope.bag.columns import Column
 from topic_scope.bag.message_slices import FirstMessage, Slice
-from topic_scope.messages.arrays import first_missing, lengths_in
+from topic_scope.messages.arrays import first_missing, lengths_in, missing_text
 from topic_scope.messages.decoding import Decoder, NotThere, rounding_text
 from topic_scope.messages.derived import make, parts
 from topic_scope.messages.fields import FieldError, Key, to_text
@@ -162,7 +162,7 @@ class ColumnReader:
     def _explain(self, message: bytes) -> None:
         place, part = first_missing(self._layout, self.column.path, message)
         if isinstance(part, Key):
-            self._missing = f"no element of {to_text(place)} is called {part}"
+            self._missing = missing_text(place, part)
         elif part is not None:
             self._longest = max(self._longest, lengths_in(self._layout, message)(place))
             self._missing = f"{to_text(place)} has {self._longest} elements at most"

@@ -7,7 +7,7 @@ from typing import Collection, Dict, List, Mapping, NamedTuple, Optional, Tuple
 from topic_scope.bag.message_slices import FirstMessage
 from topic_scope.formulas.names import expand_with, formula_of
 from topic_scope.formulas.parser import Formula
-from topic_scope.messages.arrays import lengths_in, names_in, with_names
+from topic_scope.messages.arrays import keys_in, lengths_in, with_names
 from topic_scope.messages.fields import (
     FieldError,
     Path,
@@ -121,8 +121,9 @@ def _columns(name: str, first_messages: Mapping[str, FirstMessage]) -> List[Colu
         layout, data = first_messages[topic]
         path_of(timestamp, layout)
         found = [field.path for field in resolve(layout, rest, lengths_in(layout, data), function)]
-        if found != [to_path(rest)]:  # of what stands for a part, elements have their names
-            found = [with_names(path, partial(names_in, layout, data)) for path in found]
+        typed, names_at = to_path(rest), partial(keys_in, layout, data)
+        if found != [typed]:  # of what stands for a part, elements have their names
+            found = [with_names(path, names_at, len(typed)) for path in found]
     except FieldError as error:
         known = [column.name for column in all_columns(first_messages)]
         raise FieldError(f"{name}: {error}; {_hint(bare, known, first_messages)}") from error

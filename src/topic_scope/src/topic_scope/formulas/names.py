@@ -14,8 +14,8 @@ from topic_scope.messages import fields
 from topic_scope.messages.fields import FieldError
 
 _MARK = "="
-#: Two fields with a minus between them, which may be in the quotes of a topic, too.
-_DIFFERENCE = re.compile(r'((?:"[^"]*"|[^"])*?)-("?/.*)')
+#: Two fields with a minus between them, which may be in quotes and brackets, too.
+_DIFFERENCE = re.compile(r'((?:"[^"]*"|\[[^]]*\]|[^"])*?)-("?/.*)')
 
 
 def is_formula(text: str) -> bool:

@@ -6,8 +6,8 @@ import struct
 from functools import partial
 from typing import Callable, Dict, List, Optional, Sequence, Tuple, Union
 
-from topic_scope.messages.decoding import COUNT, NotThere, follow, steps_to, texts
-from topic_scope.messages.definitions import Array, Record
+from topic_scope.messages.decoding import COUNT, NotThere, follow, labels, steps_to, texts
+from topic_scope.messages.definitions import Array, Record, Text
 from topic_scope.messages.fields import (
     FieldError,
     Key,
@@ -22,8 +22,11 @@ from topic_scope.messages.fields import (
 _ARRAYS = 1000
 #: Most sets of names that the messages of a topic have, and how long each counts [s].
 _KINDS, KEPT_S = 16, 30.0
+#: Fields that tell elements of arrays apart, as of transforms and of diagnostics.
+LABELS = ("child_frame_id", "name")
 #: A name that can stand in brackets.
 _KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*\Z")
+_VALUE = re.compile(r'[^]["\n]{1,100}\Z')
 #: Most names that a sentence has.
 _SHOWN = 10
 
@@ -44,34 +47,58 @@ def lengths_in(layout: Record, data: bytes) -> Lengths:
     return length
 
 
-def names_in(layout: Record, data: bytes, path: Path) -> List[str]:
+def names_in(layout: Record, data: bytes, path: Path, field: str = "") -> List[str]:
     """Return the names of an array's elements in a serialized message.
 
     :param layout: its layout
     :param data: the message
     :param path: where the array stands
+    :param field: field of the elements that has their names; empty for what stands beside the array
     :returns: the names; none where the elements have none
     """
     try:
+        if field:
+            steps, array = steps_to(layout, path)
+            read = labels(array, field) if isinstance(array, Array) else None
+            return [label for label, _ in read(data, follow(steps, data))] if read else []
         steps, _ = steps_to(layout, names_of(layout, path))
         return [text.decode(errors="replace") for text in texts(data, follow(steps, data))]
     except (FieldError, NotThere, struct.error):
         return []
 
 
-def with_names(path: Path, names_at: Callable[[Path], Sequence[str]]) -> Path:
+def keys_in(layout: Record, data: bytes, path: Path) -> List[str]:
+    """Return what the elements of an array are found by, as it stands in brackets.
+
+    :param layout: layout of the message
+    :param data: the message
+    :param path: where the array stands
+    :returns: names or values of a field; empty for one that cannot be written
+    """
+    names = names_in(layout, data, path)
+    if names:
+        return [name if _KEY.match(name) else "" for name in names]
+    for field in LABELS:
+        values = names_in(layout, data, path, field)
+        if values:
+            return [f"{field}={value}" if _VALUE.match(value) else "" for value in values]
+    return []
+
+
+def with_names(path: Path, names_at: Callable[[Path], Sequence[str]], typed: int = 0) -> Path:
     """Return a place with the names of elements for their indices, where they have some.
 
     :param path: with indices
-    :param names_at: returns the names of the elements of an array
+    :param names_at: returns what the elements of an array are found by; see :func:`keys_in`
+    :param typed: how many parts of the place stay as they are
     """
     found: Path = ()
     for part in path:
-        if isinstance(part, int):
+        if isinstance(part, int) and len(found) >= typed:
             names = names_at(found)
             name = names[part] if part < len(names) else ""
-            # Two may have one name, and not all can be written.
-            if names.count(name) == 1 and _KEY.match(name):
+            # Two may have one name.
+            if name and names.count(name) == 1:
                 part = Key(name)
         found += (part,)
     return found
@@ -96,11 +123,18 @@ def check_elements(layout: Record, path: Path, data: bytes) -> None:
     """
     place, part = first_missing(layout, path, data)
     if isinstance(part, Key):
-        names = ", ".join(names_in(layout, data, place)[:_SHOWN])
-        raise FieldError(f"no element of {to_text(place)} is called {part} now, but {names or '-'}")
+        names = ", ".join(names_in(layout, data, place, part.field)[:_SHOWN])
+        raise FieldError(f"{missing_text(place, part)} now, but {names or '-'}")
     if part is not None:
         count = lengths_in(layout, data)(place)
         raise FieldError(f"{to_text(place)} has {count} elements now")
+
+
+def missing_text(place: Path, key: Key) -> str:
+    """Return in words that an array has no element with a name or a value."""
+    if key.field:
+        return f"no element of {to_text(place)} has the {key.field} {key.value}"
+    return f"no element of {to_text(place)} is called {key}"
 
 
 def first_missing(layout: Record, path: Path, data: bytes) -> Tuple[Path, Union[str, int, None]]:
@@ -116,12 +150,23 @@ def first_missing(layout: Record, path: Path, data: bytes) -> Tuple[Path, Union[
     for position, part in enumerate(path):
         place = path[:position]
         node = leaf_at(layout, place)
-        if isinstance(part, Key) and part not in names_in(layout, data, place):
+        if isinstance(part, Key) and part.value not in names_in(layout, data, place, part.field):
             return place, part
         if isinstance(part, int) and isinstance(node, Array) and node.length is None:
             if part >= lengths(place):
                 return place, part
     return path, None
+
+
+def _kind(layout: Record, message: bytes) -> Tuple[str, ...]:
+    """Return what tells messages apart that are about different elements."""
+    found = names_in(layout, message, ("",))
+    for name, node in layout.fields:
+        if isinstance(node, Array) and isinstance(node.element, Record):
+            fields = dict(node.element.fields)
+            own = [one for one in LABELS if isinstance(fields.get(one), Text)]
+            found += names_in(layout, message, (name,), own[0]) if own else []
+    return tuple(found)
 
 
 class Arrays:
@@ -142,7 +187,7 @@ class Arrays:
         :param time: when it came [s]
         """
         kinds = self._messages if layout is self._layout else {}
-        kinds[tuple(names_in(layout, message, ("",)))] = (time, message)
+        kinds[_kind(layout, message)] = (time, message)
         recent = sorted(kinds.values(), reverse=True)[:_KINDS]
         self._layout = layout
         self._messages = {
@@ -181,22 +226,23 @@ class Arrays:
         if errors:
             raise errors[0]
 
-    def named(self, path: Path) -> List[Path]:
+    def named(self, path: Path, typed: int = 0) -> List[Path]:
         """Return a place with the names of elements for their indices, where they have some.
 
         :param path: with indices
+        :param typed: how many parts of the place stay as they are
         :returns: several, where messages of the topic have other names there
         """
         layout = self._layout
         if layout is None:
             return [path]
         messages = [message for _, message in self._messages.values()]
-        found = [with_names(path, partial(names_in, layout, one)) for one in messages]
+        found = [with_names(path, partial(keys_in, layout, one), typed) for one in messages]
         return list(dict.fromkeys(one for one in found if one != path)) or [path]
 
-    def remembered(self, path: Path) -> List[Path]:
+    def remembered(self, path: Path, typed: int = 0) -> List[Path]:
         """As :meth:`named`, with all that it has returned before: what is shown stands still."""
-        found = self.named(path)
+        found = self.named(path, typed)
         if found != [path] and (path in self._named or len(self._named) < _ARRAYS):
             known = dict.fromkeys([*self._named.get(path, []), *found])
             self._named[path] = list(known)[:_KINDS]

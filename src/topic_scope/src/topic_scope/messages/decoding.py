@@ -13,7 +13,7 @@ from typing import Any, Callable, Iterator, List, Optional, Sequence, Tuple, Uni
 import numpy
 
 from topic_scope.messages.definitions import Array, Layout, Record, Scalar
-from topic_scope.messages.fields import FieldError, Key, Path, names_of
+from topic_scope.messages.fields import FieldError, Key, Path, label_of, names_of, to_path
 from topic_scope.timing.nanoseconds import NO_TIME, NS, array_to_ns
 
 #: How to get on: a number of bytes, or a function from data and offset to the next offset.
@@ -42,17 +42,18 @@ class Decoder:
         if not isinstance(leaf, Scalar):
             raise FieldError("the field is not a number")
         self._steps = steps
-        self._size = layout.size
+        # An element that is found by its value is anywhere.
+        self._size = layout.size if all(isinstance(step, int) for step in steps) else None
         self.is_time = leaf.datatype in ("time", "duration")
         self._is_wide = leaf.datatype in ("int64", "uint64")
         self._struct = struct.Struct("<" + leaf.format)
-        if layout.size is not None:
+        if self._size is not None:
             self._type = numpy.dtype(
                 {
                     "names": ["value"],
                     "formats": [(_numpy_format(leaf), (2,) if self.is_time else ())],
                     "offsets": [sum(step for step in steps if isinstance(step, int))],
-                    "itemsize": layout.size,
+                    "itemsize": self._size,
                 }
             )
 
@@ -130,13 +131,13 @@ def rounding_text(step: int) -> Optional[str]:
     return f"whole numbers beyond 2**53: rounded to multiples of {step}" if step > 1 else None
 
 
-def follow(steps: Sequence[Advance], data: bytes) -> int:
-    """Return where in a message some steps from its start lead.
+def follow(steps: Sequence[Advance], data: bytes, offset: int = 0) -> int:
+    """Return where in a message some steps lead.
 
+    :param offset: where they begin
     :raises NotThere: if an element on the way is not there
     :raises struct.error: if the message is cut off
     """
-    offset = 0
     for step in steps:
         offset = offset + step if isinstance(step, int) else step(data, offset)
     return offset
@@ -147,7 +148,10 @@ def steps_to(layout: Record, path: Path) -> Tuple[List[Advance], Layout]:
     steps: List[Advance] = []
     node: Layout = layout
     for position, part in enumerate(path):
-        if isinstance(part, Key) and isinstance(node, Array):
+        if isinstance(part, Key) and part.field and isinstance(node, Array):
+            steps.append(_step_to_labelled(node, part))
+            node = node.element
+        elif isinstance(part, Key) and isinstance(node, Array):
             names, _ = steps_to(layout, names_of(layout, path[:position]))
             steps.append(_step_to_named(node, part.encode(), names))
             node = node.element
@@ -222,6 +226,51 @@ def _step_to_named(array: Array, name: bytes, names: Sequence[Advance]) -> Advan
         raise NotThere
 
     return step
+
+
+def _step_to_labelled(array: Array, key: Key) -> Advance:
+    """Return the step to the first element whose own field has a value."""
+    read = labels(array, key.field)
+
+    def step(data: bytes, offset: int) -> int:
+        for label, place in read(data, offset):
+            if label == key.value:
+                return place
+        raise NotThere
+
+    return step
+
+
+def labels(array: Array, field: str) -> Callable[[bytes, int], Iterator[Tuple[str, int]]]:
+    """Return what reads a field of each element of an array, and where the elements stand.
+
+    :param array: layout of the array
+    :param field: a text or a whole number of its elements
+    :returns: takes a message and where the array stands; ends with struct.error at the end of the
+        data
+    :raises FieldError: if they have no such field
+    """
+    leaf = label_of(array.element, field)
+    steps, _ = steps_to(array.element, to_path(field))
+    over_elements = _step_over_elements(array.element)
+    number = struct.Struct("<" + leaf.format) if isinstance(leaf, Scalar) else None
+
+    def read(data: bytes, offset: int) -> Iterator[Tuple[str, int]]:
+        count = array.length
+        if count is None:
+            count, offset = COUNT.unpack_from(data, offset)[0], offset + COUNT.size
+        for _ in range(count):
+            place = follow(steps, data, offset)
+            if number is not None:
+                label = str(int(number.unpack_from(data, place)[0]))
+            else:
+                begin = place + COUNT.size
+                end = begin + COUNT.unpack_from(data, place)[0]
+                label = data[begin:end].decode("utf-8", "replace")
+            yield label, offset
+            offset = over_elements(data, offset, 1)
+
+    return read
 
 
 def texts(data: bytes, offset: int) -> Iterator[bytes]:

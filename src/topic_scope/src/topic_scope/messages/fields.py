@@ -4,8 +4,9 @@
 The notation is that of rqt_plot: ``/topic/field/part``; ``/topic/x:y:z`` for several fields side by
 side; ``/topic/array[3]``; a topic or a part alone stands for all numbers in it. Where elements have
 names, these will do: ``/joint_states/position[arm]`` is what stands at the place of ``arm`` in the
-``string[] name`` beside the array. A time or a duration is a number too, in s, and a truth value is
-0 or 1. ``.`` and the name of what is computed of it may follow, see
+``string[] name`` beside the array, and ``/tf/transforms[child_frame_id=base]/transform`` stands in
+the first element whose own field has this value. A time or a duration is a number too, in s, and a
+truth value is 0 or 1. ``.`` and the name of what is computed of it may follow, see
 :mod:`topic_scope.messages.derived`: ``/topic/field.derivative``; then ``@`` and the name of a time,
 see :mod:`topic_scope.messages.timestamp_source`: ``/topic/field@stamp``.
 
@@ -22,7 +23,17 @@ from topic_scope.messages.derived import FUNCTIONS, QUATERNION
 
 
 class Key(str):
-    """The name of an element, where else its index stands."""
+    """What an element is found by, where else its index stands: ``arm``, or ``frame_id=base``."""
+
+    @property
+    def field(self) -> str:
+        """Field of the elements that is compared; empty for the names beside the array."""
+        return self.partition("=")[0] if "=" in self else ""
+
+    @property
+    def value(self) -> str:
+        """Its value, or the name."""
+        return self.partition("=")[2] if "=" in self else str(self)
 
 
 #: Names of fields and, behind the one of an array, indices or names of elements.
@@ -36,7 +47,10 @@ LISTED_ELEMENTS = 16
 #: Most fields of a topic that are listed or chosen at once.
 LISTED_FIELDS = 200
 
-_ELEMENT = r"\[(?:\d{1,9}|[A-Za-z_][A-Za-z0-9_-]*)\]"
+_FIELD = r"[A-Za-z][A-Za-z0-9_]*(?:/[A-Za-z][A-Za-z0-9_]*)*"
+_ELEMENT = rf"\[(?:\d{{1,9}}|[A-Za-z_][A-Za-z0-9_-]*|{_FIELD}=[^][\"\n]{{1,100}})\]"
+#: Brackets with what is in them, which may be any text.
+_BRACKETS = re.compile(r"\[[^]]*\]")
 _NAME = rf"[A-Za-z][A-Za-z0-9_]*(?:{_ELEMENT})*"
 #: A topic in quotes, and a name that may have hyphens.
 _TOPIC = r'"/[^"\n]{1,200}"'
@@ -91,10 +105,11 @@ def expand(expression: str) -> List[str]:
         raise FieldError(f"there is no .{match.group(1)}; there are .{', .'.join(FUNCTIONS)}")
     topic = _quoted(expression)
     rest = expression[len(topic) :]
-    names, end = re.fullmatch(r"([^.@]*)(.*)", rest).groups()  # type: ignore[union-attr]
-    first, *others = names.split(":")
+    place = re.search("[.@]|$", _bare(rest)).start()  # type: ignore[union-attr]
+    names, end = rest[:place], rest[place:]
+    first, *others = _split(names, ":")
     first = topic + first if topic else "/" + first.lstrip("/")
-    parent = first.rpartition("/")[0]
+    parent = first[: _bare(first).rindex("/")]
     return [first + end] + [f"{parent}/{other}{end}" for other in others]
 
 
@@ -105,9 +120,11 @@ def parted(name: str) -> Tuple[str, str, str]:
     :returns: the name without them, and both, each empty where none was given
     """
     topic = _quoted(name)
-    names, _, timestamp = name[len(topic) :].partition("@")
-    field, _, function = names.partition(".")
-    return topic + field, function, timestamp
+    rest = name[len(topic) :]
+    at = (_bare(rest) + "@").index("@")
+    names, timestamp = rest[:at], rest[at + 1 :]
+    point = (_bare(names) + ".").index(".")
+    return topic + names[:point], names[point + 1 :], timestamp
 
 
 def ending(function: str, timestamp: str) -> str:
@@ -126,12 +143,11 @@ def split(name: str, topics: Collection[str]) -> Optional[Tuple[str, str]]:
     quoted = _quoted(name)
     if quoted:
         return (quoted[1:-1], name[len(quoted) + 1 :]) if quoted[1:-1] in topics else None
-    topic, rest = name, ""
+    topic = name
     while topic:
         if topic in topics:
-            return topic, rest
-        topic, _, last = topic.rpartition("/")
-        rest = f"{last}/{rest}" if rest else last
+            return topic, name[len(topic) + 1 :]
+        topic = topic[: max(_bare(topic).rfind("/"), 0)]
     return None
 
 
@@ -149,6 +165,17 @@ def name_of(topic: str, path: Path, topics: Collection[str]) -> str:
     return f'"{topic}"/{rest}' if rest else f'"{topic}"'
 
 
+def _bare(text: str) -> str:
+    """Return a text with nothing but lines in its brackets, as long as before."""
+    return _BRACKETS.sub(lambda match: "_" * len(match.group()), text)
+
+
+def _split(text: str, mark: str) -> List[str]:
+    """Split a text at a mark, but not in brackets."""
+    places = [-1, *(match.start() for match in re.finditer(mark, _bare(text))), len(text)]
+    return [text[start + 1 : end] for start, end in zip(places, places[1:])]
+
+
 def _quoted(name: str) -> str:
     """Return the topic in quotes that a name begins with, its quotes included; or nothing."""
     match = _QUOTED.match(name)
@@ -161,12 +188,12 @@ def to_path(text: str) -> Path:
     :raises FieldError: if it is invalid
     """
     path: List[Union[str, int]] = []
-    for part in text.split("/") if text else []:
+    for part in _split(text, "/") if text else []:
         match = _PART.match(part)
         if not match:
             raise FieldError(f"{part!r} is not the name of a field")
         path.append(match.group(1))
-        elements = re.findall(r"[\w-]+", match.group(2))
+        elements = [one[1:-1] for one in _BRACKETS.findall(match.group(2))]
         path += [int(one) if one.isdigit() else Key(one) for one in elements]
     return tuple(path)
 
@@ -213,8 +240,10 @@ def leaf_at(layout: Record, path: Path) -> Layout:
     """
     node: Layout = layout
     for position, part in enumerate(path):
-        if isinstance(part, Key):
+        if isinstance(part, Key) and not part.field:
             names_of(layout, path[:position])
+        elif isinstance(part, Key) and isinstance(node, Array):
+            label_of(node.element, part.field)
         node = _step(node, part, to_text(path[:position]) or layout.datatype)
     return node
 
@@ -234,6 +263,22 @@ def names_of(layout: Record, path: Path) -> Path:
     if isinstance(names, Array) and names.length is None and isinstance(names.element, Text):
         return place
     raise FieldError(f"the elements of {to_text(path)} have no names, only numbers")
+
+
+def label_of(element: Layout, field: str) -> Layout:
+    """Return the layout of the field that elements of an array are found by.
+
+    :param element: layout of the elements
+    :param field: name of the field
+    :raises FieldError: if they have no such field, or it is neither a text nor a whole number
+    """
+    if not isinstance(element, Record):
+        raise FieldError(f"{element.datatype} has no {field}")
+    leaf = leaf_at(element, to_path(field))
+    is_whole = isinstance(leaf, Scalar) and leaf.format in "bBhHiIqQ"
+    if not is_whole and not isinstance(leaf, Text):
+        raise FieldError(f"{field} is neither a text nor a whole number")
+    return leaf
 
 
 def numeric_fields(layout: Record, lengths: Lengths = one_element) -> List[NumericField]:

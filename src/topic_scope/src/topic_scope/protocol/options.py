@@ -249,12 +249,12 @@ def _as_options(arguments: Sequence[str]) -> List[str]:
 def _words(group: Sequence[str]) -> List[str]:
     """Return the names in some arguments: a launch file puts them in one, but not formulas.
 
-    A topic in quotes may have blanks.
+    Quotes and brackets may have blanks in them.
     """
     words: List[str] = []
     for argument in group:
-        is_whole = is_formula(argument) or argument.startswith('"')
-        words += [argument] if is_whole else argument.split()
+        found = re.findall(r'(?:"[^"]*"|\[[^]]*\]|\S)+', argument)
+        words += [argument] if is_formula(argument) else found
     return words
 
 

@@ -148,8 +148,9 @@ class Recorder:
         timestamp_source.path_of(timestamp, layout)
         arrays = self._arrays.get(topic, Arrays())
         found = [field.path for field in fields.resolve(layout, text, arrays, function)]
-        if found != [fields.to_path(text)]:  # what stands for a part has the names that are listed
-            found = [one for path in found for one in arrays.remembered(path)]
+        typed = fields.to_path(text)
+        if found != [typed]:  # what stands for a part has the names that are listed
+            found = [one for path in found for one in arrays.remembered(path, len(typed))]
         names = [fields.name_of(topic, path, self._types) for path in dict.fromkeys(found)]
         return [one + name[len(bare) :] for one in names]
 

@@ -23,7 +23,7 @@ from topic_scope.messages.derived import FUNCTIONS, QUATERNION
 
 
 class Key(str):
-    """What an element is found by, where else its index stands: ``arm``, or ``frame_id=base``."""
+    """Name of an element, or field and value, in place of its index: ``arm``, ``frame_id=base``."""
 
     @property
     def field(self) -> str:

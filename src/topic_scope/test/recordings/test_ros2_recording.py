@@ -132,6 +132,10 @@ def test_folder_need_not_say_what_is_in_its_files(tmp_path: Path) -> None:
     metadata.write_text(text.replace("nanoseconds: 3900000010", "nanoseconds: 5"))
     with open_bag(str(path)) as bag:
         assert told_of(bag) == whole
+    metadata.write_text("rosbag2: [")
+    (file,) = path.glob("*.mcap")
+    with open_bag(str(file)) as bag:
+        assert told_of(bag) == whole
     metadata.unlink()
     with open_bag(str(path)) as bag:
         assert told_of(bag) == whole
@@ -162,6 +166,16 @@ def test_message_that_does_not_fit_its_definition_costs_itself(tmp_path: Path) -
         layout = first_messages(bag)["/x"].layout
         values = Decoder(layout, ("data",)).decode([data for _, data in told_of(bag)["/x"]])
     assert values.tolist()[::3] == [0.0, 1.5] and numpy.isnan(values[1:3]).all()
+    with open_bag(str(file)) as bag:
+        player = BagPlayer(bag, 10.0, lambda: 0.0)
+        player.want(["/x"])
+        player.seek(player.end)
+        while player.is_loading:
+            player.now()
+    (problem,) = player.problems
+    assert problem.startswith(
+        f"{file}: /x: messages that do not fit their definition are left out: "
+    )
 
 
 def test_type_without_a_definition_is_the_one_of_ros2(tmp_path: Path) -> None:

@@ -229,6 +229,8 @@ class BagPlayer:
                 self._parts += self._bag.read(number, self._connections)
             except BagError as error:  # the others may be whole
                 self.problems.append(str(error))
+            self.problems += self._bag.notes
+            self._bag.notes.clear()
             is_late = self._clock() >= until
         return target
 

@@ -52,6 +52,7 @@ class Recording:
     :ivar faults: topics that cannot be read, and why
     :ivar lost: parts that could not be read, in words
     :ivar left_out: what else was asked for and is left out, in words
+    :ivar notes: problems with single messages that were read, in words
     """
 
     def __init__(self, path: str) -> None:
@@ -61,6 +62,7 @@ class Recording:
         self.faults: Dict[str, str] = {}
         self.lost: List[str] = []
         self.left_out: List[str] = []
+        self.notes: List[str] = []
         self._counts: Dict[int, int] = {}
 
     def __enter__(self: _Self) -> _Self:

@@ -8,7 +8,7 @@ import bisect
 import hashlib
 import os
 import pathlib
-from typing import Any, Callable, Collection, Dict, Iterable, Iterator, List, Mapping, Tuple
+from typing import Any, Callable, Collection, Dict, Iterable, Iterator, List, Mapping, Set, Tuple
 
 import numpy
 import yaml
@@ -49,6 +49,7 @@ class Ros2Recording(Recording):
         self._sources: Dict[int, Tuple[Any, Any]] = {}
         self._numbers: Dict[Tuple[int, int], int] = {}
         self._types: Dict[int, Ros2Type] = {}
+        self._misfits: Set[str] = set()
         files = _files(path, self._metadata)
         try:
             for file in files:
@@ -67,12 +68,12 @@ class Ros2Recording(Recording):
 
     def _learn(self) -> None:
         """Read what there is: topics, types and times."""
-        self._readers = [one for one in self._readers if one.message_count]
-        if not self._readers:
+        full = [one for one in self._readers if one.message_count]
+        if not full:
             raise BagError(f"{self.path} holds no messages")
         self._readers.sort(key=lambda one: one.start_time)
-        self.start = self._readers[0].start_time
-        self.end = max(one.end_time for one in self._readers) - 1
+        self.start = min(one.start_time for one in full)
+        self.end = max(one.end_time for one in full) - 1
         made: Dict[Tuple[str, str], Ros2Type] = {}
         for place, reader in enumerate(self._readers):
             _check_index(reader)
@@ -178,7 +179,12 @@ class Ros2Recording(Recording):
     def _converted(self, connection: int, data: bytes) -> bytes:
         try:
             return self._types[connection].to_ros1(self._decompress(data))
-        except TypeProblem:
+        except TypeProblem as problem:
+            topic = self.connections[connection].topic
+            if topic not in self._misfits:
+                self._misfits.add(topic)
+                text = "messages that do not fit their definition are left out"
+                self.notes.append(f"{self.path}: {topic}: {text}: {problem}")
             return _CUT_OFF
 
     def close(self) -> None:
@@ -202,6 +208,8 @@ def _metadata(path: str) -> Dict[str, Any]:
     except FileNotFoundError:
         return {}
     except (OSError, ValueError, LookupError, TypeError, yaml.YAMLError) as error:
+        if folder != path:
+            return {}
         raise BagError(f"{path}: its metadata.yaml cannot be read: {error}") from error
 
 

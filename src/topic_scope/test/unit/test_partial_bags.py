@@ -6,7 +6,7 @@ from typing import Any, Dict, List, Tuple
 import genpy
 import pytest
 import rosbag
-from bags import BEGIN, write_bag
+from bags import BEGIN, serialized, write_bag
 from std_msgs.msg import Float64, Int32, String
 
 from topic_scope.bag.columns import choose
@@ -116,6 +116,9 @@ def test_broken_chunk_costs_its_own_messages(tmp_path: Path, run: Any, number: i
     lost = sorted(set(range(40)) - set(values))
     assert 0 < len(lost) < 20 and (lost[0] == 0) == (number == 0)
     assert lost == list(range(lost[0], lost[-1] + 1))
+    with BagFile(path) as bag:
+        found = first_messages(bag)["/x"].data
+    assert found == serialized(Float64(float(lost[-1] + 1 if number == 0 else 0)))
 
 
 def test_picture_says_that_a_part_is_missing(tmp_path: Path) -> None:

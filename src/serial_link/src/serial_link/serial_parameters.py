@@ -18,7 +18,7 @@ class SerialParameters(ParameterSet):
     )
     baud = read_once(
         IntParameter(
-            57600, minimum=300, maximum=4000000, unit="Bd", help="bits a second, as in the sketch"
+            57600, minimum=2400, maximum=4000000, unit="Bd", help="bits a second, as in the sketch"
         )
     )
     tcp_port = read_once(

@@ -7,8 +7,10 @@ import pytest
 
 from serial_link.host.sync_states import (
     ASK,
-    NEGOTIATING,
+    ASKED,
     CLOSED,
+    DAMAGED,
+    HEARD,
     PROBING,
     SYNCED,
     LOST,
@@ -24,6 +26,8 @@ from serial_link.host.sync_states import (
 )
 from serial_link.host.sync_monitor import (
     ASK_EVERY_S,
+    FOLLOWS_S,
+    GROWTH,
     OVERDUE_S,
     PROBE_EVERY_S,
     QUIET_S,
@@ -57,13 +61,120 @@ def test_nothing_is_due_while_the_port_is_closed() -> None:
     assert monitor.restarts == 0
 
 
-def test_a_board_is_asked_until_it_answers() -> None:
+def test_board_that_does_not_answer_is_asked_once_in_eleven_seconds_and_probed_ever_less() -> None:
     monitor = SyncMonitor()
     monitor.handle(0.0, OPENED)
-    assert monitor.poll(0.9 * ASK_EVERY_S) == []
-    assert run(monitor, 0.0, 1.01) == [ASK] * 4
-    monitor.handle(1.1, TOPIC)
+    assert monitor.poll(0.9 * QUIET_S) == []
+    probed_at = []
+    while monitor.next_due() < OVERDUE_S:
+        now = monitor.next_due()
+        assert monitor.poll(now) == [PROBE]
+        probed_at.append(now)
+    pauses = [later - sooner for sooner, later in zip(probed_at, probed_at[1:])]
+    assert probed_at[0] == pytest.approx(QUIET_S) and pauses[0] == pytest.approx(PROBE_EVERY_S)
+    assert all(later == pytest.approx(GROWTH * sooner) for sooner, later in zip(pauses, pauses[1:]))
+    assert len(pauses) > 5
+    assert monitor.poll(OVERDUE_S) == [ASK] and monitor.state == ASKED
+    monitor.handle(OVERDUE_S + 0.1, TOPIC)
     assert monitor.state == SYNCED
+
+
+def test_what_waits_for_a_sketch_that_waits_five_seconds_leaves_room_for_messages() -> None:
+    monitor = SyncMonitor()
+    actions = monitor.handle(0.0, OPENED) + run(monitor, 0.0, 5.0)
+    waiting = 8 * actions.count(ASK) + 2 * actions.count(PROBE)
+    assert actions.count(ASK) == 1 and waiting <= 20
+
+
+def test_board_that_boots_is_asked_as_soon_as_it_answers_a_probe() -> None:
+    monitor = SyncMonitor()
+    monitor.handle(0.0, OPENED)  # the question is lost on the bootloader
+    run(monitor, 0.0, 2.0)
+    now = monitor.next_due()
+    assert monitor.poll(now) == [PROBE]
+    assert monitor.handle(now + 0.01, TIME) == [] and monitor.state == HEARD
+    assert run(monitor, now, now + 0.01 + FOLLOWS_S) == [ASK]
+    assert monitor.handle(now + 0.15, TIME) == []
+    monitor.handle(now + 0.16, TOPIC)
+    assert monitor.state == SYNCED and now < 3.2
+
+
+def test_slow_sketch_that_answers_the_question_late_is_not_asked_again() -> None:
+    monitor = SyncMonitor()
+    monitor.handle(0.0, OPENED)
+    run(monitor, 0.0, 5.0)
+    assert monitor.handle(5.0, TIME) == [] and monitor.handle(5.02, TOPIC) == []
+    assert monitor.state == SYNCED
+    assert run(monitor, 5.0, 9.9) == []  # its next turn is five seconds later
+
+
+@pytest.mark.parametrize("turn", [1.0, 3.0, 5.0, 7.0])
+@pytest.mark.parametrize("publishes", [False, True])
+def test_sketch_with_a_slow_loop_is_neither_restarted_nor_asked_again(
+    turn: float, publishes: bool
+) -> None:
+    monitor = SyncMonitor()
+    actions = monitor.handle(0.0, OPENED)
+    asked_time_at = -10.0
+    probes = []
+    for number in range(1, 20):
+        now = (number - 0.5) * turn
+        done = run(monitor, 0.0, now)
+        actions += done
+        probes.append(done.count(PROBE))
+        if number == 1:
+            asked_time_at = now
+            actions += monitor.handle(now, TIME) + monitor.handle(now, TOPIC)
+        elif now - asked_time_at > 2.5:
+            asked_time_at = now
+            done = monitor.handle(now, TIME)
+            actions += done
+            probes[-1] += done.count(PROBE)
+        if publishes:
+            actions += monitor.handle(now, MESSAGE)
+    assert actions.count(ASK) == 1 and RESTART not in actions and monitor.restarts == 0
+    assert max(probes[8:]) <= 2
+
+
+def test_slow_sketch_that_was_reset_is_asked_again() -> None:
+    monitor = SyncMonitor()
+    monitor.handle(0.0, OPENED)
+    monitor.handle(4.0, TIME)
+    monitor.handle(4.0, TOPIC)
+    for number in range(1, 4):
+        run(monitor, 0.0, 4.0 + 5.0 * number)
+        monitor.handle(4.0 + 5.0 * number, TIME)
+        monitor.handle(4.0 + 5.0 * number, MESSAGE)
+    actions = run(monitor, 0.0, 29.0)  # reset, and its loop waits: both probes are read at once
+    assert actions.count(PROBE) >= 2
+    answers = [monitor.handle(29.0, TIME) for _ in range(actions.count(PROBE))]
+    assert answers[1] == [RESTART, ASK] and [ASK] not in answers
+    assert monitor.state == ASKED and monitor.restarts == 1
+
+
+def test_sketch_without_topics_is_synced_by_the_second_answer() -> None:
+    monitor = SyncMonitor()
+    monitor.handle(0.0, OPENED)
+    monitor.handle(0.01, TIME)
+    assert set(run(monitor, 0.0, 2.5)) == {PROBE}
+    monitor.handle(2.51, TIME)
+    assert run(monitor, 0.0, 2.51 + FOLLOWS_S)[-1] == ASK
+    monitor.handle(2.7, TIME)
+    run(monitor, 0.0, 3.1)
+    assert monitor.state in (SYNCED, SILENT)
+
+
+def test_damaged_frames_before_the_answer_bring_questions_ever_more_rarely() -> None:
+    monitor = SyncMonitor()
+    actions = monitor.handle(0.0, OPENED)
+    asked_at = []
+    for step in range(1, 600):
+        now = 0.1 * step
+        if ASK in run(monitor, 0.0, now) + monitor.handle(now, DAMAGED):
+            asked_at.append(now)
+    assert actions == [ASK] and asked_at[0] < 1.0
+    assert 7 <= len(asked_at) <= 10
+    assert asked_at[-1] - asked_at[-2] >= 0.99 * OVERDUE_S
 
 
 def test_a_board_that_says_something_is_not_probed() -> None:
@@ -79,7 +190,7 @@ def test_a_board_that_only_listens_stays_in_contact() -> None:
     monitor = in_step()
     for request in range(1, 10):
         actions = run(monitor, 0.0, 2.5 * request)
-        assert set(actions) == {PROBE}
+        assert set(actions) == {PROBE} and len(actions) <= 6
         assert monitor.handle(2.5 * request, TIME) == [PROBE]
         assert monitor.state == PROBING
         assert monitor.poll(2.5 * request + PROBE_EVERY_S) == [PROBE]
@@ -95,9 +206,10 @@ def test_a_board_that_was_reset_is_back_within_a_second_of_its_start() -> None:
     monitor.poll(now)
     assert monitor.handle(now + 0.01, TIME) == [PROBE]
     assert monitor.handle(now + 0.02, TIME) == [RESTART, ASK]
-    assert monitor.state == NEGOTIATING and monitor.restarts == 1
+    assert monitor.state == ASKED and monitor.restarts == 1
     assert now + 0.02 - back_at < 1.0
     monitor.handle(now + 0.03, TIME)
+    monitor.handle(now + 0.04, TOPIC)
     assert monitor.state == SYNCED
 
 
@@ -115,7 +227,7 @@ def test_a_reset_board_that_logs_in_its_loop_is_asked_again() -> None:
         if ASK in polled:
             break
     assert actions[-2:] == [RESTART, ASK] and now < 1.0
-    assert monitor.state == NEGOTIATING and monitor.restarts == 1
+    assert monitor.state == ASKED and monitor.restarts == 1
 
 
 @pytest.mark.parametrize("state", [SILENT, PROBING])
@@ -146,7 +258,7 @@ def test_time_requests_provoked_by_bytes_of_messages_hide_no_reset() -> None:
         monitor.poll(now)
         if ASK in monitor.handle(now, TIME):
             break
-    assert monitor.state == NEGOTIATING and now < 1.0
+    assert monitor.state == ASKED and now < 1.0
 
 
 def test_a_quick_board_that_was_reset_is_missed_within_half_a_second() -> None:
@@ -162,7 +274,7 @@ def test_a_board_that_is_silent_for_too_long_is_asked_anew() -> None:
     actions = run(monitor, 0.0, 0.99 * OVERDUE_S)
     assert set(actions) == {PROBE} and monitor.state == SILENT
     assert run(monitor, 0.0, OVERDUE_S + PROBE_EVERY_S)[:2] == [RESTART, ASK]
-    assert monitor.state == NEGOTIATING
+    assert monitor.state == ASKED
 
 
 @pytest.mark.parametrize("quiet", [False, True])
@@ -173,5 +285,34 @@ def test_a_topic_that_is_not_known_is_asked_for_but_not_again_at_once(quiet: boo
         assert monitor.state == SILENT
     assert monitor.handle(1.0, UNKNOWN) == [ASK]
     assert monitor.handle(1.0 + 0.9 * ASK_EVERY_S, UNKNOWN) == []
-    assert monitor.handle(1.0 + 1.1 * ASK_EVERY_S, UNKNOWN) == [ASK]
     assert monitor.state == SYNCED
+
+
+def test_topic_that_stays_unknown_is_asked_for_ever_more_rarely() -> None:
+    monitor = in_step()
+    asked_at = []
+    for step in range(1, 600):  # its messages come ten times a second
+        now = 0.1 * step
+        if ASK in monitor.handle(now, UNKNOWN):
+            asked_at.append(now)
+            monitor.handle(now + 0.01, TIME)
+            monitor.handle(now + 0.02, TOPIC)
+    assert 7 <= len(asked_at) <= 10
+    assert asked_at[-1] - asked_at[-2] >= OVERDUE_S
+    assert monitor.handle(asked_at[-1] + 60.0, UNKNOWN) == [ASK]
+    assert monitor.handle(asked_at[-1] + 60.6, UNKNOWN) == [ASK]
+
+
+@pytest.mark.parametrize("baud", [2400, 4800])
+def test_board_on_a_slow_line_is_not_restarted_by_its_own_answers(baud: int) -> None:
+    frame = 1280 / baud
+    monitor = SyncMonitor(frame)
+    actions = monitor.handle(0.0, OPENED)
+    for number in range(40):  # the time request, then a topic, message or nothing, each on the line
+        now = 0.1 + 2.5 * number
+        actions += run(monitor, 0.0, now)
+        actions += monitor.handle(now, TIME)
+        if number == 0:
+            actions += run(monitor, 0.0, now + 0.9 * frame)
+            actions += monitor.handle(now + 0.9 * frame, TOPIC)
+    assert actions.count(ASK) == 1 and RESTART not in actions

@@ -5,11 +5,12 @@ from typing import Set
 from serial_link.host import sync_states
 from serial_link.host.sync_states import (
     ASK,
-    NEGOTIATING,
+    ASKED,
     CLOSED,
     PROBING,
     DUE,
     EVENTS,
+    HEARD,
     SYNCED,
     LOST,
     MESSAGE,
@@ -17,11 +18,13 @@ from serial_link.host.sync_states import (
     OPENED,
     PROBE,
     RESTART,
+    SEEKING,
     SILENT,
     STATES,
     TABLE,
     TIME,
     TOPIC,
+    UNKNOWN,
     Move,
     move,
 )
@@ -55,11 +58,12 @@ def test_every_state_is_reached_and_left() -> None:
 
 def test_what_has_no_row_changes_nothing() -> None:
     assert move(CLOSED, TOPIC) == Move(CLOSED, "")
-    assert move(NEGOTIATING, MESSAGE) == Move(NEGOTIATING, "")
+    assert move(ASKED, MESSAGE) == Move(ASKED, "")
 
 
-def test_notice_changes_no_state() -> None:
-    assert all(move(state, NOTICE) == Move(state) for state in STATES)
+def test_notice_proves_nothing_but_that_a_time_request_answered_a_probe() -> None:
+    others = set(STATES) - {HEARD}
+    assert others and all(move(state, NOTICE) == Move(state) for state in others)
 
 
 def test_a_silent_board_is_restarted_only_if_it_answers_two_probes() -> None:
@@ -67,6 +71,20 @@ def test_a_silent_board_is_restarted_only_if_it_answers_two_probes() -> None:
     for event, expected in ((DUE, (SILENT, PROBE)), (TIME, (PROBING, PROBE))):
         state, action = move(state, event)
         assert (state, action) == expected
-    assert move(PROBING, TIME) == Move(NEGOTIATING, RESTART)
+    assert move(PROBING, TIME) == Move(ASKED, RESTART)
     assert move(PROBING, DUE) == Move(SILENT, PROBE)
-    assert move(sync_states.CLOSED, OPENED) == Move(NEGOTIATING, ASK)
+    assert move(sync_states.CLOSED, OPENED) == Move(ASKED, ASK)
+
+
+def test_time_request_answers_a_probe_or_the_question_as_what_follows_tells() -> None:
+    assert move(SEEKING, TIME) == Move(HEARD)
+    assert move(HEARD, TOPIC) == Move(SYNCED)
+    others = (TIME, NOTICE, UNKNOWN, DUE)
+    assert {move(HEARD, event) for event in others} == {Move(ASKED, ASK)}
+
+
+def test_question_under_way_is_not_followed_by_another() -> None:
+    asking = {
+        event for (state, event), (_, action) in TABLE.items() if state == ASKED and action == ASK
+    }
+    assert not asking

@@ -5,29 +5,44 @@ from typing import List
 
 from serial_link.host.sync_states import (
     ASK,
-    NEGOTIATING,
+    ASKED,
     CLOSED,
+    DAMAGED,
     DUE,
+    EMPTY,
+    HEARD,
     MESSAGE,
-    SYNCED,
     OPENED,
     OVERDUE,
     PROBE,
+    PROBING,
     RESTART,
+    SEEKING,
     SILENT,
+    SYNCED,
     TIME,
     TOPIC,
     UNKNOWN,
     move,
 )
 
-#: A board that has not proven for this long that it is configured is silent [s].
+#: A quick board that has not proven for this long that it is configured is silent [s], and one that
+#: has not answered a question for as long is probed.
 QUIET_S = 0.3
-#: How often a board is asked that does not answer, and probed while it is silent [s].
-ASK_EVERY_S, PROBE_EVERY_S = 0.25, 0.25
-#: A configured board asks for the time every 2.5 s, or once a loop if that takes longer. It forgets
-#: a host that has not answered for this long [s].
-OVERDUE_S = 11.0
+#: The pause between two probes [s], and the factor by which it grows from one to the next.
+PROBE_EVERY_S, GROWTH = 0.25, 1.5
+#: The pause between two questions to a board whose frames are not known or damaged [s]; it doubles.
+ASK_EVERY_S = 0.25
+#: The topics follow a time request that answers the question within this time [s].
+FOLLOWS_S = 0.1
+#: A configured board asks for the time this often, or once a turn of its loop if that takes longer;
+#: a period longer by the second number is one of a slow loop [s]. It forgets a host that has not
+#: answered for the third [s].
+TIME_EVERY_S, LATE_S, OVERDUE_S = 2.5, 0.2, 11.0
+#: A slow board is silent when it has said nothing for so many turns of its loop.
+TURNS = 1.5
+#: So many questions that only a time request answers are answered by a sketch without topics.
+EMPTY_ANSWERS = 2
 #: Events that prove that the board is configured. The time proves it only in other states than
 #: SYNCED: a board that was reset asks for it whenever a message to it has a byte 0xff.
 _PROOFS = (OPENED, TOPIC, MESSAGE, UNKNOWN)
@@ -36,14 +51,33 @@ _PROOFS = (OPENED, TOPIC, MESSAGE, UNKNOWN)
 class SyncMonitor:
     """Monitor of the synchronization with a board. Time is an argument [s].
 
+    How long the board may be silent is learned from it: from how long it takes to answer, and from
+    how late it asks for the time.
+
+    :param frame_s: how long the frame that tells of a topic is on the line [s]
+
     :ivar state: of the table
     :ivar restarts: number of restarts of the board
     """
 
-    def __init__(self) -> None:
+    def __init__(self, frame_s: float = 0.0) -> None:
         self.state = CLOSED
         self.restarts = 0
-        self._proven_at = self._asked_at = self._probed_at = -math.inf
+        self._frame_s = frame_s
+        #: How long a turn of the sketch's loop takes [s]; 0 for a quick one. The second is without
+        #: the last time request, which may have answered a probe.
+        self._turn_s = self._turn_before_s = 0.0
+        self._pause_s = self._ask_pause_s = 0.0
+        self._empty_answers = 0
+        self._proven_at = self._alive_at = self._asked_at = self._probed_at = -math.inf
+        #: When it asked for the time last, since it was asked for its topics.
+        self._time_at = -math.inf
+        self._is_answered = True
+
+    @property
+    def patience(self) -> float:
+        """Longest time that the board may take to answer [s]."""
+        return max(QUIET_S, TURNS * self._turn_s) + self._frame_s
 
     def handle(self, now: float, event: str) -> List[str]:
         """Follow an event.
@@ -53,23 +87,42 @@ class SyncMonitor:
         :returns: actions of the table, in order
         """
         was = self.state
+        if event == OPENED:
+            self._turn_s = self._turn_before_s = self._ask_pause_s = 0.0
+        elif event == TIME:
+            self._learn_turn(now)
+        elif event == TOPIC:
+            self._receive_answer(now)
         if event in _PROOFS or (event == TIME and was != SYNCED):
             self._proven_at = now
+        if event in _PROOFS or event == TIME:
+            self._alive_at = now
+        is_asked = event in (UNKNOWN, DAMAGED) and move(was, event).action == ASK
+        if is_asked and not self._may_ask(now):
+            event = MESSAGE if event == UNKNOWN else ""  # what it tells when asked is under way
         self.state, action = move(was, event)
-        if event == UNKNOWN and now - self._asked_at < ASK_EVERY_S:
-            action = ""  # what it tells when it is asked is under way
-        if event == OPENED:
-            self._asked_at = now
         actions = [action] if action else []
         if action == RESTART:
-            self.restarts += was not in (CLOSED, NEGOTIATING) and self.state == NEGOTIATING
-            if self.state == NEGOTIATING:
+            self.restarts += was == PROBING and event == TIME
+            self._ask_pause_s, self._turn_s = 0.0, self._turn_before_s
+            if self.state == ASKED:
                 actions.append(ASK)
         if ASK in actions:
-            self._asked_at = now
+            self._record_question(now)
         if PROBE in actions:
             self._probed_at = now
+            is_first = was not in (self.state, PROBING)
+            longer = max(GROWTH * self._pause_s, TURNS * self._turn_s)
+            self._pause_s = PROBE_EVERY_S + self._frame_s if is_first else longer
         return actions
+
+    def ask(self, now: float) -> List[str]:
+        """Return the action that asks again for the topics, as not all are known.
+
+        :param now: the time [s]
+        """
+        self._record_question(now)
+        return [ASK]
 
     def poll(self, now: float) -> List[str]:
         """Do what is due.
@@ -79,15 +132,59 @@ class SyncMonitor:
         """
         if now < self.next_due():
             return []
-        is_overdue = self.state == SILENT and now - self._proven_at >= OVERDUE_S
-        return self.handle(now, OVERDUE if is_overdue else DUE)
+        event = DUE
+        if self.state == SEEKING and now >= self._asked_at + OVERDUE_S:
+            event = OVERDUE
+        elif self.state == SILENT and now >= self._alive_at + OVERDUE_S:
+            event = OVERDUE
+        elif self.state == ASKED and self._time_at >= self._asked_at:
+            self._empty_answers += 1
+            event = EMPTY if self._empty_answers >= EMPTY_ANSWERS else DUE
+        return self.handle(now, event)
 
     def next_due(self) -> float:
         """Return when :meth:`poll` has something to do [s]."""
         if self.state == CLOSED:
             return math.inf
-        if self.state == NEGOTIATING:
-            return self._asked_at + ASK_EVERY_S
+        if self.state == ASKED:
+            return self._asked_at + self.patience
+        if self.state == HEARD:
+            return self._alive_at + FOLLOWS_S + self._frame_s
         if self.state == SYNCED:
-            return self._proven_at + QUIET_S
-        return self._probed_at + PROBE_EVERY_S
+            return self._proven_at + self.patience
+        if self.state == PROBING:
+            return self._probed_at + PROBE_EVERY_S + self._frame_s
+        since = self._asked_at if self.state == SEEKING else self._alive_at
+        return min(self._probed_at + self._pause_s, since + OVERDUE_S)
+
+    def _record_question(self, now: float) -> None:
+        self._asked_at, self._time_at, self._is_answered = now, -math.inf, False
+
+    def _receive_answer(self, now: float) -> None:
+        """Learn from an answer to the question how long the board takes."""
+        self._empty_answers = 0
+        if not self._is_answered:
+            self._is_answered = True
+            if now - self._asked_at > QUIET_S + self._frame_s:
+                self._turn_s = max(self._turn_s, now - self._asked_at)
+
+    def _learn_turn(self, now: float) -> None:
+        """Learn from a time request how long a turn of the loop takes."""
+        period, self._time_at = now - self._time_at, now
+        if self.state != PROBING:
+            self._turn_before_s = self._turn_s
+        if self.state in (SYNCED, SILENT, PROBING) and self._is_answered and period < math.inf:
+            if period > TIME_EVERY_S + LATE_S + self._frame_s:
+                self._turn_s = period
+            elif period > TIME_EVERY_S - LATE_S:
+                self._turn_s = 0.0
+
+    def _may_ask(self, now: float) -> bool:
+        """Tell whether it is time for another question, and take a longer pause before the next."""
+        since = now - self._asked_at
+        if since > 2.0 * self._ask_pause_s:
+            self._ask_pause_s = ASK_EVERY_S
+        if since < max(self._ask_pause_s, self.patience):
+            return False
+        self._ask_pause_s = min(2.0 * self._ask_pause_s, OVERDUE_S)
+        return True

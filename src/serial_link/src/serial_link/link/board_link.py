@@ -1,20 +1,20 @@
 """Link to one board: a thread that reads and stays synchronized, and one that writes."""
 
+import math
 import threading
 import time
 import traceback
-from typing import Any, Callable, Dict, List, Optional, Tuple
+from typing import Callable, Dict, List, Tuple
 
 import rospy
 
 from serial_link.framing.decoder import Decoder
 from serial_link.framing.frames import LONGEST, OLD_REQUEST, OVERHEAD, PROBE, encode
-from serial_link.hardware.ports import Port, PortLost, PortStuck, PortUnavailable
+from serial_link.hardware.ports import Port, PortLost, PortUnavailable
 from serial_link.host import counters, sync_states
 from serial_link.host.counters import Counters
 from serial_link.host.connect_diagnosis import ConnectDiagnosis
 from serial_link.host.message_queue import MessageQueue
-from serial_link.host.baud_pacing import BaudPacer
 from serial_link.host.sync_monitor import SyncMonitor
 from serial_link.link.events import (
     Synced,
@@ -24,28 +24,23 @@ from serial_link.link.events import (
     Restarted,
     Topics,
 )
+from serial_link.link.frame_writer import FrameWriter
 from serial_link.link.throttled_log import ThrottledLog
 from serial_link.negotiation import payloads
 from serial_link.negotiation.payloads import (
     FIRST_TOPIC,
     LOG,
     PARAMETER,
-    STOP,
     TIME,
     TOPICS,
     TopicInfo,
 )
 from serial_link.negotiation.topic_table import TopicTable
 
-#: Longest wait for bytes or for the line [s]: the node may end meanwhile.
+#: Longest wait for bytes [s]: the node may end meanwhile.
 _LONGEST_WAIT_S = 0.25
 #: Longest wait for bytes while the board tells of its topics [s].
 _ROUND_POLL_S = 0.05
-#: Longest wait for something to send [s]; it ends when the node does.
-_IDLE_S = 1.0
-#: Has the board publish no longer; how long that may take to be sent [s].
-_STOP_FRAME = encode(STOP, b"")
-_STOP_S = 1.0
 #: Values of one topic that may wait for the line where they are latched: hardly ever they come as a
 #: stream, and then the last one is that which stands.
 _LATCHED_DEPTH = 200
@@ -53,8 +48,14 @@ _LATCHED_DEPTH = 200
 _INBOX_DEPTH = 200
 #: How often a port is tried that cannot be opened [s], and the same is said again.
 _OPEN_EVERY_S, _LOG_EVERY_S = 0.2, 10.0
-#: A board that does not answer for this long is told of [s], and asked in the old way as well.
+#: A board that does not answer for this long is told of [s], and from the second question on it is
+#: asked in the old way as well.
 _NO_ANSWER_S = 3.0
+#: Time requests that come at once, in answer to several probes, get one answer [s]: more would fill
+#: the board's buffer.
+_TIME_EVERY_S = 0.2
+#: Of a frame that tells of a topic [bytes]; bits on the line for a byte.
+_TOPIC_BYTES, _BITS = 128, 10
 #: Returns the time that a board is told, as s and ns.
 TimeOf = Callable[[], Tuple[int, int]]
 
@@ -73,24 +74,26 @@ class BoardLink:
     """
 
     def __init__(self, port: Port, counters: Counters, time_of: TimeOf) -> None:
-        self.inbox, self._outgoing_queue = MessageQueue(_INBOX_DEPTH), MessageQueue()
+        self.inbox = MessageQueue(_INBOX_DEPTH)
         self._port, self._counters, self._time_of = port, counters, time_of
-        self._decoder, self._sync, self._topics = Decoder(), SyncMonitor(), TopicTable()
-        self._pacer = BaudPacer(port.baud)
-        self._is_over, self._has_stopped = threading.Event(), threading.Event()
+        frame_s = _TOPIC_BYTES * _BITS / port.baud if port.baud else 0.0
+        self._decoder, self._sync = Decoder(), SyncMonitor(frame_s)
+        self._topics = TopicTable(frame_s)
+        self._is_over = threading.Event()
         self._is_open = self._is_ending = False
         #: Why the port is not open, or the board does not answer; empty where all is well.
         self._trouble = ""
         self._throttled_log = ThrottledLog(_LOG_EVERY_S)
+        self._writer = FrameWriter(port, counters, self._throttled_log)
+        self._outgoing_queue = self._writer.queue
         self._arrived_at = self._opened_at = self._spoke_at = 0.0
+        self._time_told_at = -math.inf
         self._diagnosis = ConnectDiagnosis()
         #: Whether the board was started, and not all that it has to tell is known yet.
         self._is_new = True
-        #: Held while writing: a closed port's number may be another file's next.
-        self._port_lock = threading.Lock()
         self._threads = [
             threading.Thread(target=self._guard, args=(work,), name=name, daemon=True)
-            for work, name in ((self._read, "reader"), (self._write, "writer"))
+            for work, name in ((self._read, "reader"), (self._writer.write_next, "writer"))
         ]
 
     def start(self) -> None:
@@ -101,8 +104,8 @@ class BoardLink:
     def close(self) -> None:
         """Stop the threads, and close the port."""
         self._is_over.set()
-        for queue in (self.inbox, self._outgoing_queue):
-            queue.close()
+        self.inbox.close()
+        self._writer.close()
         for thread in self._threads:
             if thread.ident is not None:
                 thread.join(2.0 * _LONGEST_WAIT_S)
@@ -186,10 +189,7 @@ class BoardLink:
     def send_stop(self) -> None:
         """Have the board publish no longer, as the host ends; return when that is sent."""
         self._is_ending = True
-        if self._is_open:
-            self._outgoing_queue.clear()
-            self._outgoing_queue.put_reliable(_STOP_FRAME)
-            self._has_stopped.wait(_STOP_S)
+        self._writer.send_stop()
 
     def _is_accepted(self, info: TopicInfo) -> bool:
         """Tell whether the board subscribes to a topic since its last start.
@@ -250,17 +250,16 @@ class BoardLink:
         self._is_new = True
         self._diagnosis.clear()
         self._opened_at = self._spoke_at = now
-        self._pacer = BaudPacer(self._port.baud)
         self._counters.add(counters.OPENINGS)
         at = f" at {self._port.baud} baud" if self._port.baud else ""
         rospy.loginfo("%s: open%s", self._port.name, at)
         self._is_open = True
+        self._writer.open()
         self._execute(now, self._sync.handle(now, sync_states.OPENED))
 
     def _close_lost_port(self, error: PortLost) -> None:
         self._is_open = False
-        with self._port_lock:
-            self._port.close()
+        self._writer.close_port()
         self._trouble = str(error)
         rospy.logwarn("%s", error)
         self._execute(time.monotonic(), self._sync.handle(time.monotonic(), sync_states.LOST))
@@ -279,6 +278,7 @@ class BoardLink:
         self._diagnosis.add(data, bool(frames))
         if self._damage_count() != before:
             self._topics.mark_damaged()
+            self._execute(now, self._sync.handle(now, sync_states.DAMAGED))
         self._counters.add(counters.RECEIVED, len(frames))
         for frame in frames:
             self._spoke_at = now
@@ -291,8 +291,7 @@ class BoardLink:
                 self._add_topic(now, topic_id, payload)
             elif topic_id == TIME:
                 event = sync_states.TIME
-                answer = encode(TIME, payloads.encode_time(*self._time_of()))
-                self._outgoing_queue.put_reliable(answer)
+                self._tell_time(now)
             elif topic_id == PARAMETER:
                 event = sync_states.NOTICE
                 self.inbox.put_reliable(ParameterRequest(payloads.decode_name(payload)))
@@ -306,6 +305,12 @@ class BoardLink:
             self._topics.mark_damaged()
             return
         self._execute(now, self._sync.handle(now, event))
+
+    def _tell_time(self, now: float) -> None:
+        if now - self._time_told_at >= _TIME_EVERY_S:
+            self._time_told_at = now
+            answer = encode(TIME, payloads.encode_time(*self._time_of()))
+            self._outgoing_queue.put_reliable(answer)
 
     def _add_topic(self, now: float, info_id: int, payload: bytes) -> None:
         info = payloads.decode_topic(payload)
@@ -331,12 +336,9 @@ class BoardLink:
         for action in actions:
             if action == sync_states.ASK:
                 self._counters.add(counters.ASKED)
-                self._topics.begin_round(now, self.is_synced)
+                self._topics.begin_round(now, self.is_synced, self._sync.patience)
                 self._outgoing_queue.put_reliable(encode(payloads.PUBLISHER, b""))
-                if (
-                    self._sync.state == sync_states.NEGOTIATING
-                    and now - self._spoke_at > _NO_ANSWER_S
-                ):
+                if not self.is_synced and now - self._spoke_at > _NO_ANSWER_S:
                     self._outgoing_queue.put_reliable(OLD_REQUEST)
             elif action == sync_states.PROBE:
                 self._outgoing_queue.put_reliable(PROBE)
@@ -344,6 +346,7 @@ class BoardLink:
                 self._is_new = True
                 self._topics.reset()
                 self._outgoing_queue.clear()
+                self._time_told_at = -math.inf
                 self.inbox.put_reliable(Restarted(self._trouble or "the board was restarted"))
                 if self._is_open:
                     rospy.logwarn("%s: the board was restarted, or lost contact", self._port.name)
@@ -353,7 +356,7 @@ class BoardLink:
         if is_complete is None or not self.is_synced:
             return
         if not is_complete:
-            self._execute(now, [sync_states.ASK])
+            self._execute(now, self._sync.ask(now))
         longest = self._topics.longest
         self._decoder.longest = longest - OVERHEAD if longest > OVERHEAD else LONGEST
         self.inbox.put_reliable(Topics(self._topics.endpoints(), self._topics.is_complete))
@@ -364,36 +367,10 @@ class BoardLink:
 
     def _explain_silence(self, now: float) -> None:
         """Log a diagnosis if the board has not answered for long enough."""
-        if self._sync.state != sync_states.NEGOTIATING or now - self._spoke_at < _NO_ANSWER_S:
+        if self.is_synced or now - self._spoke_at < _NO_ANSWER_S:
             return
         self._trouble = self._diagnosis.explain(self._port.baud)
         self._throttled_log.log(rospy.logwarn, f"{self._port.name}: {self._trouble}")
 
     def _damage_count(self) -> int:
         return sum(self._decoder.faults.values())
-
-    def _write(self) -> None:
-        """Send the next frame when the line is free."""
-        now = time.monotonic()
-        delay = self._pacer.delay(now)
-        if delay > 0.0:
-            self._is_over.wait(min(delay, _LONGEST_WAIT_S))
-            return
-        frame: Optional[Any] = self._outgoing_queue.get(_IDLE_S)
-        if frame is None or not self._is_open:
-            return
-        try:
-            with self._port_lock:
-                self._port.write(frame)
-        except PortStuck as error:
-            self._counters.add(counters.STUCK)
-            self._throttled_log.log(rospy.logwarn, str(error))
-            return
-        except PortLost:
-            self._is_over.wait(_LONGEST_WAIT_S)  # the thread that reads finds out why
-            return
-        self._pacer.record_write(time.monotonic(), len(frame))
-        if frame is _STOP_FRAME:
-            self._has_stopped.set()
-        self._counters.add(counters.SENT)
-        self._counters.add(counters.SENT_BYTES, len(frame))

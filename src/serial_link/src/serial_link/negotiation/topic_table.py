@@ -51,9 +51,12 @@ class TopicTable:
     another round fills the gaps. On a line that damages one byte in a hundred, one topic in 900 is
     told wrong by a frame whose sums hold. So where anything was damaged ever, each has to be told
     twice alike, and is not replaced by what is told once. Time is an argument [s].
+
+    :param frame_s: how long the frame that tells of a topic is on the line [s]
     """
 
-    def __init__(self) -> None:
+    def __init__(self, frame_s: float = 0.0) -> None:
+        self._settled_s = SETTLED_S + frame_s
         #: By direction (0 for what the board sends) and id; the id that tells of it, and its info.
         self._infos: Dict[Tuple[int, int], Tuple[int, TopicInfo]] = {}
         self._seen: Set[Tuple[int, int]] = set()
@@ -77,18 +80,19 @@ class TopicTable:
         """Whether no round is under way."""
         return self._ends_at is None
 
-    def begin_round(self, now: float, is_answering: bool = True) -> None:
+    def begin_round(self, now: float, is_answering: bool = True, patience: float = 0.0) -> None:
         """Begin a round, as the board was asked.
 
         :param now: the time [s]
         :param is_answering: whether the board has answered since it was started; no round counts
             before, however many a line of noise has damaged
+        :param patience: how long the board may take to answer [s]
         """
         goes_on = is_answering and not self._is_final
         self._rounds = self._rounds + 1 if goes_on else 1
         self._is_final = False
         self._seen.clear()
-        self._ends_at, self._is_damaged = now + SETTLED_S, False
+        self._ends_at, self._is_damaged = now + max(self._settled_s, patience), False
 
     def add(self, now: float, info_id: int, info: TopicInfo) -> bool:
         """Add what was told of one topic, or of one half of a service.
@@ -109,7 +113,7 @@ class TopicTable:
                 self._infos[key] = (info_id, info)
             self._unconfirmed.add(key)
         self._seen.add(key)
-        self._ends_at = now + SETTLED_S
+        self._ends_at = now + self._settled_s
         return True
 
     def mark_damaged(self) -> None:

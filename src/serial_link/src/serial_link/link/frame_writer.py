@@ -1,0 +1,93 @@
+"""Writer of frames to a board's port, at the pace of its line."""
+
+import threading
+import time
+from typing import Any, Optional
+
+import rospy
+
+from serial_link.framing.frames import encode
+from serial_link.hardware.ports import Port, PortLost, PortStuck
+from serial_link.host import counters
+from serial_link.host.baud_pacing import BaudPacer
+from serial_link.host.counters import Counters
+from serial_link.host.message_queue import MessageQueue
+from serial_link.link.throttled_log import ThrottledLog
+from serial_link.negotiation.payloads import STOP
+
+#: Longest wait for the line [s]: the node may end meanwhile.
+_LONGEST_WAIT_S = 0.25
+#: Longest wait for something to send [s]; it ends when the node does.
+_IDLE_S = 1.0
+#: Has the board publish no longer; how long that may take to be sent [s].
+_STOP_FRAME = encode(STOP, b"")
+_STOP_S = 1.0
+
+
+class FrameWriter:
+    """Writer of the frames in a queue, while its port is open.
+
+    :param port: of the board
+    :param counts: counts what is sent
+    :param log: limits what is logged
+
+    :ivar queue: what is to be sent
+    """
+
+    def __init__(self, port: Port, counts: Counters, log: ThrottledLog) -> None:
+        self.queue = MessageQueue()
+        self._port, self._counters, self._throttled_log = port, counts, log
+        self._pacer = BaudPacer(port.baud)
+        self._is_open = False
+        self._is_over, self._has_stopped = threading.Event(), threading.Event()
+        #: Held while writing: a closed port's number may be another file's next.
+        self._port_lock = threading.Lock()
+
+    def open(self) -> None:
+        """Begin to write, as the port was opened."""
+        self._pacer = BaudPacer(self._port.baud)
+        self._is_open = True
+
+    def close_port(self) -> None:
+        """Close the port, between two frames."""
+        self._is_open = False
+        with self._port_lock:
+            self._port.close()
+
+    def close(self) -> None:
+        """End all waits."""
+        self._is_over.set()
+        self.queue.close()
+
+    def send_stop(self) -> None:
+        """Have the board publish no longer, as the host ends; return when that is sent."""
+        if self._is_open:
+            self.queue.clear()
+            self.queue.put_reliable(_STOP_FRAME)
+            self._has_stopped.wait(_STOP_S)
+
+    def write_next(self) -> None:
+        """Send the next frame when the line is free."""
+        now = time.monotonic()
+        delay = self._pacer.delay(now)
+        if delay > 0.0:
+            self._is_over.wait(min(delay, _LONGEST_WAIT_S))
+            return
+        frame: Optional[Any] = self.queue.get(_IDLE_S)
+        if frame is None or not self._is_open:
+            return
+        try:
+            with self._port_lock:
+                self._port.write(frame)
+        except PortStuck as error:
+            self._counters.add(counters.STUCK)
+            self._throttled_log.log(rospy.logwarn, str(error))
+            return
+        except PortLost:
+            self._is_over.wait(_LONGEST_WAIT_S)  # the thread that reads finds out why
+            return
+        self._pacer.record_write(time.monotonic(), len(frame))
+        if frame is _STOP_FRAME:
+            self._has_stopped.set()
+        self._counters.add(counters.SENT)
+        self._counters.add(counters.SENT_BYTES, len(frame))

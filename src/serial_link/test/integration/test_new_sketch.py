@@ -58,6 +58,19 @@ class NewSketch(BoardRig):
         self.assertRegex(failures[0], "the board was restarted")
         node.wait_for_log("the board was restarted")
 
+    def test_two_subscribers_of_one_topic_in_a_sketch_both_hear_and_wrong_names_are_told(
+        self,
+    ) -> None:
+        told = self.sketch.topics[1]
+        self.sketch.topics = [told, told, told._replace(name="my-topic")]
+        node = self.start()
+        publisher = self.publisher(latch=True)
+        publisher.publish("once")
+        wait_until(lambda: self.sketch.texts() == ["once"] * 2, lambda: f"{self.sketch.heard}")
+        node.wait_for_log("my-topic is refused: 'my-topic' is not a name of ROS: in the sketch")
+        self.board.reset()
+        wait_until(lambda: self.sketch.texts() == ["once"] * 4, lambda: f"{self.sketch.heard}")
+
     def test_what_a_new_sketch_has_no_more_is_told_and_taken_off_the_graph(self) -> None:
         said = MessageRecorder(self.space + "/said", String)
         node = self.start()

@@ -291,7 +291,7 @@ class SerialNode(Rig):
     def test_port_that_is_none_is_refused(self) -> None:
         for parameters, said in (
             ({"port": "''"}, "port must be the path"),
-            ({"baud": 0}, "baud: refused 0: must be a whole number in [300, 4000000]"),
+            ({"baud": 0}, "baud: refused 0: must be a whole number in [2400, 4000000]"),
         ):
             node = self.start_link(**parameters)
             self.assertEqual(node.wait(), 1)

@@ -1,5 +1,6 @@
 """Payloads of the special frames: encoded, decoded, and rejected if implausible."""
 
+import re
 import struct
 from typing import Any, Callable
 
@@ -75,25 +76,59 @@ GOOD = TopicInfo(125, "speed", "std_msgs/Float32", "0" * 32, 512)
 
 
 @pytest.mark.parametrize(
-    "wrong",
+    "wrong, advice",
     [
-        {"topic_id": 99},
-        {"name": ""},
-        {"name": "spe ed"},
-        {"name": "/"},
-        {"type": "Float32"},
-        {"type": "std_msgs/Float32/x"},
-        {"md5sum": "0" * 31},
-        {"md5sum": "G" * 32},
-        {"buffer_size": 0},
-        {"buffer_size": 32768},
-        {"buffer_size": -1},
+        ({"name": ""}, "'' is not a name"),
+        ({"name": "spe ed"}, "'spe ed' is not a name"),
+        ({"name": "my-topic"}, "'my-topic' is not a name of ROS: in the sketch, use letters"),
+        ({"name": "1st"}, "'1st' .* with a letter first"),
+        ({"name": "/"}, "'/' is not a name"),
+        ({"type": "Float32"}, "type 'Float32' .* build the sketch with 0.7.8"),
+        ({"type": "std_msgs/Float32/x"}, "build the sketch with 0.7.8"),
+        ({"md5sum": "0" * 31}, "build the sketch with 0.7.8"),
+        ({"md5sum": "G" * 32}, "md5sum 'G"),
+        ({"buffer_size": 0}, "0 bytes: in the sketch, give NodeHandle_ buffers of 1 to 32767"),
+        ({"buffer_size": -25536}, "-25536 bytes"),
     ],
 )
-def test_what_no_board_would_tell_is_refused(wrong: Any) -> None:
-    assert payloads.decode_topic(payloads.encode_topic(GOOD)) == GOOD
-    with pytest.raises(PayloadError, match="no topic"):
-        payloads.decode_topic(payloads.encode_topic(GOOD._replace(**wrong)))
+def test_topic_that_ros_cannot_have_is_read_and_its_problem_has_what_to_change(
+    wrong: Any, advice: str
+) -> None:
+    assert payloads.problem_of(GOOD) == ""
+    info = GOOD._replace(**wrong)
+    assert payloads.decode_topic(payloads.encode_topic(info)) == info
+    assert re.search(advice, payloads.problem_of(info))
+
+
+@given(infos)
+def test_topic_of_a_board_has_no_problem(info: TopicInfo) -> None:
+    assert payloads.problem_of(info) == ""
+
+
+def test_type_and_md5sum_that_are_garbage_are_read_and_shown_in_part() -> None:
+    payload = payloads.encode_topic(GOOD._replace(type="x" * 16, md5sum="y" * 100))
+    info = payloads.decode_topic(payload.replace(b"x" * 16, bytes(range(0x80, 0x90))))
+    assert len(payloads.problem_of(info)) < 300 and "0.7.8" in payloads.problem_of(info)
+
+
+@pytest.mark.parametrize(
+    "told, name",
+    [("chatter/", "chatter"), ("//a//b/", "/a/b"), ("~/gain", "~gain"), ("~gain", "~gain")],
+)
+def test_slashes_that_ros_ignores_are_dropped(told: str, name: str) -> None:
+    info = GOOD._replace(name=told)
+    assert payloads.decode_topic(payloads.encode_topic(info)).name == name
+    assert payloads.decode_name(payloads.encode_name(told)) == name
+
+
+def test_buffer_beyond_a_frame_counts_as_a_frame() -> None:
+    payload = payloads.encode_topic(GOOD._replace(buffer_size=40000))
+    assert payloads.decode_topic(payload).buffer_size == 32767
+
+
+def test_id_that_no_topic_has_is_refused() -> None:
+    with pytest.raises(PayloadError, match="99"):
+        payloads.decode_topic(payloads.encode_topic(GOOD._replace(topic_id=99)))
 
 
 def test_the_smallest_and_the_largest_are_taken() -> None:

@@ -204,6 +204,43 @@ def test_rounds_before_the_board_answers_do_not_count() -> None:
     assert table.end_round(101.0) is False
 
 
+def test_invalid_topic_is_known_when_it_was_told_twice_alike() -> None:
+    table = TopicTable()
+    table.begin_round(0.0)
+    table.add(0.0, PUBLISHER, info(125, "my-topic"))
+    table.add(0.0, PUBLISHER, info(126, "good"))
+    assert names(table) == ["good"]
+    assert table.end_round(1.0) is False
+    table.begin_round(1.0)
+    table.add(1.0, PUBLISHER, info(125, "other-topic"))  # damage, then
+    table.add(1.0, PUBLISHER, info(126, "good"))
+    assert names(table) == ["good"] and table.end_round(2.0) is False
+    table.begin_round(2.0)
+    table.add(2.0, PUBLISHER, info(125, "other-topic"))
+    table.add(2.0, PUBLISHER, info(126, "good"))
+    assert table.end_round(3.0) is True
+    assert set(names(table)) == {"good", "other-topic"}
+    assert table.incoming(125) is not None
+
+
+def test_invalid_topic_that_was_told_once_is_forgotten_at_a_restart() -> None:
+    table = TopicTable()
+    for number in range(2):
+        table.reset()
+        table.begin_round(float(number))
+        table.add(float(number), PUBLISHER, info(125, "my-topic"))
+        assert table.endpoints() == []
+
+
+def test_round_waits_as_long_as_the_board_may_take() -> None:
+    table = TopicTable(1.0)
+    table.begin_round(0.0, True, 7.0)
+    assert table.end_round(6.9) is None
+    table.add(6.9, PUBLISHER, info(125))
+    assert table.end_round(6.9 + SETTLED_S + 0.9) is None
+    assert table.end_round(6.9 + SETTLED_S + 1.1) is True
+
+
 def test_there_is_a_limit_and_what_is_known_may_change_beyond_it() -> None:
     table = TopicTable()
     table.begin_round(0.0)

@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from std_msgs.msg import Bool, Float32MultiArray, Header, String, UInt8MultiArray
 from std_srvs.srv import SetBool, Trigger
+from tf2_msgs.msg import TFMessage
 
 from serial_link.endpoints.types import (
     Malformed,
@@ -25,6 +26,12 @@ def test_classes_are_found_where_the_sums_agree() -> None:
     assert message_class("std_msgs/Bool", "*") is Bool
     sums = SetBool._request_class._md5sum, SetBool._response_class._md5sum
     assert service_class("std_srvs/SetBool", *sums) is SetBool
+
+
+def test_transforms_of_rosserials_library_are_those_of_tf2() -> None:
+    assert message_class("tf/tfMessage", "94810edda583a504dfda3829e70d7eec") is TFMessage
+    with pytest.raises(TypeRefused, match="another one"):
+        message_class("tf/tfMessage", "0" * 32)
 
 
 @pytest.mark.parametrize("name", ["no_such_msgs/Bool", "std_msgs/NoSuch", "std_msgs"])

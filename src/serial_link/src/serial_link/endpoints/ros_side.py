@@ -34,6 +34,7 @@ from serial_link.negotiation.payloads import (
     SUBSCRIBER,
     Values,
     encode_values,
+    problem_of,
 )
 from serial_link.negotiation.topic_table import SERVICES, Endpoint
 
@@ -44,7 +45,7 @@ _WORDS = {
     SERVICE_SERVER: "offers",
     SERVICE_CLIENT: "calls",
 }
-#: What a topic or a service is whatever its ids are: kind, name, type and md5sums.
+#: What a topic or a service is whatever its ids are: kind, name, type, number and md5sums.
 _Key = Tuple[Any, ...]
 
 
@@ -127,12 +128,12 @@ class RosSide:
                 endpoint_in_ros.on_sync()
         if time.monotonic() > self._retry_at and not self._wanted.keys() <= self._open.keys():
             self._retry_at = time.monotonic() + _RETRY_S
-            for endpoint in list(self._wanted.values()):
-                self._opened(endpoint)
+            for key, endpoint in list(self._wanted.items()):
+                self._opened(key, endpoint)
 
     def _receive(self, message: Message) -> None:
         # What a board sends right after it was asked comes before all of its topics are known.
-        endpoint_in_ros = self._opened(message.endpoint)
+        endpoint_in_ros = self._opened(_key(message.endpoint), message.endpoint)
         try:
             endpoint_in_ros.receive(message.payload)
         except Malformed:
@@ -141,19 +142,18 @@ class RosSide:
     def _update(self, endpoints: List[Endpoint], is_complete: bool) -> None:
         """Have what the board has now, and until it has told of all, what it had before."""
         before = set(self._open) if is_complete else self._wanted.keys() & self._open.keys()
-        self._wanted = {_key(endpoint): endpoint for endpoint in endpoints}
+        self._wanted = _keyed(endpoints)
         for key in before - self._wanted.keys():
             self._close(key)
-        for endpoint in endpoints:
-            self._opened(endpoint)
+        for key, endpoint in list(self._wanted.items()):
+            self._opened(key, endpoint)
 
     def _close(self, key: _Key) -> None:
         scope, _ = self._open.pop(key)
         scope.close()
         rospy.loginfo("the board no longer %s %s", _WORDS[key[0]], key[1])
 
-    def _opened(self, endpoint: Endpoint) -> Any:
-        key = _key(endpoint)
+    def _opened(self, key: _Key, endpoint: Endpoint) -> Any:
         self._wanted[key] = endpoint
         if key in self._open:
             endpoint_in_ros = self._open[key][1]
@@ -170,7 +170,7 @@ class RosSide:
             rospy.loginfo("the board %s %s (%s)", words, endpoint.name, endpoint.type)
         except (TypeRefused, IllegalName, rospy.ROSException) as error:
             scope.close()
-            rospy.logerr("%s is refused: %s", endpoint.name, error)
+            rospy.logerr("%s is refused: %s", ascii(endpoint.name)[1:-1], error)
             endpoint_in_ros = NullEndpoint(self._counters)
         except Exception:
             scope.close()
@@ -180,6 +180,9 @@ class RosSide:
 
     def _create(self, scope: NodeScope, endpoint: Endpoint) -> Any:
         link, counters = self._link, self._counters
+        for info in (endpoint.incoming, endpoint.outgoing):
+            if info is not None and problem_of(info):
+                raise TypeRefused(problem_of(info))
         if endpoint.kind == PUBLISHER:
             return PublishedTopic(scope, endpoint)
         if endpoint.kind == SUBSCRIBER:
@@ -207,6 +210,22 @@ class RosSide:
         return min([LONGEST, *(info.buffer_size for info in infos if info is not None)])
 
 
-def _key(endpoint: Endpoint) -> _Key:
+def _key(endpoint: Endpoint, number: int = 0) -> _Key:
     sums = (info.md5sum for info in (endpoint.incoming, endpoint.outgoing) if info is not None)
-    return (endpoint.kind, endpoint.name, endpoint.type, *sums)
+    return (endpoint.kind, endpoint.name, endpoint.type, number, *sums)
+
+
+def _keyed(endpoints: List[Endpoint]) -> Dict[_Key, Endpoint]:
+    """Return endpoints by their keys; subscribers to one topic are numbered by their ids."""
+    found: Dict[_Key, Endpoint] = {}
+    for endpoint in sorted(endpoints, key=_id):
+        number = 0
+        while endpoint.kind == SUBSCRIBER and _key(endpoint, number) in found:
+            number += 1
+        found[_key(endpoint, number)] = endpoint
+    return found
+
+
+def _id(endpoint: Endpoint) -> int:
+    info = endpoint.outgoing or endpoint.incoming
+    return info.topic_id if info is not None else 0

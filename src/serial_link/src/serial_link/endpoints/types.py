@@ -7,6 +7,11 @@ import genpy
 import roslib.message
 
 
+#: Types that a workspace may lack, by a type of the same definition: rosserial's library announces
+#: the first.
+_SAME = {"tf/tfMessage": "tf2_msgs/TFMessage"}
+
+
 class TypeRefused(ValueError):
     """A type that this workspace does not have, or has in another form; the text says so."""
 
@@ -22,7 +27,7 @@ def message_class(datatype: str, md5sum: str) -> Any:
     :param md5sum: what the board has of it; ``*`` for any
     :raises TypeRefused: if it is unknown, or has another md5sum
     """
-    found = _found(roslib.message.get_message_class, datatype)
+    found = _found(roslib.message.get_message_class, _SAME.get(datatype, datatype))
     _compare(datatype, md5sum, found)
     return found
 

@@ -17,8 +17,9 @@ from serial_link.hardware.ports import PortLost, PortStuck, PortUnavailable
 #: Longest time in which the port has to take a frame [s].
 _WRITE_S = 0.5
 _READ_AT_ONCE = 4096
-#: Between the bytes of a frame there are no pauses but those of the adapter [s].
-_GAP_S = 0.1
+#: Between the bytes of a frame there are no pauses but those of adapters and hubs [s], which may
+#: hold bytes back for 0.4 s.
+_GAP_S = 0.6
 #: Where pseudo terminals are. One lives on after a kill -9, and would stay shut to other users.
 _PSEUDO = "/dev/pts/"
 #: The group whose users may open serial ports, on Debian and what comes from it.

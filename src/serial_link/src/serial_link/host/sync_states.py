@@ -4,8 +4,8 @@ from typing import Dict, NamedTuple, Tuple
 
 #: States. CLOSED: the port is not open. ASKED: a question for the topics is under way. SEEKING: it
 #: was not answered, and the board is probed. HEARD: the board has asked for the time, in answer to
-#: the question or to a probe. SYNCED: the board answers. SILENT: no frame has proven for longer than
-#: usual that the board is configured. PROBING: the board has asked for the time meanwhile.
+#: the question or to a probe. SYNCED: the board answers. SILENT: no frame has proven lately that
+#: the board is configured. PROBING: the board has asked for the time meanwhile.
 CLOSED, ASKED, SEEKING, HEARD, SYNCED, SILENT, PROBING = (
     "closed",
     "asked",

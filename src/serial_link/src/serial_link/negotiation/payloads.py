@@ -24,6 +24,8 @@ DEBUG, INFO, WARN, ERROR, FATAL = range(5)
 
 _ID, _SIZE, _LENGTH = struct.Struct("<H"), struct.Struct("<i"), struct.Struct("<I")
 _TIME = struct.Struct("<II")
+#: Longest part of an invalid text that is shown.
+_SHOWN = 40
 _NAME = re.compile(r"[~/]?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*")
 _TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*")
 _MD5 = re.compile(r"[0-9a-f]{32}|\*")
@@ -60,22 +62,42 @@ def decode_topic(payload: bytes) -> TopicInfo:
     """Read what tells of a topic.
 
     :param payload: of a frame
-    :raises PayloadError: if it is malformed, or nothing that a board would tell
+    :returns: what it tells, with the slashes in the name that ROS has and a buffer of a frame at
+        most; its texts may be invalid, see :func:`problem_of`
+    :raises PayloadError: if it is malformed, or has an id that no topic has
     """
     reader = _Reader(payload)
     (topic_id,) = reader.read(_ID)
     name, datatype, md5sum = reader.text(), reader.text(), reader.text()
     (buffer_size,) = reader.read(_SIZE)
     reader.end()
-    if (
-        topic_id < FIRST_TOPIC
-        or not _NAME.fullmatch(name)
-        or not _TYPE.fullmatch(datatype)
-        or not _MD5.fullmatch(md5sum)
-        or not 0 < buffer_size <= LONGEST
-    ):
-        raise PayloadError(f"no topic: {topic_id} {name!r} {datatype!r} {md5sum!r} {buffer_size}")
-    return TopicInfo(topic_id, name, datatype, md5sum, buffer_size)
+    if topic_id < FIRST_TOPIC:
+        raise PayloadError(f"no topic has the id {topic_id}")
+    return TopicInfo(topic_id, _resolved(name), datatype, md5sum, min(buffer_size, LONGEST))
+
+
+def problem_of(info: TopicInfo) -> str:
+    """Return what the sketch must change, as ROS cannot have such a topic; empty if it can.
+
+    :param info: what the board has told
+    """
+    if not _TYPE.fullmatch(info.type) or not _MD5.fullmatch(info.md5sum):
+        return (
+            f"its type {info.type[:_SHOWN]!r} and md5sum {info.md5sum[:_SHOWN]!r} are not those of "
+            "a message, as with rosserial's Arduino library 0.7.9 on an AVR: build the sketch with "
+            "0.7.8"
+        )
+    if not _NAME.fullmatch(info.name):
+        return (
+            f"{info.name[:_SHOWN]!r} is not a name of ROS: in the sketch, use letters, digits, _ "
+            "and /, with a letter first"
+        )
+    if info.buffer_size <= 0:
+        return (
+            f"its buffer has {info.buffer_size} bytes: in the sketch, give NodeHandle_ buffers of "
+            f"1 to {LONGEST} bytes"
+        )
+    return ""
 
 
 def encode_log(level: int, text: str) -> bytes:
@@ -110,7 +132,7 @@ def decode_name(payload: bytes) -> str:
     :raises PayloadError: if it is malformed, or no name
     """
     reader = _Reader(payload)
-    name = reader.text()
+    name = _resolved(reader.text())
     reader.end()
     if not _NAME.fullmatch(name):
         raise PayloadError(f"no name of a parameter: {name!r}")
@@ -174,6 +196,12 @@ def decode_time(payload: bytes) -> Tuple[int, int]:
     seconds, nanoseconds = reader.read(_TIME)
     reader.end()
     return int(seconds), int(nanoseconds)
+
+
+def _resolved(name: str) -> str:
+    """Return a name without the slashes that ROS ignores: two in a row, and the last."""
+    start = name[:1] if name[:1] in ("~", "/") else ""
+    return start + "/".join(part for part in name[len(start) :].split("/") if part)
 
 
 def _text(text: str) -> bytes:

@@ -8,6 +8,7 @@ from serial_link.negotiation.payloads import (
     SERVICE_SERVER,
     SUBSCRIBER,
     TopicInfo,
+    problem_of,
 )
 
 #: A round is over when nothing has been told for this long [s].
@@ -50,7 +51,8 @@ class TopicTable:
     damage, what it does not tell of is gone. Where something was damaged, what is known stays, and
     another round fills the gaps. On a line that damages one byte in a hundred, one topic in 900 is
     told wrong by a frame whose sums hold. So where anything was damaged ever, each has to be told
-    twice alike, and is not replaced by what is told once. Time is an argument [s].
+    twice alike, and is not replaced by what is told once. So has a topic that ROS cannot have: told
+    once, it may be damage. Time is an argument [s].
 
     :param frame_s: how long the frame that tells of a topic is on the line [s]
     """
@@ -62,6 +64,8 @@ class TopicTable:
         self._seen: Set[Tuple[int, int]] = set()
         #: What was told once, or otherwise the last time.
         self._unconfirmed: Set[Tuple[int, int]] = set()
+        #: Told once, and invalid.
+        self._suspects: Dict[Tuple[int, int], Tuple[int, TopicInfo]] = {}
         self._ends_at: Optional[float] = None
         self._is_damaged = self._is_noisy = self._is_final = False
         #: Since a round that was complete: damaged ones, and those that were broken off.
@@ -73,6 +77,7 @@ class TopicTable:
         """Forget the topics: the board was restarted, perhaps with another sketch."""
         self._infos, self.is_complete = {}, False
         self._unconfirmed.clear()
+        self._suspects.clear()
         self._rounds, self._is_final = 0, False
 
     @property
@@ -108,6 +113,8 @@ class TopicTable:
         told = self._infos.get(key)
         if told == (info_id, info):
             self._unconfirmed.discard(key)
+        elif problem_of(info):
+            self._add_suspect(key, (info_id, info))
         else:
             if told is None or key in self._unconfirmed or not self._is_noisy:
                 self._infos[key] = (info_id, info)
@@ -115,6 +122,13 @@ class TopicTable:
         self._seen.add(key)
         self._ends_at = now + self._settled_s
         return True
+
+    def _add_suspect(self, key: Tuple[int, int], told: Tuple[int, TopicInfo]) -> None:
+        if self._suspects.get(key) == told:
+            self._infos[key] = self._suspects.pop(key)
+        else:
+            self._suspects[key] = told
+            self.mark_damaged()
 
     def mark_damaged(self) -> None:
         """Mark the round as damaged: a topic may have been lost."""

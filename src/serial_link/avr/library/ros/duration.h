@@ -1,0 +1,17 @@
+// What headers of messages need of rosserial's library for boards, for tests without that.
+#ifndef ROS_DURATION_H
+#define ROS_DURATION_H
+
+#include <stdint.h>
+
+namespace ros {
+
+class Duration {
+ public:
+  int32_t sec, nsec;
+  Duration() : sec(0), nsec(0) {}
+};
+
+}  // namespace ros
+
+#endif

@@ -1,0 +1,193 @@
+#!/usr/bin/env python3
+"""Sketches as users write them, compiled, on an ATmega328P in simavr, and the node."""
+
+import os
+import pathlib
+import shutil
+import tempfile
+import unittest
+from typing import Any, List, Sequence
+
+import rospkg
+import rospy
+import rostest
+from pid_control.msg import motor_input, motor_output
+from rosgraph_msgs.msg import Log
+from std_msgs.msg import Float32, UInt16
+
+from nodekit.testing.processes import Process
+from nodekit.testing.waiting import wait_until
+from serial_link.board.avr_board import AvrBoard, build_simulator, build_sketch, size_of
+from serial_link.commands.make_headers import build_headers, write
+
+PACKAGE = pathlib.Path(rospkg.RosPack().get_path("serial_link"))
+NODE = str(PACKAGE / "scripts" / "serial_node.py")
+MOTOR_SKETCH = (
+    PACKAGE.parents[1] / "docs" / "examples" / "board" / "motor_board" / "motor_board.ino"
+)
+#: Longest wait for a board [s]: on a busy machine the simulator falls behind.
+PATIENCE = 60.0
+#: What a sketch of a test has before its loop.
+COUNTER = """
+#include <ros.h>
+#include <std_msgs/Float32.h>
+#include <std_msgs/UInt16.h>
+
+ros::NodeHandle host;
+std_msgs::UInt16 count;
+std_msgs::Float32 parameter;
+ros::Publisher heard("heard", &count), found("found", &parameter);
+void on_command(const std_msgs::UInt16 &message) { count.data++; }
+ros::Subscriber<std_msgs::UInt16> command("command", on_command);
+
+void setup() {
+  host.initNode();
+  host.advertise(heard);
+  host.advertise(found);
+  host.subscribe(command);
+}
+"""
+WAITS = "void loop() { heard.publish(&count); host.spinOnce(); delay(%d); }"
+LOGS = """
+void loop() {
+  if (host.getParam("gain", &parameter.data)) found.publish(&parameter);
+  heard.publish(&count);
+  host.loginfo("still here");
+  host.spinOnce();
+  delay(100);
+}
+"""
+WRONG = """
+#include <ros.h>
+#include <std_msgs/Bool.h>
+
+ros::NodeHandle host;
+std_msgs::Bool value;
+ros::Publisher dash("my-topic", &value), digit("1st", &value), slash("chatter/", &value);
+
+void setup() {
+  host.initNode();
+  host.advertise(dash);
+  host.advertise(digit);
+  host.advertise(slash);
+}
+
+void loop() {
+  dash.publish(&value);
+  digit.publish(&value);
+  slash.publish(&value);
+  host.spinOnce();
+  delay(50);
+}
+"""
+
+
+class TestAvr(unittest.TestCase):
+    """Each test has a board and a node of its own; all share what was built."""
+
+    folder: pathlib.Path
+    libraries: Sequence[pathlib.Path]
+    simulator: pathlib.Path
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.folder = pathlib.Path(tempfile.mkdtemp())
+        write(build_headers(["std_msgs", "pid_control"]), cls.folder / "headers")
+        cls.libraries = (PACKAGE / "avr" / "library", cls.folder / "headers")
+        cls.simulator = build_simulator(PACKAGE / "avr" / "avr_board.c", cls.folder)
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        shutil.rmtree(cls.folder)
+
+    def setUp(self) -> None:
+        self.name = self.id().rsplit(".", 1)[-1]
+        self.space = "/" + self.name
+
+    def start(self, sketch: pathlib.Path, baud: int = 57600) -> AvrBoard:
+        """Run a sketch, and the node, until the end of the test."""
+        program = build_sketch(sketch, self.libraries, self.folder)
+        link = str(self.folder / self.name)
+        board = AvrBoard(self.simulator, program, link)
+        board.start()
+        self.addCleanup(board.close)
+        wait_until(lambda: os.path.islink(link), lambda: "no port")
+        node = Process(NODE, [f"__ns:={self.space}", f"_port:={link}", f"_baud:={baud}"])
+        self.addCleanup(node.end)
+        return board
+
+    def start_text(self, text: str) -> AvrBoard:
+        sketch = self.folder / (self.name + ".ino")
+        sketch.write_text(text)
+        return self.start(sketch)
+
+    def collect(self, topic: str, data_class: Any) -> List[Any]:
+        """Return a list that a topic's messages come into."""
+        messages: List[Any] = []
+        subscriber = rospy.Subscriber(topic, data_class, messages.append)
+        self.addCleanup(subscriber.unregister)
+        return messages
+
+    def wait_for_connections(self, publisher: rospy.Publisher) -> None:
+        wait_until(lambda: publisher.get_num_connections() > 0, lambda: "no node", PATIENCE)
+
+    def test_loop_that_waits_three_seconds_loses_no_command(self) -> None:
+        messages = self.collect(f"{self.space}/heard", UInt16)
+        publisher = rospy.Publisher(f"{self.space}/command", UInt16, queue_size=10)
+        self.start_text(COUNTER + WAITS % 3000)
+        self.wait_for_connections(publisher)
+        for number in range(1, 6):
+            publisher.publish(number)
+            seen = len(messages)
+            wait_until(lambda: len(messages) > seen, lambda: f"{messages}", PATIENCE)
+        wait_until(lambda: messages[-1].data == 5, lambda: f"{messages}", PATIENCE)
+
+    def test_loop_that_logs_and_asks_for_parameters_is_found_again_after_a_reset(self) -> None:
+        rospy.set_param(f"{self.space}/gain", 2.5)
+        messages = self.collect(f"{self.space}/heard", UInt16)
+        found = self.collect(f"{self.space}/found", Float32)
+        board = self.start_text(COUNTER + LOGS)
+        for boot_s in (0.0, 1.5):
+            wait_until(lambda: messages and found, lambda: f"{messages} {found}", PATIENCE)
+            assert found[-1].data == 2.5
+            board.reset(boot_s)
+            rospy.sleep(0.5)  # what was sent before the reset has come
+            messages.clear()
+            found.clear()
+        wait_until(lambda: messages and found, lambda: f"{messages} {found}", PATIENCE)
+
+    def test_wrong_names_are_refused_by_name_and_a_slash_too_many_is_not(self) -> None:
+        lines = self.collect("/rosout", Log)
+        messages = self.collect(f"{self.space}/chatter", rospy.AnyMsg)
+        self.start_text(WRONG)
+        wait_until(lambda: messages, lambda: f"{lines[-3:]}", PATIENCE)
+        for name in ("my-topic", "1st"):
+
+            def is_refused(wanted: str = name) -> bool:
+                texts = [line.msg for line in lines if line.name.startswith(self.space)]
+                return any(wanted in text and "refused" in text for text in texts)
+
+            wait_until(is_refused, lambda: f"{[line.msg for line in lines]}", PATIENCE)
+
+    def test_motor_at_the_pins_follows_its_input(self) -> None:
+        outputs = self.collect(f"{self.space}/motor_output", motor_output)
+        publisher = rospy.Publisher(f"{self.space}/motor_input", motor_input, queue_size=1)
+        self.start(MOTOR_SKETCH, 115200)
+        self.wait_for_connections(publisher)
+        for share in (0.5, -0.5):
+
+            def turns(wanted: float = 13.1 * share) -> bool:
+                publisher.publish(motor_input(input=share))
+                speeds = sorted(output.output for output in outputs[-50:])
+                return len(speeds) == 50 and abs(speeds[25] - wanted) < 0.7
+
+            wait_until(turns, lambda: f"{outputs[-1:]}", PATIENCE)
+
+    def test_sketch_of_the_tutorial_fits_into_an_uno(self) -> None:
+        size = size_of(build_sketch(MOTOR_SKETCH, self.libraries, self.folder))
+        assert 4000 < size.flash < 32256 and 1000 < size.ram < 2048, size
+
+
+if __name__ == "__main__":
+    rospy.init_node("test_avr")
+    rostest.rosrun("serial_link", "test_avr", TestAvr)

@@ -1,12 +1,11 @@
 // A motor with an encoder, for the controller of pid_control: motor_input in, motor_output out.
 //
-// The headers of the messages come from "rosrun serial_link make_headers pid_control std_msgs",
-// ros.h from rosserial's Arduino library. Pins as in the drawing beside this file.
+// ros.h comes from rosserial's Arduino library 0.7.8, the headers of the messages from
+// "rosrun serial_link make_headers pid_control --arduino --into ~/Arduino/libraries".
+// Pins as in the drawing beside this file.
 
 #include <ros.h>
-
-#include "pid_control/motor_input.h"
-#include "pid_control/motor_output.h"
+#include <ros_messages.h>
 
 const uint8_t FORWARD_PIN = 7, BACKWARD_PIN = 8, PWM_PIN = 9;  // of the driver
 const uint8_t A_PIN = 2, B_PIN = 3;                            // of the encoder; both interrupt

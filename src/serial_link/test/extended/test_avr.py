@@ -19,6 +19,7 @@ from nodekit.testing.processes import Process
 from nodekit.testing.waiting import wait_until
 from serial_link.board.avr_board import AvrBoard, build_simulator, build_sketch, size_of
 from serial_link.commands.make_headers import build_headers, write
+from serial_link.headers.arduino_library import arduino_library
 
 PACKAGE = pathlib.Path(rospkg.RosPack().get_path("serial_link"))
 NODE = str(PACKAGE / "scripts" / "serial_node.py")
@@ -92,8 +93,9 @@ class TestAvr(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
         cls.folder = pathlib.Path(tempfile.mkdtemp())
-        write(build_headers(["std_msgs", "pid_control"]), cls.folder / "headers")
-        cls.libraries = (PACKAGE / "avr" / "library", cls.folder / "headers")
+        headers = build_headers(["std_msgs", "pid_control"])
+        write(arduino_library(headers, "the tests", "1.0.0"), cls.folder)
+        cls.libraries = (PACKAGE / "avr" / "library", cls.folder / "ros_messages" / "src")
         cls.simulator = build_simulator(PACKAGE / "avr" / "avr_board.c", cls.folder)
 
     @classmethod

@@ -3,9 +3,11 @@
 import io
 import pathlib
 import random
+import re
 import struct
 import subprocess
 import sys
+import zipfile
 from typing import Any, Dict, List, NamedTuple, Tuple
 
 import genpy
@@ -14,6 +16,7 @@ import pytest
 import roslib.message
 from hypothesis import given
 from hypothesis import strategies as st
+from std_msgs.msg import Float64MultiArray
 
 from nodekit.message_definitions import (
     SIZES,
@@ -34,6 +37,8 @@ PACKAGES = sorted(
     {path.parents[1].name for kind in ("msg", "srv") for path in SOURCES.glob(f"*/{kind}/*.{kind}")}
     | {"std_msgs", "geometry_msgs", "sensor_msgs"}
 )
+#: Has the headers take this machine for a board whose double has 4 bytes.
+SMALL_DOUBLE = ("-U__SIZEOF_DOUBLE__", "-D__SIZEOF_DOUBLE__=4")
 #: What the classes of a service have behind its name.
 ENDS = ("", "Request", "Response")
 #: Messages of each type that are sent through the board's class.
@@ -237,7 +242,7 @@ class Board:
         source.write_text("\n".join(text) + MAIN.replace("CASES", "\n".join(cases)))
         includes = [f"-I{HERE / 'board_library'}", f"-I{folder / 'headers'}"]
         includes += ["-include", "ros/time.h", "-include", "ros/duration.h"]
-        command = ["g++", "-std=gnu++11", "-O0", "-Wall", "-Werror", *includes]
+        command = ["g++", "-std=gnu++11", "-O0", "-Wall", "-Werror", *SMALL_DOUBLE, *includes]
         subprocess.check_call([*command, str(source), "-o", str(self._program)])
 
     def answers(self, sent: List[Tuple[int, bytes]]) -> List[Answer]:
@@ -286,6 +291,71 @@ def test_of_64_bits_a_board_takes_the_nearest_of_32(board: Board, numbers: List[
     assert repr([float(one) for one in nearest]) == repr(got)
 
 
+DOUBLES = """
+#include <stdio.h>
+#include "../std_msgs/Float64MultiArray.h"
+int main() {
+  static unsigned char in[1 << 16];
+  std_msgs::Float64MultiArray it;
+  int length = fread(in, 1, sizeof in, stdin);
+  if (it.deserialize(in) != length || sizeof it.st_data != 8) return 1;
+  fwrite(it.data, 8, it.data_length, stdout);
+  return 0;
+}
+"""
+
+
+def test_64_bits_stay_64_where_the_board_has_them(tmp_path: pathlib.Path) -> None:
+    make_headers.write(make_headers.build_headers(["std_msgs"]), tmp_path)
+    (tmp_path / "test").mkdir()
+    (tmp_path / "test" / "program.cpp").write_text(DOUBLES)
+    include = f"-I{HERE / 'board_library'}"
+    command = ["g++", "-std=gnu++11", "-Wall", "-Werror", include, "test/program.cpp"]
+    subprocess.check_call(command, cwd=str(tmp_path))
+    numbers = [0.1, -0.0, 1e300, 5e-324, 1.0 / 3.0]
+    payload = encoded(Float64MultiArray(data=numbers))
+    got = subprocess.check_output([str(tmp_path / "a.out")], input=payload)
+    assert got == struct.pack("<5d", *numbers)
+
+
+def test_library_has_what_the_arduino_ide_expects(tmp_path: pathlib.Path) -> None:
+    done = command("pid_control", "std_srvs", "--arduino", "--into", str(tmp_path))
+    assert (done.returncode, done.stderr) == (0, "")
+    library = tmp_path / "ros_messages"
+    assert done.stdout == f"{library}: a library with 7 headers; #include <ros_messages.h>\n"
+    lines = (library / "library.properties").read_text().splitlines()
+    properties = dict(line.split("=", 1) for line in lines)
+    assert properties["includes"] == "ros_messages.h" and properties["name"] == "ros_messages"
+    assert properties["depends"] == "Rosserial Arduino Library (=0.7.8)"
+    assert re.fullmatch(r"\d+\.\d+\.\d+", properties["version"])
+    # The compiler of the IDE has the folder src alone, and each header finds the others from there.
+    sketch = tmp_path / "sketch.cpp"
+    sketch.write_text(
+        "#include <ros_messages.h>\n"
+        "std_srvs::Trigger::Request request; pid_control::motor_output output;\n"
+    )
+    includes = [f"-I{library / 'src'}", f"-I{HERE / 'board_library'}"]
+    subprocess.check_call(["g++", "-std=gnu++11", "-fsyntax-only", "-Wall", *includes, str(sketch)])
+
+
+def test_headers_give_way_to_those_of_rosserial_by_its_guards() -> None:
+    one = Class("Odd", "odd/Odd", "0", (), ())
+    assert "#ifndef _ROS_odd_Odd_h" in header("odd", "Odd", [one])
+    assert "#ifndef _ROS_SERVICE_Odd_h" in header("odd", "Odd", [one], service=True)
+
+
+def test_zip_has_the_files_of_the_library(tmp_path: pathlib.Path) -> None:
+    archive = tmp_path / "library.zip"
+    done = command("std_srvs", "--arduino", "--into", str(archive))
+    assert (done.returncode, done.stderr) == (0, "")
+    command("std_srvs", "--arduino", "--into", str(tmp_path / "folder"))
+    with zipfile.ZipFile(str(archive)) as opened:
+        names = set(opened.namelist())
+    folder = tmp_path / "folder"
+    files = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
+    assert names == files and "ros_messages/library.properties" in names
+
+
 def test_names_that_cpp_keeps_for_itself_get_an_underscore() -> None:
     text = Class("Odd", "odd/Odd", "0", (), (Field("bool", False, None, "new"),))
     assert "  _new_type new_;" in header("odd", "Odd", [text]).splitlines()
@@ -323,10 +393,11 @@ def test_the_command_writes_what_a_sketch_includes(tmp_path: pathlib.Path) -> No
 
 
 def test_the_sketch_of_the_docs_is_right_with_them(tmp_path: pathlib.Path) -> None:
-    make_headers.write(make_headers.build_headers(["pid_control"]), tmp_path)
+    command("pid_control", "--arduino", "--into", str(tmp_path))
     sketch = SOURCES.parent / "docs" / "examples" / "board" / "motor_board" / "motor_board.ino"
-    command = ["g++", "-std=gnu++11", "-fsyntax-only", "-Wall", "-Werror", "-x", "c++", str(sketch)]
-    subprocess.check_call([*command, f"-I{HERE / 'board_library'}", f"-I{tmp_path}"])
+    compiler = ["g++", "-std=gnu++11", "-fsyntax-only", "-Wall", "-Werror"]
+    includes = [f"-I{HERE / 'board_library'}", f"-I{tmp_path / 'ros_messages' / 'src'}"]
+    subprocess.check_call([*compiler, *includes, "-x", "c++", str(sketch)])
 
 
 @pytest.mark.parametrize(
@@ -335,6 +406,8 @@ def test_the_sketch_of_the_docs_is_right_with_them(tmp_path: pathlib.Path) -> No
         (["missing"], "there is no package missing here"),
         (["nodekit"], "nodekit has neither messages nor services"),
         (["std_srvs", "--into", "/dev/null/x"], "cannot write /dev/null/x/serial_link: "),
+        (["std_srvs", "--into", "x.zip"], "x.zip is a zip file: add --arduino"),
+        (["std_srvs", "--arduino", "--into", "/dev/null/x.zip"], "cannot write /dev/null/x.zip: "),
     ],
 )
 def test_the_command_says_why_it_makes_none(arguments: List[str], why: str) -> None:

@@ -3,6 +3,7 @@
 import argparse
 import pathlib
 import sys
+import zipfile
 from typing import Any, Dict, List, Set
 
 import rosmsg
@@ -10,6 +11,7 @@ import rospkg
 
 from nodekit.message_definitions import constant_in, fields_of, parts_of
 from serial_link.endpoints.types import TypeRefused, message_class, service_class
+from serial_link.headers.arduino_library import NAME, arduino_library
 from serial_link.headers.cpp_class import Class, header
 from serial_link.headers.wire_header import WIRE_HEADER, WIRE_PATH
 
@@ -97,6 +99,21 @@ def write(headers: Dict[str, str], folder: pathlib.Path) -> None:
         raise HeaderError(f"cannot write {error.filename}: {error.strerror}") from None
 
 
+def write_zip(files: Dict[str, str], archive: pathlib.Path) -> None:
+    """Write files into a zip file, as the IDE adds libraries from.
+
+    :param files: by their paths
+    :param archive: replaced if it is there
+    :raises HeaderError: if that is not possible
+    """
+    try:
+        with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as opened:
+            for path, text in files.items():
+                opened.writestr(path, text)
+    except OSError as error:
+        raise HeaderError(f"cannot write {archive}: {error.strerror}") from None
+
+
 def main() -> None:
     """Write the headers that the command line asks for; status 1 where that is not possible."""
     parser = argparse.ArgumentParser(
@@ -108,10 +125,30 @@ def main() -> None:
     parser.add_argument(
         "--into", default="ros_headers", metavar="FOLDER", help="where; ros_headers by default"
     )
+    parser.add_argument(
+        "--arduino",
+        action="store_true",
+        help=f"write a library, {NAME}, for the Arduino IDE and arduino-cli: then FOLDER is the "
+        "folder libraries of the sketchbook, or a name that ends with .zip",
+    )
     arguments = parser.parse_args(sys.argv[1:])
+    folder = pathlib.Path(arguments.into)
     try:
         headers = build_headers(arguments.packages)
-        write(headers, pathlib.Path(arguments.into))
+        files = headers
+        if arguments.arduino:
+            version = rospkg.RosPack().get_manifest("serial_link").version
+            files = arduino_library(headers, ", ".join(arguments.packages), version)
+        elif folder.suffix == ".zip":
+            raise HeaderError(f"{folder} is a zip file: add --arduino")
+        if folder.suffix == ".zip":
+            write_zip(files, folder)
+        else:
+            write(files, folder)
     except HeaderError as reason:
         sys.exit(f"make_headers: {reason}")
-    print(f"{len(headers)} headers are in {arguments.into}")
+    if arguments.arduino:
+        where = folder if folder.suffix == ".zip" else folder / NAME
+        print(f"{where}: a library with {len(headers)} headers; #include <{NAME}.h>")
+    else:
+        print(f"{len(headers)} headers are in {arguments.into}")

@@ -2,7 +2,8 @@
 
 The facts, not the text, are those of rosserial's ros_lib (github.com/ros-drivers/rosserial): a
 class in the package's namespace that derives from ros::Msg, a pointer and a length for an array, a
-pointer for a text, and a float for 64 bits.
+pointer for a text, the include guards of its generator, and a member ``st_NAME``, an element of
+the array NAME. 64 bits are a double where the board's has 8 bytes, else a float.
 """
 
 from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Tuple
@@ -15,7 +16,7 @@ _NUMBERS: Dict[str, str] = {
     "byte": "int8_t",
     "char": "uint8_t",
     "float32": "float",
-    "float64": "float",
+    "float64": "serial_link::float64",
     **{f"int{bits}": f"int{bits}_t" for bits in (8, 16, 32, 64)},
     **{f"uint{bits}": f"uint{bits}_t" for bits in (8, 16, 32, 64)},
 }
@@ -55,7 +56,7 @@ def header(package: str, name: str, classes: List[Class], service: bool = False)
     :param classes: the message's one, the service's two
     :param service: whether it is one
     """
-    guard = f"ROS_{package}_{name}_H".upper()
+    guard = f"_ROS_SERVICE_{name}_h" if service else f"_ROS_{package}_{name}_h"
     lines = [
         f"// {package}/{name}. Made by serial_link's make_headers.",
         f"#ifndef {guard}",
@@ -84,8 +85,9 @@ def _includes(classes: Iterable[Class]) -> List[str]:
     bases = {field.base for one in classes for field in one.fields}
     own = [base for base in TIMES if base in bases]
     others = sorted(base for base in bases if "/" in base)
-    paths = ["ros/msg.h", *(f"ros/{base}.h" for base in own), WIRE_PATH]
-    return [f'#include "{path}"' for path in [*paths, *(f"{base}.h" for base in others)]]
+    library = ["ros/msg.h", *(f"ros/{base}.h" for base in own)]
+    made = ["../" + path for path in [WIRE_PATH, *(f"{base}.h" for base in others)]]
+    return [f'#include "{path}"' for path in [*library, *made]]
 
 
 def _class(one: Class) -> Iterator[str]:
@@ -123,7 +125,7 @@ def _constant(constant: Constant) -> str:
         text = constant.value.replace("\\", "\\\\").replace('"', '\\"')
         return f'static const char *{name}() {{ return "{text}"; }}'
     if constant.base.startswith("float"):
-        return f"static constexpr float {name} = {float(constant.value)!r};"
+        return f"static constexpr {_NUMBERS[constant.base]} {name} = {float(constant.value)!r};"
     value = int(constant.value in ("True", "true", "1")) if constant.base == "bool" else None
     number = int(constant.value, 0) if value is None else value
     wide = "LL" if "64" in constant.base else ""
@@ -150,6 +152,7 @@ def _members(field: Field) -> Iterator[str]:
     else:
         yield f"  uint32_t {field.name}_length;"
         yield f"  uint32_t {field.name}_room;"
+        yield f"  _{field.name}_type st_{field.name};"
         yield f"  _{field.name}_type *{name};"
 
 
@@ -158,7 +161,8 @@ def _constructor(one: Class) -> Iterator[str]:
     for field in one.fields:
         name = member(field.name)
         if field.is_array and field.length is None:
-            initial += [f"{field.name}_length(0)", f"{field.name}_room(0)", f"{name}(NULL)"]
+            counts = [f"{field.name}_length(0)", f"{field.name}_room(0)"]
+            initial += [*counts, f"st_{field.name}()", f"{name}(NULL)"]
         elif field.base == "string" and not field.is_array:
             initial.append(f'{name}("")')
         else:

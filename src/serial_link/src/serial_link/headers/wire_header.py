@@ -32,6 +32,15 @@ inline int get(const unsigned char *in, bool &value) {
   return 1;
 }
 
+// What a field of 64 bits is on the board: many have no double of 8 bytes.
+#if __SIZEOF_DOUBLE__ == 8
+typedef double float64;
+inline int put64(unsigned char *out, double value) { return put(out, value); }
+inline int get64(const unsigned char *in, double &value) { return get(in, value); }
+#else
+typedef float float64;
+#endif
+
 // A float as 64 bits.
 inline int put64(unsigned char *out, float value) {
   uint32_t bits;

@@ -6,15 +6,17 @@ from typing import Any, List
 from xmlrpc.client import ServerProxy
 
 import rospy
-from helpers.board_rig import BUFFER, BoardRig, declared
+from helpers.board_rig import BUFFER, BoardRig, TestSketch, declared
 from std_msgs.msg import Bool, String
 from std_srvs.srv import SetBool
 
 from nodekit.master import MasterClient
+from nodekit.testing.processes import free_port
 from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, in_thread, wait_until
-from serial_link.board.simulation import Faults
+from serial_link.board.simulation import Faults, SimulatedBoard
+from serial_link.board.transports import TcpTransport
 from serial_link.device.rosserial_device import Device
 from serial_link.endpoints.types import encode
 from serial_link.negotiation.payloads import PUBLISHER, SUBSCRIBER, TOPICS
@@ -57,6 +59,26 @@ class NewSketch(BoardRig):
         wait_until(lambda: failures, lambda: "the call goes on", 15.0)
         self.assertRegex(failures[0], "the board was restarted")
         node.wait_for_log("the board was restarted")
+
+    def test_two_boards_at_one_tcp_port_have_a_namespace_each(self) -> None:
+        number = free_port()
+        self.port = "tcp"
+        node = self.start_node(f"_tcp_port:={number}", "_tcp_boards:=left,right")
+        sketches = TestSketch(), TestSketch()
+        for name, sketch in zip(("left", "right"), sketches):
+            make = lambda now, sketch=sketch: Device(sketch, BUFFER, 512)  # noqa: E731
+            board = SimulatedBoard(TcpTransport("localhost", number), 0, make)
+            board.faults = Faults(is_plugged=False)
+            board.start()
+            self.addCleanup(board.close)
+            board.faults = Faults()
+            node.wait_for_log(f"the board publishes {name}/said")
+        for name, sketch in zip(("left", "right"), sketches):
+            publisher = rospy.Publisher(f"{self.space}/{name}/told", String, latch=True)
+            self.addCleanup(publisher.unregister)
+            publisher.publish(name)
+        for name, sketch in zip(("left", "right"), sketches):
+            wait_until(lambda: sketch.texts() == [name], lambda: f"{sketch.heard}")
 
     def test_two_subscribers_of_one_topic_in_a_sketch_both_hear_and_wrong_names_are_told(
         self,

@@ -16,6 +16,7 @@ def test_without_hardware_both_nodes_are_at_the_same_port() -> None:
         "baud": 9600,
         "tcp_port": 11411,
         "tcp_address": "localhost",
+        "tcp_boards": "",
     }
     board = private_parameters(config, "/simulated_board")
     assert board == {"link": "/tmp/some", "baud": 9600, "tcp_port": 11411}

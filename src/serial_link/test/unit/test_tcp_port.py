@@ -9,12 +9,17 @@ from nodekit.testing.processes import free_port
 from nodekit.testing.waiting import wait_until
 from serial_link.board.transports import TcpTransport
 from serial_link.hardware.ports import PortLost, PortStuck, PortUnavailable
-from serial_link.hardware.tcp_port import TcpPort
+from serial_link.hardware.tcp_port import TcpPort, TcpServer
+from serial_link.hardware.tcp_seats import SAME_BOARD_S, parse_seats
+
+
+def only_port(number: int) -> TcpPort:
+    return TcpServer("localhost", number).ports[0]
 
 
 def test_a_board_connects_and_bytes_go_both_ways() -> None:
     number = free_port()
-    port, end = TcpPort("localhost", number), TcpTransport("localhost", number)
+    port, end = only_port(number), TcpTransport("localhost", number)
     assert not port.open(0.0)
     end.plug()
     assert end.is_plugged and port.open(5.0)
@@ -30,17 +35,23 @@ def test_a_board_connects_and_bytes_go_both_ways() -> None:
     port.release()
 
 
-def test_a_board_that_connects_anew_replaces_the_one_before() -> None:
+def test_new_connection_replaces_one_that_is_silent_and_no_other() -> None:
     number = free_port()
+    server = TcpServer("localhost", number)
     port, first, second = (
-        TcpPort("localhost", number),
+        server.ports[0],
         *(TcpTransport("localhost", number) for _ in "ab"),
     )
     port.open(0.0)
     first.plug()
     assert port.open(5.0)
     second.plug()
-    with pytest.raises(PortLost, match="another board has connected"):
+    first.write(b"alive")
+    assert port.read(5.0) == b"alive" and port.read(0.1) == b""
+    seat = server._seats[0]
+    assert seat.heard_at is not None
+    seat.heard_at -= SAME_BOARD_S
+    with pytest.raises(PortLost, match="a new connection has replaced it"):
         port.read(5.0)
     port.close()
     assert port.open(5.0)
@@ -53,7 +64,7 @@ def test_a_board_that_connects_anew_replaces_the_one_before() -> None:
 
 def test_a_message_that_a_board_takes_in_part_ends_the_connection() -> None:
     number = free_port()
-    port, end = TcpPort("localhost", number), TcpTransport("localhost", number)
+    port, end = only_port(number), TcpTransport("localhost", number)
     port.open(0.0)
     end.plug()
     assert port.open(5.0)
@@ -69,7 +80,7 @@ def test_a_message_that_a_board_takes_in_part_ends_the_connection() -> None:
 
 def test_it_listens_on_this_machine_alone_unless_told_otherwise() -> None:
     number = free_port()
-    port = TcpPort("localhost", number)
+    port = only_port(number)
     port.open(0.0)
     listening = pathlib.Path("/proc/net/tcp").read_text().splitlines()[1:]
     places = [line.split()[1] for line in listening if line.split()[3] == "0A"]
@@ -81,4 +92,38 @@ def test_a_port_that_is_taken_is_told() -> None:
     with socket.create_server(("localhost", 0)) as taken:
         number = taken.getsockname()[1]
         with pytest.raises(PortUnavailable, match=f"tcp localhost:{number} cannot be listened on"):
-            TcpPort("localhost", number).open(0.0)
+            only_port(number).open(0.0)
+
+
+def test_boards_at_one_port_have_a_seat_each_and_one_too_many_is_refused_in_words(
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    monkeypatch.setattr("serial_link.hardware.tcp_port._SEAT_S", 0.2)
+    number, refused = free_port(), []
+    server = TcpServer("localhost", number, parse_seats("left,right"), refused.append)
+    boards = [TcpTransport("localhost", number) for _ in range(3)]
+    assert not server.ports[0].open(0.0)
+    for port, board in zip(server.ports, boards):
+        board.plug()
+        assert port.open(5.0)
+    for port, name in zip(server.ports, ("left", "right")):
+        assert f"tcp localhost:{number} {name} from 127.0.0.1:" in port.name
+        port.write(name.encode())
+    boards[2].plug()
+
+    def is_refused() -> bool:
+        for port in server.ports:
+            assert port.read(0.05) == b""
+        return bool(refused)
+
+    wait_until(is_refused, lambda: "not refused")
+    assert "the board at 127.0.0.1 is refused: all of 2 are connected" in refused[0]
+    for board, name in zip(boards, (b"left", b"right")):
+        board.wait(5.0)
+        assert board.read() == name
+    wait_until(lambda: boards[2].read() == b"" and not boards[2].is_plugged, lambda: "connected")
+    server.ports[0].release()
+    assert server.ports[1].read(0.0) == b""  # the other goes on
+    server.ports[1].release()
+    for board in boards:
+        board.unplug()

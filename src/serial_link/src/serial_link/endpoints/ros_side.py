@@ -58,6 +58,7 @@ class RosSide:
     :param timeout: returns how long a call of a service may take [s]
     :param find_parameter: returns the raw value of a parameter, given its global name; None if it
         is unset
+    :param space: namespace of the board below the node's; empty for that one
     """
 
     def __init__(
@@ -67,10 +68,12 @@ class RosSide:
         counters: Counters,
         timeout: Callable[[], float],
         find_parameter: Callable[[str], Any],
+        space: str = "",
     ) -> None:
         self._scope, self._link, self._counters = scope, link, counters
         self._timeout, self._find_parameter = timeout, find_parameter
-        self._log = LogLines(scope, scope.name + "/board")
+        self._space = space
+        self._log = LogLines(scope, f"{scope.name}/{space or 'board'}")
         #: What the board has told of since it was started; and what there is in ROS, which may be
         #: more until it has told of all.
         self._wanted: Dict[_Key, Endpoint] = {}
@@ -151,7 +154,7 @@ class RosSide:
     def _close(self, key: _Key) -> None:
         scope, _ = self._open.pop(key)
         scope.close()
-        rospy.loginfo("the board no longer %s %s", _WORDS[key[0]], key[1])
+        rospy.loginfo("the board no longer %s %s", _WORDS[key[0]], self._placed(key[1]))
 
     def _opened(self, key: _Key, endpoint: Endpoint) -> Any:
         self._wanted[key] = endpoint
@@ -164,13 +167,14 @@ class RosSide:
             if is_like_it and other[1] == endpoint.name and other[2] != endpoint.type:
                 self._close(other)  # the sketch before had another type there
         scope = self._scope.create_scope()
+        placed = endpoint._replace(name=self._placed(endpoint.name))
         try:
-            endpoint_in_ros = self._create(scope, endpoint)
+            endpoint_in_ros = self._create(scope, placed)
             words = _WORDS[endpoint.kind]
-            rospy.loginfo("the board %s %s (%s)", words, endpoint.name, endpoint.type)
+            rospy.loginfo("the board %s %s (%s)", words, placed.name, placed.type)
         except (TypeRefused, IllegalName, rospy.ROSException) as error:
             scope.close()
-            rospy.logerr("%s is refused: %s", ascii(endpoint.name)[1:-1], error)
+            rospy.logerr("%s is refused: %s", ascii(placed.name)[1:-1], error)
             endpoint_in_ros = NullEndpoint(self._counters)
         except Exception:
             scope.close()
@@ -194,7 +198,7 @@ class RosSide:
         """Send a parameter to the board; what it cannot get as nothing, so that it goes on."""
         payload = encode_values(Values())
         try:
-            resolved = self._scope.resolve(name)
+            resolved = self._scope.resolve(self._placed(name))
             raw = self._find_parameter(resolved)
             if raw is None:
                 rospy.logwarn("the board asks for %s, which is not set", resolved)
@@ -203,6 +207,11 @@ class RosSide:
         except (UnsupportedValue, IllegalName, ConnectionError) as error:
             rospy.logwarn("the board asks for %s: %s", name, error)
         self._link.answer(PARAMETER, payload)
+
+    def _placed(self, name: str) -> str:
+        """Return a name of the board in its namespace, unless the name is global or private."""
+        is_relative = self._space and not name.startswith(("/", "~"))
+        return f"{self._space}/{name}" if is_relative else name
 
     def _buffer_size(self) -> int:
         """Return the longest payload that the board takes as far as it has told [bytes]."""

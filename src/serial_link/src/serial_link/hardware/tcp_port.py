@@ -3,57 +3,175 @@
 import contextlib
 import select
 import socket
-from typing import Optional
+import threading
+import time
+from typing import Callable, Dict, List, NamedTuple, Optional, Sequence
 
 from serial_link.hardware.ports import PortLost, PortStuck, PortUnavailable
+from serial_link.hardware.tcp_seats import Seat, choose_seat
 
 _WRITE_S = 0.5
 _READ_AT_ONCE = 4096
 #: TCP sends again what is lost on the way: a pause may be long [s], and nothing is damaged.
 _GAP_S = 5.0
+#: A board waits this long for a seat before it is refused [s], longer than a silent one keeps it.
+_SEAT_S = 12.0
+#: Most boards that wait.
+_MOST_WAITING = 16
 
 
-class TcpPort:
-    """Listens for one board; a new connection replaces the one before.
+class _Caller(NamedTuple):
+    """A board that has connected, and has no seat yet."""
 
-    A board that was reset leaves an open connection behind, and connects again.
+    connection: socket.socket
+    address: str
+    port: int
+    came_at: float
+
+
+class TcpServer:
+    """Listener for the boards at one port, each of which has a seat.
+
+    The ports poll it: it has no thread of its own.
 
     :param address: where to listen: ``localhost``, or an address that others reach too
     :param number: TCP port
+    :param seats: of the boards
+    :param on_refused: gets a sentence about a board that has no seat
+
+    :ivar ports: one for each seat, in their order
+    """
+
+    def __init__(
+        self,
+        address: str,
+        number: int,
+        seats: Sequence[Seat] = (),
+        on_refused: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        self._address, self._on_refused = (address, number), on_refused
+        self.name = f"tcp {address}:{number}"
+        self._seats = list(seats) or [Seat()]
+        self._lock = threading.Lock()
+        self._listener: Optional[socket.socket] = None
+        self._waiting: List[_Caller] = []
+        self._seated: Dict[Seat, _Caller] = {}
+        self.ports = [TcpPort(self, seat) for seat in self._seats]
+        self._in_use = len(self.ports)
+
+    def listen(self) -> socket.socket:
+        """Return what listens, for a wait; what has connected gets its seat.
+
+        :raises PortUnavailable: if the port cannot be listened on
+        """
+        with self._lock:
+            listener = self._listener or self._open()
+            self._accept(listener)
+            self._seat(time.monotonic())
+            return listener
+
+    def has_caller(self, seat: Seat) -> bool:
+        """Tell whether a board waits for its port to take it."""
+        return seat in self._seated
+
+    def take(self, seat: Seat) -> Optional[_Caller]:
+        """Return the board that has got a seat, once."""
+        with self._lock:
+            return self._seated.pop(seat, None)
+
+    def release(self) -> None:
+        """Listen no longer, when the last of the ports is released."""
+        with self._lock:
+            self._in_use -= 1
+            if self._in_use:
+                return
+            listener, self._listener = self._listener, None
+            callers = [*self._waiting, *self._seated.values()]
+            self._waiting.clear()
+            self._seated.clear()
+        for caller in callers:
+            caller.connection.close()
+        if listener is not None:
+            listener.close()
+
+    def _open(self) -> socket.socket:
+        try:
+            listener = socket.create_server(self._address, backlog=len(self._seats))
+        except OSError as error:
+            raise PortUnavailable(f"{self.name} cannot be listened on: {error}") from None
+        listener.setblocking(False)
+        self._listener = listener
+        return listener
+
+    def _accept(self, listener: socket.socket) -> None:
+        while len(self._waiting) < _MOST_WAITING:
+            try:
+                connection, (address, port) = listener.accept()
+            except OSError:  # no more of them, or gone already
+                return
+            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            connection.settimeout(_WRITE_S)
+            self._waiting.append(_Caller(connection, address, port, time.monotonic()))
+
+    def _seat(self, now: float) -> None:
+        for caller in list(self._waiting):
+            seat = choose_seat(self._seats, caller.address, now)
+            if seat is not None and seat not in self._seated:
+                seat.peer, seat.heard_at = caller.address, now
+                self._seated[seat] = caller
+            elif _has_left(caller.connection):
+                caller.connection.close()
+            elif now - caller.came_at > _SEAT_S:
+                caller.connection.close()
+                self._on_refused(
+                    f"{self.name}: the board at {caller.address} is refused: all of "
+                    f"{len(self._seats)} are connected; name each board in tcp_boards"
+                )
+            else:
+                continue
+            self._waiting.remove(caller)
+
+
+class TcpPort:
+    """Port of the board that has a seat; a new connection replaces one that is silent.
+
+    A board that was reset leaves an open connection behind, and connects again.
+
+    :param server: for all boards
+    :param seat: of this one
     """
 
     baud, gap = 0, _GAP_S
 
-    def __init__(self, address: str, number: int) -> None:
-        self._address = (address, number)
-        self._own_name = self.name = f"tcp {address}:{number}"
-        self._listener: Optional[socket.socket] = None
+    def __init__(self, server: TcpServer, seat: Seat) -> None:
+        self._server, self._seat = server, seat
+        self._own_name = self.name = f"{server.name} {seat.name}".rstrip()
         self._board: Optional[socket.socket] = None
 
     def open(self, timeout: float) -> bool:
         """Wait for a board; see :class:`.Port`."""
-        listener = self._listener or self._listen()
-        if not select.select([listener], [], [], timeout)[0]:
+        listener = self._server.listen()
+        if not self._server.has_caller(self._seat):
+            select.select([listener], [], [], timeout)
+            self._server.listen()
+        caller = self._server.take(self._seat)
+        if caller is None:
             return False
-        try:
-            board, peer = listener.accept()
-        except OSError:  # it has gone already
-            return False
-        board.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        board.settimeout(_WRITE_S)
-        self._board = board
-        self.name = f"{self._own_name} from {peer[0]}:{peer[1]}"
+        self._board = caller.connection
+        self.name = f"{self._own_name} from {caller.address}:{caller.port}"
         return True
 
     def read(self, timeout: float) -> bytes:
         """Return what has arrived; see :class:`.Port`."""
-        board, listener = self._connected(), self._listener
-        assert listener is not None
+        board = self._connected()
         try:
-            ready = select.select([board, listener], [], [], timeout)[0]
-            if listener in ready:
-                raise PortLost(f"{self.name}: another board has connected")
-            if not ready:
+            listener = self._server.listen()
+            if not self._server.has_caller(self._seat):
+                ready = select.select([board, listener], [], [], timeout)[0]
+                self._server.listen()
+            if self._server.has_caller(self._seat):
+                raise PortLost(f"{self.name}: a new connection has replaced it")
+            if board not in ready:
                 return b""
             data = board.recv(_READ_AT_ONCE)
         except PortLost:
@@ -62,6 +180,7 @@ class TcpPort:
             raise PortLost(f"{self.name} is gone: {error}") from None
         if not data:
             raise PortLost(f"{self.name}: the connection was closed")
+        self._seat.heard_at = time.monotonic()
         return data
 
     def write(self, data: bytes) -> None:
@@ -84,18 +203,18 @@ class TcpPort:
             raise PortLost(f"{self.name} is gone: {error}") from None
 
     def close(self) -> None:
-        """Close the board's connection; go on listening."""
+        """Close the board's connection; the server goes on listening."""
         board, self._board = self._board, None
         self.name = self._own_name
         if board is not None:
             board.close()
+        if not self._server.has_caller(self._seat):
+            self._seat.heard_at = None
 
     def release(self) -> None:
-        """Listen no longer."""
+        """Close it for good; the server goes on for the other ports."""
         self.close()
-        listener, self._listener = self._listener, None
-        if listener is not None:
-            listener.close()
+        self._server.release()
 
     def _connected(self) -> socket.socket:
         board = self._board
@@ -103,9 +222,12 @@ class TcpPort:
             raise PortLost(f"{self.name} is closed")
         return board
 
-    def _listen(self) -> socket.socket:
-        try:
-            self._listener = socket.create_server(self._address, backlog=1)
-        except OSError as error:
-            raise PortUnavailable(f"{self.name} cannot be listened on: {error}") from None
-        return self._listener
+
+def _has_left(connection: socket.socket) -> bool:
+    """Tell whether a board has closed its connection again."""
+    if not select.select([connection], [], [], 0.0)[0]:
+        return False
+    try:
+        return not connection.recv(1, socket.MSG_PEEK)
+    except OSError:
+        return True

@@ -84,8 +84,8 @@ def problem_of(info: TopicInfo) -> str:
     if not _TYPE.fullmatch(info.type) or not _MD5.fullmatch(info.md5sum):
         return (
             f"its type {info.type[:_SHOWN]!r} and md5sum {info.md5sum[:_SHOWN]!r} are not those of "
-            "a message, as with rosserial's Arduino library 0.7.9 on an AVR: build the sketch with "
-            "0.7.8"
+            "a message; rosserial's Arduino library 0.7.9 reads those of other headers than its "
+            "own from the wrong memory: build the sketch with 0.7.8"
         )
     if not _NAME.fullmatch(info.name):
         return (

@@ -1,7 +1,7 @@
 """Node of the link to a microcontroller, by rosserial's protocol."""
 
 import time
-from typing import Any, Dict, Sequence, Tuple
+from typing import Any, Dict, List, Sequence, Tuple
 
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
@@ -12,7 +12,8 @@ from nodekit.master import MISSING, MasterClient
 from serial_link.endpoints.ros_side import RosSide
 from serial_link.hardware.ports import Port
 from serial_link.hardware.serial_port import SerialPort
-from serial_link.hardware.tcp_port import TcpPort
+from serial_link.hardware.tcp_port import TcpServer
+from serial_link.hardware.tcp_seats import parse_seats
 from serial_link.host.counters import Counters
 from serial_link.link.board_link import BoardLink
 from serial_link.serial_parameters import TCP, SerialParameters
@@ -26,7 +27,7 @@ _USUAL = {"received", "received bytes", "sent", "sent bytes", "openings", "asked
 
 
 class SerialNode:
-    """Link that has the topics, services, parameters and logs of a board on the graph.
+    """Link that has the topics, services, parameters and logs of boards on the graph.
 
     Which there are the board tells: it is asked when the port opens, and after each of its
     restarts. In place of rosserial_python's node of this name.
@@ -55,30 +56,33 @@ class SerialNode:
         if words:
             self._settings.update(**dict(zip(("port", "tcp_port"), words)))
         self._node_name = node.name
-        self._counters = Counters()
-        self._link = BoardLink(self._port(), self._counters, _ros_time)
-        self._board = RosSide(
-            node,
-            self._link,
-            self._counters,
-            lambda: self._settings.values.service_timeout,
-            self._find_parameter,
-        )
+        self._boards = [self._board(node, space, port) for space, port in self._ports()]
         self._has_started = False
-        self._faults: Dict[str, int] = {}
-        self._told: Dict[str, int] = {}
-        self._told_at = -_LINE_EVERY_S
         self._diagnostics = node.create_publisher("/diagnostics", DiagnosticArray)
-        node.own(self._link)
-        node.own(self._board)
         node.create_timer(1.0, self._report, steady=True)
-        node.on_shutdown(self._link.send_stop)
+        node.on_shutdown(self._send_stop)
 
-    def _port(self) -> Port:
+    def _ports(self) -> List[Tuple[str, Port]]:
+        """Return the ports of the boards, and the boards' namespaces."""
         values = self._settings.values
-        if values.port == TCP:
-            return TcpPort(values.tcp_address, values.tcp_port)
-        return SerialPort(values.port, values.baud)
+        if values.port != TCP:
+            return [("", SerialPort(values.port, values.baud))]
+        seats = parse_seats(values.tcp_boards)
+        server = TcpServer(values.tcp_address, values.tcp_port, seats, _warn)
+        return [(seat.name, port) for seat, port in zip(seats, server.ports)]
+
+    def _board(self, node: Node, space: str, port: Port) -> "_Board":
+        counters = Counters()
+        link = BoardLink(port, counters, _ros_time)
+        timeout = lambda: self._settings.values.service_timeout  # noqa: E731
+        side = RosSide(node, link, counters, timeout, self._find_parameter, space)
+        node.own(link)
+        node.own(side)
+        return _Board(space or "board", link, side)
+
+    def _send_stop(self) -> None:
+        for board in self._boards:
+            board.link.send_stop()
 
     def _find_parameter(self, name: str) -> Any:
         """Return a parameter for the board; None where it is not set.
@@ -95,28 +99,56 @@ class SerialNode:
     def _report(self, _elapsed: float) -> None:
         if not self._has_started:  # only now: what the board tells of is opened at once
             self._has_started = True
-            self._link.start()
-            self._board.start()
-        figures = self._link.all_counters()
+            for board in self._boards:
+                board.link.start()
+                board.side.start()
+        statuses = [board.status(self._node_name) for board in self._boards]
+        self._diagnostics.publish(DiagnosticArray(Header(stamp=rospy.get_rostime()), statuses))
+
+
+class _Board:
+    """A board: its link, its ROS side, and what was told of its faults.
+
+    :param name: of the board on ``/diagnostics``
+    :param link: to the board
+    :param side: its ROS side
+    """
+
+    def __init__(self, name: str, link: BoardLink, side: RosSide) -> None:
+        self.link, self.side = link, side
+        self._name = name
+        self._faults: Dict[str, int] = {}
+        self._told: Dict[str, int] = {}
+        self._told_at = -_LINE_EVERY_S
+
+    def status(self, node_name: str) -> DiagnosticStatus:
+        """Return its status for ``/diagnostics``; new faults are logged.
+
+        :param node_name: of the node
+        """
+        figures = self.link.all_counters()
         faults = {name: count for name, count in figures.items() if count and name not in _USUAL}
         is_new, self._faults = faults != self._faults, faults
-        trouble = self._link.trouble
+        trouble = self.link.trouble
         level = DiagnosticStatus.WARN if is_new else DiagnosticStatus.OK
         message = "faults in the last second" if is_new else "in step"
         if trouble:
             level, message = DiagnosticStatus.ERROR, trouble
         values = [KeyValue(name, str(count)) for name, count in sorted(figures.items())]
-        name = self._node_name.lstrip("/") + ": board"
-        status = DiagnosticStatus(level, name, message, self._link.port_name, values)
-        self._diagnostics.publish(DiagnosticArray(Header(stamp=rospy.get_rostime()), [status]))
+        name = f"{node_name.lstrip('/')}: {self._name}"
         now = time.monotonic()
         if faults != self._told and now - self._told_at >= _LINE_EVERY_S:
             self._told, self._told_at = faults, now
             text = ", ".join(f"{name} {count}" for name, count in sorted(faults.items()))
             received, sent = figures.get("received", 0), figures.get("sent", 0)
             rospy.loginfo(
-                "%s: %d frames received, %d sent; %s", self._link.port_name, received, sent, text
+                "%s: %d frames received, %d sent; %s", self.link.port_name, received, sent, text
             )
+        return DiagnosticStatus(level, name, message, self.link.port_name, values)
+
+
+def _warn(text: str) -> None:
+    rospy.logwarn("%s", text)
 
 
 def _ros_time() -> Tuple[int, int]:

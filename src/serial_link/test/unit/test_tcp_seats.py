@@ -1,0 +1,77 @@
+"""Seats of boards at one TCP port."""
+
+from typing import List, Optional
+
+import pytest
+
+from serial_link.hardware.tcp_seats import (
+    OTHER_BOARD_S,
+    SAME_BOARD_S,
+    Seat,
+    choose_seat,
+    parse_seats,
+)
+
+A, B, C = "10.0.0.1", "10.0.0.2", "10.0.0.3"
+
+
+def connect(seats: List[Seat], peer: str, now: float = 0.0) -> Optional[str]:
+    seat = choose_seat(seats, peer, now)
+    if seat is None:
+        return None
+    seat.peer, seat.heard_at = peer, now
+    return seat.name
+
+
+def test_boards_get_seats_in_the_order_of_their_first_connection_and_keep_them() -> None:
+    seats = parse_seats("left, right")
+    assert connect(seats, A) == "left" and connect(seats, B) == "right"
+    assert connect(seats, C) is None
+    for seat in seats:
+        seat.heard_at = None
+    assert connect(seats, C) is None  # both are away, and come back
+    assert connect(seats, B) == "right" and connect(seats, A) == "left"
+
+
+def test_addresses_choose_seats_whoever_comes_first() -> None:
+    seats = parse_seats(f"left@{A},right@{B}")
+    assert connect(seats, B) == "right" and connect(seats, A) == "left"
+    assert connect(seats, C) is None
+    mixed = parse_seats(f"left@{A},others")
+    assert connect(mixed, C) == "others" and connect(mixed, A) == "left"
+
+
+def test_board_that_was_reset_gets_its_seat_when_its_old_connection_is_silent() -> None:
+    seats = parse_seats("left,right")
+    connect(seats, A), connect(seats, B)
+    assert connect(seats, A, 0.9 * SAME_BOARD_S) is None
+    assert connect(seats, A, SAME_BOARD_S) == "left"
+
+
+def test_only_seat_is_for_any_board_and_an_other_address_waits_longer() -> None:
+    seats = parse_seats("")
+    assert [seat.name for seat in seats] == [""]
+    assert connect(seats, A) == "" and connect(seats, B, 0.9 * OTHER_BOARD_S) is None
+    assert connect(seats, B, OTHER_BOARD_S) == ""
+
+
+def test_boards_behind_one_address_are_told_apart_by_order() -> None:
+    seats = parse_seats("left,right")
+    assert connect(seats, A) == "left" and connect(seats, A) == "right"
+    seats[0].heard_at = None
+    assert connect(seats, A) == "left"
+
+
+@pytest.mark.parametrize(
+    "text, why",
+    [
+        ("le-ft", "'le-ft' is not a namespace"),
+        ("left,,right", "'' is not a namespace"),
+        ("left,left", "'left' is there twice"),
+        (f"left@{A},right@{A}", f"{A} is there twice"),
+        ("left@robot", "'robot' is not an IP address"),
+    ],
+)
+def test_list_that_is_invalid_is_refused_in_words(text: str, why: str) -> None:
+    with pytest.raises(ValueError, match=why):
+        parse_seats(text)

@@ -51,6 +51,25 @@ def test_who_has_another_file_of_the_same_name_is_no_holder(tmp_path: pathlib.Pa
         assert find_port_users(str(board)) == []
 
 
+MAKE = """
+import os, sys
+from pathlib import Path
+master, terminal = os.openpty()
+Path(sys.argv[1]).symlink_to(os.ttyname(terminal))
+print(flush=True)
+sys.stdin.read()
+"""
+
+
+def test_maker_of_a_pseudo_terminal_that_keeps_it_open_is_no_holder(tmp_path: pathlib.Path) -> None:
+    link = tmp_path / "board"
+    with holder(link, MAKE):
+        assert find_port_users(str(link)) == []
+        with holder(link) as pid:
+            (found,) = find_port_users(str(link))
+            assert found.pid == pid
+
+
 def test_what_is_unplugged_has_no_holder(tmp_path: pathlib.Path) -> None:
     assert find_port_users(str(tmp_path / "board")) == []
 

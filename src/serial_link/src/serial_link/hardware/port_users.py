@@ -20,7 +20,8 @@ def find_port_users(path: str) -> List[PortUser]:
     """Return the other processes that have a file open, as far as this user may see them.
 
     Files are compared, not their names: a process in a container, or with another /dev/pts, may
-    have another name for this one, or this name for another one.
+    have another name for this one, or this name for another one. A process that made a pseudo
+    terminal may keep it open, as simulators do: it is the board, and not among them.
 
     :param path: of the file; links are followed
     """
@@ -30,7 +31,9 @@ def find_port_users(path: str) -> List[PortUser]:
         return []
     found = []
     for entry in os.listdir("/proc"):
-        if entry.isdecimal() and int(entry) != os.getpid() and _has_open(entry, target):
+        if not entry.isdecimal() or int(entry) == os.getpid() or not _has_open(entry, target):
+            continue
+        if not _has_made(entry, os.path.realpath(path)):
             found.append(PortUser(int(entry), _command(entry)))
     return found
 
@@ -41,6 +44,28 @@ def _has_open(pid: str, target: os.stat_result) -> bool:
         return any(_points_to(f"{folder}/{number}", target) for number in os.listdir(folder))
     except OSError:  # it has ended, or is another user's
         return False
+
+
+def _has_made(pid: str, path: str) -> bool:
+    """Tell whether a process has the other end of a pseudo terminal."""
+    folder, _, number = path.rpartition("/")
+    if folder != "/dev/pts":
+        return False
+    try:
+        return any(
+            f"tty-index:\t{number}\n" in _content(f"/proc/{pid}/fdinfo/{fd}")
+            for fd in os.listdir(f"/proc/{pid}/fdinfo")
+        )
+    except OSError:
+        return False
+
+
+def _content(path: str) -> str:
+    try:
+        with open(path, encoding="ascii", errors="replace") as file:
+            return file.read()
+    except OSError:  # it was closed meanwhile
+        return ""
 
 
 def _points_to(link: str, target: os.stat_result) -> bool:

@@ -13,6 +13,7 @@ import serial
 
 from serial_link.hardware.port_users import find_port_users
 from serial_link.hardware.ports import PortLost, PortStuck, PortUnavailable
+from serial_link.hardware.usb_ports import has_line
 
 #: Longest time in which the port has to take a frame [s].
 _WRITE_S = 0.5
@@ -33,12 +34,15 @@ class SerialPort:
 
     :param name: path of the port, or of a link to it; ``~`` is the user's own folder
     :param baud: bits a second
+
+    :ivar baud: as given; 0 once it is open, if there is no line behind the port
     """
 
     gap = _GAP_S
 
     def __init__(self, name: str, baud: int) -> None:
         self.name, self.baud = os.path.expanduser(name), baud
+        self._line_baud = baud
         self._serial: Optional[serial.Serial] = None
 
     def open(self, timeout: float) -> bool:
@@ -50,7 +54,7 @@ class SerialPort:
             raise PortUnavailable(held)
         try:
             opened = serial.Serial(
-                self.name, self.baud, timeout=0, write_timeout=_WRITE_S, exclusive=True
+                self.name, self._line_baud, timeout=0, write_timeout=_WRITE_S, exclusive=True
             )
             # The lock of pyserial is known to those alone who ask for it.
             if not os.path.realpath(self.name).startswith(_PSEUDO):
@@ -58,6 +62,7 @@ class SerialPort:
         except (OSError, ValueError, termios.error) as error:
             raise PortUnavailable(self._why(error)) from None
         self._serial = opened
+        self.baud = self._line_baud if has_line(self.name) else 0
         return True
 
     def read(self, timeout: float) -> bytes:

@@ -139,7 +139,7 @@ ROOMS: Dict[str, List[str]] = {
         "set_point_parameters files runner commands nodes"
     ).split(),
     "serial_link": (
-        "framing negotiation device host headers hardware board link endpoints "
+        "framing negotiation device host headers port_mark hardware board link endpoints "
         "serial_parameters board_parameters commands nodes"
     ).split(),
     "my_robot_package": "robot_parameters nodes".split(),

@@ -7,6 +7,8 @@ import termios
 import tty
 from typing import Optional, Protocol
 
+from serial_link.port_mark import is_left_behind, remove_link, write_mark
+
 _READ_AT_ONCE = 4096
 
 
@@ -65,9 +67,11 @@ class PtyTransport:
         try:
             tty.setraw(terminal)  # or it would echo what the board sends before a host has it open
             os.makedirs(os.path.dirname(self._link) or ".", exist_ok=True)
-            if os.path.islink(self._link) and not os.path.exists(self._link):
-                os.unlink(self._link)  # of a board that was killed
+            is_dead = os.path.islink(self._link) and not os.path.exists(self._link)
+            if is_dead or is_left_behind(self._link):
+                remove_link(self._link)  # of a board that was killed
             self._make_link(os.ttyname(terminal))
+            write_mark(self._link)
         except OSError:
             os.close(fd)
             raise
@@ -88,8 +92,7 @@ class PtyTransport:
         fd, self._fd = self._fd, None
         if fd is not None:
             os.close(fd)
-            if os.path.islink(self._link):
-                os.unlink(self._link)
+            remove_link(self._link)
 
     def wait(self, timeout: float) -> None:
         """Wait for bytes; see :class:`Transport`."""

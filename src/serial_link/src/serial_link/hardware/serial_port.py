@@ -14,6 +14,7 @@ import serial
 from serial_link.hardware.port_users import find_port_users
 from serial_link.hardware.ports import PortLost, PortStuck, PortUnavailable
 from serial_link.hardware.usb_ports import has_line
+from serial_link.port_mark import is_left_behind, remove_link
 
 #: Longest time in which the port has to take a frame [s].
 _WRITE_S = 0.5
@@ -47,6 +48,9 @@ class SerialPort:
 
     def open(self, timeout: float) -> bool:
         """Open the port; see :class:`.Port`. There is no wait."""
+        if is_left_behind(self.name):
+            remove_link(self.name)
+            raise PortUnavailable(f"{self.name} is not there: its simulated board was killed")
         if not os.path.exists(self.name):
             raise PortUnavailable(f"{self.name} is not there: is the board plugged in?")
         held = self._held()

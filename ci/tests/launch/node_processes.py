@@ -19,6 +19,7 @@ LEFT_OUT: Dict[str, str] = {
     "my_robot_package.nodes.service_client_node": "ends after its call",
     "robot_interfaces_demo.nodes.robot_status_demo": "hosts nodes of the list",
     "ros2_bridge.nodes.bridge": "needs ROS 2",
+    "serial_link.nodes.avr_board": "needs a compiler for AVR",
     "serial_link.nodes.serial_node": "needs a board",
     "serial_link.nodes.simulated_board": "needs a terminal",
     "topic_scope.nodes.scope": "serves a web page",

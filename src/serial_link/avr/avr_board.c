@@ -61,6 +61,9 @@ static void turn(double seconds) {
   if (wanted == counts) return;
   counts += wanted > counts ? 1 : -1;
   int phase = GRAY[counts & 3];
+  /* Or the pins would be at their pull-ups whenever the sketch writes to another pin of the port. */
+  avr_ioport_external_t outside = {.name = 'D', .mask = 3 << 2, .value = phase << 2};
+  avr_ioctl(avr, AVR_IOCTL_IOPORT_SET_EXTERNAL('D'), &outside);
   avr_raise_irq(encoder[0], phase & 1);
   avr_raise_irq(encoder[1], phase >> 1 & 1);
 }

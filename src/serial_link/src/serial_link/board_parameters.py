@@ -8,6 +8,7 @@ from nodekit import (
     ParameterSet,
     StringParameter,
     read_once,
+    rule,
 )
 from serial_link.board.simulation import Faults
 
@@ -73,3 +74,25 @@ class BoardParameters(ParameterSet):
     def faults(self) -> Faults:
         """Faults of the board and its cable."""
         return Faults(self.noise, self.stalled, self.plugged)
+
+
+class AvrParameters(ParameterSet):
+    """Parameters of a sketch on a simulated Arduino Uno."""
+
+    link = read_once(
+        StringParameter("~/.ros/simulated_board", help="path of the link to its serial port")
+    )
+    sketch = read_once(
+        StringParameter(
+            "../../docs/examples/board/motor_board/motor_board.ino",
+            help="path of the sketch, from the folder of this package",
+        )
+    )
+    packages = read_once(
+        StringParameter("pid_control, std_msgs", help="packages whose messages it includes")
+    )
+
+    @rule("link")
+    def _has_a_port(self) -> None:
+        if self.link in ("", "tcp"):
+            raise ValueError("link must be a path: the board has a serial port, and no network")

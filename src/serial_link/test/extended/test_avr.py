@@ -17,7 +17,7 @@ from std_msgs.msg import Float32, UInt16
 
 from nodekit.testing.processes import Process
 from nodekit.testing.waiting import wait_until
-from serial_link.board.avr_board import AvrBoard, build_simulator, build_sketch, size_of
+from serial_link.board.avr_board import AvrBoard, AvrBuilder
 from serial_link.commands.make_headers import build_headers, write
 from serial_link.headers.arduino_library import arduino_library
 
@@ -89,6 +89,7 @@ class TestAvr(unittest.TestCase):
     folder: pathlib.Path
     libraries: Sequence[pathlib.Path]
     simulator: pathlib.Path
+    builder: AvrBuilder
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -96,7 +97,8 @@ class TestAvr(unittest.TestCase):
         headers = build_headers(["std_msgs", "pid_control"])
         write(arduino_library(headers, "the tests", "1.0.0"), cls.folder)
         cls.libraries = (PACKAGE / "avr" / "library", cls.folder / "ros_messages" / "src")
-        cls.simulator = build_simulator(PACKAGE / "avr" / "avr_board.c", cls.folder)
+        cls.builder = AvrBuilder(cls.folder)
+        cls.simulator = cls.builder.simulator(PACKAGE / "avr" / "avr_board.c")
 
     @classmethod
     def tearDownClass(cls) -> None:
@@ -106,22 +108,22 @@ class TestAvr(unittest.TestCase):
         self.name = self.id().rsplit(".", 1)[-1]
         self.space = "/" + self.name
 
-    def start(self, sketch: pathlib.Path, baud: int = 57600) -> AvrBoard:
-        """Run a sketch, and the node, until the end of the test."""
-        program = build_sketch(sketch, self.libraries, self.folder)
-        link = str(self.folder / self.name)
-        board = AvrBoard(self.simulator, program, link)
-        board.start()
-        self.addCleanup(board.close)
-        wait_until(lambda: os.path.islink(link), lambda: "no port")
-        node = Process(NODE, [f"__ns:={self.space}", f"_port:={link}", f"_baud:={baud}"])
-        self.addCleanup(node.end)
-        return board
+        self.link = str(self.folder / self.name)
 
-    def start_text(self, text: str) -> AvrBoard:
+    def start_node(self, baud: int) -> None:
+        node = Process(NODE, [f"__ns:={self.space}", f"_port:={self.link}", f"_baud:={baud}"])
+        self.addCleanup(node.end)
+
+    def start(self, text: str) -> AvrBoard:
+        """Run a sketch, and the node, until the end of the test."""
         sketch = self.folder / (self.name + ".ino")
         sketch.write_text(text)
-        return self.start(sketch)
+        program = self.builder.sketch(sketch, self.libraries)
+        board = AvrBoard(self.simulator, program, self.link)
+        board.start()
+        self.addCleanup(board.close)
+        self.start_node(57600)
+        return board
 
     def collect(self, topic: str, data_class: Any) -> List[Any]:
         """Return a list that a topic's messages come into."""
@@ -136,7 +138,7 @@ class TestAvr(unittest.TestCase):
     def test_loop_that_waits_three_seconds_loses_no_command(self) -> None:
         messages = self.collect(f"{self.space}/heard", UInt16)
         publisher = rospy.Publisher(f"{self.space}/command", UInt16, queue_size=10)
-        self.start_text(COUNTER + WAITS % 3000)
+        self.start(COUNTER + WAITS % 3000)
         self.wait_for_connections(publisher)
         for number in range(1, 6):
             publisher.publish(number)
@@ -148,7 +150,7 @@ class TestAvr(unittest.TestCase):
         rospy.set_param(f"{self.space}/gain", 2.5)
         messages = self.collect(f"{self.space}/heard", UInt16)
         found = self.collect(f"{self.space}/found", Float32)
-        board = self.start_text(COUNTER + LOGS)
+        board = self.start(COUNTER + LOGS)
         for boot_s in (0.0, 1.5):
             wait_until(lambda: messages and found, lambda: f"{messages} {found}", PATIENCE)
             assert found[-1].data == 2.5
@@ -161,7 +163,7 @@ class TestAvr(unittest.TestCase):
     def test_wrong_names_are_refused_by_name_and_a_slash_too_many_is_not(self) -> None:
         lines = self.collect("/rosout", Log)
         messages = self.collect(f"{self.space}/chatter", rospy.AnyMsg)
-        self.start_text(WRONG)
+        self.start(WRONG)
         wait_until(lambda: messages, lambda: f"{lines[-3:]}", PATIENCE)
         for name in ("my-topic", "1st"):
 
@@ -171,10 +173,13 @@ class TestAvr(unittest.TestCase):
 
             wait_until(is_refused, lambda: f"{[line.msg for line in lines]}", PATIENCE)
 
-    def test_motor_at_the_pins_follows_its_input(self) -> None:
+    def test_motor_at_the_pins_of_the_node_follows_its_input(self) -> None:
         outputs = self.collect(f"{self.space}/motor_output", motor_output)
         publisher = rospy.Publisher(f"{self.space}/motor_input", motor_input, queue_size=1)
-        self.start(MOTOR_SKETCH, 115200)
+        words = [f"__ns:={self.space}", f"_link:={self.link}"]
+        board = Process(str(PACKAGE / "scripts" / "avr_board.py"), words)
+        self.addCleanup(board.end)
+        self.start_node(115200)
         self.wait_for_connections(publisher)
         for share in (0.5, -0.5):
 
@@ -184,9 +189,11 @@ class TestAvr(unittest.TestCase):
                 return len(speeds) == 50 and abs(speeds[25] - wanted) < 0.7
 
             wait_until(turns, lambda: f"{outputs[-1:]}", PATIENCE)
+        board.end()
+        assert not os.path.islink(self.link)
 
     def test_sketch_of_the_tutorial_fits_into_an_uno(self) -> None:
-        size = size_of(build_sketch(MOTOR_SKETCH, self.libraries, self.folder))
+        size = self.builder.size(self.builder.sketch(MOTOR_SKETCH, self.libraries))
         assert 4000 < size.flash < 32256 and 1000 < size.ram < 2048, size
 
 

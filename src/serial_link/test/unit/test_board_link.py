@@ -10,12 +10,22 @@ from nodekit.testing.waiting import wait_until
 from serial_link.board.transports import PtyTransport
 from serial_link.board.simulation import Faults, SimulatedBoard
 from serial_link.device.rosserial_device import Declared, Device
+from serial_link.framing.frames import encode
 from serial_link.hardware.serial_port import SerialPort
 from serial_link.host.counters import Counters
-from serial_link.link.events import Synced, Message, Restarted, Topics
+from serial_link.link.events import LogLine, Message, Restarted, Synced, Topics
 from serial_link.link.board_link import BoardLink
 from serial_link.link.throttled_log import ThrottledLog
-from serial_link.negotiation.payloads import INFO, PUBLISHER, SUBSCRIBER, Values
+from serial_link.negotiation.payloads import (
+    INFO,
+    LOG,
+    PUBLISHER,
+    SUBSCRIBER,
+    TIME,
+    Values,
+    encode_log,
+    encode_time,
+)
 
 BAUD = 115200
 
@@ -182,6 +192,24 @@ def test_board_that_logs_in_its_loop_is_found_again_after_a_reset(rig: Rig) -> N
     assert "restarted" in rig.fetch_until(Restarted).why
     rig.fetch_until(Synced)
     assert rig.sketch.device is not None and rig.sketch.device.is_configured
+
+
+def test_frame_that_an_adapter_holds_back_is_not_lost(rig: Rig) -> None:
+    frame = encode(LOG, encode_log(INFO, "held back"))
+    rig.link._receive_bytes(1.0, frame[:9])
+    rig.link._receive_bytes(1.45, b"")
+    rig.link._receive_bytes(1.46, frame[9:])
+    assert rig.link.inbox.get(0.0) == LogLine(INFO, "held back")
+
+
+def test_time_requests_that_come_at_once_get_one_answer(rig: Rig) -> None:
+    rig.link._receive_bytes(1.0, 5 * encode(TIME, bytes(8)))
+    assert [rig.link._outgoing_queue.get(0.0) for _ in "ab"] == [
+        encode(TIME, encode_time(1, 0)),
+        None,
+    ]
+    rig.link._receive_bytes(1.5, encode(TIME, bytes(8)))
+    assert rig.link._outgoing_queue.get(0.0) == encode(TIME, encode_time(2, 0))
 
 
 def test_a_missing_board_is_told_once_and_again_when_it_has_been_there(

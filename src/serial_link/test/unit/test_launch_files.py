@@ -2,6 +2,9 @@
 
 import functools
 
+import pytest
+from roslaunch import RLException
+
 from nodekit.testing.launch_files import load_launch, node_names, private_parameters
 
 load = functools.partial(load_launch, "serial_link", "board.launch")
@@ -20,6 +23,14 @@ def test_without_hardware_both_nodes_are_at_the_same_port() -> None:
     }
     board = private_parameters(config, "/simulated_board")
     assert board == {"link": "/tmp/some", "baud": 9600, "tcp_port": 11411}
+
+
+def test_avr_board_takes_the_place_of_the_one_in_python() -> None:
+    config = load("board:=avr", "port:=/tmp/some")
+    assert node_names(config) == ["/avr_board", "/serial_node"]
+    assert private_parameters(config, "/avr_board") == {"link": "/tmp/some"}
+    with pytest.raises(RLException, match="board"):
+        load("board:=arduino")
 
 
 def test_with_hardware_the_board_is_the_users() -> None:

@@ -193,3 +193,14 @@ def test_a_board_that_takes_nothing_does_not_hold_the_writer_for_long(
 
     wait_until(is_stuck, lambda: "it takes everything")
     assert "takes nothing for 0.5 s" in stuck[0]
+
+
+@pytest.mark.parametrize("is_native", [False, True])
+def test_native_usb_port_has_no_baud_rate_once_it_is_open(
+    plugged: Tuple[PtyTransport, SerialPort], is_native: bool, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    monkeypatch.setattr(serial_port, "has_line", lambda name: not is_native)
+    _, port = plugged
+    assert port.baud == 115200
+    port.open(0.0)
+    assert port.baud == (0 if is_native else 115200)

@@ -3,7 +3,10 @@
 import os
 import pathlib
 import subprocess
-from typing import List, NamedTuple, Optional, Sequence
+import time
+from typing import Callable, List, NamedTuple, Optional, Sequence
+
+from serial_link.port_mark import is_left_behind, remove_link, remove_mark, write_mark
 
 #: Where Debian's arduino-core-avr has the core.
 ARDUINO = pathlib.Path("/usr/share/arduino/hardware/arduino/avr")
@@ -20,7 +23,7 @@ _LANGUAGES = {
     ".cpp": ["avr-g++", "-std=gnu++11", "-fpermissive", "-fno-exceptions"],
 }
 _SIMULATOR = "-O2 -lsimavr -lelf -lm -lutil".split()
-_BUILD_S, _END_S = 120.0, 2.0
+_BUILD_S, _START_S, _POLL_S, _END_S = 120.0, 5.0, 0.01, 2.0
 
 
 class BuildError(RuntimeError):
@@ -38,89 +41,88 @@ class Size(NamedTuple):
     ram: int
 
 
-def build_simulator(source: pathlib.Path, folder: pathlib.Path) -> pathlib.Path:
-    """Build the simulator, unless it is newer than its source.
+class AvrBuilder:
+    """Builder of sketches for an Arduino Uno, and of the simulator.
 
-    :param source: ``avr_board.c``
-    :param folder: where
-    :returns: the program
-    :raises BuildError: if that is not possible
+    :param folder: for what is built; what is there is not built again
+    :param is_over: tells whether to give up before the next step
     """
-    program = folder / "avr_board"
-    if not program.exists() or program.stat().st_mtime < source.stat().st_mtime:
-        _run(["gcc", str(source), "-I/usr/include/simavr", "-o", str(program), *_SIMULATOR])
-    return program
 
+    def __init__(self, folder: pathlib.Path, is_over: Callable[[], bool] = lambda: False) -> None:
+        self._folder, self._is_over = folder, is_over
 
-def build_core(folder: pathlib.Path) -> pathlib.Path:
-    """Build Arduino's core as a library, once in a folder.
+    def simulator(self, source: pathlib.Path) -> pathlib.Path:
+        """Build the simulator.
 
-    :param folder: where
-    :returns: the library
-    :raises BuildError: if that is not possible
-    """
-    library, objects = folder / "core.a", folder / "core"
-    if library.exists():
+        :param source: ``avr_board.c``
+        :returns: the program
+        :raises BuildError: if that is not possible
+        """
+        program = self._folder / "avr_board"
+        if not program.exists():
+            includes = "-I/usr/include/simavr"
+            self._run(["gcc", str(source), includes, "-o", str(program), *_SIMULATOR])
+        return program
+
+    def sketch(self, sketch: pathlib.Path, libraries: Sequence[pathlib.Path]) -> pathlib.Path:
+        """Build a sketch.
+
+        :param sketch: ``NAME.ino``
+        :param libraries: folders of headers that it includes
+        :returns: the program, ``NAME.elf``
+        :raises BuildError: if that is not possible; the text has what the compiler says
+        """
+        program = self._folder / (sketch.stem + ".elf")
+        includes = [*_INCLUDES, *(f"-I{library}" for library in libraries)]
+        source = ["-include", "Arduino.h", "-x", "c++", str(sketch), "-x", "none"]
+        target = ["-Wl,--gc-sections", "-o", str(program), "-lm"]
+        core = str(self._core())
+        self._run([*_LANGUAGES[".cpp"], *_FLAGS, *includes, *source, core, *target])
+        return program
+
+    def size(self, program: pathlib.Path) -> Size:
+        """Return the memory that a built sketch takes.
+
+        :param program: of :meth:`sketch`
+        :raises BuildError: if it cannot be read
+        """
+        lines = self._run(["avr-size", str(program)]).splitlines()
+        text, data, bss = map(int, lines[1].split()[:3])
+        return Size(text + data, data + bss)
+
+    def _core(self) -> pathlib.Path:
+        """Build Arduino's core as a library, once."""
+        library, objects = self._folder / "core.a", self._folder / "core"
+        if library.exists():
+            return library
+        if not ARDUINO.is_dir():
+            raise BuildError(f"{ARDUINO} is missing: sudo apt install {DEBIAN_PACKAGES}")
+        objects.mkdir(parents=True, exist_ok=True)
+        built: List[str] = []
+        for source in sorted((ARDUINO / "cores" / "arduino").iterdir()):
+            if source.suffix in _LANGUAGES:
+                built.append(str(objects / (source.name + ".o")))
+                command = [*_LANGUAGES[source.suffix], *_FLAGS, *_INCLUDES, "-c", str(source)]
+                self._run([*command, "-o", built[-1]])
+        self._run(["avr-gcc-ar", "rcs", str(library), *built])
         return library
-    if not ARDUINO.is_dir():
-        raise BuildError(f"{ARDUINO} is missing: sudo apt install {DEBIAN_PACKAGES}")
-    objects.mkdir(parents=True, exist_ok=True)
-    built: List[str] = []
-    for source in sorted((ARDUINO / "cores" / "arduino").iterdir()):
-        if source.suffix in _LANGUAGES:
-            built.append(str(objects / (source.name + ".o")))
-            command = [*_LANGUAGES[source.suffix], *_FLAGS, *_INCLUDES, "-c", str(source)]
-            _run([*command, "-o", built[-1]])
-    _run(["avr-gcc-ar", "rcs", str(library), *built])
-    return library
 
-
-def build_sketch(
-    sketch: pathlib.Path, libraries: Sequence[pathlib.Path], folder: pathlib.Path
-) -> pathlib.Path:
-    """Build a sketch for an Arduino Uno.
-
-    :param sketch: ``NAME.ino``
-    :param libraries: folders of headers that it includes
-    :param folder: where
-    :returns: the program, ``NAME.elf``
-    :raises BuildError: if that is not possible; the text has what the compiler says
-    """
-    program = folder / (sketch.stem + ".elf")
-    core = build_core(folder)
-    _run(
-        [
-            *_LANGUAGES[".cpp"],
-            *_FLAGS,
-            *_INCLUDES,
-            *(f"-I{library}" for library in libraries),
-            *("-include", "Arduino.h", "-x", "c++", str(sketch), "-x", "none", str(core)),
-            *("-Wl,--gc-sections", "-o", str(program), "-lm"),
-        ]
-    )
-    return program
-
-
-def size_of(program: pathlib.Path) -> Size:
-    """Return the memory that a built sketch takes.
-
-    :param program: of :func:`build_sketch`
-    :raises BuildError: if it cannot be read
-    """
-    text, data, bss = map(int, _run(["avr-size", str(program)]).splitlines()[1].split()[:3])
-    return Size(text + data, data + bss)
+    def _run(self, command: Sequence[str]) -> str:
+        if self._is_over():
+            raise BuildError("it is no longer needed")
+        return _run(command)
 
 
 class AvrBoard:
     """A sketch that runs in simavr, with its serial port behind a link.
 
-    :param simulator: of :func:`build_simulator`
-    :param program: of :func:`build_sketch`
+    :param simulator: of :meth:`AvrBuilder.simulator`
+    :param program: of :meth:`AvrBuilder.sketch`
     :param link: path of the link to its terminal
     """
 
     def __init__(self, simulator: pathlib.Path, program: pathlib.Path, link: str) -> None:
-        self._command = [str(simulator), str(program), link]
+        self._command, self._link = [str(simulator), str(program), link], link
         self._process: Optional["subprocess.Popen[bytes]"] = None
 
     @property
@@ -129,10 +131,28 @@ class AvrBoard:
         return self._process is not None and self._process.poll() is None
 
     def start(self) -> None:
-        """Switch it on."""
+        """Switch it on; its port is there when this returns.
+
+        :raises OSError: if the port cannot be made
+        """
+        if is_left_behind(self._link) or not os.path.exists(self._link):
+            remove_link(self._link)  # of a board that was killed
+        # In a session of its own, as Ctrl-C would end it before it has removed its link.
         self._process = subprocess.Popen(
-            self._command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL
+            self._command,
+            stdin=subprocess.PIPE,
+            stdout=subprocess.DEVNULL,
+            start_new_session=True,
         )
+        end = time.monotonic() + _START_S
+        while not os.path.islink(self._link) or self._process.poll() is not None:
+            if self._process.poll() is not None or time.monotonic() > end:
+                self.close()
+                raise OSError(
+                    f"{self._link} cannot be made: is there a file or another board's port?"
+                )
+            time.sleep(_POLL_S)
+        write_mark(self._link)
 
     def reset(self, boot_s: float = 0.0) -> None:
         """Reset it.
@@ -153,6 +173,8 @@ class AvrBoard:
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
+            remove_link(self._link)
+        remove_mark(self._link)
 
     def _write(self, line: str) -> None:
         assert self._process is not None and self._process.stdin is not None

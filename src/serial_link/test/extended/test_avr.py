@@ -107,7 +107,6 @@ class TestAvr(unittest.TestCase):
     def setUp(self) -> None:
         self.name = self.id().rsplit(".", 1)[-1]
         self.space = "/" + self.name
-
         self.link = str(self.folder / self.name)
 
     def start_node(self, baud: int) -> None:
@@ -189,7 +188,7 @@ class TestAvr(unittest.TestCase):
                 return len(speeds) == 50 and abs(speeds[25] - wanted) < 0.7
 
             wait_until(turns, lambda: f"{outputs[-1:]}", PATIENCE)
-        board.end()
+        board.interrupt()
         assert not os.path.islink(self.link)
 
     def test_sketch_of_the_tutorial_fits_into_an_uno(self) -> None:

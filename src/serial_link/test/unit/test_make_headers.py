@@ -3,11 +3,9 @@
 import io
 import pathlib
 import random
-import re
 import struct
 import subprocess
 import sys
-import zipfile
 from typing import Any, Dict, List, NamedTuple, Tuple
 
 import genpy
@@ -318,42 +316,10 @@ def test_64_bits_stay_64_where_the_board_has_them(tmp_path: pathlib.Path) -> Non
     assert got == struct.pack("<5d", *numbers)
 
 
-def test_library_has_what_the_arduino_ide_expects(tmp_path: pathlib.Path) -> None:
-    done = command("pid_control", "std_srvs", "--arduino", "--into", str(tmp_path))
-    assert (done.returncode, done.stderr) == (0, "")
-    library = tmp_path / "ros_messages"
-    assert done.stdout == f"{library}: a library with 7 headers; #include <ros_messages.h>\n"
-    lines = (library / "library.properties").read_text().splitlines()
-    properties = dict(line.split("=", 1) for line in lines)
-    assert properties["includes"] == "ros_messages.h" and properties["name"] == "ros_messages"
-    assert properties["depends"] == "Rosserial Arduino Library (=0.7.8)"
-    assert re.fullmatch(r"\d+\.\d+\.\d+", properties["version"])
-    # The compiler of the IDE has the folder src alone, and each header finds the others from there.
-    sketch = tmp_path / "sketch.cpp"
-    sketch.write_text(
-        "#include <ros_messages.h>\n"
-        "std_srvs::Trigger::Request request; pid_control::motor_output output;\n"
-    )
-    includes = [f"-I{library / 'src'}", f"-I{HERE / 'board_library'}"]
-    subprocess.check_call(["g++", "-std=gnu++11", "-fsyntax-only", "-Wall", *includes, str(sketch)])
-
-
 def test_headers_give_way_to_those_of_rosserial_by_its_guards() -> None:
     one = Class("Odd", "odd/Odd", "0", (), ())
     assert "#ifndef _ROS_odd_Odd_h" in header("odd", "Odd", [one])
     assert "#ifndef _ROS_SERVICE_Odd_h" in header("odd", "Odd", [one], service=True)
-
-
-def test_zip_has_the_files_of_the_library(tmp_path: pathlib.Path) -> None:
-    archive = tmp_path / "library.zip"
-    done = command("std_srvs", "--arduino", "--into", str(archive))
-    assert (done.returncode, done.stderr) == (0, "")
-    command("std_srvs", "--arduino", "--into", str(tmp_path / "folder"))
-    with zipfile.ZipFile(str(archive)) as opened:
-        names = set(opened.namelist())
-    folder = tmp_path / "folder"
-    files = {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file()}
-    assert names == files and "ros_messages/library.properties" in names
 
 
 def test_names_that_cpp_keeps_for_itself_get_an_underscore() -> None:
@@ -390,14 +356,6 @@ def test_the_command_writes_what_a_sketch_includes(tmp_path: pathlib.Path) -> No
         "serial_link/wire.h",
         "std_msgs/Header.h",
     ]
-
-
-def test_the_sketch_of_the_docs_is_right_with_them(tmp_path: pathlib.Path) -> None:
-    command("pid_control", "--arduino", "--into", str(tmp_path))
-    sketch = SOURCES.parent / "docs" / "examples" / "board" / "motor_board" / "motor_board.ino"
-    compiler = ["g++", "-std=gnu++11", "-fsyntax-only", "-Wall", "-Werror"]
-    includes = [f"-I{HERE / 'board_library'}", f"-I{tmp_path / 'ros_messages' / 'src'}"]
-    subprocess.check_call([*compiler, *includes, "-x", "c++", str(sketch)])
 
 
 @pytest.mark.parametrize(

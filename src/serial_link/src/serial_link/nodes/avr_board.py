@@ -48,7 +48,8 @@ class AvrBoardNode:
             board = self._build()
             board.start()
         except (BuildError, HeaderError, OSError) as error:
-            if rospy.is_shutdown():
+            if rospy.is_shutdown():  # while the board was built
+                self._end()
                 return
             abort(f"the board cannot be started: {error}")
             return

@@ -11,7 +11,7 @@ def test_nothing_garbage_and_the_old_protocol_are_told_apart() -> None:
     assert words.explain(9600).startswith("the board says nothing") and "9600" in words.explain(
         9600
     )
-    assert "with this address" in words.explain(0)
+    assert "for this port" in words.explain(0)
     words.add(b"\x00\x80garbled" + OLD, False)
     assert words.explain(9600).startswith("what arrives is no message of rosserial")
     assert "9600 baud too" in words.explain(9600) and "use rosserial too" in words.explain(0)
@@ -25,6 +25,13 @@ def test_what_comes_after_a_good_frame_is_not_kept() -> None:
     words = ConnectDiagnosis()
     words.add(encode(10, b""), True)
     words.add(OLD + OLD, False)
+    assert words.explain(9600).startswith("the board says nothing")
+
+
+def test_part_of_a_frame_before_the_first_good_one_is_forgotten() -> None:
+    words = ConnectDiagnosis()
+    words.add(b"\x80rest of a frame", False)
+    words.add(encode(10, b""), True)
     assert words.explain(9600).startswith("the board says nothing")
 
 

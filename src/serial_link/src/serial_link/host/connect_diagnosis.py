@@ -21,7 +21,9 @@ class ConnectDiagnosis:
         :param data: the bytes
         :param has_frames: whether there is a good frame by now
         """
-        self._is_understood = self._is_understood or has_frames
+        if has_frames:
+            self._is_understood = True
+            self._unread.clear()
         if not self._is_understood:
             self._unread += data
             del self._unread[:-MOST_KEPT]
@@ -34,7 +36,7 @@ class ConnectDiagnosis:
     def explain(self, baud: int) -> str:
         """Return a sentence that says why a board may not answer, and what to look at.
 
-        :param baud: bits a second of the line; 0 for a network connection
+        :param baud: bits a second of the line; 0 without a line
         """
         if count_old_frames(self._unread) >= _ENOUGH:
             return (
@@ -47,7 +49,7 @@ class ConnectDiagnosis:
                 f"what arrives is no message of rosserial: does the sketch use {what} too, and "
                 "nothing else write to its port?"
             )
-        place = f"at {baud} baud" if baud else "with this address"
+        place = f"at {baud} baud" if baud else "for this port"
         return (
             "the board says nothing: does its sketch call initNode and, again and again, spinOnce, "
             f"{place}?"

@@ -13,6 +13,8 @@ from serial_link.device.rosserial_device import Declared, Device
 from serial_link.framing.frames import encode
 from serial_link.hardware.serial_port import SerialPort
 from serial_link.host.counters import Counters
+from serial_link.host.sync_monitor import OVERDUE_S
+from serial_link.host.sync_states import ASKED, OPENED, TOPIC
 from serial_link.link.events import LogLine, Message, Restarted, Synced, Topics
 from serial_link.link.board_link import BoardLink
 from serial_link.link.throttled_log import ThrottledLog
@@ -192,6 +194,23 @@ def test_board_that_logs_in_its_loop_is_found_again_after_a_reset(rig: Rig) -> N
     assert "restarted" in rig.fetch_until(Restarted).why
     rig.fetch_until(Synced)
     assert rig.sketch.device is not None and rig.sketch.device.is_configured
+
+
+def test_board_that_was_silent_for_too_long_is_not_called_restarted(
+    rig: Rig, caplog: "pytest.LogCaptureFixture"
+) -> None:
+    rig.link._is_open = True
+    for action in rig.link._sync.handle(0.0, OPENED):
+        rig.link._execute(0.0, [action])
+    rig.link._sync.handle(0.1, TOPIC)
+    while rig.link._sync.next_due() < OVERDUE_S + 1.0:
+        now = rig.link._sync.next_due()
+        rig.link._execute(now, rig.link._sync.poll(now))
+        if rig.link._sync.state == ASKED:
+            break
+    assert "the board was silent for 11 s" in rig.fetch_until(Restarted).why
+    assert "a loop must take less" in caplog.text and "was restarted" not in caplog.text
+    assert rig.link.all_counters()["restarts of the board"] == 0
 
 
 def test_frame_that_an_adapter_holds_back_is_not_lost(rig: Rig) -> None:

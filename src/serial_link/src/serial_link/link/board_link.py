@@ -56,6 +56,11 @@ _NO_ANSWER_S = 3.0
 _TIME_EVERY_S = 0.2
 #: Of a frame that tells of a topic [bytes]; bits on the line for a byte.
 _TOPIC_BYTES, _BITS = 128, 10
+#: Why the messages for a board that may not have been reset are dropped.
+_LAPSED = (
+    "the board was silent for 11 s, after which rosserial's library forgets its host: it is asked "
+    "again; a loop must take less"
+)
 #: Returns the time that a board is told, as s and ns.
 TimeOf = Callable[[], Tuple[int, int]]
 
@@ -89,6 +94,7 @@ class BoardLink:
         self._arrived_at = self._opened_at = self._spoke_at = 0.0
         self._time_told_at = -math.inf
         self._diagnosis = ConnectDiagnosis()
+        self._restarts = 0
         #: Whether the board was started, and not all that it has to tell is known yet.
         self._is_new = True
         self._threads = [
@@ -347,9 +353,16 @@ class BoardLink:
                 self._topics.reset()
                 self._outgoing_queue.clear()
                 self._time_told_at = -math.inf
-                self.inbox.put_reliable(Restarted(self._trouble or "the board was restarted"))
-                if self._is_open:
-                    rospy.logwarn("%s: the board was restarted, or lost contact", self._port.name)
+                self._tell_of_restart()
+
+    def _tell_of_restart(self) -> None:
+        why = self._trouble
+        if self._is_open:
+            was_reset = self._sync.restarts != self._restarts
+            why = "the board was restarted" if was_reset else _LAPSED
+            rospy.logwarn("%s: %s", self._port.name, why)
+        self._restarts = self._sync.restarts
+        self.inbox.put_reliable(Restarted(why))
 
     def _end_round(self, now: float) -> None:
         is_complete = self._topics.end_round(now)

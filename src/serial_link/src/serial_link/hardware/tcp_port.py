@@ -168,7 +168,8 @@ class TcpPort:
             listener = self._server.listen()
             if not self._server.has_caller(self._seat):
                 ready = select.select([board, listener], [], [], timeout)[0]
-                self._server.listen()
+                if listener in ready:
+                    self._server.listen()
             if self._server.has_caller(self._seat):
                 raise PortLost(f"{self.name}: a new connection has replaced it")
             if board not in ready:

@@ -25,7 +25,7 @@ def is_finite(message: Any) -> bool:
     """
     if isinstance(message, float):
         return math.isfinite(message)
-    if isinstance(message, (int, str)):  # faster than finding no fields
+    if isinstance(message, (int, str, memoryview)):  # no need to look inside
         return True
     if isinstance(message, (list, tuple)):
         return all(map(is_finite, message))

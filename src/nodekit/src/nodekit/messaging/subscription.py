@@ -6,6 +6,7 @@ from typing import Any, Callable, List, Optional
 import rospy
 
 from nodekit.rospy_internals import incoming_topic, latched, registry
+from nodekit.rospy_internals.large_arrays import with_views
 from nodekit.validation import check_message_class
 
 
@@ -21,6 +22,7 @@ class Subscription:
         be blocked; from a thread for each publisher, or the publishing thread of this process
     :param newest_only: whether only the newest messages matter, so that connections are read until
         they are empty
+    :param views: whether arrays of bytes are read-only views
     :raises TypeError: if the class is not a message class
     """
 
@@ -30,11 +32,16 @@ class Subscription:
         data_class: type,
         receive: Callable[[List[Any], bool], None],
         newest_only: bool = False,
+        views: bool = False,
     ) -> None:
         check_message_class(data_class, name)
         self.resolved_name = name
         self._data_class, self._receive = data_class, receive
-        self._newest_only = newest_only
+        self._newest_only, self._views = newest_only, views
+        if views:
+            self._receive = lambda messages, may_wait: receive(
+                list(map(with_views, messages)), may_wait
+            )
         self._subscriber: Optional[rospy.Subscriber] = None
         self._is_closed = self._is_late = False
 
@@ -50,7 +57,7 @@ class Subscription:
         with registry.topic_lock():
             self._is_late = latched.is_subscribed(name)
             if not mismatch and incoming_topic.receive_in_batches(
-                name, data_class, self._receive, self._newest_only
+                name, data_class, self._receive, self._newest_only, self._views
             ):
                 self._subscriber = rospy.Subscriber(before, data_class, tcp_nodelay=True)
             else:

@@ -114,6 +114,7 @@ class NodeScope(OldMethods, ResourceOwner):
         queue_size: Optional[int] = None,
         finite: bool = False,
         group: Optional[CallbackGroup] = None,
+        views: bool = False,
     ) -> Subscription:
         """Subscribe to a topic.
 
@@ -125,12 +126,15 @@ class NodeScope(OldMethods, ResourceOwner):
             one, all wait at the sender
         :param finite: ignore, with a warning, messages with NaN or infinity in a field
         :param group: the callback's group; the node's default group by default
+        :param views: whether fields of type ``uint8[]`` and ``char[]`` are read-only memoryviews,
+            of shared memory where the publisher has it: large messages are not copied. Keep no more
+            than one or two such messages: their publisher has only so much memory
         :raises ValueError: if the queue size is neither positive nor -1
         """
         check_function(callback, self.resolve(name), 1)
         check_queue_size(queue_size)
         function = finite_only(callback, self.resolve(name)) if finite else callback
-        return self._subscribe(name, data_class, function, queue_size, group)
+        return self._subscribe(name, data_class, function, queue_size, group, views=views)
 
     def create_batch_subscription(
         self,
@@ -156,11 +160,14 @@ class NodeScope(OldMethods, ResourceOwner):
         queue_size: Optional[int],
         group: Optional[CallbackGroup],
         batches: bool = False,
+        views: bool = False,
     ) -> Subscription:
         resolved = self.resolve(name)
         group = group or self.default_group
         handler = SubscriptionCallback(group, callback, resolved, batches, queue_size)
-        subscription = Subscription(resolved, data_class, handler.receive, handler.newest_only)
+        subscription = Subscription(
+            resolved, data_class, handler.receive, handler.newest_only, views
+        )
         self.own(handler)
         return self._open(subscription)
 

@@ -10,7 +10,7 @@ import inspect
 import math
 import time
 import traceback
-from typing import Any, Callable, Dict, List, Optional
+from typing import Any, Callable, Dict, List, Optional, Sequence, Union
 
 import rospy
 import rospy.core
@@ -23,12 +23,16 @@ from rospy.impl.transport import INBOUND
 
 from nodekit.rospy_internals import registrar
 from nodekit.rospy_internals.intraprocess_link import IntraprocessLink
+from nodekit.rospy_internals.large_arrays import SplitMessage, without_views
 from nodekit.rospy_internals.registry import check_topic_type
 from nodekit.rospy_internals.tcpros_reader import Reader
 
 #: Called with the messages that have arrived together, oldest first, and whether the calling thread
 #: may be blocked, as the thread of a connection may.
 BatchCallback = Callable[[List[Any], bool], None]
+
+#: Serialized message without its length.
+Body = Union[bytes, SplitMessage]
 
 #: A publisher's new connection may be announced this long before its old one ends [s].
 SUCCESSOR_S = 10.0
@@ -68,7 +72,11 @@ def subscriber_mismatch() -> str:
 
 
 def receive_in_batches(
-    name: str, data_class: type, callback: BatchCallback, newest_only: bool = False
+    name: str,
+    data_class: type,
+    callback: BatchCallback,
+    newest_only: bool = False,
+    takes_views: bool = False,
 ) -> bool:
     """Pass the messages of a topic on in batches; call this before subscribing.
 
@@ -76,6 +84,7 @@ def receive_in_batches(
     :param data_class: message class
     :param callback: called from the thread of the connection or of the publisher
     :param newest_only: whether only the newest messages matter to the callback
+    :param takes_views: whether arrays of bytes may be views of shared memory
     :returns: whether that is possible; not if there is a plain ``rospy.Subscriber`` already
     :raises rospy.ROSException: if this process subscribes to it with another type
     """
@@ -85,10 +94,10 @@ def receive_in_batches(
         check_topic_type(topic, data_class)
         if topic is None:
             topic = IncomingTopic(name, data_class)
-            topic.add_batch_callback(callback, newest_only)
+            topic.add_batch_callback(callback, newest_only, takes_views)
             manager._add(topic, manager.subs, Registration.SUB)
         elif isinstance(topic, IncomingTopic):
-            topic.add_batch_callback(callback, newest_only)
+            topic.add_batch_callback(callback, newest_only, takes_views)
         else:
             return False
     return True
@@ -127,6 +136,7 @@ class IncomingTopic(_Topic):
         super().__init__(name, data_class)
         self.resolved_name = name  # rospy has remapped it a second time
         self._batch_callbacks: List[BatchCallback] = []
+        self._takes_views: List[BatchCallback] = []
         #: Whether connections are read until they are empty, since a callback wants the newest.
         self.reads_until_empty = False
         self._takes_any_type = issubclass(data_class, rospy.AnyMsg)
@@ -134,12 +144,22 @@ class IncomingTopic(_Topic):
         #: Time of the latest announcement of each connected publisher, which may be a new one [s].
         self._notified_at: Dict[str, float] = {}
 
-    def add_batch_callback(self, callback: BatchCallback, newest_only: bool = False) -> None:
+    @property
+    def takes_views(self) -> bool:
+        """Whether a callback takes views of shared memory."""
+        return bool(self._takes_views)
+
+    def add_batch_callback(
+        self, callback: BatchCallback, newest_only: bool = False, takes_views: bool = False
+    ) -> None:
         """Add a batch callback.
 
         :param callback: as in :func:`receive_in_batches`
         :param newest_only: as in :func:`receive_in_batches`
+        :param takes_views: as in :func:`receive_in_batches`
         """
+        if takes_views:
+            self._takes_views = self._takes_views + [callback]
         self.reads_until_empty = self.reads_until_empty or newest_only
         self._batch_callbacks = self._batch_callbacks + [callback]
 
@@ -152,6 +172,7 @@ class IncomingTopic(_Topic):
         if callback in callbacks:
             callbacks.remove(callback)
         self._batch_callbacks = callbacks
+        self._takes_views = [one for one in self._takes_views if one in callbacks]
 
     def receive_callback(self, msgs: List[Any], connection: Any) -> None:
         """Pass messages to the callbacks.
@@ -159,16 +180,18 @@ class IncomingTopic(_Topic):
         :param msgs: the messages
         :param connection: the connection they came from; None for this process
         """
+        takes_views = self._takes_views
+        viewed, msgs = msgs, list(map(without_views, msgs)) if takes_views else msgs
         if self.callbacks or self.statistics_logger:
             super().receive_callback(msgs, connection)
         for callback in self._batch_callbacks:
             try:
-                callback(msgs, connection is not None)
+                callback(viewed if callback in takes_views else msgs, connection is not None)
             except Exception:  # as in rospy: the other callbacks still run
                 if not rospy.core.is_shutdown():
                     rospy.logerr("bad callback: %s\n%s", callback, traceback.format_exc())
 
-    def receive_directly(self, bodies: List[bytes], header: Dict[str, str]) -> None:
+    def receive_directly(self, bodies: Sequence[Body], header: Dict[str, str]) -> None:
         """Pass on messages that are published in this process.
 
         :param bodies: serialized messages, without their lengths
@@ -208,7 +231,7 @@ class IncomingTopic(_Topic):
         own = [] if link is None else [(link.id, link.stat_bytes, link.stat_num_msg, -1, True)]
         return name, rows + own
 
-    def copies(self, bodies: List[bytes], header: Dict[str, str]) -> List[Any]:
+    def copies(self, bodies: Sequence[Body], header: Dict[str, str]) -> List[Any]:
         """Return deserialized copies of messages that are published in this process.
 
         Publisher and subscriber then share no object, and numbers are rounded as on any
@@ -220,7 +243,10 @@ class IncomingTopic(_Topic):
         messages = []
         for body in bodies:
             message = self.data_class()
-            message.deserialize(body)
+            if isinstance(body, SplitMessage):
+                body.fill(message)
+            else:
+                message.deserialize(body)
             message._connection_header = header
             messages.append(message)
         return messages

@@ -4,7 +4,7 @@ rospy counts and lists connections only, so ``getBusInfo`` and ``get_num_connect
 a topic of two hosted nodes as unconnected.
 """
 
-from typing import Any, List
+from typing import Any, Sequence, Sized
 
 from rospy.impl.transport import Transport
 
@@ -27,7 +27,7 @@ class IntraprocessLink(Transport):
         """Return the description in ``getBusInfo``."""
         return "link within the process"
 
-    def count(self, bodies: List[bytes]) -> None:
+    def count(self, bodies: Sequence[Sized]) -> None:
         """Count messages that have passed.
 
         :param bodies: serialized messages

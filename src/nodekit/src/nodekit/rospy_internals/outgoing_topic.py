@@ -11,7 +11,7 @@ import io
 import socket
 import struct
 import time
-from typing import Any, ContextManager, Dict, List, Optional, Sequence
+from typing import Any, ContextManager, Dict, List, Optional, Sequence, Union
 
 import genpy
 import rospy
@@ -25,9 +25,12 @@ from rospy.impl.transport import OUTBOUND
 
 from nodekit.rospy_internals.incoming_topic import IncomingTopic, subscriber_mismatch
 from nodekit.rospy_internals.intraprocess_link import IntraprocessLink
+from nodekit.rospy_internals.large_arrays import LEAST_BYTES, SplitMessage, split
 from nodekit.rospy_internals.registry import check_topic_type
-from nodekit.transport.delivery import deliver
-from nodekit.transport.subscriber_connection import SubscriberConnection
+from nodekit.rospy_internals.shared_memory_offers import name_transport, offer_of
+from nodekit.shared_memory.frame import NO_FIELD
+from nodekit.shared_memory.shared_connection import SharedConnection, SharedMessage, TopicMemory
+from nodekit.transport.delivery import deliver, serve_later
 
 _PUBLISHER_ATTRIBUTES = (
     "publock closed connections is_latch latch seq message_data_sent c_lock check "
@@ -36,6 +39,17 @@ _PUBLISHER_ATTRIBUTES = (
 _TRANSPORT_ATTRIBUTES = "socket endpoint_id stat_bytes stat_num_msg close"
 
 _LENGTH = struct.Struct("<I")
+
+#: Serialized message with its length prefix.
+Packet = Union[bytes, SplitMessage]
+
+
+def _joined(packet: Packet) -> bytes:
+    return packet.joined() if isinstance(packet, SplitMessage) else packet
+
+
+def _body(packet: Packet) -> Packet:
+    return packet.body() if isinstance(packet, SplitMessage) else packet[_LENGTH.size :]
 
 
 @functools.lru_cache(maxsize=None)
@@ -94,13 +108,14 @@ def send_at_once(
     return topic
 
 
-class RosSubscriberConnection(SubscriberConnection):
+class RosSubscriberConnection(SharedConnection):
     """Connection to a subscriber, whose losses are logged.
 
     :param transport: rospy's object for it
     :param lock: the topic's lock
     :param topic: the topic's name, for reports
     :param depth: as in :class:`.SubscriberConnection`
+    :param memory: the topic's shared memory
     """
 
     def __init__(
@@ -109,8 +124,10 @@ class RosSubscriberConnection(SubscriberConnection):
         lock: ContextManager[Any],
         topic: str,
         depth: Optional[int],
+        memory: TopicMemory,
     ) -> None:
-        super().__init__(transport.endpoint_id, transport.socket, lock, depth)
+        sock = transport.socket
+        super().__init__(transport.endpoint_id, sock, lock, depth, memory, offer_of(sock))
         self._transport = transport
         self._header_bytes = transport.stat_bytes
         self._topic = topic
@@ -125,6 +142,13 @@ class RosSubscriberConnection(SubscriberConnection):
 
     def close(self) -> None:
         self._transport.close()
+
+    def on_shared(self) -> None:
+        name_transport(self._transport)
+
+    def on_refused(self, why: str) -> None:
+        text = "%s: large messages to %s go by TCP: %s"
+        rospy.logdebug(text, self._topic, self.name, why)
 
     def report(self, stalled: bool, lost: int) -> None:
         if rospy.is_shutdown():
@@ -159,6 +183,7 @@ class OutgoingTopic(_Topic):
         self._known_connections: Optional[List[Any]] = None
         self._links = _NO_CONNECTIONS
         self._intraprocess: Optional[IntraprocessLink] = None
+        self._memory = TopicMemory(self._lock)
         self.buff = None  # only rospy's own publish() needs it
         #: Most messages held for a subscriber that does not read; None for the newest only.
         self._depth: Optional[int] = None
@@ -223,7 +248,7 @@ class OutgoingTopic(_Topic):
             self._update_links()
             link = self._links.get(connection_override)
             if link is not None:
-                deliver(self._serialize(message), [link])
+                deliver(_joined(self._serialize(message)), [link])
 
     def publish_all(self, messages: Sequence[Any]) -> None:
         """Send messages in one delivery.
@@ -255,13 +280,44 @@ class OutgoingTopic(_Topic):
                 self._last = messages[-1]
                 self._last_expires = time.monotonic() + self.lifespan
             if self._links:
-                data = b"".join(packets)
-                self.message_data_sent += len(data)
-                deliver(data, self._links.values(), len(packets))
+                self.message_data_sent += sum(map(len, packets))
+                if max(map(len, packets)) < LEAST_BYTES:
+                    deliver(b"".join(packets), self._links.values(), len(packets))
+                else:
+                    for packet in packets:
+                        self._deliver_large(packet)
         if listener is not None:  # without the lock: callbacks may publish on other topics
-            bodies = [packet[_LENGTH.size :] for packet in packets]
+            bodies = list(map(_body, packets))
             self._link_within().count(bodies)
             listener.receive_directly(bodies, self.local_header)
+
+    def _deliver_large(self, packet: Packet) -> None:
+        """Send a message through shared memory to the subscribers that read it from there."""
+        others = list(self._links.values())
+        sharing = [link for link in others if link.shares()]
+        message = self._share(packet) if sharing and len(packet) >= LEAST_BYTES else None
+        if message is not None:
+            others = [link for link in others if link not in sharing]
+        if others:
+            deliver(_joined(packet), others)
+        if message is not None:
+            serve_later([link for link in sharing if not link.share(message)])
+
+    def _share(self, packet: Packet) -> Optional[SharedMessage]:
+        """Write a message to shared memory; return None if there is none left."""
+        if not isinstance(packet, SplitMessage):
+            body = memoryview(packet)[_LENGTH.size :]
+            return self._memory.write([body], len(body), len(body), NO_FIELD)
+        body = packet.body()
+        start = len(body.head)
+        stop = start + len(body.array)
+        return self._memory.write([body.head, body.array, body.tail], start, stop, body.field)
+
+    def close(self) -> None:
+        """Close the topic's connections, and give back its memory."""
+        super().close()
+        with self._lock:
+            self._memory.close()
 
     def _listener(self) -> Optional[IncomingTopic]:
         """Return the subscribed topic in this process that gets messages directly, if any."""
@@ -283,9 +339,12 @@ class OutgoingTopic(_Topic):
         own = [self._link_within().bus_info(self.resolved_name)] if is_heard else []
         return list(super().get_stats_info()) + own
 
-    def _serialize(self, message: Any) -> bytes:
+    def _serialize(self, message: Any) -> Packet:
         """Return a serialized message with its length prefix."""
         self.seq += 1
+        return split(message, self._to_bytes) or self._to_bytes(message)
+
+    def _to_bytes(self, message: Any) -> bytes:
         buffer = io.BytesIO()
         if message._has_header:
             rospy.msg.serialize_message(buffer, self.seq, message)
@@ -350,6 +409,6 @@ class OutgoingTopic(_Topic):
                 links[connection] = self._links[connection]
             elif connection.socket is not None:
                 links[connection] = RosSubscriberConnection(
-                    connection, self._lock, self.resolved_name, self._depth
+                    connection, self._lock, self.resolved_name, self._depth, self._memory
                 )
         self._links = links or _NO_CONNECTIONS

@@ -1,28 +1,38 @@
-"""Reader of a publisher's connection; unpacks all messages of one read at once."""
+"""Reader of a publisher's connection; unpacks all messages of one read at once.
+
+Large messages may be announced there, and read from shared memory.
+"""
 
 import contextlib
 import mmap
 import socket
 import struct
 import time
-from typing import Any, List
+from typing import Any, Dict, List, Optional
 
 import genpy
 import rospy.core
 from rospy.exceptions import TransportException, TransportInitError, TransportTerminated
 from rospy.impl.tcpros_base import TCPROSTransport
 
+from nodekit.rospy_internals import shared_memory_offers
+from nodekit.rospy_internals.large_arrays import fill, without_views
+from nodekit.shared_memory import frame
+from nodekit.shared_memory.channel import FIELD, Loan, Offer, ReaderChannel
+
 _LENGTH = struct.Struct("<I")
 _PREFIX = _LENGTH.size
 #: Longest time to go on reading after a message, for callbacks that want the newest [s].
 _UNTIL_EMPTY_S = 0.05
+#: Time between two checks for memory that is not used again, while no message comes: a ``timeval``.
+_CHECK_EVERY = struct.pack("ll", 5, 0)
 
 
 class Reader:
     """Reader of complete messages from one connection.
 
     :param transport: rospy's object for the connection
-    :param topic: the subscribed topic, whose ``reads_until_empty`` is followed
+    :param topic: the subscribed topic, whose ``reads_until_empty`` and ``takes_views`` are followed
     """
 
     def __init__(self, transport: TCPROSTransport, topic: Any) -> None:
@@ -33,9 +43,32 @@ class Reader:
         size = transport.protocol.buff_size
         self._buffer = memoryview(mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE))
         self._socket: Any = None
+        self._offer: Optional[Offer] = None
+        self._channel: Optional[ReaderChannel] = None
+        #: messages that the publisher has lost for this subscriber, as the latest announcement says
+        self.lost = 0
+        fields = transport.protocol.get_header_fields
+        transport.protocol.get_header_fields = lambda: {**fields(), **self._offered()}
         # Beginning of an incomplete message, and its total length.
         self._parts: List[bytes] = []
         self._have = self._need = 0
+
+    def _offered(self) -> Dict[str, str]:
+        """Return the header's field with the offer of a new connection."""
+        self._close_channel()
+        listener = shared_memory_offers.listener()
+        if listener is None:
+            return {}
+        self._offer = listener.offer()
+        return {FIELD: self._offer.text()}
+
+    def _close_channel(self) -> None:
+        """End the channel, once the last message in shared memory is read."""
+        self._channel = None
+        listener = shared_memory_offers.listener()
+        if self._offer is not None and listener is not None:
+            listener.withdraw(self._offer)
+        self._offer = None
 
     def receive_once(self) -> List[Any]:
         """Wait for messages. Replaces rospy's method of this name.
@@ -44,6 +77,13 @@ class Reader:
         :raises TransportTerminated: if the publisher has closed the connection
         :raises TransportException: if there is no connection, or a message is malformed
         """
+        try:
+            return self._receive()
+        except TransportException:
+            self._close_channel()
+            raise
+
+    def _receive(self) -> List[Any]:
         transport = self._transport
         data = self._begin() if transport.socket is not self._socket else b""
         messages = self._unpack(data or self._read())
@@ -53,7 +93,7 @@ class Reader:
             self._read_until_empty(messages)
         transport.stat_num_msg += len(messages)
         if transport.is_latched and messages:
-            transport.latch = messages[-1]
+            transport.latch = without_views(messages[-1])
         return messages
 
     def _begin(self) -> bytes:
@@ -72,13 +112,22 @@ class Reader:
 
     def _read(self) -> bytes:
         try:
-            size = self._socket.recv_into(self._buffer)
+            size = self._receive_into()
         except OSError as error:
             raise TransportTerminated(f"unable to receive data from sender: {error}")
         if not size:
             raise TransportTerminated("the sender has closed the connection")
         self._transport.stat_bytes += size
         return bytes(self._buffer[:size])
+
+    def _receive_into(self) -> int:
+        """Wait for data; with a channel, also drop memory that is not used again."""
+        while True:
+            try:
+                return int(self._socket.recv_into(self._buffer))
+            except BlockingIOError:  # only with the socket's time-out
+                if self._channel is not None:
+                    self._channel.update()
 
     def _read_until_empty(self, messages: List[Any]) -> None:
         """Add the messages that have arrived meanwhile, without waiting.
@@ -105,14 +154,18 @@ class Reader:
         position, end = 0, len(data)
         header = self._transport.header
         while end - position >= _PREFIX:
+            size = _LENGTH.unpack_from(data, position)[0]
             body = position + _PREFIX
-            stop = body + _LENGTH.unpack_from(data, position)[0]
+            stop = body + size if size != frame.MARK else position + frame.SIZE
             if stop > end:
                 break
             message = self._data_class()
             try:
-                message.deserialize(data[body:stop])
-            except genpy.DeserializationError as error:
+                if size != frame.MARK:
+                    message.deserialize(data[body:stop])
+                else:
+                    self._read_shared(message, frame.unpack_from(data, position))
+            except (genpy.DeserializationError, OSError, ValueError) as error:
                 raise TransportException(f"cannot deserialize: {error}")
             message._connection_header = header
             messages.append(message)
@@ -121,10 +174,50 @@ class Reader:
             self._keep(data[position:])
         return messages
 
+    def _read_shared(self, message: Any, announced: frame.Frame) -> None:
+        """Read a message from shared memory.
+
+        :param message: the message to be filled
+        :param announced: its announcement
+        :raises OSError: if the publisher has not sent the segment
+        :raises ValueError: if the message does not lie in it
+        :raises genpy.DeserializationError: if the message is malformed
+        """
+        if self._channel is None:
+            self._channel = self._open_channel()
+        memory = self._channel.memory(announced.segment)
+        loan = Loan(self._channel, announced.segment)
+        if announced.size > memory.size:
+            raise ValueError(f"announced beyond its segment of {memory.size} bytes: {announced}")
+        self._transport.stat_bytes += announced.size
+        self.lost = announced.lost
+        head = memory.read(0, announced.start)
+        tail = memory.read(announced.stop, announced.size)
+        if self._topic.takes_views:
+            array: Any = memory.view(announced.start, announced.stop, loan)
+        else:
+            array = memory.read(announced.start, announced.stop)
+        del loan  # without a view, the publisher may write there from now on
+        if announced.field == frame.NO_FIELD:
+            message.deserialize(head)
+        else:
+            fill(message, head, tail, announced.field, array)
+
+    def _open_channel(self) -> ReaderChannel:
+        listener = shared_memory_offers.listener()
+        if listener is None or self._offer is None:
+            raise ValueError("a message in shared memory, which was not offered")
+        channel = listener.take(self._offer)
+        # Wakes the thread up, to give up memory.
+        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, _CHECK_EVERY)
+        shared_memory_offers.name_transport(self._transport)
+        return channel
+
     def _keep(self, data: bytes) -> None:
         """Keep the beginning of a message until the rest arrives."""
         self._parts = [data] if data else []
         self._have = len(data)
         self._need = _PREFIX
         if len(data) >= _PREFIX:
-            self._need += _LENGTH.unpack_from(data)[0]
+            size = _LENGTH.unpack_from(data)[0]
+            self._need = frame.SIZE if size == frame.MARK else _PREFIX + size

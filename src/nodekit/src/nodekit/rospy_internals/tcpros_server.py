@@ -19,6 +19,8 @@ from rosgraph.network import decode_ros_handshake_header, write_ros_handshake_he
 from rospy.exceptions import TransportInitError
 from rospy.impl.tcpros_base import TCPROSServer, TCPServer
 
+from nodekit.rospy_internals import shared_memory_offers
+
 #: Timeout from a connection to the end of its header [s].
 HEADER_TIMEOUT_S = 10.0
 #: Most connections with incomplete headers. At this limit, no connection is accepted until the
@@ -207,6 +209,7 @@ class _Acceptor:
         error = "no topic or service name detected"
         pending.socket.setblocking(True)
         if "topic" in header:
+            shared_memory_offers.remember(pending.socket, header)
             error = handlers.topic_connection_handler(pending.socket, pending.address, header)
         elif "service" in header:
             error = handlers.service_connection_handler(pending.socket, pending.address, header)

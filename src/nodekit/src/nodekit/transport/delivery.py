@@ -40,6 +40,14 @@ def deliver(data: bytes, links: Iterable[SubscriberConnection], messages: int = 
             link.hold(data, messages)
         elif not link.send(data, messages):
             full.append(link)
+    serve_later(full)
+
+
+def serve_later(full: List[SubscriberConnection]) -> None:
+    """Wait at most :data:`PATIENCE_S` for receivers, then serve them in the background.
+
+    :param full: connections that hold data; the caller holds their lock
+    """
     if full:
         try:
             _wait(full)
@@ -53,9 +61,9 @@ def _wait(full: List[SubscriberConnection]) -> None:
     poller = select.poll()
     waiting: Dict[int, SubscriberConnection] = {}
     for link in full:
-        descriptor = link.fileno()
+        descriptor, events = link.awaited()
         if descriptor >= 0 and link.begin_wait(now):
-            poller.register(descriptor, select.POLLOUT)
+            poller.register(descriptor, events)
             waiting[descriptor] = link
     while waiting and now < deadline:
         for descriptor, _ in poller.poll(1000 * (deadline - now)):
@@ -140,9 +148,9 @@ class _Drain:
         poller.register(self._wake_out, select.POLLIN)
         polled: Dict[int, SubscriberConnection] = {}
         for link in links:
-            descriptor = link.fileno()
+            descriptor, events = link.awaited()
             if link.stalled and descriptor >= 0:
-                poller.register(descriptor, select.POLLOUT)
+                poller.register(descriptor, events)
                 polled[descriptor] = link
         ready = [descriptor for descriptor, _ in poller.poll(1000 * DRAIN_PERIOD_S)]
         if self._wake_out in ready:

@@ -8,9 +8,10 @@ stream arrives. Older deliveries are lost, counted and reported.
 
 import collections
 import enum
+import select
 import socket
 import time
-from typing import Any, ContextManager, Deque, Optional
+from typing import Any, ContextManager, Deque, Optional, Tuple
 
 #: After a stall, a receiver is not waited for again for this long [s].
 PROBATION_S = 10.0
@@ -73,6 +74,16 @@ class Delivery:
     def has_begun(self) -> bool:
         """Whether a part is sent, so that the rest has to follow."""
         return len(self.unsent) < self.size
+
+    def prepare(self) -> None:
+        """Do what has to be done before the next part is sent.
+
+        :raises BlockingIOError: if that must wait; see :meth:`SubscriberConnection.awaited`
+        :raises OSError: if the receiver has gone
+        """
+
+    def drop(self) -> None:
+        """Give up what is not sent."""
 
 
 class LossReports:
@@ -166,6 +177,10 @@ class SubscriberConnection:
         """Return the socket's descriptor, -1 for a closed socket."""
         return int(self._socket.fileno())
 
+    def awaited(self) -> Tuple[int, int]:
+        """Return the descriptor and the events of ``poll(2)`` to wait for before :meth:`flush`."""
+        return self.fileno(), select.POLLOUT
+
     def send(self, data: bytes, messages: int) -> bool:
         """Send a delivery without waiting; hold the unsent rest. Nothing may be held before.
 
@@ -194,7 +209,14 @@ class SubscriberConnection:
         :param data: the delivery
         :param messages: number of its messages
         """
-        self._append(Delivery(data, messages))
+        self.append(Delivery(data, messages))
+
+    def append(self, delivery: Delivery) -> None:
+        """Hold a delivery, as :meth:`hold` does.
+
+        :param delivery: the delivery
+        """
+        self._append(delivery)
         begun = self.held[0] if self.held[0].has_begun else None
         oldest = 0 if begun is None else 1
         spared = 0 if begun is None else begun.messages
@@ -202,7 +224,9 @@ class SubscriberConnection:
         while len(self.held) > oldest + 1 and (
             self._held_messages > most or self._held_bytes > MOST_HELD
         ):
-            self.lost += self._remove(oldest).messages
+            dropped = self._remove(oldest)
+            self.lost += dropped.messages
+            dropped.drop()
 
     def _append(self, delivery: Delivery) -> None:
         self.held.append(delivery)
@@ -227,6 +251,7 @@ class SubscriberConnection:
                 break
             first = self.held[0]
             try:
+                first.prepare()
                 size = self._socket.send(first.unsent, socket.MSG_DONTWAIT)
             except BlockingIOError:
                 return False
@@ -269,6 +294,8 @@ class SubscriberConnection:
     def drop(self) -> None:
         """Close the connection: the receiver has gone, or the socket is closed."""
         self.phase = Phase.GONE
+        for delivery in self.held:
+            delivery.drop()
         self.held.clear()
         self._held_messages = self._held_bytes = 0
         self.close()

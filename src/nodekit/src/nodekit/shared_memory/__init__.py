@@ -1,0 +1,1 @@
+# Pure: knows no ROS.

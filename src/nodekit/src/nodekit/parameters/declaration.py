@@ -233,6 +233,12 @@ class OwnParameters(ParameterSet):
     """Private parameters of every node; read once, before its class is instantiated."""
 
     managed = BoolParameter(False, help="wait until others configure and activate the node")
+    transport = EnumParameter(
+        "auto",
+        choices=("auto", "tcp"),
+        help="how the process sends and receives large messages: by shared memory where it can, or "
+        "by TCP only",
+    )
 
 
 _of_every_node = OwnParameters.declared

@@ -19,7 +19,7 @@ from nodekit.parameters.declaration import OwnParameters
 from nodekit.parameters.parameter_types import ParameterError
 from nodekit.process import arguments, launch_arguments, own_address
 from nodekit.process.constructor_watch import ConstructorWatch
-from nodekit.rospy_internals import registrar, startup
+from nodekit.rospy_internals import registrar, shared_memory_offers, startup
 from nodekit.rospy_internals.registry import NameTaken, all_entries
 from nodekit.validation import check_function, check_name
 
@@ -191,10 +191,12 @@ def _misspelt_settings(node: Node) -> List[str]:
 def selected_class(cls: NodeClass, node: str, held: Any) -> NodeClass:
     """Return a node's class, or a managed node's class that creates it at configure.
 
+    A node with ``transport`` set to ``tcp`` has its whole process use TCP only.
+
     :param cls: the class
     :param node: global name of the node
     :param held: raw value of its private parameters; ``managed`` selects the class
-    :raises ParameterError: if ``managed`` is not a truth value
+    :raises ParameterError: if ``managed`` is not a truth value, or ``transport`` no such word
     """
     known = OwnParameters.declared
     given = {name: held[name] for name in known if name in held} if isinstance(held, dict) else {}
@@ -202,6 +204,8 @@ def selected_class(cls: NodeClass, node: str, held: Any) -> NodeClass:
         own = OwnParameters(**given)
     except ParameterError as error:
         raise error.in_namespace(node) from None
+    if own.transport == "tcp":
+        shared_memory_offers.disable()
     if not own.managed:
         return cls
     # Imported only if needed: it takes time and memory.

@@ -180,11 +180,13 @@ class IncomingTopic(_Topic):
         :param msgs: the messages
         :param connection: the connection they came from; None for this process
         """
-        takes_views = self._takes_views
-        viewed, msgs = msgs, list(map(without_views, msgs)) if takes_views else msgs
+        callbacks, takes_views = self._batch_callbacks, self._takes_views
+        viewed = msgs
+        if takes_views and (self.callbacks or len(callbacks) > len(takes_views)):
+            msgs = list(map(without_views, msgs))
         if self.callbacks or self.statistics_logger:
             super().receive_callback(msgs, connection)
-        for callback in self._batch_callbacks:
+        for callback in callbacks:
             try:
                 callback(viewed if callback in takes_views else msgs, connection is not None)
             except Exception:  # as in rospy: the other callbacks still run

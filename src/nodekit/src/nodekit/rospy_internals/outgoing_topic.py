@@ -25,11 +25,16 @@ from rospy.impl.transport import OUTBOUND
 
 from nodekit.rospy_internals.incoming_topic import IncomingTopic, subscriber_mismatch
 from nodekit.rospy_internals.intraprocess_link import IntraprocessLink
-from nodekit.rospy_internals.large_arrays import LEAST_BYTES, SplitMessage, split
+from nodekit.rospy_internals.large_arrays import SplitMessage, split
 from nodekit.rospy_internals.registry import check_topic_type
 from nodekit.rospy_internals.shared_memory_offers import name_transport, offer_of
 from nodekit.shared_memory.frame import NO_FIELD
-from nodekit.shared_memory.shared_connection import SharedConnection, SharedMessage, TopicMemory
+from nodekit.shared_memory.shared_connection import (
+    LEAST_BYTES,
+    SharedConnection,
+    SharedMessage,
+    TopicMemory,
+)
 from nodekit.transport.delivery import deliver, serve_later
 
 _PUBLISHER_ATTRIBUTES = (
@@ -282,7 +287,8 @@ class OutgoingTopic(_Topic):
             if self._links:
                 self.message_data_sent += sum(map(len, packets))
                 if max(map(len, packets)) < LEAST_BYTES:
-                    deliver(b"".join(packets), self._links.values(), len(packets))
+                    data = b"".join(map(_joined, packets))
+                    deliver(data, self._links.values(), len(packets))
                 else:
                     for packet in packets:
                         self._deliver_large(packet)
@@ -294,8 +300,9 @@ class OutgoingTopic(_Topic):
     def _deliver_large(self, packet: Packet) -> None:
         """Send a message through shared memory to the subscribers that read it from there."""
         others = list(self._links.values())
-        sharing = [link for link in others if link.shares()]
-        message = self._share(packet) if sharing and len(packet) >= LEAST_BYTES else None
+        is_large = len(packet) >= LEAST_BYTES
+        sharing = [link for link in others if is_large and link.shares()]
+        message = self._share(packet) if sharing else None
         if message is not None:
             others = [link for link in others if link not in sharing]
         if others:

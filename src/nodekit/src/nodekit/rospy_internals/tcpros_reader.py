@@ -16,7 +16,7 @@ from rospy.exceptions import TransportException, TransportInitError, TransportTe
 from rospy.impl.tcpros_base import TCPROSTransport
 
 from nodekit.rospy_internals import shared_memory_offers
-from nodekit.rospy_internals.large_arrays import fill, without_views
+from nodekit.rospy_internals.large_arrays import byte_fields, fill, without_views
 from nodekit.shared_memory import frame
 from nodekit.shared_memory.channel import FIELD, Loan, Offer, ReaderChannel
 
@@ -191,6 +191,11 @@ class Reader:
             raise ValueError(f"announced beyond its segment of {memory.size} bytes: {announced}")
         self._transport.stat_bytes += announced.size
         self.lost = announced.lost
+        if announced.field not in byte_fields(self._data_class):
+            content = memory.read(0, announced.size)
+            del loan
+            message.deserialize(content)
+            return
         head = memory.read(0, announced.start)
         tail = memory.read(announced.stop, announced.size)
         if self._topic.takes_views:
@@ -198,10 +203,7 @@ class Reader:
         else:
             array = memory.read(announced.start, announced.stop)
         del loan  # without a view, the publisher may write there from now on
-        if announced.field == frame.NO_FIELD:
-            message.deserialize(head)
-        else:
-            fill(message, head, tail, announced.field, array)
+        fill(message, head, tail, announced.field, array)
 
     def _open_channel(self) -> ReaderChannel:
         listener = shared_memory_offers.listener()

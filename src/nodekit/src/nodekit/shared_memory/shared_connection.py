@@ -15,6 +15,9 @@ from nodekit.shared_memory.memory import WrittenMemory
 from nodekit.shared_memory.segment_pool import IDLE_S, Segment, SegmentPool
 from nodekit.transport.subscriber_connection import Delivery, SubscriberConnection
 
+#: Messages of at least this size go through shared memory: to one subscriber, smaller ones take less
+#: time by TCP [bytes].
+LEAST_BYTES = 262_144
 #: Most announced messages that a subscriber has not read.
 MOST_IN_FLIGHT = 4
 
@@ -42,7 +45,8 @@ class TopicMemory:
         self._pool: SegmentPool[WrittenMemory] = SegmentPool(WrittenMemory, self._discard)
         self._channels: Set[WriterChannel] = set()
 
-    def __len__(self) -> int:
+    def segments(self) -> int:
+        """Return the number of segments."""
         return len(self._pool)
 
     def add(self, channel: WriterChannel) -> None:
@@ -264,7 +268,7 @@ class _Keeper:
             for memory, lock in memories:
                 with lock:
                     memory.trim()
-                    if not len(memory):
+                    if not memory.segments():
                         with self._lock:
                             self._memories.pop(memory, None)
             with self._lock:

@@ -1,0 +1,388 @@
+"""Shared memory over real sockets, without ROS: who may write, who reads, and what remains."""
+
+import contextlib
+import gc
+import mmap
+import os
+import socket
+import threading
+import types
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nodekit.shared_memory import channel, frame, memory, shared_connection
+from nodekit.shared_memory.channel import ChannelListener, Loan, Offer, Refusal, WriterChannel
+from nodekit.shared_memory.frame import Frame
+from nodekit.shared_memory.memory import ReadMemory, WrittenMemory
+from nodekit.shared_memory.segment_pool import IDLE_S
+from nodekit.shared_memory.shared_connection import MOST_IN_FLIGHT, SharedConnection, TopicMemory
+from nodekit.testing.waiting import wait_until
+
+CONTENT = bytes(range(256)) * 4000
+
+
+def descriptors():
+    gc.collect()
+    return len(os.listdir("/proc/self/fd"))
+
+
+@pytest.fixture
+def listener():
+    """Give a process's listener, closed afterwards."""
+    made = ChannelListener()
+    yield made
+    made._socket.close()
+
+
+class Subscriber:
+    """A connection of a publisher, and the other end of it."""
+
+    def __init__(self, stack, listener, depth=10, topic=None):
+        ours, self.socket = (stack.enter_context(end) for end in socket.socketpair())
+        self.socket.setblocking(False)
+        self.lock = threading.RLock()
+        self.listener, self.offer = listener, listener.offer()
+        self.topic = topic or TopicMemory(self.lock)
+        self.link = SharedConnection("receiver", ours, self.lock, depth, self.topic, self.offer)
+        self.channel = None
+        stack.callback(self.topic.close)
+
+    def send(self, content):
+        """Have the publisher send a message; tell whether it could."""
+        with self.lock:
+            assert self.link.shares()
+            message = self.topic.write([content], 0, len(content), 0)
+            if message is None:
+                return False
+            if not self.link.share(message):
+                self.link.stall()
+            return True
+
+    def announced(self):
+        """Give the announcements that have come."""
+        data = b""
+        with contextlib.suppress(BlockingIOError):
+            data = self.socket.recv(1_000_000)
+        assert len(data) % frame.SIZE == 0
+        return [frame.unpack_from(data, start) for start in range(0, len(data), frame.SIZE)]
+
+    def borrow(self, one):
+        """Begin to read a message; give its memory and the loan."""
+        if self.channel is None:
+            self.channel = self.listener.take(self.offer)
+        return self.channel.memory(one.segment), Loan(self.channel, one.segment)
+
+    def read(self):
+        """Read all messages that were announced."""
+        found = []
+        for one in self.announced():
+            part, loan = self.borrow(one)
+            found.append(part.read(one.start, one.stop))
+            del loan
+        return found
+
+    def flush(self):
+        """Do what the background service does."""
+        with self.lock:
+            self.link.flush(0.0)
+
+
+@pytest.fixture
+def subscribe(listener):
+    """Give a maker of subscribers."""
+    with contextlib.ExitStack() as stack:
+        yield lambda *args, **kwds: Subscriber(stack, listener, *args, **kwds)
+
+
+def test_memory_reader_sees_what_the_writer_wrote():
+    written = WrittenMemory(len(CONTENT))
+    read = ReadMemory(written.descriptor)
+    written.write([CONTENT[:10], bytearray(CONTENT[10:])])
+    assert read.read(0, len(CONTENT)) == CONTENT
+    written.close()
+    assert read.read(5, 300) == CONTENT[5:300]
+
+
+def test_memory_cannot_be_written_by_a_reader():
+    written = WrittenMemory(4096)
+    try:
+        with pytest.raises(PermissionError):
+            mmap.mmap(written.descriptor, 4096)
+        with pytest.raises(PermissionError):
+            os.ftruncate(written.descriptor, 0)
+        with pytest.raises(PermissionError):
+            os.write(written.descriptor, b"x")
+        view = ReadMemory(written.descriptor).view(0, 4096, None)
+        with pytest.raises(TypeError):
+            view[0] = 1
+    finally:
+        written.close()
+
+
+def test_view_keeps_its_memory_until_the_last_slice_is_gone():
+    kept = types.SimpleNamespace()
+    gone = []
+
+    class Kept:
+        def __del__(self):
+            gone.append(True)
+
+    written = WrittenMemory(len(CONTENT))
+    written.write([CONTENT])
+    view = ReadMemory(written.descriptor).view(0, len(CONTENT), Kept())
+    written.close()
+    kept.part = view[256:512]
+    del view
+    gc.collect()
+    assert bytes(kept.part) == CONTENT[256:512]
+    assert not gone
+    del kept.part
+    gc.collect()
+    assert gone
+
+
+def test_memory_without_descriptors_is_an_error_that_leaves_none(monkeypatch):
+    before = descriptors()
+
+    def refuse(*_args):
+        raise OSError("no memory")
+
+    monkeypatch.setattr(memory.os, "posix_fallocate", refuse)
+    with pytest.raises(OSError, match="no memory"):
+        WrittenMemory(4096)
+    assert descriptors() == before
+
+
+@given(st.tuples(*[st.integers(0, 2**31)] * 3), st.integers(0, 9), st.integers(0, 2**40))
+def test_frame_is_read_as_it_was_written(places, field, lost):
+    start, stop, size = sorted(places)
+    one = Frame(7, size, start, stop, field, lost)
+    assert frame.unpack_from(b"before" + one.pack(), 6) == one
+
+
+def test_frame_whose_array_is_outside_is_refused():
+    with pytest.raises(ValueError, match="malformed"):
+        frame.unpack_from(Frame(1, 10, 5, 11, 0, 0).pack(), 0)
+
+
+def test_messages_arrive_in_one_segment_that_is_used_again(subscribe):
+    one = subscribe()
+    for number in range(5):
+        assert one.send(bytes([number]) * 300_000)
+        assert one.read() == [bytes([number]) * 300_000]
+    assert one.topic.segments() == 1
+
+
+def test_growing_messages_arrive_whole(subscribe):
+    one = subscribe()
+    for size in (0, 1, 70_000, 3_000_000, 10, 64_000_000, 300_000):
+        content = os.urandom(100).ljust(size, b"x")[:size]
+        assert one.send(content)
+        assert one.read() == [content]
+    assert one.topic.segments() == 1
+
+
+def test_message_in_use_is_not_overwritten(subscribe):
+    one = subscribe()
+    one.send(b"a" * 300_000)
+    (announced,) = one.announced()
+    part, loan = one.borrow(announced)
+    view = part.view(0, 300_000, loan)
+    del loan
+    for _ in range(2 * MOST_IN_FLIGHT):
+        one.send(b"b" * 300_000)
+        one.read()
+    assert bytes(view) == b"a" * 300_000
+    assert one.topic.segments() == 2
+    del view, part
+    one.send(b"c" * 300_000)
+    one.send(b"d" * 300_000)
+    assert one.read() == [b"c" * 300_000, b"d" * 300_000]
+    assert one.topic.segments() == 2
+
+
+def test_reader_that_reads_nothing_gets_the_newest_and_is_told_what_it_missed(subscribe):
+    one = subscribe(depth=2)
+    for number in range(10):
+        one.send(bytes([number]) * 300_000)
+    assert one.topic.segments() == 5  # two announced, two that wait, the next
+    assert one.link.lost == 6
+    assert one.read() == [bytes([number]) * 300_000 for number in (0, 1)]
+    one.flush()
+    (first, second) = one.announced()
+    assert (first.lost, second.lost) == (6, 6)
+    assert one.borrow(first)[0].read(0, 1) == bytes([8])
+    assert one.link.sent == 4
+
+
+def test_background_service_waits_for_the_reader_not_for_the_socket(subscribe):
+    one = subscribe(depth=1)
+    one.send(b"a" * 300_000)
+    assert one.link.awaited()[0] == one.link.fileno()
+    one.send(b"b" * 300_000)
+    descriptor, _ = one.link.awaited()
+    assert descriptor == one.link._channel.fileno()
+    assert one.read() == [b"a" * 300_000]
+    one.flush()
+    assert one.read() == [b"b" * 300_000]
+
+
+def test_slow_reader_takes_no_memory_from_a_fast_one(subscribe):
+    slow = subscribe(depth=1)
+    fast = subscribe(topic=slow.topic)
+    fast.lock = slow.lock
+    for number in range(20):
+        with slow.lock:
+            assert slow.link.shares() and fast.link.shares()
+            message = slow.topic.write([bytes([number]) * 300_000], 0, 300_000, 0)
+            slow.link.share(message)
+            assert fast.link.share(message)
+        assert fast.read() == [bytes([number]) * 300_000]
+    assert fast.link.lost == 0
+    assert slow.link.lost == 18
+    assert slow.topic.segments() <= 3
+
+
+def test_reader_that_is_gone_returns_all_it_had(subscribe):
+    one = subscribe()
+    one.send(b"a" * 300_000)
+    one.send(b"b" * 300_000)
+    for announced in one.announced():
+        assert one.borrow(announced)
+    loans = one.topic.segments()
+    one.channel = None
+    one.socket.close()
+    gc.collect()
+    one.topic.collect()
+    assert loans == one.topic.segments() == 2
+    one.topic._pool.trim(1e12)
+    assert one.topic.segments() == 0
+    one.send(b"c" * 300_000)
+    assert one.link.fileno() < 0
+
+
+def test_connection_that_ends_gives_up_what_waits(subscribe):
+    one = subscribe(depth=3)
+    for number in range(6):
+        one.send(bytes([number]) * 300_000)
+    one.link.drop()
+    one.topic._pool.trim(1e12)
+    assert one.topic.segments() == 3  # those that were announced
+
+
+def test_memory_that_is_full_sends_no_message_by_it(subscribe, monkeypatch):
+    one = subscribe()
+    monkeypatch.setattr(one.topic._pool, "_limit", 1_000_000)
+    assert one.send(b"a" * 600_000)
+    assert not one.send(b"b" * 600_000)
+    assert one.read() == [b"a" * 600_000]
+    assert one.send(b"c" * 600_000)
+
+
+def test_unused_memory_is_given_back_at_both_ends(subscribe, monkeypatch):
+    before = descriptors()
+    monkeypatch.setattr(shared_connection, "IDLE_S", 0.01)
+    one = subscribe()
+    one.send(b"a" * 300_000)
+    one.read()
+    assert len(one.channel._memories) == 1
+    now = shared_connection.time.monotonic()
+    clock = types.SimpleNamespace(monotonic=lambda: now + IDLE_S, sleep=shared_connection.time.sleep)
+    monkeypatch.setattr(shared_connection, "time", clock)
+    wait_until(lambda: one.topic.segments() == 0, lambda: "the segment is still there")
+    one.channel.update()
+    assert not one.channel._memories
+    one.send(b"b" * 300_000)
+    assert one.read() == [b"b" * 300_000]
+    one.topic.close()
+    one.channel = None
+    assert descriptors() <= before + 2  # the two ends of the connection
+
+
+@pytest.mark.parametrize(
+    ("change", "why"),
+    [
+        ({"boot_id": "another"}, "another host"),
+        ({"boot_id": ""}, "another host"),
+        ({"name": "nodekit-nobody"}, "cannot be reached"),
+    ],
+)
+def test_offer_that_cannot_be_taken_is_refused_with_the_reason(listener, change, why):
+    before = descriptors()
+    with pytest.raises(Refusal, match=why):
+        WriterChannel(listener.offer()._replace(**change))
+    assert descriptors() == before
+
+
+def test_subscriber_of_another_user_is_refused(listener, monkeypatch):
+    monkeypatch.setattr(channel.os, "geteuid", lambda: os.getuid() + 1)
+    with pytest.raises(Refusal, match="another user"):
+        WriterChannel(listener.offer())
+
+
+def test_publisher_of_another_user_gets_no_channel(listener, monkeypatch):
+    offer = listener.offer()
+    writer = WriterChannel(offer)
+    monkeypatch.setattr(channel, "_is_of_this_user", lambda sock: False)
+    monkeypatch.setattr(channel, "_ACCEPT_S", 0.1)
+    with pytest.raises(OSError):
+        listener.take(offer)
+    with pytest.raises(OSError):
+        writer.returned()
+    writer.close()
+
+
+def test_refusal_is_reported_once_and_messages_go_by_the_connection(listener):
+    ours, theirs = socket.socketpair()
+    with ours, theirs:
+        lock = threading.RLock()
+        offer = Offer("another", "host", "token")
+        link = SharedConnection("receiver", ours, lock, None, TopicMemory(lock), offer)
+        refused = []
+        link.on_refused = refused.append
+        assert not link.shares()
+        assert not link.shares()
+        assert refused == ["the subscriber is on another host"]
+
+
+@pytest.mark.parametrize("text", ["", "one", "a b c d", "a b c\n"])
+def test_malformed_offer_is_none(text):
+    assert channel.parse_offer(text) is None
+
+
+def test_offer_is_read_as_it_was_written(listener):
+    offer = listener.offer()
+    assert channel.parse_offer(offer.text()) == offer
+
+
+def test_channels_that_come_in_another_order_reach_their_connections(listener):
+    first, second = listener.offer(), listener.offer()
+    writers = [WriterChannel(second), WriterChannel(first)]
+    written = WrittenMemory(4096)
+    for number, writer in enumerate(writers):
+        writer.announce(number, written.descriptor)
+    assert listener.take(first).memory(1).size == 4096
+    assert listener.take(second).memory(0).size == 4096
+    written.close()
+
+
+def test_channel_of_an_ended_connection_is_closed(listener):
+    ended, other = listener.offer(), listener.offer()
+    writer = WriterChannel(ended)
+    kept = WriterChannel(other)
+    listener.withdraw(ended)
+    assert listener.take(other) is not None
+    with pytest.raises(OSError):
+        writer.returned()
+    kept.close()
+
+
+def test_segment_that_was_not_sent_is_an_error(listener):
+    offer = listener.offer()
+    writer = WriterChannel(offer)
+    reader = listener.take(offer)
+    with pytest.raises(OSError, match="segment 3 was not sent"):
+        reader.memory(3)
+    writer.close()

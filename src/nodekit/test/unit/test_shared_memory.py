@@ -222,11 +222,12 @@ def test_background_service_waits_for_the_reader_not_for_the_socket(subscribe):
     one.send(b"a" * 300_000)
     assert one.link.awaited()[0] == one.link.fileno()
     one.send(b"b" * 300_000)
+    one.send(b"c" * 300_000)
     descriptor, _ = one.link.awaited()
     assert descriptor == one.link._channel.fileno()
-    assert one.read() == [b"a" * 300_000]
+    assert one.read() == [b"a" * 300_000, b"b" * 300_000]
     one.flush()
-    assert one.read() == [b"b" * 300_000]
+    assert one.read() == [b"c" * 300_000]
 
 
 def test_slow_reader_takes_no_memory_from_a_fast_one(subscribe):
@@ -241,8 +242,8 @@ def test_slow_reader_takes_no_memory_from_a_fast_one(subscribe):
             assert fast.link.share(message)
         assert fast.read() == [bytes([number]) * 300_000]
     assert fast.link.lost == 0
-    assert slow.link.lost == 18
-    assert slow.topic.segments() <= 3
+    assert slow.link.lost == 17
+    assert slow.topic.segments() <= 4
 
 
 def test_reader_that_is_gone_returns_all_it_had(subscribe):

@@ -192,6 +192,8 @@ class IncomingTopic(_Topic):
             except Exception:  # as in rospy: the other callbacks still run
                 if not rospy.core.is_shutdown():
                     rospy.logerr("bad callback: %s\n%s", callback, traceback.format_exc())
+        if takes_views:  # rospy's loop keeps the list, and so the views, until the next message
+            viewed.clear()
 
     def receive_directly(self, bodies: Sequence[Body], header: Dict[str, str]) -> None:
         """Pass on messages that are published in this process.

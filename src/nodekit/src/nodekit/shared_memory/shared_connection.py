@@ -18,8 +18,9 @@ from nodekit.transport.subscriber_connection import Delivery, SubscriberConnecti
 #: Messages of at least this size go through shared memory: to one subscriber, smaller ones take less
 #: time by TCP [bytes].
 LEAST_BYTES = 262_144
-#: Most announced messages that a subscriber has not read.
-MOST_IN_FLIGHT = 4
+#: Most announced messages that a subscriber has not read; fewer with a smaller depth, but always
+#: two, so that it may look at one while the next comes.
+MOST_IN_FLIGHT, LEAST_IN_FLIGHT = 4, 2
 
 
 class SharedMessage(NamedTuple):
@@ -223,7 +224,8 @@ class SharedConnection(SubscriberConnection):
 
     def _is_at_limit(self) -> bool:
         assert self._channel is not None
-        most = MOST_IN_FLIGHT if self.depth is None else min(self.depth, MOST_IN_FLIGHT)
+        depth = MOST_IN_FLIGHT if self.depth is None else self.depth
+        most = min(max(depth, LEAST_IN_FLIGHT), MOST_IN_FLIGHT)
         return len(self._channel.in_flight) >= most
 
     def give_back(self, number: int) -> None:

@@ -1,0 +1,105 @@
+#!/usr/bin/env python3
+"""Subscribe to numbered arrays (see numbered()) and answer each line on stdin with a record.
+
+The first argument says how: ``nodekit``, ``views`` or ``rospy``.
+"""
+
+import json
+import os
+import sys
+import threading
+import time
+
+import rospy
+from std_msgs.msg import UInt8MultiArray
+
+from nodekit import run
+
+#: Length of the number at an array's start [bytes].
+NUMBER = 8
+
+
+def numbered(number: int, size: int) -> bytes:
+    """Return an array that shows what it is and whether it is whole.
+
+    :param number: its number
+    :param size: its length [bytes], at least :data:`NUMBER`
+    """
+    return number.to_bytes(NUMBER, "big") + bytes([number % 251]) * (size - NUMBER)
+
+
+class Recorder:
+    """Received messages."""
+
+    def __init__(self) -> None:
+        self._numbers = []
+        self._torn = 0
+        self._types = set()
+        self._kept = []
+        #: number of messages whose arrays are kept from now on
+        self.to_keep = 0
+
+    def on_message(self, message: UInt8MultiArray) -> None:
+        """Record a message.
+
+        :param message: the message
+        """
+        array = message.data
+        self._types.add(type(array).__name__)
+        number = int.from_bytes(array[:NUMBER], "big")
+        self._torn += array != numbered(number, len(array))
+        if len(self._kept) < self.to_keep:
+            self._kept.append((number, array))
+        self._numbers.append(number)
+
+    def record(self) -> str:
+        """Return all that is recorded, as JSON."""
+        kept = [array == numbered(number, len(array)) for number, array in self._kept]
+        record = {
+            "numbers": list(self._numbers),
+            "torn": self._torn,
+            "types": sorted(self._types),
+            "kept": kept,
+        }
+        return json.dumps(record)
+
+
+recorder = Recorder()
+
+
+def answer() -> None:
+    """Do what each line of the standard input says: a record, sleep, keep or drop arrays."""
+    for line in sys.stdin:
+        word, _, number = line.strip().partition(" ")
+        if word == "keep":
+            recorder.to_keep = int(number)
+            recorder._kept.clear()
+        elif word == "fork":
+            if os.fork() == 0:
+                time.sleep(float(number))
+                os._exit(0)
+        print(recorder.record(), flush=True)
+    os._exit(0)
+
+
+class ArraySubscriber:
+    """Node with one subscription."""
+
+    def __init__(self, node) -> None:
+        is_viewing = sys.argv[1] == "views"
+        node.create_subscription("topic", UInt8MultiArray, recorder.on_message, views=is_viewing)
+
+
+def main() -> None:
+    """Run until the standard input ends."""
+    threading.Thread(target=answer, daemon=True).start()
+    if sys.argv[1] == "rospy":
+        rospy.init_node("array_subscriber", anonymous=True)
+        rospy.Subscriber("topic", UInt8MultiArray, recorder.on_message)
+        rospy.spin()
+    else:
+        run(f"array_subscriber_{os.getpid()}", ArraySubscriber)
+
+
+if __name__ == "__main__":
+    main()

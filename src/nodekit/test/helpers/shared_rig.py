@@ -1,0 +1,134 @@
+"""A publisher of arrays in this process, and its subscribers in others."""
+
+import contextlib
+import gc
+import json
+import os
+import subprocess
+import sys
+import time
+import unittest
+import xmlrpc.client
+
+import rospy
+from helpers.array_subscriber import numbered
+from std_msgs.msg import UInt8MultiArray
+
+from nodekit.messaging.publisher import Publisher
+from nodekit.testing.waiting import wait_until
+
+HELPERS = os.path.dirname(os.path.realpath(__file__))
+TIME_OUT = 30.0  # s
+LARGE, SMALL = 1_000_000, 100  # bytes
+
+
+class Subscriber:
+    """A process with a subscriber of arrays, ended with the test."""
+
+    def __init__(self, case, mode, *arguments):
+        script = os.path.join(HELPERS, "array_subscriber.py")
+        self.process = subprocess.Popen(
+            [sys.executable, "-W", "error::SyntaxWarning", script, mode, f"topic:={case.topic}"]
+            + list(arguments),
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            universal_newlines=True,
+        )
+        case.addCleanup(self.end)
+        self.name = ""
+
+    def tell(self, line=""):
+        """Have it do something; return its record."""
+        self.process.stdin.write(line + "\n")
+        self.process.stdin.flush()
+        return json.loads(self.process.stdout.readline())
+
+    def has(self, number):
+        """Tell whether it has a message, the last one."""
+        return self.tell()["numbers"][-1:] == [number]
+
+    def end(self):
+        """Kill the process."""
+        self.process.kill()
+        self.process.wait()
+        for pipe in (self.process.stdin, self.process.stdout):
+            with contextlib.suppress(OSError):
+                pipe.close()
+
+
+class SharedMemoryCase(unittest.TestCase):
+    """Test with a publisher in this process."""
+
+    def setUp(self):
+        self.topic = rospy.resolve_name("~" + self.id().rsplit(".", 1)[-1])
+        self.count = 0
+
+    def new_publisher(self, **kwds):
+        """Return an open publisher of arrays on the test's own topic."""
+        publisher = Publisher(self.topic, UInt8MultiArray, **kwds)
+        self.addCleanup(publisher.close)
+        publisher.open()
+        return publisher
+
+    def subscribe(self, publisher, *modes):
+        """Start subscribers, and wait until they are connected."""
+        before = {one.node for one in publisher.statistics()}
+        subscribers = [Subscriber(self, *mode.split()) for mode in modes]
+        wait_until(
+            lambda: len(publisher.statistics()) == len(before) + len(modes),
+            lambda: f"connected: {publisher.statistics()}",
+            timeout=TIME_OUT,
+        )
+        if len(modes) == 1:
+            (subscribers[0].name,) = {one.node for one in publisher.statistics()} - before
+        return subscribers
+
+    def publish(self, publisher, *sizes, pause=0.0):
+        """Publish arrays, with the next numbers."""
+        for size in sizes:
+            publisher.publish(UInt8MultiArray(data=numbered(self.count, size)))
+            self.count += 1
+            time.sleep(pause)
+
+    def wait_for_all(self, *subscribers):
+        """Wait until subscribers have the last message; return their records."""
+        for one in subscribers:
+            wait_until(lambda one=one: one.has(self.count - 1), one.tell, timeout=TIME_OUT)
+        return [one.tell() for one in subscribers]
+
+    def statistics(self, publisher, subscriber):
+        """Return the statistics of a subscriber."""
+        return next(one for one in publisher.statistics() if one.node == subscriber.name)
+
+    @staticmethod
+    def memory(publisher):
+        """Return the topic's shared memory, after what was read is collected."""
+        memory = publisher._topic._memory
+        with publisher._topic._lock:
+            memory.collect()
+        return memory
+
+    def transports(self, uri=None):
+        """Return the sorted transports of the topic's connections, as a node lists them."""
+        proxy = xmlrpc.client.ServerProxy(uri or rospy.get_node_uri())
+        _, _, connections = proxy.getBusInfo("/test")
+        return sorted(one[3] for one in connections if one[4] == self.topic)
+
+
+def memory_files():
+    """Return the number of segments that this process has open."""
+    gc.collect()
+    links = []
+    for name in os.listdir("/proc/self/fd"):
+        with contextlib.suppress(OSError):
+            links.append(os.readlink(f"/proc/self/fd/{name}"))
+    return sum("memfd:nodekit" in link for link in links)
+
+
+def mapped(pid):
+    """Return the number of segments that a process has mapped.
+
+    :param pid: its id
+    """
+    with open(f"/proc/{pid}/maps") as file:
+        return sum("memfd:nodekit" in line for line in file)

@@ -5,6 +5,7 @@ from typing import NamedTuple, Optional, Tuple
 
 from .analysis import Estimate
 from .bridge import TO_ROS1, TO_ROS2
+from .images import NODEKIT, Case
 from .loop import LOOP
 from .results import Results
 from .robots import HOSTED, PAIR
@@ -56,6 +57,14 @@ def number(value: float) -> str:
 
 BOTH = (ROSPY, RCLPY)
 
+
+def _images(what: str, size: str, subscribers: int, figure: str, limit: float) -> Goal:
+    """Return a goal of large messages, against rospy."""
+    ours, theirs = (Case(stack, size, subscribers).name for stack in (NODEKIT, ROSPY))
+    text = f"{what}, {size} to {subscribers}, against rospy"
+    return Goal("images", text, figure, limit, "", ours, (theirs,))
+
+
 GOALS = [
     Goal("latency-1khz", "p50, against roscpp", "p50_us", 0.75, "us", peers=(ROSCPP,)),
     Goal("latency-1khz", "p99, against roscpp", "p99_us", 1.0, "us", peers=(ROSCPP,)),
@@ -96,5 +105,14 @@ GOALS = [
         Goal("bridge-actions", f"{what} {to}, against both ROSes", figure, 1.0, "us", way, BOTH)
         for way, to in ((TO_ROS2, "to ROS 2"), (TO_ROS1, "to ROS 1"))
         for what, figure in (("acceptance", "accept_p50_us"), ("feedback", "feedback_p50_us"))
+    ),
+    *(
+        goal
+        for size in ("6.2 MB", "300 000 points")
+        for goal in (
+            _images("p50", size, 1, "p50_ms", 0.35),
+            _images("CPU", size, 1, "cpu_percent", 0.6),
+            _images("CPU", size, 3, "cpu_percent", 0.35),
+        )
     ),
 ]

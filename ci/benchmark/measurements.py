@@ -3,7 +3,18 @@
 import contextlib
 from typing import Callable, ContextManager, Iterator, List, NamedTuple, Optional
 
-from . import bridge, latency, loop, names, parameters, rclpy_comparison, robots, startup, stacks
+from . import (
+    bridge,
+    images,
+    latency,
+    loop,
+    names,
+    parameters,
+    rclpy_comparison,
+    robots,
+    startup,
+    stacks,
+)
 from .context import Bench, Figures
 
 #: Measures one turn of a subject.
@@ -64,6 +75,7 @@ MEASUREMENTS = [
     _restarted("lifecycle", [stacks.RCLPY], rclpy_comparison.compare_lifecycle),
     _restarted("bridge-load", [bridge.TO_ROS2, bridge.TO_ROS1], bridge.measure_load, 2),
     _restarted("bridge-actions", BRIDGED, bridge.measure_actions, 3),
+    _restarted("images", list(images.CASES), images.measure, 3),
 ]
 
 

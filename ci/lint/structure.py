@@ -67,7 +67,7 @@ SUBJECTS: Dict[str, Dict[str, str]] = {
         "lifecycle_states": "the states of a managed node, and its transitions",
         "parameters": "declare, validate, reconcile, describe",
         "transport": "bytes to subscribers that may not read, and from services",
-        "shared_memory": "large messages between processes of one user, without a copy by the system",
+        "shared_memory": "large messages between processes of one user, in memory that both have",
         "master": "one client of the master, and of its parameter server",
         "rospy_internals": "what is not public in rospy, and the patches, which only `run` applies",
         "timing": "clocks, and timers without drift",

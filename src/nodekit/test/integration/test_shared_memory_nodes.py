@@ -28,7 +28,8 @@ class SharedMemoryTest(SharedMemoryCase):
 
     def test_subscribers_of_all_kinds_get_the_same_messages_in_order(self):
         publisher = self.new_publisher(queue_size=100)
-        subscribers = self.subscribe(publisher, "nodekit", "views", "rospy", "nodekit _transport:=tcp")
+        modes = ("nodekit", "views", "rospy", "nodekit _transport:=tcp")
+        subscribers = self.subscribe(publisher, *modes)
         self.publish(publisher, *[SMALL, LARGE, SMALL, SMALL, LARGE, LARGE] * 10)
         kinds = [["bytes"], ["memoryview"], ["bytes"], ["bytes"]]
         for record, types in zip(self.wait_for_all(*subscribers), kinds):

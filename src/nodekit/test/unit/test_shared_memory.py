@@ -289,8 +289,9 @@ def test_unused_memory_is_given_back_at_both_ends(subscribe, monkeypatch):
     one.send(b"a" * 300_000)
     one.read()
     assert len(one.channel._memories) == 1
-    now = shared_connection.time.monotonic()
-    clock = types.SimpleNamespace(monotonic=lambda: now + IDLE_S, sleep=shared_connection.time.sleep)
+    later = shared_connection.time.monotonic() + IDLE_S
+    pause = shared_connection.time.sleep
+    clock = types.SimpleNamespace(monotonic=lambda: later, sleep=pause)
     monkeypatch.setattr(shared_connection, "time", clock)
     wait_until(lambda: one.topic.segments() == 0, lambda: "the segment is still there")
     one.channel.update()
@@ -307,7 +308,7 @@ def test_unused_memory_is_given_back_at_both_ends(subscribe, monkeypatch):
     [
         ({"boot_id": "another"}, "another host"),
         ({"boot_id": ""}, "another host"),
-        ({"name": "nodekit-nobody"}, "cannot be reached"),
+        ({"name": "nodekit-missing"}, "cannot be reached"),
     ],
 )
 def test_offer_that_cannot_be_taken_is_refused_with_the_reason(listener, change, why):

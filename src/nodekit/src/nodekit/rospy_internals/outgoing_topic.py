@@ -8,7 +8,6 @@ import contextlib
 import functools
 import inspect
 import io
-import socket
 import struct
 import time
 from typing import Any, ContextManager, Dict, List, Optional, Sequence, Union
@@ -27,14 +26,9 @@ from nodekit.rospy_internals.incoming_topic import IncomingTopic, subscriber_mis
 from nodekit.rospy_internals.intraprocess_link import IntraprocessLink
 from nodekit.rospy_internals.large_arrays import SplitMessage, split
 from nodekit.rospy_internals.registry import check_topic_type
-from nodekit.rospy_internals.shared_memory_offers import name_transport, offer_of
+from nodekit.rospy_internals.ros_subscriber_connection import RosSubscriberConnection
 from nodekit.shared_memory.frame import NO_FIELD
-from nodekit.shared_memory.shared_connection import (
-    LEAST_BYTES,
-    SharedConnection,
-    SharedMessage,
-    TopicMemory,
-)
+from nodekit.shared_memory.shared_connection import LEAST_BYTES, SharedMessage, TopicMemory
 from nodekit.transport.delivery import deliver, serve_later
 
 _PUBLISHER_ATTRIBUTES = (
@@ -111,58 +105,6 @@ def send_at_once(
     if depth is not None:
         topic.hold_at_least(depth)
     return topic
-
-
-class RosSubscriberConnection(SharedConnection):
-    """Connection to a subscriber, whose losses are logged.
-
-    :param transport: rospy's object for it
-    :param lock: the topic's lock
-    :param topic: the topic's name, for reports
-    :param depth: as in :class:`.SubscriberConnection`
-    :param memory: the topic's shared memory
-    """
-
-    def __init__(
-        self,
-        transport: TCPROSTransport,
-        lock: ContextManager[Any],
-        topic: str,
-        depth: Optional[int],
-        memory: TopicMemory,
-    ) -> None:
-        sock = transport.socket
-        super().__init__(transport.endpoint_id, sock, lock, depth, memory, offer_of(sock))
-        self._transport = transport
-        self._header_bytes = transport.stat_bytes
-        self._topic = topic
-        # TCP would delay small messages by up to 40 ms if the subscriber did not set tcp_nodelay.
-        with contextlib.suppress(OSError):
-            self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-
-    def update_rospy_statistics(self) -> None:
-        """Copy the counters to rospy's object."""
-        self._transport.stat_bytes = self._header_bytes + self.sent_bytes
-        self._transport.stat_num_msg = self.sent
-
-    def close(self) -> None:
-        self._transport.close()
-
-    def on_shared(self) -> None:
-        name_transport(self._transport)
-
-    def on_refused(self, why: str) -> None:
-        text = "%s: large messages to %s go by TCP: %s"
-        rospy.logdebug(text, self._topic, self.name, why)
-
-    def report(self, stalled: bool, lost: int) -> None:
-        if rospy.is_shutdown():
-            return
-        what = (self._topic, self.name, lost, self.lost)
-        if stalled:
-            rospy.logwarn("%s: subscriber %s does not keep up: %d messages lost, %d in all", *what)
-        else:
-            rospy.loginfo("%s: subscriber %s keeps up again: %d more lost, %d in all", *what)
 
 
 #: Shared by all topics without a connection; never changed.
@@ -311,7 +253,7 @@ class OutgoingTopic(_Topic):
             serve_later([link for link in sharing if not link.share(message)])
 
     def _share(self, packet: Packet) -> Optional[SharedMessage]:
-        """Write a message to shared memory; return None if there is none left."""
+        """Write a message to shared memory; return None if no memory is left."""
         if not isinstance(packet, SplitMessage):
             body = memoryview(packet)[_LENGTH.size :]
             return self._memory.write([body], len(body), len(body), NO_FIELD)

@@ -66,4 +66,5 @@ def name_transport(connection: Any) -> None:
     :param connection: rospy's object for the connection
     """
     connection.transport_type = TRANSPORT
-    rospy.logdebug("%s: %s: large messages go through shared memory", connection.name, connection.endpoint_id)
+    text = "%s: large messages go through shared memory: %s"
+    rospy.logdebug(text, connection.name, connection.endpoint_id)

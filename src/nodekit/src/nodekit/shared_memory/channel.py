@@ -16,11 +16,11 @@ import socket
 import struct
 import threading
 import time
-from typing import Dict, List, NamedTuple, Optional, Set, Tuple
+from typing import Dict, List, NamedTuple, Optional, Set
 
 from nodekit.shared_memory.memory import ReadMemory
 
-#: Field of the connection header, with the value of :class:`Offer`.
+#: Field of the connection header, whose value is :meth:`Offer.text`.
 FIELD = "nodekit_shared_memory"
 #: Longest wait for a channel that a publisher has announced [s].
 _ACCEPT_S = 2.0
@@ -38,7 +38,7 @@ class ChannelError(OSError):
 
 
 class Offer(NamedTuple):
-    """Where a subscriber expects the channel of one connection."""
+    """Address at which a subscriber expects the channel of one connection."""
 
     #: identifies this start of this machine
     boot_id: str
@@ -273,7 +273,7 @@ class ChannelListener:
         """Return the channel that a publisher has opened for a connection.
 
         :param offer: the connection's offer
-        :raises OSError: if there is none
+        :raises OSError: if no publisher has opened it
         """
         deadline = time.monotonic() + _ACCEPT_S
         with self._lock:

@@ -47,8 +47,8 @@ class Segment(Generic[Memory]):
 class SegmentPool(Generic[Memory]):
     """Segments of one publisher. Callers hold one lock.
 
-    :param create: creates memory of a size [bytes]; raises an OSError if there is none
-    :param discard: called with each segment that the pool gives up, which nobody holds
+    :param create: creates memory of a size [bytes]; raises an OSError without memory
+    :param discard: called with each segment that the pool gives up, which no reader holds
     :param limit: most memory [bytes]
     """
 
@@ -143,7 +143,7 @@ class SegmentPool(Generic[Memory]):
                 self._give_up(segment)
 
     def close(self) -> None:
-        """Give up all segments: their publisher writes no longer, and readers keep what they have."""
+        """Give up all segments; readers keep what they have."""
         for segment in list(self._segments.values()):
             segment.holders.clear()
             self._give_up(segment)

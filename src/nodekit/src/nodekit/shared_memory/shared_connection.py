@@ -15,8 +15,8 @@ from nodekit.shared_memory.memory import WrittenMemory
 from nodekit.shared_memory.segment_pool import IDLE_S, Segment, SegmentPool
 from nodekit.transport.subscriber_connection import Delivery, SubscriberConnection
 
-#: Messages of at least this size go through shared memory: to one subscriber, smaller ones take less
-#: time by TCP [bytes].
+#: Messages of at least this size go through shared memory [bytes]: to one subscriber, smaller ones
+#: take less time by TCP.
 LEAST_BYTES = 262_144
 #: Most announced messages that a subscriber has not read; fewer with a smaller depth, but always
 #: two, so that it may look at one while the next comes.

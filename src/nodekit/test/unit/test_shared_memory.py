@@ -303,6 +303,39 @@ def test_unused_memory_is_given_back_at_both_ends(subscribe, monkeypatch):
     assert descriptors() <= before + 2  # the two ends of the connection
 
 
+def test_message_to_a_subscriber_that_has_gone_is_not_lent(subscribe):
+    one = subscribe()
+    one.send(b"a" * 300_000)
+    one.read()
+    one.channel = None  # its end of the connection is still open
+    gc.collect()
+    one.send(b"b" * 300_000)
+    assert one.link.fileno() < 0
+    one.topic._pool.trim(1e12)
+    assert one.topic.segments() == 0
+
+
+def test_fifty_subscribers_that_come_and_go_get_every_message_while_there(subscribe):
+    first = subscribe()
+    there = [first, *(subscribe(topic=first.topic) for _ in range(49))]
+    number = 0
+    while there:
+        content = bytes([number]) * 300_000
+        assert all(one.link.shares() for one in there)
+        message = first.topic.write([content], 0, len(content), 0)
+        for one in there:
+            assert one.link.share(message)
+        assert all(one.read() == [content] for one in there)
+        for one in there[::3]:
+            one.channel = None
+            one.socket.close()
+        there = [one for number, one in enumerate(there) if number % 3]
+        number += 1
+    first.topic.collect()
+    first.topic._pool.trim(1e12)
+    assert first.topic.segments() == 0
+
+
 @pytest.mark.parametrize(
     ("change", "why"),
     [

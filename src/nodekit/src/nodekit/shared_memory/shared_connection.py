@@ -218,8 +218,10 @@ class SharedConnection(SubscriberConnection):
         assert channel is not None
         if self._is_at_limit():
             self._memory.collect()
-            if channel.fileno() >= 0 and self._is_at_limit():
-                raise BlockingIOError
+        if channel.fileno() < 0:
+            raise ChannelError("the subscriber is gone")
+        if self._is_at_limit():
+            raise BlockingIOError
         channel.announce(segment.number, segment.memory.descriptor)
 
     def _is_at_limit(self) -> bool:

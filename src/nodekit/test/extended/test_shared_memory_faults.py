@@ -1,0 +1,137 @@
+#!/usr/bin/env python3
+"""Rare faults of shared memory: killed publishers, forks, no descriptors, sizes that change."""
+
+import contextlib
+import os
+import random
+import resource
+import subprocess
+import sys
+
+from helpers.shared_rig import (
+    HELPERS,
+    LARGE,
+    TIME_OUT,
+    SharedMemoryCase,
+    Subscriber,
+    mapped,
+    memory_files,
+)
+
+from nodekit import init_node
+from nodekit.testing.running import rosrun
+from nodekit.testing.waiting import wait_until
+
+#: Length of the longest message [bytes].
+LONGEST = 64_000_000
+
+
+class SharedMemoryFaultsTest(SharedMemoryCase):
+    """Publishers and subscribers that end, fork, or are short of something."""
+
+    @contextlib.contextmanager
+    def publishing(self, first):
+        """Run a publisher in a process of its own, and kill it."""
+        script = os.path.join(HELPERS, "array_publisher.py")
+        process = subprocess.Popen([sys.executable, script, str(first), f"topic:={self.topic}"])
+        try:
+            yield
+        finally:
+            process.kill()
+            process.wait()
+
+    def test_killed_publisher_leaves_nothing_and_another_takes_its_place(self):
+        subscriber = Subscriber(self, "views")
+        for first in (0, 1_000_000, 2_000_000):
+            with self.publishing(first):
+                wait_until(
+                    lambda first=first: subscriber.tell()["numbers"][-1:] > [first + 20],
+                    subscriber.tell,
+                    timeout=TIME_OUT,
+                )
+                self.assertGreater(mapped(subscriber.process.pid), 0)
+            wait_until(
+                lambda: mapped(subscriber.process.pid) == 0,
+                lambda: "memory of the killed one is there",
+                timeout=TIME_OUT,
+            )
+        record = subscriber.tell()
+        self.assertEqual(record["torn"], 0)
+        self.assertEqual(record["numbers"], sorted(set(record["numbers"])))
+
+    def test_child_of_a_killed_subscriber_holds_memory_only_while_it_lives(self):
+        publisher = self.new_publisher(queue_size=1)
+        (subscriber,) = self.subscribe(publisher, "views")
+        (other,) = self.subscribe(publisher, "nodekit")
+        subscriber.tell("keep 1")
+        self.publish(publisher, LARGE)
+        self.wait_for_all(subscriber, other)
+        subscriber.tell("fork 2")
+        subscriber.process.kill()
+        for _ in range(10):
+            self.publish(publisher, LARGE)
+            self.wait_for_all(other)
+
+        def is_returned():
+            self.publish(publisher, LARGE)
+            return not self.memory(publisher)._pool.readers()
+
+        wait_until(is_returned, lambda: "the child's loans are there", timeout=TIME_OUT)
+        self.assertEqual(self.wait_for_all(other)[0]["torn"], 0)
+
+    def test_publisher_without_descriptors_sends_large_messages_by_tcp(self):
+        publisher = self.new_publisher(queue_size=100)
+        (subscriber,) = self.subscribe(publisher, "nodekit")
+        self.publish(publisher, LARGE)
+        self.wait_for_all(subscriber)
+        before = resource.getrlimit(resource.RLIMIT_NOFILE)
+        self.addCleanup(resource.setrlimit, resource.RLIMIT_NOFILE, before)
+        most = max(map(int, os.listdir("/proc/self/fd")))
+        fillers = [os.dup(0) for _ in range(10)]
+        for filler in fillers:
+            self.addCleanup(os.close, filler)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (min(most, max(fillers)) + 1, before[1]))
+        self.publish(publisher, *[3 * LARGE] * 3)
+        resource.setrlimit(resource.RLIMIT_NOFILE, before)
+        record = self.wait_for_all(subscriber)[0]
+        self.assertEqual((record["numbers"], record["torn"]), (list(range(4)), 0))
+        self.publish(publisher, 3 * LARGE)
+        self.assertEqual(self.wait_for_all(subscriber)[0]["torn"], 0)
+
+    def test_sizes_that_change_with_each_message_arrive_whole(self):
+        publisher = self.new_publisher(queue_size=100)
+        subscribers = self.subscribe(publisher, "nodekit", "views")
+        draw = random.Random(0)
+        for _ in range(30):
+            exponent = draw.uniform(1.0, 7.8)
+            self.publish(publisher, min(LONGEST, int(10.0**exponent)))
+            self.wait_for_all(*subscribers)
+        self.publish(publisher, LONGEST, 10, LONGEST)
+        for record in self.wait_for_all(*subscribers):
+            self.assertEqual((record["numbers"], record["torn"]), (list(range(33)), 0))
+        self.assertLessEqual(self.memory(publisher).segments(), 3)
+
+    def test_many_messages_and_reconnections_leave_no_descriptor(self):
+        publisher = self.new_publisher(queue_size=10)
+        counts = []
+        for _ in range(3):
+            (subscriber,) = self.subscribe(publisher, "nodekit")
+            self.publish(publisher, *[LARGE] * 20, pause=0.001)
+            self.wait_for_all(subscriber)
+            subscriber.end()
+
+            def has_gone(name=subscriber.name):
+                self.publish(publisher, LARGE)
+                return all(one.node != name for one in publisher.statistics())
+
+            wait_until(has_gone, publisher.statistics, timeout=TIME_OUT)
+            memory = self.memory(publisher)
+            memory._pool.trim(1e12)
+            self.assertEqual(memory_files(), 0)
+            counts.append(len(os.listdir("/proc/self/fd")))
+        self.assertEqual(counts[1], counts[2])
+
+
+if __name__ == "__main__":
+    init_node("test_shared_memory_faults")
+    rosrun("nodekit", "shared_memory_faults", SharedMemoryFaultsTest)

@@ -21,7 +21,7 @@ class EfficientNode:
     """Publishes how bright images are; of those that come meanwhile it uses the newest only.
 
     - The queue holds one image, so what is handled is never old.
-    - The image is read where it is; no part of it is copied.
+    - The image is read where it is: in the camera's memory, if that is a node here too.
     - The answer is made once and filled again each time.
 
     :ROS Subscribers:
@@ -41,7 +41,9 @@ class EfficientNode:
         self._answer = Float32()
         self._publisher = node.create_publisher("mean_brightness", Float32)
         # tcp_nodelay is what nodekit asks of every publisher.
-        node.create_subscription("image_topic", Image, self.image_callback, queue_size=1)
+        node.create_subscription(
+            "image_topic", Image, self.image_callback, queue_size=1, views=True
+        )
 
     def image_callback(self, image: Image) -> None:
         """Publish how bright an image is."""

@@ -108,6 +108,12 @@ class SharedMemoryCase(unittest.TestCase):
             memory.collect()
         return memory
 
+    def missed(self, subscriber):
+        """Return the messages that a subscriber has missed, as its statistics say."""
+        uri = rospy.get_master().lookupNode(subscriber.name)[2]
+        _, _, (_, topics, _) = xmlrpc.client.ServerProxy(uri).getBusStats("/test")
+        return dict(topics)[self.topic][0][3]
+
     def transports(self, uri=None):
         """Return the sorted transports of the topic's connections, as a node lists them."""
         proxy = xmlrpc.client.ServerProxy(uri or rospy.get_node_uri())

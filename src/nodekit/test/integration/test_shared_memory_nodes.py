@@ -66,6 +66,7 @@ class SharedMemoryTest(SharedMemoryCase):
         lost = self.statistics(publisher, stopped).lost
         self.assertGreater(lost, 20)
         self.assertEqual((len(record["numbers"]), record["torn"]), (31 - lost, 0))
+        self.assertEqual(self.missed(stopped), lost)
         self.assertEqual(record["numbers"], sorted(set(record["numbers"])))
 
     def test_killed_subscriber_leaves_no_memory(self):

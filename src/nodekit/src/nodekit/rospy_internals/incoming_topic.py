@@ -137,6 +137,8 @@ class IncomingTopic(_Topic):
         self.resolved_name = name  # rospy has remapped it a second time
         self._batch_callbacks: List[BatchCallback] = []
         self._takes_views: List[BatchCallback] = []
+        #: Readers of the connections, by their ids.
+        self._readers: Dict[int, Reader] = {}
         #: Whether connections are read until they are empty, since a callback wants the newest.
         self.reads_until_empty = False
         self._takes_any_type = issubclass(data_class, rospy.AnyMsg)
@@ -231,6 +233,11 @@ class IncomingTopic(_Topic):
     def get_stats(self) -> Any:
         """Return the statistics of this topic, in the format of ``getBusStats``."""
         name, rows = super().get_stats()
+        readers = dict(self._readers)
+        rows = [
+            (*row[:3], readers[row[0]].lost if row[0] in readers else row[3], *row[4:])
+            for row in rows
+        ]
         link = self.intraprocess_link()
         own = [] if link is None else [(link.id, link.stat_bytes, link.stat_num_msg, -1, True)]
         return name, rows + own
@@ -287,6 +294,9 @@ class IncomingTopic(_Topic):
         :param c: rospy's object for it
         """
         super().remove_connection(c)
+        reader = self._readers.pop(c.id, None)
+        if reader is not None:
+            reader.close()
         told = self._notified_at.pop(c.endpoint_id, -math.inf)
         if time.monotonic() - told < SUCCESSOR_S and not self.closed:
             registrar.connect(self.resolved_name, c.endpoint_id)
@@ -306,7 +316,8 @@ class IncomingTopic(_Topic):
                 _remove_if_rejected(self, c)
                 # Only rospy's own reader keeps the queue size of a plain rospy.Subscriber.
                 if self.queue_size is None:
-                    c.receive_once = Reader(c, self).receive_once
+                    reader = self._readers[c.id] = Reader(c, self)
+                    c.receive_once = reader.receive_once
             return bool(super().add_connection(c))
 
     def is_received_directly(self, uri: str) -> bool:

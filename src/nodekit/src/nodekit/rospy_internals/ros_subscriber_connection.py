@@ -2,6 +2,7 @@
 
 import contextlib
 import socket
+import threading
 from typing import Any, ContextManager, Optional
 
 import rospy
@@ -51,7 +52,9 @@ class RosSubscriberConnection(SharedConnection):
 
     def on_refused(self, why: str) -> None:
         text = "%s: large messages to %s go by TCP: %s"
-        rospy.logdebug(text, self._topic, self.name, why)
+        what = (text, self._topic, self.name, why)
+        # The topic's lock is held, which a thread that logs may wait for, if the topic is /rosout.
+        threading.Thread(target=rospy.logdebug, args=what, daemon=True).start()
 
     def report(self, stalled: bool, lost: int) -> None:
         if rospy.is_shutdown():

@@ -10,8 +10,6 @@ import functools
 import weakref
 from typing import Any, Dict, Optional
 
-import rospy
-
 from nodekit.shared_memory.channel import FIELD, ChannelListener, Offer, parse_offer
 
 #: Name of the transport in ``getBusInfo``.
@@ -66,5 +64,3 @@ def name_transport(connection: Any) -> None:
     :param connection: rospy's object for the connection
     """
     connection.transport_type = TRANSPORT
-    text = "%s: large messages go through shared memory: %s"
-    rospy.logdebug(text, connection.name, connection.endpoint_id)

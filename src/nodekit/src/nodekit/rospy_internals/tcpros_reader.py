@@ -45,8 +45,9 @@ class Reader:
         self._socket: Any = None
         self._offer: Optional[Offer] = None
         self._channel: Optional[ReaderChannel] = None
-        #: messages that the publisher has lost for this subscriber, as the latest announcement says
-        self.lost = 0
+        #: messages that the publisher has lost for this subscriber, as the latest announcement
+        #: says; -1 before the first one
+        self.lost = -1
         fields = transport.protocol.get_header_fields
         transport.protocol.get_header_fields = lambda: {**fields(), **self._offered()}
         # Beginning of an incomplete message, and its total length.
@@ -55,20 +56,20 @@ class Reader:
 
     def _offered(self) -> Dict[str, str]:
         """Return the header's field with the offer of a new connection."""
-        self._close_channel()
+        self.close()
         listener = shared_memory_offers.listener()
         if listener is None:
             return {}
         self._offer = listener.offer()
         return {FIELD: self._offer.text()}
 
-    def _close_channel(self) -> None:
-        """End the channel, once the last message in shared memory is read."""
+    def close(self) -> None:
+        """End the channel, once the last message in shared memory is read. From any thread."""
         self._channel = None
         listener = shared_memory_offers.listener()
-        if self._offer is not None and listener is not None:
-            listener.withdraw(self._offer)
-        self._offer = None
+        offer, self._offer = self._offer, None
+        if offer is not None and listener is not None:
+            listener.withdraw(offer)
 
     def receive_once(self) -> List[Any]:
         """Wait for messages. Replaces rospy's method of this name.
@@ -80,7 +81,7 @@ class Reader:
         try:
             return self._receive()
         except TransportException:
-            self._close_channel()
+            self.close()
             raise
 
     def _receive(self) -> List[Any]:
@@ -126,8 +127,9 @@ class Reader:
             try:
                 return int(self._socket.recv_into(self._buffer))
             except BlockingIOError:  # only with the socket's time-out
-                if self._channel is not None:
-                    self._channel.update()
+                channel = self._channel
+                if channel is not None:
+                    channel.update()
 
     def _read_until_empty(self, messages: List[Any]) -> None:
         """Add the messages that have arrived meanwhile, without waiting.
@@ -183,10 +185,11 @@ class Reader:
         :raises ValueError: if the message does not lie in it
         :raises genpy.DeserializationError: if the message is malformed
         """
-        if self._channel is None:
-            self._channel = self._open_channel()
-        memory = self._channel.memory(announced.segment)
-        loan = Loan(self._channel, announced.segment)
+        channel = self._channel
+        if channel is None:
+            channel = self._channel = self._open_channel()
+        memory = channel.memory(announced.segment)
+        loan = Loan(channel, announced.segment)
         if announced.size > memory.size:
             raise ValueError(f"announced beyond its segment of {memory.size} bytes: {announced}")
         self._transport.stat_bytes += announced.size
@@ -206,10 +209,10 @@ class Reader:
         fill(message, head, tail, announced.field, array)
 
     def _open_channel(self) -> ReaderChannel:
-        listener = shared_memory_offers.listener()
-        if listener is None or self._offer is None:
+        listener, offer = shared_memory_offers.listener(), self._offer
+        if listener is None or offer is None:
             raise ValueError("a message in shared memory, which was not offered")
-        channel = listener.take(self._offer)
+        channel = listener.take(offer)
         # Wakes the thread up, to give up memory.
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, _CHECK_EVERY)
         shared_memory_offers.name_transport(self._transport)

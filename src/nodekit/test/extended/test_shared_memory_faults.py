@@ -5,9 +5,13 @@ import contextlib
 import os
 import random
 import resource
+import signal
 import subprocess
 import sys
+import tempfile
 
+import rosbag
+from helpers.array_subscriber import numbered
 from helpers.shared_rig import (
     HELPERS,
     LARGE,
@@ -130,6 +134,41 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
             self.assertEqual(memory_files(), 0)
             counts.append(len(os.listdir("/proc/self/fd")))
         self.assertEqual(counts[1], counts[2])
+
+    def test_stock_tools_get_the_same_messages_by_tcp(self):
+        publisher = self.new_publisher(queue_size=100)
+        (subscriber,) = self.subscribe(publisher, "views")
+        with tempfile.TemporaryDirectory() as folder:
+            bag = os.path.join(folder, "arrays.bag")
+            commands = [["rosbag", "record", "-O", bag, self.topic], ["rostopic", "hz", self.topic]]
+            tools = [
+                subprocess.Popen(command, stdout=subprocess.PIPE, universal_newlines=True)
+                for command in commands
+            ]
+            for tool in tools:
+                self.addCleanup(tool.stdout.close)
+                self.addCleanup(tool.wait)
+                self.addCleanup(tool.kill)
+            wait_until(
+                lambda: len(publisher.statistics()) == 3, publisher.statistics, timeout=TIME_OUT
+            )
+            self.publish(publisher, *[LARGE, 100] * 5)
+            self.wait_for_all(subscriber)
+            while "average rate" not in tools[1].stdout.readline():
+                self.publish(publisher, LARGE, pause=0.1)
+            self.assertEqual(self.transports(), ["SHAREDMEM", "TCPROS", "TCPROS"])
+            wait_until(
+                lambda: all(one.sent == self.count for one in publisher.statistics()),
+                publisher.statistics,
+            )
+            for tool in tools:
+                tool.send_signal(signal.SIGINT)
+            tools[0].wait(TIME_OUT)
+            with rosbag.Bag(bag) as recorded:
+                arrays = [message.data for _, message, _ in recorded.read_messages()]
+        sent = [numbered(n, 100 if n < 10 and n % 2 else LARGE) for n in range(self.count)]
+        self.assertEqual(len(arrays), len(sent))
+        self.assertTrue(arrays == sent, "the bag has other arrays")
 
 
 if __name__ == "__main__":

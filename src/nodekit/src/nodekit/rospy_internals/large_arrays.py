@@ -9,7 +9,7 @@ import copy
 import functools
 import os
 import struct
-from typing import Any, Callable, Optional, Tuple
+from typing import Any, Callable, Optional, Tuple, cast
 
 #: Arrays of at least this size are not copied [bytes].
 LEAST_BYTES = 65_536
@@ -72,7 +72,7 @@ def split(message: Any, serialize: Callable[[Any], bytes]) -> Optional[SplitMess
     :returns: the message; None if it has no large array of bytes
     :raises genpy.SerializationError: as ``serialize``
     """
-    data_class = type(message)
+    data_class: Any = type(message)
     most, field = LEAST_BYTES - 1, -1
     for number in byte_fields(data_class):
         array = getattr(message, data_class.__slots__[number])
@@ -113,8 +113,8 @@ def without_views(message: Any) -> Any:
 
 
 def _converted(message: Any, wanted: type, convert: Callable[[Any], Any]) -> Any:
-    result = message
-    for number in byte_fields(type(message)):
+    result, data_class = message, cast(Any, type(message))
+    for number in byte_fields(data_class):
         name = message.__slots__[number]
         array = getattr(message, name)
         if not isinstance(array, wanted):
@@ -134,7 +134,8 @@ def fill(message: Any, head: bytes, tail: bytes, field: int, array: Any) -> None
     :param array: the array
     :raises genpy.DeserializationError: if the rest is malformed
     """
-    if field in byte_fields(type(message)):
+    data_class: Any = type(message)
+    if field in byte_fields(data_class):
         message.deserialize(head[: -_LENGTH.size] + _NO_ARRAY + tail)
         setattr(message, message.__slots__[field], array)
     else:  # of any type

@@ -255,8 +255,8 @@ class OutgoingTopic(_Topic):
     def _share(self, packet: Packet) -> Optional[SharedMessage]:
         """Write a message to shared memory; return None if no memory is left."""
         if not isinstance(packet, SplitMessage):
-            body = memoryview(packet)[_LENGTH.size :]
-            return self._memory.write([body], len(body), len(body), NO_FIELD)
+            content = memoryview(packet)[_LENGTH.size :]
+            return self._memory.write([content], len(content), len(content), NO_FIELD)
         body = packet.body()
         start = len(body.head)
         stop = start + len(body.array)

@@ -42,3 +42,8 @@ assert selected_class(int, "/node", {"managed": True}) is not int
 assert found()
 """
     subprocess.run([sys.executable, "-c", program], check=True)
+
+
+def test_transport_that_does_not_exist_is_refused() -> None:
+    with pytest.raises(ParameterError, match="/lab/node/transport: refused 'udp'.*auto, tcp"):
+        selected_class(Plain, "/lab/node", {"transport": "udp"})

@@ -175,6 +175,23 @@ def test_messages_arrive_in_one_segment_that_is_used_again(subscribe):
     assert one.topic.segments() == 1
 
 
+def test_forked_child_returns_nothing_that_its_parent_reads(subscribe):
+    one = subscribe()
+    one.send(b"a" * 300_000)
+    (announced,) = one.announced()
+    part, loan = one.borrow(announced)
+    child = os.fork()
+    if child == 0:
+        del loan
+        os._exit(0)
+    os.waitpid(child, 0)
+    one.topic.collect()
+    assert one.topic._pool.readers()
+    del part, loan
+    one.topic.collect()
+    assert not one.topic._pool.readers()
+
+
 def test_growing_messages_arrive_whole(subscribe):
     one = subscribe()
     for size in (0, 1, 70_000, 3_000_000, 10, 64_000_000, 300_000):

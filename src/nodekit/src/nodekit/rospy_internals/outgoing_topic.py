@@ -29,7 +29,8 @@ from nodekit.rospy_internals.registry import check_topic_type
 from nodekit.rospy_internals.ros_subscriber_connection import RosSubscriberConnection
 from nodekit.shared_memory.frame import NO_FIELD
 from nodekit.shared_memory.shared_connection import LEAST_BYTES, SharedMessage, TopicMemory
-from nodekit.transport.delivery import deliver, serve_later
+from nodekit.transport.delivery import deliver, send_to_all, serve_later
+from nodekit.transport.subscriber_connection import SubscriberConnection
 
 _PUBLISHER_ATTRIBUTES = (
     "publock closed connections is_latch latch seq message_data_sent c_lock check "
@@ -245,12 +246,13 @@ class OutgoingTopic(_Topic):
         is_large = len(packet) >= LEAST_BYTES
         sharing = [link for link in others if is_large and link.shares()]
         message = self._share(packet) if sharing else None
+        full: List[SubscriberConnection] = []
         if message is not None:
             others = [link for link in others if link not in sharing]
+            full += [link for link in sharing if not link.share(message)]
         if others:
-            deliver(_joined(packet), others)
-        if message is not None:
-            serve_later([link for link in sharing if not link.share(message)])
+            full += send_to_all(_joined(packet), others)
+        serve_later(full)
 
     def _share(self, packet: Packet) -> Optional[SharedMessage]:
         """Write a message to shared memory; return None if no memory is left."""

@@ -191,6 +191,7 @@ class ReaderChannel:
     def __init__(self, sock: socket.socket) -> None:
         self._socket = sock
         sock.setblocking(False)
+        self._process = os.getpid()
         self._memories: Dict[int, ReadMemory] = {}
 
     def __del__(self) -> None:
@@ -235,8 +236,12 @@ class ReaderChannel:
     def give_back(self, number: int) -> None:
         """Tell the publisher that a message is read. From any thread, without waiting.
 
+        A forked child has copies of the loans, and ends none.
+
         :param number: the segment's number
         """
+        if os.getpid() != self._process:
+            return
         with contextlib.suppress(OSError):  # the publisher is gone
             self._socket.send(_NUMBER.pack(number))
 

@@ -4,6 +4,8 @@ The connection announces them, in order with the others. A message waits for the
 other does if it has as many unread ones as :data:`MOST_IN_FLIGHT`.
 """
 
+import contextlib
+import logging
 import select
 import threading
 import time
@@ -240,7 +242,10 @@ class SharedConnection(SubscriberConnection):
 
     def awaited(self) -> Tuple[int, int]:
         """Return the descriptor and the events of ``poll(2)`` to wait for before :meth:`flush`."""
-        first = self.held[0] if self.held else None
+        try:
+            first: Optional[Delivery] = self.held[0]
+        except IndexError:  # without the lock, another thread may have sent it
+            first = None
         if isinstance(first, _Announcement) and not first.has_begun and self._is_at_limit():
             assert self._channel is not None
             return self._channel.fileno(), select.POLLIN
@@ -258,11 +263,11 @@ class _Keeper:
     def watch(self, memory: TopicMemory, lock: ContextManager[Any]) -> None:
         if memory in self._memories:
             return
-        with self._lock:
-            self._memories[memory] = lock
+        with self._lock, contextlib.suppress(RuntimeError):  # no thread: the next message retries
             if not self._is_running:
                 threading.Thread(target=self._run, name="shared memory", daemon=True).start()
                 self._is_running = True
+            self._memories[memory] = lock
 
     def _run(self) -> None:
         while True:
@@ -270,15 +275,21 @@ class _Keeper:
             with self._lock:
                 memories = list(self._memories.items())
             for memory, lock in memories:
-                with lock:
-                    memory.trim()
-                    if not memory.segments():
-                        with self._lock:
-                            self._memories.pop(memory, None)
+                try:
+                    self._trim(memory, lock)
+                except Exception:
+                    logging.getLogger(__name__).exception("shared memory is not given back")
             with self._lock:
                 if not self._memories:
                     self._is_running = False
                     return
+
+    def _trim(self, memory: TopicMemory, lock: ContextManager[Any]) -> None:
+        with lock:
+            memory.trim()
+            if not memory.segments():
+                with self._lock:
+                    self._memories.pop(memory, None)
 
 
 _keeper = _Keeper()

@@ -34,13 +34,26 @@ def deliver(data: bytes, links: Iterable[SubscriberConnection], messages: int = 
     :param links: connections to the receivers; the caller holds their lock
     :param messages: number of messages
     """
+    serve_later(send_to_all(data, links, messages))
+
+
+def send_to_all(
+    data: bytes, links: Iterable[SubscriberConnection], messages: int = 1
+) -> List[SubscriberConnection]:
+    """Send messages to every receiver without waiting.
+
+    :param data: serialized messages, concatenated
+    :param links: connections to the receivers; the caller holds their lock
+    :param messages: number of messages
+    :returns: connections for :func:`serve_later`
+    """
     full = []
     for link in links:
         if link.held:
             link.hold(data, messages)
         elif not link.send(data, messages):
             full.append(link)
-    serve_later(full)
+    return full
 
 
 def serve_later(full: List[SubscriberConnection]) -> None:

@@ -28,6 +28,17 @@ def descriptors():
     return len(os.listdir("/proc/self/fd"))
 
 
+@pytest.fixture(autouse=True)
+def keeper(monkeypatch):
+    """Have the thread that gives memory back look often, and end with each test."""
+    monkeypatch.setattr(shared_connection, "IDLE_S", 0.01)
+    yield
+    wait_until(
+        lambda: not any(one.name == "shared memory" for one in threading.enumerate()),
+        lambda: "memory is left",
+    )
+
+
 @pytest.fixture
 def listener():
     """Give a process's listener, closed afterwards."""
@@ -301,7 +312,6 @@ def test_memory_that_is_full_sends_no_message_by_it(subscribe, monkeypatch):
 
 def test_unused_memory_is_given_back_at_both_ends(subscribe, monkeypatch):
     before = descriptors()
-    monkeypatch.setattr(shared_connection, "IDLE_S", 0.01)
     one = subscribe()
     one.send(b"a" * 300_000)
     one.read()

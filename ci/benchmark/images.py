@@ -1,5 +1,6 @@
 """Large messages at 30 Hz from a camera to its subscribers: latency, processor time, losses."""
 
+import functools
 import itertools
 import time
 from typing import Dict, List, NamedTuple
@@ -68,7 +69,7 @@ def measure(bench: Bench, subject: str) -> Figures:
     environment = bench.session.in_group(f"/images{number}")
     with bench.session.up(*commands, environment=environment) as pids:
         for file in files:
-            wait_until(lambda file=file: record.read(file), 30.0, f"message of {subject}")
+            wait_until(functools.partial(record.read, file), 30.0, f"message of {subject}")
         time.sleep(SETTLE_S)
         since = time.monotonic()
         cpu = cpu_share(pids, bench.seconds(TURN_S, 1.0))

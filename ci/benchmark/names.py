@@ -17,8 +17,8 @@ EXTRA = {
     "overlap": "which callbacks overlap in executors, as in rclpy",
     "lifecycle": "what managed nodes do, as in rclpy",
     "bridge-load": "4000 messages a second, and a hundred topics at 50 Hz",
-    "images": "large messages at 30 Hz, through shared memory and by rospy",
     "bridge-actions": "goals of actions from one ROS to the other",
+    "images": "large messages at 30 Hz, through shared memory and by rospy",
 }
 
 if __name__ == "__main__":

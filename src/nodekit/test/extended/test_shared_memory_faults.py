@@ -141,12 +141,12 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
         with tempfile.TemporaryDirectory() as folder:
             bag = os.path.join(folder, "arrays.bag")
             commands = [["rosbag", "record", "-O", bag, self.topic], ["rostopic", "hz", self.topic]]
-            tools = [
-                subprocess.Popen(command, stdout=subprocess.PIPE, universal_newlines=True)
-                for command in commands
-            ]
+            tools = []
+            for name, command in zip(("record", "hz"), commands):
+                with open(os.path.join(folder, name), "w") as output:
+                    environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
+                    tools.append(subprocess.Popen(command, stdout=output, env=environment))
             for tool in tools:
-                self.addCleanup(tool.stdout.close)
                 self.addCleanup(tool.wait)
                 self.addCleanup(tool.kill)
             wait_until(
@@ -154,8 +154,13 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
             )
             self.publish(publisher, *[LARGE, 100] * 5)
             self.wait_for_all(subscriber)
-            while "average rate" not in tools[1].stdout.readline():
-                self.publish(publisher, LARGE, pause=0.1)
+
+            def is_measured():
+                self.publish(publisher, LARGE)
+                with open(os.path.join(folder, "hz")) as output:
+                    return "average rate" in output.read()
+
+            wait_until(is_measured, publisher.statistics, timeout=TIME_OUT)
             self.assertEqual(self.transports(), ["SHAREDMEM", "TCPROS", "TCPROS"])
             wait_until(
                 lambda: all(one.sent == self.count for one in publisher.statistics()),

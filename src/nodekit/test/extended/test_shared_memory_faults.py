@@ -135,6 +135,19 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
             counts.append(len(os.listdir("/proc/self/fd")))
         self.assertEqual(counts[1], counts[2])
 
+    def test_memory_that_is_not_used_is_given_back_in_both_processes(self):
+        publisher = self.new_publisher(queue_size=10)
+        (subscriber,) = self.subscribe(publisher, "nodekit")
+        self.publish(publisher, *[LARGE] * 3)
+        self.wait_for_all(subscriber)
+        wait_until(
+            lambda: memory_files() == mapped(subscriber.process.pid) == 0,
+            lambda: f"{memory_files()} and {mapped(subscriber.process.pid)} are left",
+            timeout=TIME_OUT,
+        )
+        self.publish(publisher, LARGE)
+        self.assertEqual(self.wait_for_all(subscriber)[0]["torn"], 0)
+
     def test_stock_tools_get_the_same_messages_by_tcp(self):
         publisher = self.new_publisher(queue_size=100)
         (subscriber,) = self.subscribe(publisher, "views")

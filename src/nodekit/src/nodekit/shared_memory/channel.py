@@ -11,7 +11,6 @@ Both ends are of the same user: the system names the user of the other end, see 
 
 import contextlib
 import os
-import secrets
 import socket
 import struct
 import threading
@@ -254,7 +253,7 @@ class ChannelListener:
 
     def __init__(self) -> None:
         self._boot_id = boot_id()
-        self._name = "nodekit-" + secrets.token_hex(_TOKEN_BYTES)
+        self._name = "nodekit-" + os.urandom(_TOKEN_BYTES).hex()
         self._lock = threading.Lock()
         self._arrived: Dict[str, socket.socket] = {}
         #: tokens of the connections that exist
@@ -269,7 +268,7 @@ class ChannelListener:
 
     def offer(self) -> Offer:
         """Return a new connection's offer; end it by :meth:`withdraw`."""
-        token = secrets.token_hex(_TOKEN_BYTES)
+        token = os.urandom(_TOKEN_BYTES).hex()
         with self._lock:
             self._expected.add(token)
         return Offer(self._boot_id, self._name, token)

@@ -1,5 +1,6 @@
 """Recordings of ROS 2 against what was written, and errors of broken ones."""
 
+import os
 import re
 import sqlite3
 from pathlib import Path
@@ -16,6 +17,7 @@ from topic_scope.bag.message_slices import first_messages, slices
 from topic_scope.bag.opening import open_bag
 from topic_scope.bag.player import BagPlayer
 from topic_scope.bag.recording import BagError, Recording
+from topic_scope.bag.ros2_types import Ros2Type, TypeProblem
 from topic_scope.messages.decoding import Decoder, NotThere
 from topic_scope.messages.fields import Key
 
@@ -228,3 +230,26 @@ def test_folder_that_lacks_a_file_is_refused(tmp_path: Path) -> None:
 def test_empty_recording_is_refused(tmp_path: Path) -> None:
     with pytest.raises(BagError, match="holds no messages"):
         open_bag(written.write(tmp_path / "run", [], "SQLITE3"))
+
+
+CODE = '__import__("os").environ.__setitem__("EXECUTED", "1")'
+
+
+@pytest.mark.parametrize(
+    "name, text",
+    [
+        (f'a/msg/B"""\n    {CODE}\n    """', "int32 x\n"),
+        (f"a/msg/B:\n    {CODE}\n    #", "int32 x\n"),
+        (f"a/msg/B({CODE})", "int32 x\n"),
+        ("a/msg/B", f"int32 x\n{'=' * 80}\nMSG: a/C({CODE})\nint32 y\n"),
+        ("a/msg/B", f"a/C({CODE}) x\n"),
+        ("a/msg/B", f"int32 x=[{CODE}]\n"),
+    ],
+)
+def test_code_in_a_definition_is_refused_and_not_executed(
+    monkeypatch: "pytest.MonkeyPatch", name: str, text: str
+) -> None:
+    monkeypatch.delenv("EXECUTED", raising=False)
+    with pytest.raises(TypeProblem):
+        Ros2Type(name, "MSG", text, "humble")
+    assert "EXECUTED" not in os.environ

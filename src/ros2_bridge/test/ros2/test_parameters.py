@@ -275,6 +275,9 @@ def test_node_of_ros2_is_on_the_server(ros: both.Both, bridge: both.Bridge) -> N
     rospy.set_param(key, -1.0)
     bridge.wait_for_log("refused by ROS 2: ", f"{key}=-1.0 (must be above 0; 1.0 stays)")
     wait_until(lambda: rospy.get_param(key) == 1.0, lambda: "not put back")
+    rospy.set_param("/motor_of_ros2/sample_tme", 1.0)
+    said = "the node in ROS 2 has no such parameter; did you mean sample_time?"
+    bridge.wait_for_log(f"/motor_of_ros2/sample_tme: {said}")
     limits, mask = "/motor_of_ros2/limits", "/motor_of_ros2/mask"
     assert rospy.get_param(limits) == [1.5, 2.5] and rospy.get_param(mask) == [97, 98]
     rospy.set_param(limits, [])

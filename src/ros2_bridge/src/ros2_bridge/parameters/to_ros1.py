@@ -1,11 +1,12 @@
 """Mirror of a ROS 2 node's parameters on the parameter server of ROS 1."""
 
 import collections
+import difflib
 import queue
 import threading
 import time
 import traceback
-from typing import Any, Callable, Deque, Dict, List, Tuple
+from typing import Any, Callable, Deque, Dict, List, Set, Tuple
 
 import rospy
 from rcl_interfaces.msg import Parameter
@@ -61,6 +62,8 @@ class ParametersToRos1:
         self._values: Dict[str, Any] = {}
         self._kinds: Dict[str, int] = {}
         self._is_written = False
+        #: Names on the server that the node does not have, of which the user has been warned.
+        self._warned: Set[str] = set()
         #: When it may be warned again, s on the monotonic clock.
         self._quiet_until = 0.0
         #: What stands on the server now, until it is sent to the node.
@@ -168,6 +171,20 @@ class ParametersToRos1:
         tree = self._latest.pop() if self._latest else None  # it may have been sent already
         if isinstance(tree, dict):
             self._send_changes(flat(tree))
+            if self._is_written:
+                self._warn_of_unknown([name for name in tree if not isinstance(tree[name], dict)])
+
+    def _warn_of_unknown(self, names: List[str]) -> None:
+        """Warn once of each parameter on the server that the node does not have.
+
+        :param names: names without a namespace: in one there may be another node
+        """
+        for name in names:
+            if name not in self._values and name not in self._warned:
+                self._warned.add(name)
+                near = difflib.get_close_matches(name, self._values, n=1)
+                hint = f"; did you mean {near[0]}?" if near else ""
+                rospy.logwarn(f"{self._name}/{name}: the node in ROS 2 has no such parameter{hint}")
 
     def _send_changes(self, found: Dict[str, Any]) -> None:
         refused, kept = [], {}

@@ -40,6 +40,7 @@ LEFT_OUT = {
     "bot_controller_demo.nodes.teleop_keyboard": "starts in a terminal only",
     "lifecycle_manager.nodes.lifecycle_manager": "starts with nodes to manage only",
     "ros2_bridge.nodes.bridge": "takes ROS 2, which is not there",
+    "serial_link.nodes.avr_board": "compiles a sketch, and ends its process where it cannot",
     "topic_scope.nodes.scope": "has options in place of parameters, and serves at a port",
 }
 

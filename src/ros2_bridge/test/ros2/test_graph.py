@@ -262,6 +262,7 @@ class ManyTopics:
             SimpleNamespace(
                 endpoint_gid=b"theirs" if topic == "/t150" else b"ours",
                 topic_type="",
+                topic_type_hash="INVALID",
                 node_name="_DDS_",
                 node_namespace="/",
             )

@@ -232,6 +232,27 @@ def test_empty_recording_is_refused(tmp_path: Path) -> None:
         open_bag(written.write(tmp_path / "run", [], "SQLITE3"))
 
 
+def test_first_message_that_does_not_fit_costs_itself(tmp_path: Path) -> None:
+    path = written.write(tmp_path / "run", written.messages(), "SQLITE3")
+    (file,) = Path(path).glob("*.db3")
+    with sqlite3.connect(str(file)) as database:
+        one = "SELECT min(messages.id) FROM messages JOIN topics ON topic_id = topics.id"
+        database.execute(f"UPDATE messages SET data = x'00' WHERE id = ({one} AND name = '/x')")
+    with open_bag(path) as bag:
+        assert "/x" in first_messages(bag) and not bag.faults
+        assert [data for _, data in told_of(bag)["/x"]].count(b"") == 1
+
+
+def test_file_that_the_metadata_does_not_name_is_read_too(tmp_path: Path) -> None:
+    told = written.messages()
+    path = written.write(tmp_path / "run", told[:10])
+    later = written.write(tmp_path / "later", told[10:])
+    (file,) = Path(later).glob("*.mcap")
+    file.rename(Path(path) / "run_1.mcap")
+    with open_bag(path) as bag:
+        assert bag.count(["/x", "/odd", "/rare"]) == len(told)
+
+
 CODE = '__import__("os").environ.__setitem__("EXECUTED", "1")'
 
 

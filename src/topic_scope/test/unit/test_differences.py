@@ -1,5 +1,7 @@
 """The difference of two traces and other formulas, however the samples of both come."""
 
+import subprocess
+import sys
 import math
 import struct
 from typing import Any, Dict, List, Sequence
@@ -204,3 +206,10 @@ def test_a_derivative_stands_in_the_middle_and_says_why_it_jumps(name: str) -> N
     assert trace is not None and plain is not None
     assert trace.jumps is not None and trace.jumps.startswith("timed by reception")
     assert plain.jumps is None
+
+
+def test_brackets_without_end_are_refused_in_time() -> None:
+    """A name of a page's request may be anything."""
+    code = "from topic_scope.protocol.checks import fields_of; fields_of(['/a' + '[a]' * 60])"
+    done = subprocess.run([sys.executable, "-c", code], stderr=subprocess.PIPE, timeout=60)
+    assert done.returncode == 0, done.stderr

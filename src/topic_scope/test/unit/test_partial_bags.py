@@ -1,5 +1,6 @@
 """Bags of which a topic, a message or a part cannot be read: the rest can, and the loss is told."""
 
+import struct
 from pathlib import Path
 from typing import Any, Dict, List, Tuple
 
@@ -152,6 +153,34 @@ def test_message_that_is_cut_off_costs_itself(tmp_path: Path, run: Any) -> None:
     assert said == "plot_bag: /x/data: 1 message cut off: left out\n"
     rows = ["0.000000000,0.0,0.0", "1.000000000,,", "2.000000000,0.0,0.0"]
     assert written.splitlines()[1:] == rows
+
+
+def test_message_whose_length_is_broken_costs_itself_only(tmp_path: Path, run: Any) -> None:
+    """All messages of a small bag stand in one chunk."""
+    path = tmp_path / "x.bag"
+    with rosbag.Bag(str(path), "w") as bag:
+        for number in range(5):
+            for topic in "/a", "/b":
+                bag.write(topic, Float64(1000.5 + number), genpy.Time(1 + number))
+    data = path.read_bytes()
+    for number in 0, 2:
+        message = struct.pack("<Id", 8, 1000.5 + number)
+        place = data.index(message)  # of /a, which was written first
+        data = data[:place] + struct.pack("<I", 2**31) + data[place + 4 :]
+    path.write_bytes(data)
+    status, _, written = run(str(path), "/b")
+    assert status == 0 and [row.split(",")[1] for row in written.splitlines()[1:]] == [
+        str(1000.5 + number) for number in range(5)
+    ]
+    status, said, written = run(str(path), "/a")
+    assert (status, said) == (1, "plot_bag: /a/data: 2 messages cut off: left out\n")
+    assert [row.split(",")[1] for row in written.splitlines()[1:]] == [
+        "",
+        "1001.5",
+        "",
+        "1003.5",
+        "1004.5",
+    ]
 
 
 def names(path: str, *expressions: str) -> List[str]:

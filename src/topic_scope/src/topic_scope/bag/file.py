@@ -131,7 +131,10 @@ class BagFile(Recording):
                 except BagError as error:
                     last.update((self.connections[one].topic, str(error)) for one in numbers)
                     continue
-                found.update((part.connection, part.messages[0]) for part in parts)
+                # A broken message has no bytes; but nor has a whole one without fields.
+                found.update(
+                    (part.connection, next(filter(None, part.messages), b"")) for part in parts
+                )
                 waiting -= {self.connections[part.connection].topic for part in parts}
         return found
 
@@ -256,8 +259,16 @@ def _time(fields: Mapping[str, bytes], name: str) -> int:
 def _part(data: bytes, connection: int, entries: numpy.ndarray) -> Part:
     times = entries["s"].astype(numpy.int64) * 10**9 + entries["ns"]
     order = numpy.argsort(times, kind="stable")
-    messages = [_message(data, offset) for offset in entries["offset"][order].tolist()]
+    messages = [_message_or_nothing(data, at) for at in entries["offset"][order].tolist()]
     return Part(connection, times[order], messages)
+
+
+def _message_or_nothing(data: bytes, offset: int) -> bytes:
+    """Return a message; nothing of a broken one, which counts as cut off."""
+    try:
+        return _message(data, offset)
+    except (EOFError, struct.error):
+        return b""
 
 
 def _message(data: bytes, offset: int) -> bytes:

@@ -6,6 +6,7 @@ knows one kind. A chunk is a span of time here, of about as many bytes as a chun
 
 import bisect
 import hashlib
+import itertools
 import os
 import pathlib
 from typing import Any, Callable, Collection, Dict, Iterable, Iterator, List, Mapping, Set, Tuple
@@ -19,6 +20,8 @@ from topic_scope.bag.ros2_types import Ros2Type, TypeProblem
 
 #: About how large a span is [bytes], and how many messages it has.
 _SPAN_BYTES, _SPAN_MESSAGES = 4 * 2**20, 4000
+#: How many messages of a topic are tried until one fits its definition.
+_FIRST_MESSAGES = 1000
 #: What stands for a message that cannot be read: one that is cut off.
 _CUT_OFF = b""
 
@@ -104,7 +107,7 @@ class Ros2Recording(Recording):
             if source.ext.serialization_format != "cdr":
                 raise TypeProblem(f"its messages are in {source.ext.serialization_format}, not CDR")
             if key not in made:
-                distribution = str(self._metadata.get("ros_distro") or "")
+                distribution = _text(self._metadata, "ros_distro")
                 made[key] = Ros2Type(source.msgtype, language, text, distribution)
         except TypeProblem as problem:
             self.faults[topic] = f"its definition cannot be read: {problem}"
@@ -123,9 +126,13 @@ class Ros2Recording(Recording):
                 reader, source = self._sources[number]
                 problem = "the index of the recording lacks its messages"
                 try:
-                    for _, _, data in reader.messages([source]):
-                        found[number] = self._types[number].to_ros1(self._decompress(data))
-                        break
+                    some = itertools.islice(reader.messages([source]), _FIRST_MESSAGES)
+                    for _, _, data in some:
+                        try:
+                            found[number] = self._types[number].to_ros1(self._decompress(data))
+                            break
+                        except TypeProblem as error:
+                            problem = f"no early message fits its definition: {error}"
                 except Exception as error:  # of a library, given files that may be anything
                     problem = f"its messages cannot be read: {error}"
                 if number in found:
@@ -222,15 +229,23 @@ def _files(path: str, metadata: Mapping[str, Any]) -> List[pathlib.Path]:
     missing = [one.name for one in named if not one.exists()]
     if missing:
         raise BagError(f"{path}: {missing[0]} is missing, which its metadata.yaml names")
-    return named or sorted([*folder.glob("*.mcap"), *folder.glob("*.db3")])
+    # A recorder that was killed has not written the names of its last files.
+    others = {*folder.glob("*.mcap"), *folder.glob("*.db3")} - set(named)
+    return [*named, *sorted(others)]
+
+
+def _text(metadata: Mapping[str, Any], name: str) -> str:
+    """Return a text of ``metadata.yaml``; empty for anything else, which may be endless."""
+    value = metadata.get(name)
+    return value if isinstance(value, str) else ""
 
 
 def _decompression(path: str, metadata: Mapping[str, Any]) -> Callable[[bytes], bytes]:
     """Return what unpacks each message."""
-    mode = str(metadata.get("compression_mode") or "none").lower()
+    mode = _text(metadata, "compression_mode").lower() or "none"
     if mode == "none":
         return bytes
-    form = metadata.get("compression_format")
+    form = _text(metadata, "compression_format")
     if mode != "message" or form != "zstd":
         raise BagError(
             f"{path}: its files are compressed by {form}; a plain recording is made by: "

@@ -219,7 +219,7 @@ def _series(
 def _left_out(bag: Recording, readers: List[ColumnReader]) -> List[str]:
     """Return what of a bag was left out, and why, in sentences."""
     cut_off = [f"{one.column.name}: {one.cut_off}" for one in readers if one.cut_off]
-    return [*bag.left_out, *cut_off, *bag.lost]
+    return [*bag.left_out, *bag.notes, *cut_off, *bag.lost]
 
 
 def _in_range(

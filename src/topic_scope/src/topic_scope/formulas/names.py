@@ -15,7 +15,7 @@ from topic_scope.messages.fields import FieldError
 
 _MARK = "="
 #: Two fields with a minus between them, which may be in quotes and brackets, too.
-_DIFFERENCE = re.compile(r'((?:"[^"]*"|\[[^]]*\]|[^"])*?)-("?/.*)')
+_DIFFERENCE = re.compile(r'((?:"[^"]*"|\[[^]]*\]|[^"[])*?)-("?/.*)')
 
 
 def is_formula(text: str) -> bool:

@@ -110,7 +110,7 @@ class WithAMaster(unittest.TestCase):
         self.assert_named(lines, "/speed", "/one publishes /robot/speed")
         self.assert_named(lines, "/drifted: different definitions of std_msgs/String", "0" * 32)
         self.assert_named(lines, "/drifted: /two is not connected to /one")
-        self.assert_named(lines, "/ended: ", "its process has ended", "rosnode cleanup")
+        self.assert_named(lines, "/ended: ", "nothing listens at", "rosnode cleanup")
         self.assert_named(lines, "/stopped: does not answer", "resume it if it is stopped")
         self.assert_named(lines, "/test: ", "'no-such-host.invalid' is unknown", "/etc/hosts")
         self.assert_named(lines, "/clock: /use_sim_time is true, and no node publishes")

@@ -68,6 +68,8 @@ def test_healthy_graph_has_no_fault_and_no_note() -> None:
 def test_node_without_an_answer_is_named_with_its_remedy() -> None:
     found = faults(all_checks(with_node("/talker", error="has ended", remedy="restart {name}")))
     assert found == ["fault /talker: has ended; restart /talker"]
+    odd = with_node("/talker", error="no host {x}", remedy="start {name}, {x}")
+    assert faults(all_checks(odd)) == ["fault /talker: no host {x}; start /talker, {x}"]
 
 
 def test_loopback_address_is_a_fault_only_beside_other_machines() -> None:
@@ -113,16 +115,26 @@ def test_pair_that_neither_side_lists_is_not_connected() -> None:
 
 
 @pytest.mark.parametrize(
-    "name, links",
+    "name, value",
     [
-        ("/listener", frozenset([("/chatter", FIRST)])),  # the other side lists it
-        ("/listener", None),  # cannot tell
+        ("links", None),  # it does not list them
+        ("error", "does not answer"),
     ],
 )
-def test_pair_is_not_accused_without_both_sides(name: str, links: Any) -> None:
+def test_pair_is_not_accused_without_an_answer(name: str, value: Any) -> None:
     nodes = {**with_node("/talker", links=frozenset()).nodes}
-    nodes[name] = dataclasses.replace(nodes[name], links=links)
+    side = "/talker" if name == "links" else "/listener"
+    nodes[side] = dataclasses.replace(nodes[side], **{name: value})
     assert not faults(graph_checks.check_links(graph(nodes=nodes)))
+
+
+def test_connection_that_a_subscriber_only_attempts_is_missing() -> None:
+    """Rospy lists it from the first attempt on."""
+    nodes = {**with_node("/talker", links=frozenset()).nodes}
+    nodes["/listener"] = dataclasses.replace(
+        nodes["/listener"], links=frozenset([("/chatter", FIRST)])
+    )
+    assert len(faults(graph_checks.check_links(graph(nodes=nodes)))) == 1
 
 
 def test_subscriber_of_a_misspelt_topic_is_a_fault() -> None:
@@ -183,18 +195,20 @@ def stamped(stamp: Optional[float], **node: Any) -> Snapshot:
 
 
 @pytest.mark.parametrize(
-    "stamp, node, level, words",
+    "stamp, node, words, remedy",
     [
-        (997.0, {"host": "robot", "is_local": False}, Level.FAULT, "3.0 s behind this machine"),
-        (1003.5, {"host": "robot", "is_local": False}, Level.FAULT, "3.5 s ahead of this machine"),
-        (997.0, {}, Level.NOTE, "3.0 s behind"),
+        (997.0, {"host": "robot", "is_local": False}, "3.0 s behind this", "the clock of robot"),
+        (1003.5, {"host": "robot", "is_local": False}, "3.5 s ahead of this", "the clock of robot"),
+        (997.0, {}, "3.0 s behind", "correct them"),
     ],
 )
-def test_stamps_of_another_clock_are_named(
-    stamp: float, node: Dict[str, Any], level: Level, words: str
+def test_stamps_of_another_clock_are_noted_with_the_rivals(
+    stamp: float, node: Dict[str, Any], words: str, remedy: str
 ) -> None:
     (found,) = graph_checks.check_clocks(stamped(stamp, **node), use_sim_time=False)
-    assert found.level is level and words in found.problem
+    assert found.level is Level.NOTE and words in found.problem
+    assert found.remedy.startswith("a replayed bag or a delay does so; else ")
+    assert found.remedy.endswith(remedy)
 
 
 @pytest.mark.parametrize("stamp", [999.5, 1000.5, 0.0, None])
@@ -347,6 +361,10 @@ def test_package_that_another_copy_hides(
 
 
 def test_folder_outside_of_a_workspace(tmp_path: Path) -> None:
+    (tmp_path / "program" / "src").mkdir(parents=True)
+    (tmp_path / "program" / "src" / "CMakeLists.txt").write_text("")  # of C++ without ROS
+    (found,) = workspace_checks.check_workspace(str(tmp_path / "program"))
+    assert found.problem.startswith("no package in")
     assert workspace_checks.find_workspace(str(tmp_path)) is None
     assert not faults(workspace_checks.check_workspace(str(tmp_path)))
 

@@ -6,7 +6,7 @@ import difflib
 from typing import Callable, Dict, List, Optional, Set
 
 from nodekit.doctor.findings import Finding, fault, note, ok
-from nodekit.doctor.snapshot import Snapshot
+from nodekit.doctor.snapshot import Snapshot, is_loopback
 
 #: Topics of ROS itself, which need no second side.
 _OF_ROS = ("/rosout", "/rosout_agg", "/clock", "/tf", "/tf_static", "/diagnostics")
@@ -21,7 +21,7 @@ def check_nodes(graph: Snapshot) -> List[Finding]:
     findings = []
     for name, node in sorted(graph.nodes.items()):
         if node.error:
-            findings.append(fault(name, node.error, node.remedy.format(name=name)))
+            findings.append(fault(name, node.error, node.remedy.replace("{name}", name)))
     hosts = {node.host for node in graph.nodes.values() if not node.is_local and not node.error}
     for name, node in sorted(graph.nodes.items()):
         if hosts and node.is_local and is_loopback(node.host):
@@ -43,11 +43,6 @@ def check_nodes(graph: Snapshot) -> List[Finding]:
         )
     answering = sum(not node.error for node in graph.nodes.values())
     return [*findings, ok("nodes", f"{answering} of {len(graph.nodes)} answer")]
-
-
-def is_loopback(host: str) -> bool:
-    """Return whether a host is a name of the loopback device."""
-    return host in ("localhost", "::1", "[::1]") or host.startswith("127.")
 
 
 def check_types(graph: Snapshot, local_md5sum: Callable[[str], Optional[str]]) -> List[Finding]:
@@ -109,7 +104,7 @@ def _definitions(graph: Snapshot, topic: str, kind: str, local: Optional[str]) -
 def check_links(graph: Snapshot) -> List[Finding]:
     """Name pairs of nodes that share a topic of one type and are not connected.
 
-    Only pairs in which both sides answer and list their connections, and neither lists this one.
+    The publisher's list decides: a subscriber of rospy lists a connection that it only attempts.
     """
     findings = []
     connected = 0
@@ -121,9 +116,9 @@ def check_links(graph: Snapshot) -> List[Finding]:
                 sender, receiver = graph.nodes.get(publisher), graph.nodes.get(subscriber)
                 if sender is None or receiver is None:
                     continue
-                if sender.links is None or receiver.links is None:
+                if sender.links is None or receiver.error:
                     continue
-                if (topic, subscriber) in sender.links or (topic, sender.uri) in receiver.links:
+                if (topic, subscriber) in sender.links:
                     connected += 1
                     continue
                 findings.append(
@@ -220,12 +215,9 @@ def check_clocks(graph: Snapshot, use_sim_time: bool) -> List[Finding]:
         elif abs(ahead) > _CLOCK_TOLERANCE_S:
             side = "ahead of" if ahead > 0 else "behind"
             problem = f"stamps of {name} are {abs(ahead):.1f} s {side} this machine's clock"
-            if node.is_local:
-                findings.append(note(topic, problem, "a replayed bag does so; else correct them"))
-            else:
-                findings.append(
-                    fault(topic, problem, f"synchronise the clock of {node.host}, as by chrony")
-                )
+            remedy = "a replayed bag or a delay does so; else "
+            where = "correct them" if node.is_local else f"synchronise the clock of {node.host}"
+            findings.append(note(topic, problem, remedy + where))
     return findings
 
 

@@ -15,7 +15,7 @@ from urllib.parse import urlsplit
 
 import rosgraph.network
 
-from nodekit.doctor.snapshot import NodeState, Publication, Snapshot
+from nodekit.doctor.snapshot import NodeState, Publication, Snapshot, is_loopback
 from nodekit.master import MasterClient, TimeoutTransport
 
 #: Name under which requests are sent.
@@ -100,6 +100,12 @@ _CLEAN = "remove what it has registered: rosnode cleanup"
 
 def _reason(error: Exception, uri: str, host: str) -> Tuple[str, str]:
     """Return why a node does not answer, and what to do."""
+    if isinstance(error, ConnectionRefusedError) and is_loopback(host):
+        return (
+            f"is registered, and nothing listens at {uri} on this machine",
+            "remove it if its process has ended: rosnode cleanup; if it runs on another machine, "
+            "start it there with ROS_IP set",
+        )
     if isinstance(error, ConnectionRefusedError):
         return f"is registered, but its process has ended (nothing listens at {uri})", _CLEAN
     if isinstance(error, socket.gaierror):
@@ -143,6 +149,7 @@ def ask_publisher(uri: str, topic: str) -> Optional[Publication]:
     """
     with contextlib.suppress(
         *_ERRORS,
+        LookupError,  # a header without what it must have, as one that refuses
         TypeError,
         ValueError,
         struct.error,

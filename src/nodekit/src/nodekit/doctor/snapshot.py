@@ -8,6 +8,11 @@ from typing import Dict, FrozenSet, List, Optional, Tuple
 Registrations = List[Tuple[str, List[str]]]
 
 
+def is_loopback(host: str) -> bool:
+    """Return whether a host is a name of the loopback device."""
+    return host in ("localhost", "::1", "[::1]") or host.startswith("127.")
+
+
 @dataclasses.dataclass(frozen=True)
 class NodeState:
     """One registered node, as it answers itself.

@@ -21,6 +21,8 @@ def check_workspace(folder: str) -> List[Finding]:
     if workspace is None:
         return [ok("workspace", "none here; what is sourced is used")]
     packages = rospkg.RosPack(ros_paths=[os.path.join(workspace, "src")])
+    if not packages.list():
+        return [ok("workspace", f"no package in {workspace}; what is sourced is used")]
     sourced = rospkg.RosPack()
     findings: List[Finding] = []
     unsourced = []

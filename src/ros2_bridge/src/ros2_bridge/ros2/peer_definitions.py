@@ -80,7 +80,7 @@ class PeerDefinitions:
     def __init__(self, participant: Participant) -> None:
         self._participant = participant
         self._own: Dict[str, Tuple[str, List[Field]]] = {}
-        self._questions: Dict[Tuple[str, str], _Question] = {}
+        self._questions: Dict[Tuple[str, str, str], _Question] = {}
         self._warned: Set[str] = set()
 
     def are_known_to_fit(self, topic: str, type_name: str, type_hash: str, node: str) -> bool:
@@ -96,12 +96,13 @@ class PeerDefinitions:
         own_hash, ours = self._own_definition(type_name)
         if type_hash in (own_hash, _UNKNOWN_HASH) or not own_hash:
             return True
-        question = self._questions.get((type_name, type_hash))
+        key = (type_name, type_hash, node)
+        question = self._questions.get(key)
         if question is None:
             name = f"{node}/get_type_description"
             client = Ros2Client(self._participant, GetTypeDescription, name)
             request = GetTypeDescription.Request(type_name=type_name, type_hash=type_hash)
-            question = self._questions[type_name, type_hash] = _Question(client, request)
+            question = self._questions[key] = _Question(client, request)
         theirs = question.fields
         if theirs is None and time.monotonic() < question.deadline:
             question.send_once_ready()
@@ -109,6 +110,7 @@ class PeerDefinitions:
         question.close()
         differs = f"{topic}: {node} has another definition of {type_name}"
         if theirs is None:
+            del self._questions[key]  # the next poll asks again
             raise Unbridgeable(
                 f"{differs} than the bridge ({type_hash[:15]}…, {own_hash[:15]}…), and does not "
                 "describe it; build both from one definition"

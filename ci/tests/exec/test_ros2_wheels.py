@@ -33,6 +33,9 @@ def wheels(workspace: Workspace) -> pathlib.Path:
     chosen = workspace.root / "src" / "ros2_bridge" / "config" / "wheels.txt"
     chosen.parent.mkdir(parents=True)
     chosen.write_text("a==1.0\n")
+    rosbags = workspace.root / "src" / "topic_scope" / "config" / "rosbags.txt"
+    rosbags.parent.mkdir(parents=True)
+    rosbags.write_text("a==1.0\n")
     return chosen
 
 
@@ -52,9 +55,15 @@ def run(workspace: Workspace, missing: str = "") -> Tuple[str, int]:
 
 def test_oldest_python_chooses_for_all(workspace: Workspace, wheels: pathlib.Path) -> None:
     printed, status = run(workspace)
-    assert (workspace.root / "log").read_text().splitlines() == ["3.9: ", "3.11: a==1.1"]
+    assert (workspace.root / "log").read_text().splitlines() == [
+        "3.9: ",
+        "3.11: a==1.1",
+        "3.11: ",  # that of recordings, by itself
+    ]
     assert status == 0 and "< a==1.0\n" in printed and "> a==1.1\n" in printed
     assert wheels.read_text() == "a==1.1\n"
+    rosbags = workspace.root / "src" / "topic_scope" / "config" / "rosbags.txt"
+    assert rosbags.read_text() == "a==1.1\n"
 
 
 def test_list_stays_where_there_are_no_wheels(workspace: Workspace, wheels: pathlib.Path) -> None:

@@ -20,6 +20,7 @@ from geometry_msgs.msg import Point, PoseStamped
 from nav_msgs.msg import Odometry, Path
 from selenium.webdriver.common.keys import Keys
 from sensor_msgs.msg import JointState, LaserScan
+from std_msgs.msg import String
 from visualization_msgs.msg import Marker, MarkerArray
 from wire.client import Client, Message, fetch
 
@@ -59,7 +60,7 @@ def write_robot(bag: Any, time: float, received: genpy.Time) -> None:
 def record(path: str) -> None:
     """Record a sine of 1 Hz whose own clock has another begin, and whose amplitude grows.
 
-    In the same bag is a robot.
+    In the same bag is a robot, and its mode, which a text tells.
     """
     with rosbag.Bag(path, "w", chunk_threshold=10000) as bag:
         for index in range(int(LENGTH_S * RATE_HZ) + 1):
@@ -68,6 +69,8 @@ def record(path: str) -> None:
             message = signal_msg(2.0, 6.2832, 5.0 + time, value)
             received = genpy.Time(BEGIN, index * round(1e9 / RATE_HZ))
             bag.write("signal", message, received)
+            if index % RATE_HZ == 0:
+                bag.write("mode", String("driving" if 3.0 <= time < 12.0 else "idle"), received)
             if index % RATE_HZ == 50:
                 bag.write("joints", JointState(name=["wheel"], position=[time]), received)
             write_robot(bag, time, received)
@@ -256,6 +259,53 @@ class Bag(unittest.TestCase):
             page.send(kind, **content)
             self.assertIn("this is a bag", page.wait_for("error")["text"])
         self.assertEqual(page.messages("panels"), [])
+
+    def test_the_page_shows_a_text_as_a_band_below_the_plots(self) -> None:
+        page = self.page()
+        self.play(page, time=BEGIN + 5.001, playing=False, speed=1.0)
+        browser = shared_browser()
+        self.addCleanup(browser.driver.get, "about:blank")
+        browser.errors()  # of the tests before
+        browser.open(self.scope.url)
+        browser.wait_for(f"#legend tr[data-field='{FIELD}']")
+        browser.run(
+            "const kind = CanvasRenderingContext2D.prototype, write = kind.fillText;"
+            "window.written = []; kind.fillText = function(text, ...place) {"
+            " if (this.canvas.parentElement.id === 'bands') window.written.push(text);"
+            " return write.call(this, text, ...place); };"
+        )
+        browser.keys("a")
+        browser.wait_for("#chooser-search").send_keys("/mode/data", Keys.ENTER, Keys.ESCAPE)
+        row = "#legend tr[data-field='/mode/data.state']"
+        browser.wait_for(row)
+
+        def written() -> Any:
+            return browser.run("return window.written.slice(-3)")
+
+        wait_until(lambda: written() == ["/mode/data.state", "idle", "driving"], written)
+        value = f"{row} [data-cell='value']"
+        wait_until(lambda: browser.text(value) == "driving", lambda: browser.text("#legend"))
+        self.assertEqual(browser.text(f"{row} [data-cell='frequency']"), "–")
+        title = browser.find(f"{row} [data-cell='frequency']").get_attribute("title")
+        self.assertEqual(title, "not measurable: a state has no numbers")
+
+        def under_pointer(part: float) -> str:
+            browser.run(
+                "const { left, width } = document.querySelector('#overlay').getBoundingClientRect();"
+                "const { top, height } = document.querySelector('#bands').getBoundingClientRect();"
+                "document.querySelector('#bands').dispatchEvent(new PointerEvent('pointermove',"
+                " {clientX: left + arguments[0] * width, clientY: top + height / 2, bubbles: true}))",
+                part,
+            )
+            return browser.text(".hover")
+
+        # From 0 to 5 s; the page counts from its right edge.
+        self.assertRegex(under_pointer(0.3), r"idle, since \S+ or earlier, until \S+")
+        self.assertRegex(under_pointer(0.9), r"driving, since \S+, still so")
+        # It is of no axis, and no trace for the trigger or the XY plot.
+        self.assertEqual(browser.count(f"{row} [aria-label^='right axis']"), 0)
+        self.assertEqual(browser.text("#trigger-field"), FIELD)
+        self.assertEqual(browser.errors(), [])
 
     def test_the_page_shows_it_with_its_own_clock(self) -> None:
         page = self.page()

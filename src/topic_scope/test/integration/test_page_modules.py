@@ -586,6 +586,42 @@ class Modules(BrowserTest):
                 self.assertEqual(held[3:], held[2:3] * 2)
             self.assertEqual(values["end"], 11 if mode == "single" else None)
 
+    def test_states_are_read_as_they_are_sent(self) -> None:
+        states = {
+            "until": 9.0,
+            "traces": {
+                "/m/data.state": {
+                    "texts": ["idle", "drive"],
+                    "spans": [[1.0, 3.0, 0, 1], [4.0, 6.0, -1, 7], [6.0, None, 1, 1]],
+                    "earlier": True,
+                }
+            },
+        }
+        told = self.browser.call(
+            "state/states.js",
+            "(() => { const spans = module.spansOf(a[0], '/m/data.state');"
+            " return a[1].map((time) => { const one = module.spanAt(spans, time);"
+            " return one ? [one.text, one.from, one.to, one.isOpen, one.isEarlier] : null; }); })()",
+            states,
+            [0.5, 1.0, 2.9, 3.0, 5.0, 6.0, 9.0, 9.1],
+        )
+        idle, several, drive = (
+            ["idle", 1, 3, False, True],
+            ["7 states", 4, 6, False, False],
+            ["drive", 6, 9, True, False],
+        )
+        self.assertEqual(told, [None, idle, idle, None, several, drive, drive, None])
+
+    def test_names_tell_states_and_texts_their_colours(self) -> None:
+        names = ["/a/b.state", "/a/b.state@stamp", "/a/state", "/a/b.yaw", "=/a/b.state", "/a/b"]
+        told = self.browser.call("state/states.js", "module.numbersOf(a[0])", names)
+        self.assertEqual(told, names[2:])
+        places = self.browser.call(
+            "state/states.js", "a[0].map(module.placeOf)", ["OK", "WARN", "OK", ""]
+        )
+        self.assertEqual(places[0], places[2])
+        self.assertNotEqual(places[0] % 10, places[1] % 10)
+
     def test_cursors_tell_the_frequency_of_the_time_between_them(self) -> None:
         texts = self.browser.call(
             "measure/cursors.js",

@@ -98,7 +98,7 @@ def test_unknown_field_is_refused_with_those_near_to_it(name: str, text: str) ->
 
 def test_bag_without_any_number() -> None:
     with pytest.raises(FieldError, match="there are no numbers at all"):
-        choose(["/words/data"], first_messages({"/words": String()}))
+        choose(["/words/date"], first_messages({"/words": String()}))
 
 
 def test_all_columns_can_be_chosen_by_their_names() -> None:

@@ -12,6 +12,7 @@ import { Sweep } from "./state/sweep.js";
 import { keepArranged } from "./state/traces.js";
 import { View } from "./state/view.js";
 import { startAxes } from "./plot/axes.js";
+import { Bands } from "./plot/bands.js";
 import { startCharts } from "./plot/kinds.js";
 import { startGestures } from "./plot/gestures.js";
 import { Plots } from "./plot/stack.js";
@@ -47,6 +48,7 @@ startTheme(state, byId("theme"));
 const colour = (field) => colourOf(state, field);
 const plot = new Plots(byId("plot"), state, colour);
 const view = new View(state, sweep, plot);
+new Bands(byId("bands"), state, plot);
 const cursors = new Cursors(byId("overlay"), state, plot);
 new LevelCursors(byId("overlay"), state, plot);
 const trigger = new Trigger(byId("overlay"), state, plot);
@@ -89,6 +91,10 @@ const handlers = {
   selected: ({ fields }) => state.set({ fields }), // what a topic alone stands for
   frame: (frame) => {
     sweep.onFrame(frame);
+    screen.refresh();
+  },
+  states: (message) => {
+    sweep.live.states = message;
     screen.refresh();
   },
   spectrum: (message) => charts.onChart(message),

@@ -33,7 +33,12 @@ def header(*names: str) -> str:
 
 
 def _cell(text: str) -> str:
-    return '"' + text.replace('"', '""') + '"' if "," in text or '"' in text else text
+    return quoted(text) if "," in text or '"' in text else text
+
+
+def quoted(text: str) -> str:
+    """Return a cell that holds any text, line ends included."""
+    return '"' + text.replace('"', '""') + '"'
 
 
 def rows(columns: Sequence[CsvColumn], stamp: Callable[[Any, Any], str]) -> Iterator[str]:

@@ -2,17 +2,18 @@
 
 import math
 import struct
-from typing import Any, Iterable, Iterator, List, Optional, TextIO
+from typing import Any, Iterable, Iterator, List, Optional, Sequence, TextIO, Union
 
 import numpy
 
-from topic_scope.analysis.csv_rows import CsvColumn, header, rows
+from topic_scope.analysis.csv_rows import CsvColumn, header, quoted, rows
 from topic_scope.bag.columns import Column
 from topic_scope.bag.message_slices import FirstMessage, Slice
 from topic_scope.messages.arrays import first_missing, lengths_in, missing_text
 from topic_scope.messages.decoding import Decoder, NotThere, rounding_text
-from topic_scope.messages.derived import make, parts
+from topic_scope.messages.derived import STATE, make, parts
 from topic_scope.messages.fields import FieldError, Key, to_text
+from topic_scope.messages.states import StateDecoder, StateTable
 from topic_scope.messages.timestamp_source import is_exact, path_of, read_times, topic_time
 from topic_scope.timing.clocks import ELSEWHERE_NS, Clocks
 from topic_scope.timing.nanoseconds import NO_TIME, exact_seconds
@@ -44,7 +45,13 @@ class ColumnReader:
         stamp = self.stamp_path
         self._stamp = Decoder(self._layout, stamp) if stamp is not None else None
         paths = [column.path + part for part in parts(column.function)]
-        self._decoders = [Decoder(self._layout, path) for path in paths]
+        #: The texts whose numbers the rows are; None for a column of numbers.
+        self.states = StateTable() if column.function == STATE else None
+        self._decoders: Sequence[Union[Decoder, StateDecoder]] = (
+            [Decoder(self._layout, path) for path in paths]
+            if self.states is None
+            else [StateDecoder(self._layout, column.path, self.states)]
+        )
         self._function = make(column.function)
         #: Where a message has no element of that name it is about others.
         self._is_named = any(isinstance(part, Key) for part in column.path)
@@ -66,7 +73,8 @@ class ColumnReader:
     @property
     def correction(self) -> Optional[str]:
         """Rounding of values and count of missing ones, as text; None where all is usual."""
-        return "; ".join(filter(None, (rounding_text(self.rounding), self.cut_off))) or None
+        note = self.states.note if self.states is not None else None
+        return "; ".join(filter(None, (rounding_text(self.rounding), self.cut_off, note))) or None
 
     def check(self) -> None:
         """Check that what was asked for was there once.
@@ -116,7 +124,7 @@ class ColumnReader:
         """
         times = self._stamps_ns(found) if self.is_exact else found.times
         places = numpy.arange(len(found.messages))
-        if not self.column.function:
+        if not self.column.function or self.states is not None:
             return CsvColumn(self.column.topic, times, places, list(self._texts(found.messages)))
         by_rows = self._stamp is None or self.is_exact
         own = times if by_rows else self.stamps(found.messages)
@@ -141,13 +149,15 @@ class ColumnReader:
             if value is None or value is _CUT_OFF:
                 self._cut_off += value is _CUT_OFF
                 yield ""
+            elif isinstance(value, str):
+                yield quoted(value)
             elif decoder.is_time:
                 yield exact_seconds(value)
             else:
                 yield repr(int(value) if isinstance(value, bool) else value)
 
-    def _value(self, decoder: Decoder, message: bytes) -> Any:
-        """Return a number as it is, None where an element on the way to it is not there."""
+    def _value(self, decoder: Union[Decoder, StateDecoder], message: bytes) -> Any:
+        """Return a number or state as it is, None where an element on the way is not there."""
         try:
             value = decoder.value(message)
         except struct.error:

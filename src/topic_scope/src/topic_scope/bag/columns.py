@@ -7,12 +7,14 @@ from typing import Collection, Dict, List, Mapping, NamedTuple, Optional, Tuple
 from topic_scope.bag.message_slices import FirstMessage
 from topic_scope.formulas.names import expand_with, formula_of
 from topic_scope.formulas.parser import Formula
+from topic_scope.messages.derived import STATE
 from topic_scope.messages.arrays import keys_in, lengths_in, with_names
 from topic_scope.messages.fields import (
     FieldError,
     Path,
     ending,
     expand,
+    is_text,
     name_of,
     numeric_fields,
     parted,
@@ -120,6 +122,7 @@ def _columns(name: str, first_messages: Mapping[str, FirstMessage]) -> List[Colu
         topic, rest = parts
         layout, data = first_messages[topic]
         path_of(timestamp, layout)
+        function = STATE if not function and is_text(layout, rest) else function
         found = [field.path for field in resolve(layout, rest, lengths_in(layout, data), function)]
         typed, names_at = to_path(rest), partial(keys_in, layout, data)
         if found != [typed]:  # of what stands for a part, elements have their names

@@ -37,7 +37,9 @@ def write_computed_csv(
         for reader, gathered in zip(readers, parts)
     }
     signals = {
-        reader.column.name: _signal(columns[reader.column.name], reader) for reader in readers
+        reader.column.name: _signal(columns[reader.column.name], reader)
+        for reader in readers
+        if reader.states is None
     }
     written = [
         _computed(columns[line.columns[0].name].topic, line.formula.computed(signals))

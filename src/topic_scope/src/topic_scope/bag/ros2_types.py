@@ -1,6 +1,6 @@
 """Types of ROS 2 as ROS 1 has them: definitions, and the bytes of messages."""
 
-from typing import Any, Callable, Dict, Tuple
+from typing import Any, Callable, Dict, List, Tuple
 
 #: What ROS 1 calls types of ROS 2.
 _NAMES = {
@@ -95,14 +95,19 @@ def _definition(name: str, types: Dict[str, Any]) -> str:
         if one not in types:
             raise TypeProblem(f"the recording has no definition of {one}")
         constants, fields = types[one]
-        lines = [f"{base} {constant}={value}" for constant, base, value in constants]
-        if one == _HEADER:
-            lines.append("uint32 seq")
+        lines = ["uint32 seq"] if one == _HEADER else []
+        declared: List[str] = []
         for field, description in fields:
             if field != _EMPTY:
                 base, used, array = _named(description)
                 lines.append(f"{base}{array} {field.rstrip('_')}")
+                declared.append(base)
                 names += [used] if used and used not in names else []
+        # The place of constants is lost: they are put before the only field that they can be of.
+        for constant, base, value in reversed(constants):
+            if declared.count(_NAMES.get(base, base)) == 1:
+                place = [line.split(" ")[0] for line in lines].index(_NAMES.get(base, base))
+                lines.insert(place, f"{_NAMES.get(base, base)} {constant}={value}")
         head = "" if one == name else f"{'=' * 80}\nMSG: {_ros1_name(one)}\n"
         parts.append(head + "".join(line + "\n" for line in lines))
     return "".join(parts)

@@ -3,7 +3,7 @@
 import itertools
 import math
 from array import array
-from typing import Collection, Dict, Iterable, List, NamedTuple, Optional, Tuple
+from typing import Collection, Dict, Iterable, List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy
 
@@ -31,12 +31,14 @@ class Series(NamedTuple):
     :param times: when each message was made, since the start of the bag [s]
     :param values: the number in each message; NaN for a message without one
     :param correction: how stamps were moved and values were rounded, in words
+    :param states: texts whose numbers the values are; None for numbers
     """
 
     name: str
     times: "array[float]"
     values: "array[float]"
     correction: Optional[str] = None
+    states: Optional[Sequence[str]] = None
 
     @property
     def title(self) -> str:
@@ -109,7 +111,7 @@ class _Recorded:
         times, values = array("d"), array("d")
         column, time = self._reader.column, self.placement.time
         if not self._rows:
-            return Series(column.name, times, values)
+            return Series(column.name, times, values, None, self._texts)
         function, rows = make(column.function), numpy.concatenate(self._rows, axis=1)
         there = numpy.concatenate(self._there)
         path = self._reader.stamp_path if time.has_stamps else None
@@ -126,11 +128,17 @@ class _Recorded:
             longest = longest_step(path, moments[order])
             made, found = function(moments[order], own_rows[:, order], longest)
             found[~(numpy.abs(found) <= _LARGEST)] = numpy.nan
-            made, found = _with_gaps(path, made, found)
+            if self._texts is None:  # a state holds until the next message
+                made, found = _with_gaps(path, made, found)
             times.extend(made / NS)
             values.extend(found)
         texts = oddities(self._reader.stamp_path, time), self._reader.correction
-        return Series(column.name, times, values, "; ".join(filter(None, texts)) or None)
+        words = "; ".join(filter(None, texts)) or None
+        return Series(column.name, times, values, words, self._texts)
+
+    @property
+    def _texts(self) -> Optional[Sequence[str]]:
+        return self._reader.states.texts if self._reader.states is not None else None
 
 
 def _with_gaps(
@@ -195,8 +203,10 @@ def moved(series: Series, seconds: float, name: str) -> Series:
 def crossing(series: Series, level: float) -> float:
     """Return when a series first rises through a level [s]: on the line between two points.
 
-    :raises FieldError: if it never does
+    :raises FieldError: if it never does, or is a state
     """
+    if series.states is not None:
+        raise FieldError(f"{series.name} is a state: it rises through no level")
     times, values = numpy.array(series.times), numpy.array(series.values)
     rising = numpy.flatnonzero((values[:-1] < level) & (values[1:] >= level))
     if not len(rising):

@@ -11,6 +11,7 @@ from typing import Callable, Dict, List, Optional, Sequence, Tuple
 from topic_scope.formulas.parser import Formula, parse_formula
 from topic_scope.formulas.lexer import FormulaError, Token, text_of, tokens_of
 from topic_scope.messages import fields
+from topic_scope.messages.derived import STATE
 from topic_scope.messages.fields import FieldError
 
 _MARK = "="
@@ -35,6 +36,15 @@ def formula_of(name: str) -> Optional[Formula]:
         return parse_formula(name.lstrip()[1:])
     difference = _DIFFERENCE.fullmatch(name)
     return parse_formula(" - ".join(difference.groups())) if difference else None
+
+
+@lru_cache(maxsize=256)
+def is_state(name: str) -> bool:
+    """Return whether a trace is a state: a text, or a number shown by the names of its values.
+
+    :param name: one that :func:`expand` has returned, or refused
+    """
+    return problem_of(name) is None and formula_of(name) is None and fields.parted(name)[1] == STATE
 
 
 def terms(name: str) -> Tuple[str, ...]:
@@ -114,4 +124,6 @@ def _known(traces: Sequence[str]) -> str:
 def _one(names: List[str]) -> str:
     if len(names) != 1:
         raise FieldError("a formula takes single fields, and one of these names stands for several")
+    if fields.parted(names[0])[1] == STATE:
+        raise FieldError(f"{names[0]} is a state: formulas and differences take numbers")
     return names[0]

@@ -8,6 +8,7 @@ to read messages whose package is not installed.
 from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple, Union
 
 from nodekit.message_definitions import DefinitionError, Field, fields_of, parts_of
+from topic_scope.messages.constants import ValueNames, value_names
 
 
 class Scalar(NamedTuple):
@@ -39,12 +40,14 @@ class Record(NamedTuple):
     :param fields: name and layout of each, in their order
     :param size: bytes, None where that differs from one to the next
     :param numeric: whether there are numbers in it, at any depth
+    :param value_names: names of the values of fields that have such
     """
 
     datatype: str
     fields: Tuple[Tuple[str, Any], ...]
     size: Optional[int]
     numeric: bool
+    value_names: Mapping[str, ValueNames] = {}
 
 
 class Array(NamedTuple):
@@ -140,7 +143,8 @@ class _Parser:
             )
             if self._counts[datatype] > _FIELDS:
                 raise DefinitionError(f"the type {datatype} has too many fields")
-            self._known[datatype] = Record(datatype, fields, size, numeric)
+            names = value_names(datatype, self._texts[datatype])
+            self._known[datatype] = Record(datatype, fields, size, numeric, names)
         return self._known[datatype]
 
     def _layout(self, field: Field, depth: int) -> Layout:

@@ -88,6 +88,8 @@ class _Unwrap:
         return times, values
 
 
+#: The name of what shows a text, or a number with named values, as a state.
+STATE = "state"
 #: The name of what is a change per second.
 DERIVATIVE = "derivative"
 _FUNCTIONS: Dict[str, Callable[[], Function]] = {
@@ -95,6 +97,7 @@ _FUNCTIONS: Dict[str, Callable[[], Function]] = {
     "difference": lambda: _Steps(False),
     "unwrap": _Unwrap,
     "yaw": lambda: _yaw,
+    STATE: lambda: _as_it_is,
 }
 #: Their names, as they stand behind the name of a field, after a dot.
 FUNCTIONS: Tuple[str, ...] = tuple(_FUNCTIONS)

@@ -19,7 +19,8 @@ import re
 from typing import Callable, Collection, Iterator, List, NamedTuple, Optional, Tuple, Union
 
 from topic_scope.messages.definitions import Array, Layout, Record, Scalar, Text
-from topic_scope.messages.derived import FUNCTIONS, QUATERNION
+from topic_scope.messages.constants import ValueNames
+from topic_scope.messages.derived import FUNCTIONS, QUATERNION, STATE
 
 
 class Key(str):
@@ -217,10 +218,13 @@ def resolve(
     """
     path = to_path(text)
     node = leaf_at(layout, path)
-    is_wanted, kind = (
-        (_is_number, "number") if function != "yaw" else (_is_quaternion, "quaternion")
-    )
-    found = list(itertools.islice(_found(node, path, lengths, is_wanted), LISTED_FIELDS))
+    if function == STATE:
+        kind, fields = "text, and no number with named values,", _states(layout, path, lengths)
+    elif function == "yaw":
+        kind, fields = "quaternion", _found(node, path, lengths, _is_quaternion)
+    else:
+        kind, fields = "number", _found(node, path, lengths, _is_number)
+    found = list(itertools.islice(fields, LISTED_FIELDS))
     if not found:
         raise FieldError(f"there is no {kind} in {to_text(path) or layout.datatype}")
     return found
@@ -229,6 +233,28 @@ def resolve(
 def quaternions(layout: Record, lengths: Lengths = one_element) -> List[NumericField]:
     """List what has a heading in a message; as :func:`numeric_fields`."""
     return list(itertools.islice(_found(layout, (), lengths, _is_quaternion), LISTED_FIELDS))
+
+
+def states(layout: Record, lengths: Lengths = one_element) -> List[NumericField]:
+    """List the texts and the numbers with named values of a message; as :func:`numeric_fields`.
+
+    Arrays of texts, and the frame of a header, are not listed; they can be named.
+    """
+    return list(itertools.islice(_states(layout, (), lengths), LISTED_FIELDS))
+
+
+def is_text(layout: Record, text: str) -> bool:
+    """Return whether a text such as ``status[0]/name`` stands for a string in a message."""
+    try:
+        return isinstance(leaf_at(layout, to_path(text)), Text)
+    except FieldError:
+        return False
+
+
+def value_names_at(layout: Record, path: Path) -> ValueNames:
+    """Return the names of the values of what stands at a place; empty where there are none."""
+    parent = leaf_at(layout, path[:-1])
+    return parent.value_names.get(str(path[-1]), {}) if isinstance(parent, Record) else {}
 
 
 def leaf_at(layout: Record, path: Path) -> Layout:
@@ -325,3 +351,20 @@ def _found(
         count = lengths(path) if node.length is None else node.length
         for index in range(min(count, LISTED_ELEMENTS)):
             yield from _found(node.element, path + (index,), lengths, is_wanted)
+
+
+def _states(layout: Record, path: Path, lengths: Lengths) -> Iterator[NumericField]:
+    """Return the states at a place in a message, and in what is there."""
+    node = leaf_at(layout, path)
+    if isinstance(node, Text) or (path and value_names_at(layout, path)):
+        yield NumericField(path, node.datatype)
+    elif isinstance(node, Record):
+        for name, field in node.fields:
+            if node.datatype != "std_msgs/Header" and not isinstance(field, Scalar):
+                yield from _states(layout, path + (name,), lengths)
+            elif name in node.value_names:
+                yield NumericField(path + (name,), field.datatype)
+    elif isinstance(node, Array) and isinstance(node.element, Record):
+        count = lengths(path) if node.length is None else node.length
+        for index in range(min(count, LISTED_ELEMENTS)):
+            yield from _states(layout, path + (index,), lengths)

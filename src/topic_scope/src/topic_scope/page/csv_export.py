@@ -4,7 +4,7 @@ from typing import AsyncIterator, Optional, Sequence
 
 import numpy
 
-from topic_scope.analysis.csv_rows import CsvColumn, header, rows
+from topic_scope.analysis.csv_rows import CsvColumn, header, quoted, rows
 from topic_scope.sampling.computed_trace import Recorded
 from topic_scope.sampling.recorder import Recorder
 from topic_scope.timing.nanoseconds import NS, exact_seconds, to_ns
@@ -45,6 +45,9 @@ def _column(trace: Optional[Recorded], start: int, end: int) -> CsvColumn:
         return CsvColumn("", _NOTHING, _NOTHING, ())
     times, values, received = trace.rows(start, end)
     cells = [repr(value) for value in values.tolist()]  # with all of its digits
+    if trace.states is not None:
+        texts = map(trace.states.text, values.tolist())
+        cells = [cell if text is None else quoted(text) for cell, text in zip(cells, texts)]
     return CsvColumn(trace.stream.topic, times, received, cells)
 
 

@@ -5,6 +5,7 @@ from typing import Any, Deque, Dict, List, Optional, Tuple
 
 from topic_scope.masks.limits import MaskCheck
 from topic_scope.page.charts import ChartFeed
+from topic_scope.page.state_feed import StateFeed
 from topic_scope.page.statistics_table import statistics_of
 from topic_scope.page.statistics_history import StatisticsHistory
 from topic_scope.page.frequency_backoff import FrequencyBackoff
@@ -40,6 +41,7 @@ class Page:
         self.view = LiveView(default_view(window))
         self.trigger = TriggerWatch(Trigger("off", "", 0.0, True), 0.0)
         self.chart = ChartFeed(Chart())
+        self._states = StateFeed()
         self.measure = Measure()
         self._statistics_history = StatisticsHistory()
         self._backoff = FrequencyBackoff()
@@ -55,6 +57,7 @@ class Page:
         :param now: this time [s]
         """
         self.view.restart()
+        self._states = StateFeed()
         self.trigger = TriggerWatch(self.trigger.request, now)
         if self.mask is not None:
             self.mask = MaskCheck(self.mask.mask, now)
@@ -75,6 +78,7 @@ class Page:
         """Show its traces once more: they have other samples."""
         self.view.restart()
         self.chart = ChartFeed(self.chart.request)
+        self._states = StateFeed()
 
     def set_measure(self, measure: Measure) -> None:
         """Measure something else; against another trace, phases do not go on as they were."""
@@ -119,6 +123,9 @@ class Page:
         chart = self.chart.update(now, samples, longest, self.view)
         if chart is not None:
             self.put(chart)
+        states = self._states.update(recorder, self.view, now)
+        if states is not None:
+            self.put(states)
         frame = self.view.frame(now, samples, recorder.changed_since, longest)
         return self.pop_messages() + ([frame] if frame is not None else [])
 

@@ -14,6 +14,7 @@ from topic_scope.protocol.requests import Measure
 from topic_scope.protocol.scaling import ReadSamples
 from topic_scope.sampling.computed_trace import Recorded
 from topic_scope.sampling.recorder import Recorder
+from topic_scope.timing.nanoseconds import to_ns
 
 #: Least time without a sample after which a page says so [s].
 SILENT_S = 1.0
@@ -41,6 +42,7 @@ def statistics_of(
     traces = {
         name: _measured(recorder, read, name, span, wanted, backoff, now) for name in view.shown
     }
+    traces.update((name, _state_of(recorder, name, now)) for name in view.states)
     return {"type": "stats", "traces": traces}
 
 
@@ -82,8 +84,7 @@ def _measured(
     if trace is None:
         return told
     samples = read(name, *span)
-    told.update({"topic": trace.stream.topic, "timestamp": trace.stream.timestamp})
-    told["correction"] = trace.correction
+    told.update(_origin_of(trace))
     told["jumps"] = trace.jumps
     if wanted.latency:
         late = trace.latency(*span)
@@ -103,13 +104,35 @@ def _measured(
     told["unmeasurable"] = {key: figure.reason for key, figure in found.items() if figure.reason}
     if wanted.latency and trace.stream.no_latency:
         told["unmeasurable"]["latency"] = trace.stream.no_latency
+    told["silent"] = _silence(trace, now)
+    if not len(samples[0]) and told["silent"] is None and told["problem"] is None:
+        told["problem"] = _why_empty(trace, span)
+    return told
+
+
+def _state_of(recorder: Recorder, name: str, now: float) -> Dict[str, Any]:
+    """Return what is told of a state: the latest one, and no figures."""
+    told: Dict[str, Any] = {"problem": recorder.problem(name), "state": None}
+    trace = recorder.trace(name)
+    if trace is None or trace.states is None:
+        return told
+    numbers = trace.rows(to_ns(-math.inf), to_ns(now))[1]
+    told["state"] = trace.states.text(float(numbers[-1])) if len(numbers) else None
+    return {**told, **_origin_of(trace), "silent": _silence(trace, now)}
+
+
+def _origin_of(trace: Recorded) -> Dict[str, Any]:
+    stream = trace.stream
+    origin = {"topic": stream.topic, "timestamp": stream.timestamp}
+    return {**origin, "correction": trace.correction}
+
+
+def _silence(trace: Recorded, now: float) -> Optional[float]:
+    """Return for how long nothing has come where that is unusual [s]; else None."""
     # By reception: what is late is not silent.
     quiet, usual = trace.silence(now), trace.longest_step
     silent = quiet is not None and quiet > max(usual if math.isfinite(usual) else 0.0, SILENT_S)
-    told["silent"] = quiet if silent else None
-    if not len(samples[0]) and not silent and told["problem"] is None:
-        told["problem"] = _why_empty(trace, span)
-    return told
+    return quiet if silent else None
 
 
 def _why_empty(trace: Recorded, span: Tuple[float, float]) -> Optional[str]:

@@ -16,6 +16,7 @@ from typing import (
 )
 
 from topic_scope.analysis.decimation import FEW, all_bins, as_json, bin_of, lasts
+from topic_scope.formulas.names import is_state
 from topic_scope.protocol.requests import View
 from topic_scope.protocol.scaling import ReadSamples
 
@@ -68,8 +69,13 @@ class LiveView:
 
     @property
     def shown(self) -> List[str]:
-        """The fields that are not hidden."""
-        return [field for field in self.fields if field not in self._hidden]
+        """The fields of numbers that are not hidden."""
+        return [one for one in self.fields if one not in self._hidden and not is_state(one)]
+
+    @property
+    def states(self) -> List[str]:
+        """The states that are not hidden."""
+        return [one for one in self.fields if one not in self._hidden and is_state(one)]
 
     def restart(self) -> None:
         """Send all that is to be seen with the next frame."""

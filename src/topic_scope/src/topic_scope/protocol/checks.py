@@ -4,7 +4,7 @@
 import math
 from typing import Any, Dict, List, Tuple
 
-from topic_scope.formulas.names import expand
+from topic_scope.formulas.names import expand, is_state
 from topic_scope.messages.fields import FieldError
 
 #: Most traces of a page.
@@ -70,6 +70,8 @@ def field_in(request: Dict[str, Any], kind: str, key: str = "field") -> str:
     fields = field_names(request.get(key), kind)
     if len(fields) != 1:
         raise RequestError(f"{kind}: {key} must be one field")
+    if is_state(fields[0]):
+        raise RequestError(f"{kind}: {fields[0]} is a state: {key} must be a number")
     return fields[0]
 
 

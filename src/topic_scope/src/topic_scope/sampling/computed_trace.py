@@ -39,6 +39,11 @@ class ComputedTrace:
         )
 
     @property
+    def states(self) -> None:
+        """None: a formula makes numbers."""
+        return None
+
+    @property
     def stream(self) -> Stream:
         """Stream of the first trace."""
         return self._first.stream

@@ -2,7 +2,7 @@
 """Traces of an overlaid bag, complete from the start, and movable in time."""
 
 import math
-from typing import Mapping, Optional, Protocol
+from typing import Mapping, Optional, Protocol, Sequence
 
 import numpy
 
@@ -10,6 +10,7 @@ from topic_scope.analysis.ring import Rows
 from topic_scope.messages.arrays import Arrays
 from topic_scope.messages.definitions import Record
 from topic_scope.messages.fields import Path
+from topic_scope.messages.states import StateTable
 from topic_scope.sampling.traces import Stream, Trace
 from topic_scope.timing.nanoseconds import array_to_ns
 
@@ -81,13 +82,22 @@ class OverlayTrace(Trace):
         self.problem: Optional[str] = _READING
         self._laid = stream
 
-    def fill(self, times: numpy.ndarray, values: numpy.ndarray, correction: Optional[str]) -> None:
+    def fill(
+        self,
+        times: numpy.ndarray,
+        values: numpy.ndarray,
+        correction: Optional[str],
+        states: Optional[Sequence[str]] = None,
+    ) -> None:
         """Take all samples.
 
         :param times: ascending, s from the begin of the overlay on
         :param values: NaN where a line ends
         :param correction: how the times were moved, in words
+        :param states: texts whose numbers the values are; None for numbers
         """
+        if states is not None:
+            self.states = StateTable(states)
         at = array_to_ns(numpy.array(times))
         self.ring.append(at, numpy.array(values), at)
         self._laid.words = correction

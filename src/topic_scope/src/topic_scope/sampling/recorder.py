@@ -12,6 +12,7 @@ from topic_scope.formulas.names import expand_with, formula_of, problem_of, term
 from topic_scope.messages import fields, timestamp_source
 from topic_scope.messages.arrays import Arrays, has_names
 from topic_scope.messages.definitions import Record
+from topic_scope.messages.derived import STATE
 from topic_scope.messages.layouts import Layouts
 from topic_scope.sampling.computed_trace import ComputedTrace, Recorded
 from topic_scope.sampling.overlay_trace import OverlayTrace, Overlay
@@ -105,6 +106,7 @@ class Recorder:
         arrays = self._arrays.get(topic, Arrays())
         found = [(field, "") for field in fields.numeric_fields(layout, arrays)]
         found += [(field, ".yaw") for field in fields.quaternions(layout, arrays)]
+        found += [(field, f".{STATE}") for field in fields.states(layout, arrays)]
         choices = (
             Choice(fields.name_of(topic, path, self._types) + end, field.datatype, topic)
             for field, end in found
@@ -146,6 +148,8 @@ class Recorder:
             return [name]
         topic, text = place
         timestamp_source.path_of(timestamp, layout)
+        if not function and fields.is_text(layout, text):
+            return self._expand_term(bare + fields.ending(STATE, timestamp))
         arrays = self._arrays.get(topic, Arrays())
         found = [field.path for field in fields.resolve(layout, text, arrays, function)]
         typed = fields.to_path(text)

@@ -2,7 +2,7 @@
 """The samples of fields, by the times of their messages."""
 
 import math
-from typing import List, Optional, Tuple
+from typing import List, Optional, Tuple, Union
 
 import numpy
 
@@ -11,6 +11,7 @@ from topic_scope.formulas.signals import Signal
 from topic_scope.messages import derived, fields, timestamp_source
 from topic_scope.messages.decoding import Decoder, rounding_text
 from topic_scope.messages.definitions import Record
+from topic_scope.messages.states import StateDecoder, StateTable
 from topic_scope.sampling.message_source import Batch
 from topic_scope.timing.clocks import ELSEWHERE_NS, Clocks
 from topic_scope.timing.nanoseconds import NS, ROUNDED_NS, shifted, to_ns
@@ -167,6 +168,7 @@ class Trace:
 
     :ivar ring: the samples, by the own clock of their messages
     :ivar used_at: when a page last showed it [s]
+    :ivar states: the texts whose numbers the samples are; None for a trace of numbers
     """
 
     def __init__(
@@ -185,13 +187,15 @@ class Trace:
         #: Where a message has no element of that name it is about others: no gap, but no sample.
         self._is_named = any(isinstance(part, fields.Key) for part in path)
         self._paths = [path + part for part in derived.parts(function)]
-        self._decoders: List[Decoder] = []
+        self.states = StateTable() if function == derived.STATE else None
+        self._decoders: List[Union[Decoder, StateDecoder]] = []
         self._rounding = 1
 
     @property
     def correction(self) -> Optional[str]:
         """Correction of stamps and values, as text; None without one."""
-        texts = (self.stream.correction, rounding_text(self._rounding))
+        note = self.states.note if self.states is not None else None
+        texts = (self.stream.correction, rounding_text(self._rounding), note)
         return "; ".join(filter(None, texts)) or None
 
     @property
@@ -206,8 +210,10 @@ class Trace:
 
     def read_as(self, layout: Record) -> None:
         """Read messages of this layout from now on; nothing, where it has no such field."""
-        found = [decoder_of(layout, path) for path in self._paths]
-        self._decoders = [decoder for decoder in found if decoder is not None]
+        if self.states is not None:
+            self._decoders = list(filter(None, [state_decoder_of(layout, self.path, self.states)]))
+        else:
+            self._decoders = list(filter(None, (decoder_of(layout, one) for one in self._paths)))
         self._longest_step = None
 
     def add(
@@ -334,5 +340,15 @@ def decoder_of(layout: Record, path: fields.Path) -> Optional[Decoder]:
     """Return what reads a place in messages; None where they have no such place."""
     try:
         return Decoder(layout, path)
+    except fields.FieldError:  # the topic has got another type
+        return None
+
+
+def state_decoder_of(
+    layout: Record, path: fields.Path, table: StateTable
+) -> Optional[StateDecoder]:
+    """Return what reads a state in messages; None where they have none at this place."""
+    try:
+        return StateDecoder(layout, path, table)
     except fields.FieldError:  # the topic has got another type
         return None

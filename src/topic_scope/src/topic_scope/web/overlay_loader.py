@@ -100,7 +100,8 @@ class OverlayLoader:
             series: Dict[str, Series] = {one.name: one for one in found}
             for name, trace in wanted:
                 one = series[name]
-                trace.fill(numpy.array(one.times), numpy.array(one.values), one.correction)
+                times, values = numpy.array(one.times), numpy.array(one.values)
+                trace.fill(times, values, one.correction, one.states)
         self._on_change()
         self._read(bag)
 

@@ -1,4 +1,4 @@
-/** The dialog to choose traces from all numeric fields on the graph. */
+/** The dialog to choose traces from all numbers and states on the graph. */
 
 import { byId, make, options, setText } from "../base/dom.js";
 import { notify } from "../base/link.js";
@@ -27,7 +27,7 @@ export function plotTopic(state, openChooser, topic) {
   const useful = available.filter((choice) => choice.topic === topic && isUseful(choice))
     .map(({ field }) => field);
   if (!useful.length) {
-    notify(`${topic} has no numeric fields to plot.`);
+    notify(`${topic} has no numbers or states to plot.`);
     return;
   }
   state.set({ view: "scope" });
@@ -118,7 +118,7 @@ export function startChooser(state, send) {
     }
     if (NAME.test(typed) && !isListed) rows.push(row({ field: typed, datatype: TYPED, topic: "" }));
     list.replaceChildren(...rows);
-    setText(byId("chooser-count"), `${total} numeric fields on ${groups.length} topics` +
+    setText(byId("chooser-count"), `${total} fields on ${groups.length} topics` +
       (left < 0 ? `, the first ${MOST} are listed` : "") + (hidden ? `, ${hidden} more on hidden topics` : ""));
   }
 

@@ -4,6 +4,7 @@ import { byId, make, nameText, setPressed, setText, setTitle } from "../base/dom
 import { readingText } from "../base/numbers.js";
 import { colourOf, dashOf, sampleOf } from "../state/colours.js";
 import { valueOf } from "../state/references.js";
+import { isState } from "../state/states.js";
 import { scaledText } from "../state/traces.js";
 import { certainty, figureText, shownFigures } from "../measure/statistics.js";
 import { plotChoice, startDrag } from "./plot_choice.js";
@@ -106,7 +107,7 @@ export class Legend {
       checked: !hidden.has(field),
       change: () => state.set({ hidden: toggled(hidden, field) }),
     });
-    const colour = make("input", {
+    const colour = isState(field) ? null : make("input", {
       type: "color",
       value: colourOf(state, field),
       "aria-label": `colour of ${field}`,
@@ -138,17 +139,18 @@ export class Legend {
       click: () => state.set({ fields: state.values.fields.filter((other) => other !== field) }),
     }, "✕");
     const scaled = scaledText(state.values, field);
-    const name = make("td", { class: "name", title: `${field}: drag it to another plot` },
+    const name = make("td", { class: "name", title: isState(field) ? field : `${field}: drag it to another plot` },
       make("i", {
-        class: "sample", style: `background: ${sampleOf(state, field)}`, hidden: !dashOf(state, field).length,
+        class: "sample", style: `background: ${sampleOf(state, field)}`,
+        hidden: isState(field) || !dashOf(state, field).length,
       }), nameText(field), scaled && make("em", { class: "scaled" }, scaled), badge);
-    startDrag(name, state, field);
+    if (!isState(field)) startDrag(name, state, field);
     const choice = (control) => make("td", { class: "choice" }, control);
     const element = make(
       "tr", { "data-field": field, class: hidden.has(field) ? "off" : "" },
       make("td", {}, make("label", { class: "tick" }, shown)), make("td", {}, colour), name,
-      choice(plotChoice(state, field)), choice(axis), choice(timestamp.element),
-      ...cells.values(), make("td", {}, more, remove),
+      choice(isState(field) ? null : plotChoice(state, field)), choice(isState(field) ? null : axis),
+      choice(timestamp.element), ...cells.values(), make("td", {}, isState(field) ? null : more, remove),
     );
     return { element, name, cells, timestamp, badge };
   }
@@ -178,7 +180,7 @@ export class Legend {
       this.spreads.set(field, measured.vpp);
       for (const [key] of this.figures) {
         const told = key === "mean" && largest ? { ...measured, mean } : measured;
-        setText(cells.get(key), figureText(told, key));
+        setText(cells.get(key), key === "value" && told.state ? told.state : figureText(told, key));
         setTitle(cells.get(key), certainty(measured, key));
       }
     }

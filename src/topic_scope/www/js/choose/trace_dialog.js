@@ -3,6 +3,7 @@
 import { byId, options, setText } from "../base/dom.js";
 import { readNumber, typed } from "../base/numbers.js";
 import { canKeep } from "../state/references.js";
+import { isState } from "../state/states.js";
 import { choose, chosenOf, DASHES, differenceOf, DRAWN, isComputed, LARGEST } from "../state/traces.js";
 
 const WORDS = { dash: byId("trace-dash"), drawn: byId("trace-drawn") };
@@ -25,7 +26,8 @@ export function startTraceDialog(state, keepAsIs) {
     setText(byId("trace-title"), field);
     for (const [name, select] of Object.entries(WORDS)) select.value = chosen[name];
     for (const [name, input] of Object.entries(NUMBERS)) input.value = typed(chosen[name]);
-    const others = state.values.fields.filter((other) => other !== field && !isComputed(other));
+    const others = state.values.fields.filter((other) =>
+      other !== field && !isComputed(other) && !isState(other));
     less.replaceChildren(...options(others));
     add.disabled = !others.length || isComputed(field);
     keep.disabled = !canKeep(state.values, field);

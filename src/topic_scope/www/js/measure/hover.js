@@ -1,9 +1,10 @@
 /** Readout of the time and the values under the pointer. */
 
 import { clockText } from "../base/clock.js";
-import { make, nameText } from "../base/dom.js";
+import { byId, make, nameText } from "../base/dom.js";
 import { figure, readingText } from "../base/numbers.js";
 import { sampleOf } from "../state/colours.js";
+import { isState, spanAt, spansOf } from "../state/states.js";
 import { scaledText } from "../state/traces.js";
 
 const BESIDE = 12; // pixels from the pointer
@@ -36,7 +37,9 @@ export class Hover {
   onMove(event) {
     const { left, width, top, height } = this.overlay.getBoundingClientRect();
     const part = (event.clientX - left) / width;
-    const isIn = part >= 0 && part <= 1 && event.clientY >= top && event.clientY <= top + height;
+    const bands = byId("bands").getBoundingClientRect(); // of no height without states
+    const bottom = Math.max(top + height, bands.bottom);
+    const isIn = part >= 0 && part <= 1 && event.clientY >= top && event.clientY <= bottom;
     this.part = isIn && !event.buttons && event.pointerType !== "touch" ? part : null;
     this.show();
   }
@@ -48,7 +51,8 @@ export class Hover {
     this.line.hidden = this.box.hidden = !isShown;
     if (!isShown) return;
     const time = shown.from + this.part * (shown.to - shown.from);
-    const value = (field) => readingText(shown.buffer.at(field, time), this.spreadOf(field));
+    const value = (field) => (isState(field) ? this.stateText(field, time, shown)
+      : readingText(shown.buffer.at(field, time), this.spreadOf(field)));
     const scaled = (field) => {
       const text = scaledText(this.state.values, field);
       return text && make("em", { class: "scaled" }, text);
@@ -62,6 +66,14 @@ export class Hover {
     const beside = `calc(${100 * (isRight ? 1 - this.part : this.part)}% + ${BESIDE}px)`;
     this.box.style.left = isRight ? "auto" : beside;
     this.box.style.right = isRight ? beside : "auto";
+  }
+
+  /** The state at a time, since when, and until when. */
+  stateText(field, time, shown) {
+    const span = spanAt(spansOf(shown.buffer.states, field), time);
+    if (!span) return "–";
+    const since = `since ${this.timeText(span.from, shown)}${span.isEarlier ? " or earlier" : ""}`;
+    return `${span.text}, ${since}, ${span.isOpen ? "still so" : `until ${this.timeText(span.to, shown)}`}`;
   }
 
   timeText(time, { from, to, reference }) {

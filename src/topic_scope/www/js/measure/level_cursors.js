@@ -2,6 +2,7 @@
 
 import { byId, make, setPressed, setText } from "../base/dom.js";
 import { figure, rounded } from "../base/numbers.js";
+import { numbersOf } from "../state/states.js";
 import { labelOf } from "../state/traces.js";
 import { Handle } from "../plot/handle.js";
 
@@ -36,7 +37,7 @@ export class LevelCursors {
     const { state, plot } = this;
     const { levels } = state.values;
     const axes = new Map(); // axis -> its first trace
-    for (const field of state.shown) {
+    for (const field of numbersOf(state.shown)) {
       if (!axes.has(plot.axisOf(field))) axes.set(plot.axisOf(field), field);
     }
     const before = levels ? [...axes.keys()].indexOf(plot.axisOf(levels.field)) : -1;

@@ -191,20 +191,22 @@ export function picture(drawn, fields, style, until) {
   const context = canvas.getContext("2d");
   context.font = `12px ${getComputedStyle(document.body).fontFamily}`;
   const table = below(context, fields, box.width, texts, style.labelOf);
-  const height = box.height + table.height;
+  const bands = drawn.canvases.length > 1 ? document.getElementById("bands") : null;
+  const plots = box.height + (bands?.offsetHeight || 0);
+  const height = plots + table.height;
   sharply(drawn, ratio, () => {
     Object.assign(canvas, { width: Math.round(box.width * ratio), height: Math.round(height * ratio) });
     context.scale(ratio, ratio);
     context.fillStyle = themeColour("screen");
     context.fillRect(0, 0, box.width, height);
-    for (const layer of drawn.canvases) {
+    for (const layer of [...drawn.canvases, ...(bands?.querySelectorAll("canvas") || [])]) {
       const place = layer.getBoundingClientRect();
       context.drawImage(layer, place.left - box.left, place.top - box.top, place.width, place.height);
     }
     drawLabels(context, box, drawn.element);
     context.font = `12px ${getComputedStyle(document.body).fontFamily}`;
     if (!overlay.hidden) drawHandles(context, box, overlay);
-    drawBelow(context, table, box.height, box.width, style);
+    drawBelow(context, table, plots, box.width, style);
   });
   return canvas;
 }

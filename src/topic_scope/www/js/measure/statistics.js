@@ -2,6 +2,7 @@
 
 import { byId, make, options } from "../base/dom.js";
 import { figure, measuredText } from "../base/numbers.js";
+import { numbersOf } from "../state/states.js";
 
 /** Keys of the figures, their heads in the table, and what they are. */
 export const FIGURES = [
@@ -38,6 +39,7 @@ const SOON_MS = 100; // while a cursor is dragged, nothing is sent more often
  * @returns {string} empty for what is exact, or not there
  */
 export function certainty(measured, key) {
+  if (measured.state !== undefined) return "not measurable: a state has no numbers";
   const { uncertainty, unmeasurable } = measured;
   const reason = unmeasurable?.[key];
   if (reason) return `not measurable: ${reason}`;
@@ -74,7 +76,7 @@ export function wantedMeasures({ measures, cursors, fields }, reference) {
     shapes: SHAPES.some((key) => figures.includes(key)),
     over_time: measures.overTime || 0,
     latency: LATENCIES.some((key) => figures.includes(key)),
-    against: figures.includes("phase") ? (fields.includes(against) && against) || fields[0] || "" : "",
+    against: figures.includes("phase") ? (numbersOf(fields).includes(against) && against) || numbersOf(fields)[0] || "" : "",
     ...span,
   };
 }
@@ -107,7 +109,8 @@ export function startMeasures(state, sweep, plot, requests) {
   }
 
   function fill() {
-    const { measures, fields } = state.values;
+    const { measures } = state.values;
+    const fields = numbersOf(state.values.fields);
     rows.replaceChildren(...FIGURES.map(row));
     against.replaceChildren(...options(fields));
     against.value = fields.includes(measures.against) ? measures.against : fields[0] || "";

@@ -20,6 +20,7 @@ export function inWords(values, fields, traces) {
     const measured = traces[field];
     if (!measured) return "no data yet";
     if (measured.problem) return measured.problem;
+    if (measured.state !== undefined) return measured.state === null ? "no data" : `state ${measured.state}`;
     const { silent, min, max, mean, value, vpp, frequency } = measured;
     if (!Number.isFinite(min)) return silent ? `no data for ${Math.floor(silent)} s` : "no data";
     const [low, high, middle, latest] = [min, max, mean, value].map((level) => figure(level, 5, vpp));

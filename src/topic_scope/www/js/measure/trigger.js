@@ -3,6 +3,7 @@
 import { byId, make, options, setText } from "../base/dom.js";
 import { figure, readNumber, rounded, typed } from "../base/numbers.js";
 import { KEPT } from "../state/persistence.js";
+import { numbersOf } from "../state/states.js";
 import { TRIGGER_EDGES, TRIGGER_MODES } from "../state/store.js";
 import { Handle } from "../plot/handle.js";
 
@@ -86,7 +87,7 @@ export class Trigger {
 
   change(changes) {
     const trigger = { ...this.state.values.trigger, ...changes };
-    if (!trigger.field) trigger.field = this.state.values.fields[0] || "";
+    if (!trigger.field) [trigger.field = ""] = numbersOf(this.state.values.fields);
     if (!trigger.field) trigger.mode = "off";
     // Any change arms a single trigger again.
     const again = this.state.values.end !== null && ("mode" in changes || trigger.mode === "single");
@@ -95,7 +96,8 @@ export class Trigger {
 
   /** Bring the level to the middle between the least and the greatest value that are visible. */
   halve() {
-    const { trigger, fields } = this.state.values;
+    const { trigger } = this.state.values;
+    const fields = numbersOf(this.state.values.fields);
     const { buffer, from, to } = this.plot.shown;
     const [low, high] = buffer.extent([trigger.field || fields[0]], from, to);
     if (low < high) this.change({ level: rounded((low + high) / 2, high - low) });
@@ -107,7 +109,8 @@ export class Trigger {
   }
 
   show() {
-    const { fields, trigger } = this.state.values;
+    const { trigger } = this.state.values;
+    const fields = numbersOf(this.state.values.fields);
     if (trigger.field && !fields.includes(trigger.field)) {
       this.state.setTrigger({ field: "", mode: "off" });
       return;

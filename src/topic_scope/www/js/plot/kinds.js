@@ -3,6 +3,7 @@
 import { byId, make, options } from "../base/dom.js";
 import { figure, measuredText } from "../base/numbers.js";
 import { dashOf } from "../state/colours.js";
+import { numbersOf } from "../state/states.js";
 import { Chart } from "./canvas_chart.js";
 
 export const KINDS = [["time", "over time"], ["spectrum", "spectrum"], ["xy", "XY"]];
@@ -16,7 +17,8 @@ export const isChart = ({ kind, x, window, scale, averages, equal }) =>
   ["dB", "linear"].includes(scale) && AVERAGES.includes(averages) && typeof equal === "boolean";
 
 /** The field that goes to the right: the chosen one while it is there. */
-const rightOf = ({ chart, fields }) => (fields.includes(chart.x) ? chart.x : fields[0] || "");
+const rightOf = ({ chart, fields }) =>
+  (numbersOf(fields).includes(chart.x) ? chart.x : numbersOf(fields)[0] || "");
 
 /**
  * Make the request for what the server is to compute.
@@ -104,7 +106,7 @@ export function startCharts(state, requests, colourOf) {
     } else if (kind === "xy") {
       const box = make("input", { type: "checkbox", checked: equal, change: () => change({ equal: box.checked }) });
       controls.replaceChildren(
-        select("x", "horizontal trace", fields.map((field) => [field, `x: ${field}`])),
+        select("x", "horizontal trace", numbersOf(fields).map((field) => [field, `x: ${field}`])),
         make("label", { class: "field" }, box, "equal scales"),
       );
     }

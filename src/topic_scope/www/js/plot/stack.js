@@ -1,6 +1,7 @@
 /** The plots, one below another, over one time axis; where there is one only, that. */
 
 import { clamp, rounded } from "../base/numbers.js";
+import { numbersOf } from "../state/states.js";
 import { axisName, axisParts, chosenOf, plotCount } from "../state/traces.js";
 import { Plot } from "./dygraph_view.js";
 
@@ -43,7 +44,7 @@ export class Plots {
     }
     if (isOther) list.forEach((plot) => plot.resize()); // the room of each is another one
     for (const plot of list) {
-      plot.fields = state.shown.filter((field) => chosenOf(state.values, field).plot === plot.number);
+      plot.fields = numbersOf(state.shown).filter((field) => chosenOf(state.values, field).plot === plot.number);
     }
     this.isArranged = true;
   }

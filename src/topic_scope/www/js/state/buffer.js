@@ -38,6 +38,7 @@ export class TraceBuffer {
     this.places = new Map(); // field -> of each of these in which part of its bin it stands, or -1
     this.counts = new Map(); // field -> how many samples each bin has; 0 where that is not known
     this.lasts = new Map(); // field -> the last value of each bin, of traces that are drawn in steps
+    this.states = null; // latest message about the states, see states.js
   }
 
   /**

@@ -1,6 +1,7 @@
 /** Settings of each trace besides its axis and its colour. */
 
 import { typed } from "../base/numbers.js";
+import { isState, numbersOf } from "./states.js";
 
 /** Most plots, one below another. */
 export const PLOTS = 8;
@@ -46,13 +47,13 @@ export const chosenOf = ({ traces }, field) => traces.get(field) || USUAL;
 
 /** Number of plots. */
 export const plotCount = ({ fields, traces }) =>
-  Math.max(1, ...fields.map((field) => chosenOf({ traces }, field).plot));
+  Math.max(1, ...numbersOf(fields).map((field) => chosenOf({ traces }, field).plot));
 
 /** Names of the vertical axes that have something to say. */
 export function verticals(values) {
   const names = [];
   for (let plot = 1; plot <= plotCount(values); plot += 1) {
-    const inside = values.fields.filter((field) => chosenOf(values, field).plot === plot);
+    const inside = numbersOf(values.fields).filter((field) => chosenOf(values, field).plot === plot);
     const onRight = inside.filter((field) => values.right.has(field));
     if (onRight.length < inside.length || !inside.length) names.push(axisName("y", plot));
     if (onRight.length) names.push(axisName("y2", plot));
@@ -96,7 +97,7 @@ function typeOf({ available }, field) {
 /** Whether the value of a trace holds until the next one: by itself where nothing lies between two. */
 export function isStepped(values, field) {
   const { drawn } = chosenOf(values, field);
-  const isValue = !isComputed(field) && !/\.(derivative|unwrap|yaw)/.test(field);
+  const isValue = !isComputed(field) && !isState(field) && !/\.(derivative|unwrap|yaw)/.test(field);
   return drawn ? drawn === "steps" : isValue && COUNTED.test(typeOf(values, field) || "");
 }
 
@@ -155,8 +156,9 @@ function withSlots(known) {
  */
 export function arranged({ fields, traces, axes }) {
   const known = new Map(fields.map((field) => [field, traces.get(field) || inherited(traces, field)]));
-  const used = [...new Set([...known.values()].map(({ plot }) => plot))].sort((a, b) => a - b);
-  if (!used.length) return { traces, axes }; // nothing to go by yet
+  const used = [...new Set(numbersOf(fields).map((field) => known.get(field).plot))].sort((a, b) => a - b);
+  if (!fields.length) return { traces, axes }; // nothing to go by yet
+  if (!used.length) used.push(1); // states are below all plots
   const moved = { x: axes.x };
   used.forEach((before, index) => {
     for (const side of ["y", "y2"]) {
@@ -164,7 +166,7 @@ export function arranged({ fields, traces, axes }) {
       if (axis || !index) moved[axisName(side, index + 1)] = axis || FREE;
     }
   });
-  const place = (one) => ({ ...one, plot: used.indexOf(one.plot) + 1 });
+  const place = (one) => ({ ...one, plot: Math.max(used.indexOf(one.plot), 0) + 1 });
   const traceOf = ([field, one]) => [field, place(one)];
   return { traces: new Map([...withSlots(known)].map(traceOf)), axes: moved };
 }

@@ -291,10 +291,10 @@ class Bag(unittest.TestCase):
 
         def under_pointer(part: float) -> str:
             browser.run(
-                "const { left, width } = document.querySelector('#overlay').getBoundingClientRect();"
-                "const { top, height } = document.querySelector('#bands').getBoundingClientRect();"
-                "document.querySelector('#bands').dispatchEvent(new PointerEvent('pointermove',"
-                " {clientX: left + arguments[0] * width, clientY: top + height / 2, bubbles: true}))",
+                "const bands = document.querySelector('#bands');"
+                "const area = document.querySelector('#overlay').getBoundingClientRect();"
+                "bands.dispatchEvent(new PointerEvent('pointermove', {bubbles: true,"
+                " clientX: area.left + arguments[0] * area.width, clientY: bands.getBoundingClientRect().top + 20}))",
                 part,
             )
             return browser.text(".hover")

@@ -601,7 +601,8 @@ class Modules(BrowserTest):
             "state/states.js",
             "(() => { const spans = module.spansOf(a[0], '/m/data.state');"
             " return a[1].map((time) => { const one = module.spanAt(spans, time);"
-            " return one ? [one.text, one.from, one.to, one.isOpen, one.isEarlier] : null; }); })()",
+            " return one ? [one.text, one.from, one.to, one.isOpen, one.isEarlier] : null;"
+            " }); })()",
             states,
             [0.5, 1.0, 2.9, 3.0, 5.0, 6.0, 9.0, 9.1],
         )

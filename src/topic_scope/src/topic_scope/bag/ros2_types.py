@@ -101,13 +101,14 @@ def _definition(name: str, types: Dict[str, Any]) -> str:
             if field != _EMPTY:
                 base, used, array = _named(description)
                 lines.append(f"{base}{array} {field.rstrip('_')}")
-                declared.append(base)
+                declared.append(base + array)
                 names += [used] if used and used not in names else []
         # The place of constants is lost: they are put before the only field that they can be of.
-        for constant, base, value in reversed(constants):
-            if declared.count(_NAMES.get(base, base)) == 1:
-                place = [line.split(" ")[0] for line in lines].index(_NAMES.get(base, base))
-                lines.insert(place, f"{_NAMES.get(base, base)} {constant}={value}")
+        for constant, declared_base, value in reversed(constants):
+            base = _NAMES.get(declared_base, declared_base)
+            if declared.count(base) == 1:
+                place = [line.split(" ")[0] for line in lines].index(base)
+                lines.insert(place, f"{base} {constant}={value}")
         head = "" if one == name else f"{'=' * 80}\nMSG: {_ros1_name(one)}\n"
         parts.append(head + "".join(line + "\n" for line in lines))
     return "".join(parts)

@@ -292,9 +292,10 @@ class Bag(unittest.TestCase):
         def under_pointer(part: float) -> str:
             browser.run(
                 "const bands = document.querySelector('#bands');"
+                "const { top } = bands.getBoundingClientRect();"
                 "const area = document.querySelector('#overlay').getBoundingClientRect();"
                 "bands.dispatchEvent(new PointerEvent('pointermove', {bubbles: true,"
-                " clientX: area.left + arguments[0] * area.width, clientY: bands.getBoundingClientRect().top + 20}))",
+                " clientX: area.left + arguments[0] * area.width, clientY: top + 20}))",
                 part,
             )
             return browser.text(".hover")

@@ -148,7 +148,7 @@ def test_spans_cover_all_samples_without_overlap(codes: List[int], most: int) ->
     assert found[0].start == 0 and found[-1].end is None
     assert all(one.end == after.start for one, after in zip(found, found[1:]))
     changes = sum(one != after for one, after in zip(codes, codes[1:]))
-    assert sum(one.count for one in found) == changes + 1
+    assert sum(one.states for one in found) == changes + 1
     for span in found:
         inside = codes[span.start // 10 : None if span.end is None else span.end // 10]
         assert span.number == SEVERAL or set(inside) == {span.number}

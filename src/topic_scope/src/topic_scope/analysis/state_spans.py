@@ -15,13 +15,13 @@ class StateSpan(NamedTuple):
     :param start: its start [ns]
     :param end: its end [ns]; None where it goes on
     :param number: number of the state; :data:`SEVERAL` for many short ones
-    :param count: how many states there are in it
+    :param states: how many there are in it
     """
 
     start: int
     end: Optional[int]
     number: int
-    count: int = 1
+    states: int = 1
 
 
 def state_spans(
@@ -33,7 +33,7 @@ def state_spans(
     the last of them.
 
     :param times: when samples were taken, ascending [ns]
-    :param numbers: number of the state of each; NaN where there is none
+    :param numbers: number of the state of each; NaN where it is not known
     :param start: spans that end before are left out [ns]
     :param width: what is put together where they are too many [ns]
     :param most: from how many on

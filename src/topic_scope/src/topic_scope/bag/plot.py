@@ -96,7 +96,7 @@ def _draw_bands(rows: List[Axes], bands: List[Series], span: Tuple[float, float]
         texts, times = series.states or (), array_to_ns(numpy.array(series.times))
         width = max(to_ns(whole / _SPANS), 1)
         for one in state_spans(times, numpy.array(series.values), to_ns(-math.inf), width, _SPANS):
-            text = f"{one.count} states" if one.number == SEVERAL else texts[one.number]
+            text = f"{one.states} states" if one.number == SEVERAL else texts[one.number]
             start, end = one.start / NS, last if one.end is None else one.end / NS
             colour = _SEVERAL_COLOUR if one.number == SEVERAL else _colour_of(text)
             axes.axvspan(start, end, facecolor=colour, edgecolor="white", linewidth=0.5)

@@ -252,7 +252,7 @@ def is_text(layout: Record, text: str) -> bool:
 
 
 def value_names_at(layout: Record, path: Path) -> ValueNames:
-    """Return the names of the values of what stands at a place; empty where there are none."""
+    """Return the names of the values of what stands at a place; empty without any."""
     parent = leaf_at(layout, path[:-1])
     return parent.value_names.get(str(path[-1]), {}) if isinstance(parent, Record) else {}
 

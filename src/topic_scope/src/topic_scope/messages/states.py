@@ -48,7 +48,7 @@ class StateTable:
 
     @property
     def note(self) -> Optional[str]:
-        """What the texts lack, in words; None where nothing."""
+        """Texts that are not kept or cut, in words; None without such."""
         full = f"more than {TEXTS} different texts: the others are not kept"
         cut = f"texts are cut after {CHARACTERS} characters"
         told = [full] * (len(self.texts) > TEXTS) + [cut] * self._has_cut
@@ -93,7 +93,7 @@ class StateDecoder:
         return data.decode("utf-8", "replace")
 
     def decode(self, messages: Sequence[bytes]) -> numpy.ndarray:
-        """Return the number of the state in each message, NaN where there is none."""
+        """Return the number of the state in each message, NaN where it is missing."""
         return numpy.array([self._decode_one(data) for data in messages], numpy.float64)
 
     def _decode_one(self, message: bytes) -> float:

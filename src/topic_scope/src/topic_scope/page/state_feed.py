@@ -59,7 +59,7 @@ def _spans_of(
             span.start / NS,
             None if span.end is None else span.end / NS,
             places.get(span.number, SEVERAL),
-            span.count,
+            span.states,
         ]
         for span in spans
     ]

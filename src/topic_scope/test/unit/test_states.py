@@ -21,6 +21,7 @@ from visualization_msgs.msg import Marker
 
 from topic_scope.analysis.state_spans import SEVERAL, StateSpan, state_spans
 from topic_scope.bag.opening import open_bag
+from topic_scope.bag.overlay import BagOverlay
 from topic_scope.bag.line_series import chosen, series_of
 from topic_scope.bag.message_slices import first_messages, slices
 from topic_scope.bag.plot import draw
@@ -326,3 +327,20 @@ def test_alignment_by_a_state_is_refused(
 ) -> None:
     said = failure(monkeypatch, capsys, bag, "/x", "--align", "/mode/data", "1", "-o", "a.png")
     assert f"{MODE} is a state: it rises through no level" in said
+
+
+def test_state_of_an_overlaid_bag_has_its_texts(bag: str) -> None:
+    overlay = BagOverlay(bag, "old")
+    overlay.begin = 1000.0
+    source = FakeSource()
+    made = Recorder(source, Layouts(), 10.0, [overlay])  # type: ignore[arg-type]
+    made.set_topics(overlay.types)
+    (name,) = made.expand("/old/mode/data")
+    made.want([name], source.time)
+    ((own, trace),) = overlay.take_wanted()
+    (series,) = overlay.read([own])
+    trace.fill(series.times, series.values, series.correction, series.states)
+    assert made.problem(name) is None
+    found = states(made, name, 1020.0)
+    assert found["texts"] == ["idle", "drive, fast"]
+    assert found["spans"] == [[1000.0, 1005.0, 0, 1], [1005.0, None, 1, 1]]

@@ -99,7 +99,7 @@ def _draw_bands(rows: List[Axes], bands: List[Series], span: Tuple[float, float]
             text = f"{one.states} states" if one.number == SEVERAL else texts[one.number]
             start, end = one.start / NS, last if one.end is None else one.end / NS
             colour = _SEVERAL_COLOUR if one.number == SEVERAL else _colour_of(text)
-            axes.axvspan(start, end, facecolor=colour, edgecolor="white", linewidth=0.5)
+            axes.axvspan(start, end, facecolor=colour, alpha=0.6, edgecolor="white")
             if len(text) * _LETTER < (end - start) / whole * _WIDTH and text.isprintable():
                 # Not as a formula, which a dollar sign begins.
                 middle = (start + end) / 2

@@ -180,7 +180,7 @@ export class Legend {
       this.spreads.set(field, measured.vpp);
       for (const [key] of this.figures) {
         const told = key === "mean" && largest ? { ...measured, mean } : measured;
-        setText(cells.get(key), key === "value" && told.state ? told.state : figureText(told, key));
+        setText(cells.get(key), figureText(told, key));
         setTitle(cells.get(key), certainty(measured, key));
       }
     }

@@ -4,6 +4,8 @@ import { byId, make, options } from "../base/dom.js";
 import { figure, measuredText } from "../base/numbers.js";
 import { numbersOf } from "../state/states.js";
 
+const LONGEST = 20; // letters of a state in the table; the pointer tells all of it
+
 /** Keys of the figures, their heads in the table, and what they are. */
 export const FIGURES = [
   ["rate", "rate, Hz", "samples per second"],
@@ -39,13 +41,15 @@ const SOON_MS = 100; // while a cursor is dragged, nothing is sent more often
  * @returns {string} empty for what is exact, or not there
  */
 export function certainty(measured, key) {
-  if (measured.state !== undefined) return "not measurable: a state has no numbers";
+  if (measured.state !== undefined) return key === "value" ? measured.state : "not measurable: a state has no numbers";
   const { uncertainty, unmeasurable } = measured;
   const reason = unmeasurable?.[key];
   if (reason) return `not measurable: ${reason}`;
   const unsure = measuredText(measured[key], uncertainty?.[key]).uncertainty;
   return unsure && `± ${unsure}`;
 }
+
+const shortened = (text) => (text.length > LONGEST ? `${text.slice(0, LONGEST)}…` : text);
 
 /**
  * Write a figure with the digits that its uncertainty needs, or the spread of its trace.
@@ -54,6 +58,7 @@ export function certainty(measured, key) {
  * @returns {string}
  */
 export function figureText(measured, key) {
+  if (key === "value" && measured.state) return shortened(measured.state);
   if (measured.uncertainty?.[key] > 0) return measuredText(measured[key], measured.uncertainty[key]).value;
   return figure(measured[key], 5, VALUES.includes(key) ? measured.vpp : null);
 }

@@ -3,6 +3,7 @@
 import asyncio
 import csv
 import io
+import json
 from pathlib import Path
 from typing import Any, Dict, List, Optional, Tuple
 
@@ -32,6 +33,7 @@ from topic_scope.messages.fields import FieldError, to_path
 from topic_scope.messages.layouts import Layouts
 from topic_scope.messages.states import CHARACTERS, TEXTS, StateDecoder, StateTable
 from topic_scope.page.csv_export import parts
+from topic_scope.page.state import Page
 from topic_scope.page.state_feed import StateFeed
 from topic_scope.page.statistics_table import statistics_of
 from topic_scope.page.frequency_backoff import FrequencyBackoff
@@ -344,3 +346,15 @@ def test_state_of_an_overlaid_bag_has_its_texts(bag: str) -> None:
     found = states(made, name, 1020.0)
     assert found["texts"] == ["idle", "drive, fast"]
     assert found["spans"] == [[1000.0, 1005.0, 0, 1], [1005.0, None, 1, 1]]
+
+
+def test_page_gets_states_beside_its_numbers() -> None:
+    made, source = recorder("/mode/data", "/fix/status")
+    send(source, made, String("idle"), NavSatStatus(status=1))
+    page = Page(100.0)
+    page.view.select([MODE, "/fix/status"])
+    told = {one["type"]: one for one in page.frame(made, source.time, True)}
+    assert list(told["frame"]["traces"]) == ["/fix/status"]
+    assert list(told["states"]["traces"]) == [MODE]
+    assert set(told["stats"]["traces"]) == {MODE, "/fix/status"}
+    json.dumps(told)

@@ -92,7 +92,8 @@ def _report(record: Record, origin: str, arguments: argparse.Namespace) -> None:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="identify",
-        description="Identify a plant: gain K, time constant T, dead time, dead zone and limit.",
+        description="Identify a plant: gain K, time constant T, dead time, dead zone, limit, "
+        "offset and Coulomb friction.",
         epilog="Without a bag the running plant is driven, and stopped at the end. Exit status: 0; "
         "1 if the record is not usable or incomplete; 2 for an error in the command.",
     )

@@ -6,6 +6,7 @@ from typing import Any, Dict
 import yaml
 
 from pid_control.identification.fit import Identified
+from pid_control.identification.report import trust_in
 from pid_control.identification.response import Model
 
 #: Parameter names of the node system, by field of the model.
@@ -15,6 +16,11 @@ NAMES = {
     "dead_time": "system_dead_time",
     "dead_zone": "system_min_input",
     "limit": "system_max_speed",
+}
+#: Terms that the node system does not have, and what they do.
+_COMMENTS = {
+    "offset": "the output without an input",
+    "friction": "the part of the input that friction takes",
 }
 #: Written for a limit that the record did not reach.
 _UNLIMITED = 1e9
@@ -30,7 +36,14 @@ def as_yaml(found: Identified, origin: str) -> str:
     :param found: the result of the identification
     :param origin: source of the record, for the comment
     """
-    lines = [f"# Identified from {' '.join(origin.split())}.", "# 95 of 100 are within the +-."]
+    lines = [
+        f"# Identified from {' '.join(origin.split())}.",
+        *(f"# +- {sentence}." for sentence in trust_in(found)),
+    ]
+    for field, what in _COMMENTS.items():
+        value, uncertainty = getattr(found.model, field), getattr(found.uncertainty, field)
+        if value:
+            lines.append(f"# {field} {value:.6g} +- {uncertainty:.2g}: {what}, not in this model.")
     for field, name in NAMES.items():
         value, uncertainty = getattr(found.model, field), getattr(found.uncertainty, field)
         if field == "dead_time":

@@ -34,9 +34,16 @@ def as_text(record: Record, found: Identified, reading: Optional[StepReading]) -
         _line("limit", model.limit, uncertainty.limit, "")
         if math.isfinite(model.limit)
         else f"{'limit':12}not met",
+        _line("offset", model.offset, uncertainty.offset, "")
+        if model.offset
+        else f"{'offset':12}none that shows",
+        _line("friction", model.friction, uncertainty.friction, "")
+        if model.friction
+        else f"{'friction':12}none that shows",
         f"{'residual':12}{found.residual:.3g} rms, {100.0 * found.residual / record.span:.2g} % of "
         f"the outputs' range",
     ]
+    lines += [f"± {sentence}" for sentence in trust_in(found)]
     if record.left_out:
         lines.append(f"{'left out':12}{record.left_out} values that are not finite")
     if reading is None:
@@ -55,6 +62,29 @@ def as_text(record: Record, found: Identified, reading: Optional[StepReading]) -
     return "\n".join(lines)
 
 
+def trust_in(found: Identified) -> List[str]:
+    """Return sentences on whether the uncertainty holds, each to follow its sign.
+
+    :param found: the least-squares fit
+    """
+    test = found.test
+    doubts = []
+    if test.follows_input:
+        doubts.append("the residual follows the input, so the plant has something else")
+    if not test.is_noise:
+        doubts.append("the residual is not like noise")
+    if not test.can_tell:
+        doubts.append(f"the record has only {test.independent:.0f} independent outputs")
+    sentences = [f"does not hold in 95 of 100: {why}" for why in doubts]
+    if not sentences:
+        sentences.append("holds in 95 of 100: the residual is noise, whatever the input")
+    if not test.is_white:
+        sentences.append(
+            f"counts {test.independent:.0f} independent outputs: the residual is autocorrelated"
+        )
+    return sentences
+
+
 def _line(name: str, value: float, uncertainty: float, unit: str, read: object = "") -> str:
     text = f"{value:.5g} ± {uncertainty:.2g}{unit}"
     shown = f"{read:.4g}{unit}" if isinstance(read, float) else ""
@@ -71,20 +101,23 @@ def as_picture(record: Record, found: Identified) -> str:
     # The last input holds until the end.
     changes = [*record.changed_at.tolist(), times[-1]]
     inputs = [*record.inputs.tolist(), float(record.inputs[-1])]
+    curves = [
+        Curve("record", _RECORD, times, record.outputs.tolist()),
+        Curve("model", _MODEL, times, found.fitted.tolist()),
+    ]
+    if found.model.offset:
+        ends, level = [times[0], times[-1]], found.model.offset
+        curves.append(Curve(f"offset {level:.4g}", _INPUT, ends, [level, level]))
+    friction = f" (friction {found.model.friction:.3g})" if found.model.friction else ""
+    doubt = "" if found.test.fits else ": ± does not hold in 95 of 100"
     return as_svg(
         [
+            Panel("output", curves),
             Panel(
-                "output",
-                [
-                    Curve("record", _RECORD, times, record.outputs.tolist()),
-                    Curve("model", _MODEL, times, found.fitted.tolist()),
-                ],
-            ),
-            Panel(
-                "residual",
+                "residual" + doubt,
                 [Curve("", _RECORD, times, (record.outputs - found.fitted).tolist())],
                 80.0,
             ),
-            Panel("input", [Curve("", _INPUT, changes, inputs, True)], 80.0),
+            Panel("input" + friction, [Curve("", _INPUT, changes, inputs, True)], 80.0),
         ]
     )

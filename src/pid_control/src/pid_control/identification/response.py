@@ -1,11 +1,14 @@
-"""Responses of many first-order plants with dead time, dead zone and limit, vectorised.
+"""Responses of many first-order plants, with the terms that identify knows, vectorised.
 
-With input u, output y, gain K, time constant T, dead time L, dead zone m and limit y_max::
+With input u, output y, gain K, time constant T, dead time L, dead zone m, limit w_max, offset c and
+friction f::
 
-    T dy/dt + y = K z(t - L),   z = u where |u| > m, else 0,   |y| <= y_max
+    y = c + w,   T dw/dt + w = K z(t - L) - |K| f sign(w),   |w| <= w_max
+    z = u where |u| > m, else 0
 
-The input is held from one change to the next, so y is known in closed form, as in
-:mod:`first_order_sys_sim.first_order_plant`; this is the same equation for arrays.
+At w = 0 the plant rests while ``|z| <= f`` (Coulomb friction; Olsson et al.: Friction models and
+friction compensation, European Journal of Control 4, 1998). The input is held from one change to
+the next, so y is known in closed form, as in :mod:`first_order_sys_sim.first_order_plant`.
 """
 
 import math
@@ -16,7 +19,7 @@ import numpy
 from pid_control.identification.record import Record
 
 #: Columns of an array of candidates.
-GAIN, TIME_CONSTANT, DEAD_TIME, START, DEAD_ZONE, LIMIT = range(6)
+GAIN, TIME_CONSTANT, DEAD_TIME, START, DEAD_ZONE, LIMIT, OFFSET, FRICTION = range(8)
 #: A limit that is never reached; finite, because infinity times 0 is NaN.
 _UNLIMITED = 1e300
 #: Largest number of array elements processed at once, to bound the memory.
@@ -30,7 +33,9 @@ class Model(NamedTuple):
     :ivar time_constant: T [s]
     :ivar dead_time: L [s]
     :ivar dead_zone: m, magnitude up to which an input acts as 0
-    :ivar limit: y_max, largest magnitude of the output
+    :ivar limit: w_max, largest magnitude of the output without its offset
+    :ivar offset: c, output to which the plant returns without an input
+    :ivar friction: f, part of the input that Coulomb friction takes
     """
 
     gain: float
@@ -38,6 +43,8 @@ class Model(NamedTuple):
     dead_time: float = 0.0
     dead_zone: float = 0.0
     limit: float = math.inf
+    offset: float = 0.0
+    friction: float = 0.0
 
 
 def responses(record: Record, candidates: numpy.ndarray) -> numpy.ndarray:
@@ -45,7 +52,7 @@ def responses(record: Record, candidates: numpy.ndarray) -> numpy.ndarray:
 
     :param record: supplies the inputs and the times of the outputs
     :param candidates: one row per plant: GAIN, TIME_CONSTANT, DEAD_TIME, START (the output
-        until the record's first input acts), DEAD_ZONE and LIMIT
+        until the record's first input acts), DEAD_ZONE, LIMIT, OFFSET and FRICTION
     :returns: one row per plant, with one output per time of the record
     """
     numbers = len(candidates) * max(len(record.inputs), len(record.times))
@@ -54,20 +61,71 @@ def responses(record: Record, candidates: numpy.ndarray) -> numpy.ndarray:
 
 
 def _responses(record: Record, candidates: numpy.ndarray) -> numpy.ndarray:
-    gain, tau, delay, start, zone, limit = (column[:, None] for column in candidates.T)
+    gain, tau, delay, start, zone, limit, offset, friction = (
+        column[:, None] for column in candidates.T
+    )
     limit = numpy.minimum(limit, _UNLIMITED)
+    brake = numpy.abs(gain) * friction
     targets = gain * numpy.where(numpy.abs(record.inputs) > zone, record.inputs, 0.0)
-    states = _states(targets, numpy.exp(-numpy.diff(record.changed_at) / tau), start, limit)
+    decays = numpy.exp(-numpy.diff(record.changed_at) / tau)
+    first = _limited(start - offset, -limit, limit)
+    if brake.any():
+        states = _braked_states(targets, decays, first, limit, brake)
+    else:
+        states = _states(targets, decays, first, limit)
     due = record.times - delay
     held = numpy.maximum(numpy.searchsorted(record.changed_at, due, side="right") - 1, 0)
     elapsed = numpy.maximum(due - record.changed_at[held], 0.0)
     target = numpy.take_along_axis(targets, held, axis=1)
     state = numpy.take_along_axis(states, held, axis=1)
-    return _limited(target + (state - target) * numpy.exp(-elapsed / tau), -limit, limit)
+    decay = numpy.exp(-elapsed / tau)
+    if brake.any():
+        free = _braked(state, target, decay, brake)
+    else:
+        free = target + (state - target) * decay
+    return offset + _limited(free, -limit, limit)
+
+
+def _braked(
+    state: numpy.ndarray, target: numpy.ndarray, decay: numpy.ndarray, brake: numpy.ndarray
+) -> numpy.ndarray:
+    """Return the states of plants with friction, after their input was held for a time.
+
+    :param state: w at the beginning
+    :param target: w that the input would reach without friction
+    :param decay: exp(-time / T)
+    :param brake: what the friction takes of the target, >= 0
+    """
+    side = numpy.sign(numpy.where(state == 0.0, target, state))
+    begin, ahead = side * state, side * target - brake
+    away = begin - ahead
+    # The decay at which a plant that slows down stands; 0 if it never does.
+    stop = numpy.maximum(-ahead, 0.0) / numpy.where(away > 0.0, away, 1.0)
+    back = numpy.minimum(ahead + 2.0 * brake, 0.0)
+    turned = back * (1.0 - decay / numpy.where(stop > 0.0, stop, 1.0))
+    braked: numpy.ndarray = side * numpy.where(decay >= stop, ahead + away * decay, turned)
+    return braked
+
+
+def _braked_states(
+    targets: numpy.ndarray,
+    decays: numpy.ndarray,
+    first: numpy.ndarray,
+    limit: numpy.ndarray,
+    brake: numpy.ndarray,
+) -> numpy.ndarray:
+    """Return the outputs at the changes of the input, one after the other."""
+    states = numpy.empty_like(targets)
+    states[:, :1] = state = first
+    for place in range(decays.shape[1]):
+        column = slice(place, place + 1)
+        state = _braked(state, targets[:, column], decays[:, column], brake)
+        states[:, place + 1 : place + 2] = state = _limited(state, -limit, limit)
+    return states
 
 
 def _states(
-    targets: numpy.ndarray, decays: numpy.ndarray, start: numpy.ndarray, limit: numpy.ndarray
+    targets: numpy.ndarray, decays: numpy.ndarray, first: numpy.ndarray, limit: numpy.ndarray
 ) -> numpy.ndarray:
     """Return the outputs at the changes of the input, computed as a parallel prefix sum.
 
@@ -88,7 +146,6 @@ def _states(
         a[:, reach:] = by * a[:, :-reach]
         low[:, reach:], high[:, reach:] = new_low, new_high
         reach *= 2
-    first = _limited(start, -limit, limit)
     return numpy.hstack([first, _limited(a * first + b, low, high)])
 
 
@@ -112,5 +169,7 @@ def candidate(model: Model, start: float) -> numpy.ndarray:
             start,
             model.dead_zone,
             model.limit,
+            model.offset,
+            model.friction,
         ]
     )

@@ -90,6 +90,8 @@ def why_they_differ(record: Record, found: Identified, reading: StepReading) -> 
     for value in (reading.before, reading.after):
         if 0.0 < abs(value) <= model.dead_zone:
             causes.append(f"an input of {value:g} is in the dead zone, and acts as 0")
+    if model.friction:
+        causes.append(f"the friction takes {model.friction:.3g} of the input, which is read into K")
     if model.dead_time > _OF_TIME * model.time_constant:
         causes.append(f"the dead time of {model.dead_time:.3g} s is read as a part of T")
     if model.dead_time < -_OF_TIME * model.time_constant:

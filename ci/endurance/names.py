@@ -9,6 +9,7 @@ COMMANDS = {
     "soak": {
         "record": "a signal of 1 kHz, its answers and a bag",
         "managed": "kill -9 and stops of managed nodes under their manager",
+        "identify": "15 plants, and how often each ± of identify holds",
         "judge": "controllers with known flaws",
         "scope": "ten traces of 1 kHz on the page of the oscilloscope",
         "bridge": "1 kHz and goals through the bridge, then kill -9 of it and of each side",

@@ -21,7 +21,7 @@ _FEWEST = 2.0
 
 
 class ResidualTest(NamedTuple):
-    """What a residual shows about its model.
+    """Result of the test of a residual.
 
     :ivar is_white: whether the residual is like white noise
     :ivar is_noise: whether it is like white noise, or AR(1) noise of any correlation

@@ -1,0 +1,106 @@
+"""Identify 15 plants from many records each, and count how often each ± holds."""
+
+import math
+from concurrent.futures import ProcessPoolExecutor
+from typing import Dict, List, NamedTuple
+
+import numpy
+from scipy.signal import lfilter
+
+from pid_control.identification.excitation import excitation
+from pid_control.identification.fit import identify
+from pid_control.identification.record import IdentificationError, record_of
+from pid_control.identification.response import Model, candidate, responses
+
+from .checks import Check, at_most, reported
+from .context import Soak
+
+#: Bounds of the share within ± [%], which is to be 95.
+LEAST, MOST = 90.0, 99.0
+#: Outputs of a record; its duration [T]; the noise, as a share of the outputs' range.
+OUTPUTS, DURATION, NOISE = 1500, 100.0, 0.02
+#: Correlations of neighbouring outputs' noise.
+ALIKE = (0.0, 0.5, 0.9)
+PLANTS = (
+    Model(10.0, 0.3, 0.05),
+    Model(13.1, 0.04, 0.01, 0.1, 9.0),
+    Model(50.0, 2.0, 0.4, offset=20.0),
+    Model(-4.0, 0.5, 0.1, friction=0.15),
+    Model(2.0, 1.0, 0.2, 0.2, offset=-1.0),
+)
+
+
+class Draw(NamedTuple):
+    """One record of a plant: the plant's place in PLANTS, its noise, and its seed."""
+
+    plant: int
+    alike: float
+    seed: int
+
+
+class Outcome(NamedTuple):
+    """Whether each value is within its ±; the terms that were made up or missed; any doubt."""
+
+    draw: Draw
+    inside: Dict[str, bool]
+    wrong_terms: List[str]
+    is_doubted: bool
+
+
+def run(soak: Soak) -> List[Check]:
+    """Identify each plant with each noise, twice as often as --times."""
+    draws = [
+        Draw(plant, alike, soak.seed + number)
+        for plant in range(len(PLANTS))
+        for alike in ALIKE
+        for number in range(2 * soak.times)
+    ]
+    with ProcessPoolExecutor() as pool:
+        outcomes = list(pool.map(identify_one, draws, chunksize=5))
+    shares: Dict[str, List[bool]] = {}
+    for outcome in outcomes:
+        plant = f"plant {outcome.draw.plant + 1}, noise correlated by {outcome.draw.alike:g}"
+        for name, is_inside in outcome.inside.items():
+            shares.setdefault(f"{name} within ±", []).append(is_inside)
+            shares.setdefault(f"{plant}: values within ±", []).append(is_inside)
+    wrong = [f"{outcome.draw}: {term}" for outcome in outcomes for term in outcome.wrong_terms]
+    doubted = sum(outcome.is_doubted for outcome in outcomes)
+    return [
+        *(_between(what, inside) for what, inside in sorted(shares.items())),
+        reported("first of the wrong terms", "; ".join(wrong[:3]) or "none"),
+        at_most("records with a wrong term", 100.0 * len(wrong) / len(draws), 2.0, "%"),
+        at_most("records whose ± is withdrawn", 100.0 * doubted / len(draws), 2.0, "%"),
+    ]
+
+
+def identify_one(draw: Draw) -> Outcome:
+    """Identify a plant from one record."""
+    model = PLANTS[draw.plant]
+    duration = DURATION * model.time_constant
+    given, inputs = numpy.array([list(one) for one in excitation(-1.0, 1.0, duration)], float).T
+    times = numpy.linspace(0.0, duration, OUTPUTS)
+    blank = record_of(given, inputs, times, times)
+    outputs = responses(blank, candidate(model, model.offset)[None, :])[0]
+    noises = numpy.random.RandomState(draw.seed).normal(0.0, 1.0, OUTPUTS)
+    noises[1:] *= math.sqrt(1.0 - draw.alike**2)
+    noises = NOISE * numpy.ptp(outputs) * lfilter([1.0], [1.0, -draw.alike], noises)
+    try:
+        found = identify(record_of(given, inputs, times, outputs + noises))
+    except IdentificationError as error:
+        return Outcome(draw, {}, [str(error)], True)
+    inside, wrong = {}, []
+    for name in Model._fields:
+        value, true = getattr(found.model, name), getattr(model, name)
+        width = getattr(found.uncertainty, name)
+        absent = Model._field_defaults.get(name)
+        if name != "dead_time" and (value == absent) != (true == absent):
+            wrong.append(f"{name} {value:.4g} for {true:g}")
+        elif math.isfinite(width):
+            inside[name] = abs(value - true) <= width
+    return Outcome(draw, inside, wrong, not found.test.fits)
+
+
+def _between(what: str, inside: List[bool]) -> Check:
+    share = 100.0 * sum(inside) / len(inside)
+    bound = f"{LEAST:g} to {MOST:g} %"
+    return Check(what, bound, f"{share:.1f} % of {len(inside)}", LEAST <= share <= MOST)

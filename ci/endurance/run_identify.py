@@ -81,7 +81,9 @@ def identify_one(draw: Draw) -> Outcome:
     times = numpy.linspace(0.0, duration, OUTPUTS)
     blank = record_of(given, inputs, times, times)
     outputs = responses(blank, candidate(model, model.offset)[None, :])[0]
-    noises = numpy.random.RandomState(draw.seed).normal(0.0, 1.0, OUTPUTS)
+    # No two plants share their noise: a rare draw would count as often as there are plants.
+    seeds = [draw.seed, draw.plant, int(10.0 * draw.alike)]
+    noises = numpy.random.RandomState(seeds).normal(0.0, 1.0, OUTPUTS)
     noises[1:] *= math.sqrt(1.0 - draw.alike**2)
     noises = NOISE * numpy.ptp(outputs) * lfilter([1.0], [1.0, -draw.alike], noises)
     try:

@@ -27,7 +27,7 @@ def test_each_value_of_random_plants_is_found(noise: float, most: float) -> None
 
 
 def test_identify_without_dead_zone_or_limit_finds_neither() -> None:
-    for seed in range(5):
+    for seed in range(2):
         found = identify(recorded(SLOW, NOISE, seed))
         assert found.model.dead_zone == 0.0
         assert found.model.limit == math.inf

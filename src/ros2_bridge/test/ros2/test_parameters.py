@@ -358,6 +358,7 @@ def test_what_could_not_be_written_is_tried_again_once_at_a_time() -> None:
 
 def test_the_latest_that_stands_on_the_server_is_taken() -> None:
     mirror: Any = ParametersToRos1.__new__(ParametersToRos1)
+    mirror._is_written = False
     mirror._work, mirror._latest = queue.SimpleQueue(), collections.deque(maxlen=1)
     taken: List[Any] = []
     mirror._send_changes = taken.append

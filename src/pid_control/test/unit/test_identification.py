@@ -26,6 +26,7 @@ def test_each_value_of_random_plants_is_found(noise: float, most: float) -> None
     check_random_plants(25, noise, most, covered=0.8)
 
 
+@pytest.mark.extended
 def test_identify_without_dead_zone_or_limit_finds_neither() -> None:
     for seed in range(2):
         found = identify(recorded(SLOW, NOISE, seed))
@@ -45,6 +46,7 @@ def test_one_step_by_hand_is_enough_for_gain_time_constant_and_dead_time() -> No
     assert reading.time_constant == pytest.approx(0.5, rel=0.02)
 
 
+@pytest.mark.extended
 def test_uncertainty_grows_with_correlated_residuals() -> None:
     clean = identify(recorded(SLOW, 0.02, outputs=1000))
     record = recorded(SLOW, outputs=1000)
@@ -71,6 +73,7 @@ def test_identify_unusable_record_raises(
         identify(answered(changes, model, duration))
 
 
+@pytest.mark.extended
 def test_identify_unrelated_output_raises() -> None:
     record = recorded(SLOW)
     noise = numpy.random.RandomState(1).normal(0.0, 1.0, len(record.times))

@@ -77,6 +77,7 @@ def test_heater_at_ambient_temperature_has_its_gain_and_no_limit() -> None:
     assert read_model(model).gain == pytest.approx(found.model.gain, rel=1e-5)
 
 
+@pytest.mark.extended
 def test_coulomb_friction_does_not_shift_the_gain() -> None:
     found = identify(rubbing(0.15, 1))
     assert found.model.gain == pytest.approx(10.0, rel=0.02)
@@ -85,6 +86,7 @@ def test_coulomb_friction_does_not_shift_the_gain() -> None:
     assert_within(found, "friction", 0.15, 0.01)
 
 
+@pytest.mark.extended
 def test_identify_threshold_dead_zone_is_not_taken_for_friction() -> None:
     found = identify(recorded(Model(10.0, 0.3, 0.0, 0.15), 0.01))
     assert found.model.dead_zone == pytest.approx(0.15, abs=0.02)

@@ -102,7 +102,8 @@ def _braked(
     # The decay at which a plant that slows down stands; 0 if it never does.
     stop = numpy.maximum(-ahead, 0.0) / numpy.where(away > 0.0, away, 1.0)
     back = numpy.minimum(ahead + 2.0 * brake, 0.0)
-    turned = back * (1.0 - decay / numpy.where(stop > 0.0, stop, 1.0))
+    # Only where it has stood, so that the decay is smaller: the ratio is 1 at most.
+    turned = back * (1.0 - numpy.minimum(decay, stop) / numpy.where(stop > 0.0, stop, 1.0))
     braked: numpy.ndarray = side * numpy.where(decay >= stop, ahead + away * decay, turned)
     return braked
 

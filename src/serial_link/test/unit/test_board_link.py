@@ -2,16 +2,20 @@
 
 import math
 import pathlib
+import socket
 from typing import Any, Iterator, List, Optional, Sequence
 
 import pytest
 
+from nodekit.testing.processes import free_port
 from nodekit.testing.waiting import wait_until
 from serial_link.board.transports import PtyTransport
 from serial_link.board.simulation import Faults, SimulatedBoard
 from serial_link.device.rosserial_device import Declared, Device
 from serial_link.framing.frames import encode
 from serial_link.hardware.serial_port import SerialPort
+from serial_link.hardware.tcp_port import TcpServer
+from serial_link.hardware.tcp_seats import parse_seats
 from serial_link.host.counters import Counters
 from serial_link.host.sync_monitor import OVERDUE_S
 from serial_link.host.sync_states import ASKED, OPENED, TOPIC
@@ -269,3 +273,22 @@ def test_at_the_end_the_board_is_told_to_stop(rig: Rig) -> None:
         lambda: rig.sketch.device is not None and not rig.sketch.device.is_configured,
         lambda: "it goes on",
     )
+
+
+def test_address_of_a_connection_is_kept_from_its_first_frame_on() -> None:
+    number, seats = free_port(), parse_seats("left,right")
+    links = [
+        BoardLink(port, Counters(), lambda: (0, 0))
+        for port in TcpServer("localhost", number, seats).ports
+    ]
+    left = links[0]
+    left.start()
+    wait_until(lambda: left.trouble.endswith("no board has connected yet"), lambda: left.trouble)
+    with socket.create_connection(("localhost", number)) as client:
+        client.sendall(b"GET / HTTP/1.0\r\n\r\n")
+        wait_until(lambda: left.all_counters().get("received bytes"), lambda: "nothing came")
+        assert seats[0].peer == ""
+        client.sendall(encode(TIME, b""))
+        wait_until(lambda: seats[0].peer == "127.0.0.1", lambda: "it is not kept")
+    for link in links:
+        link.close()

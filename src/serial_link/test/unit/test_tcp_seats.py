@@ -9,18 +9,46 @@ from serial_link.hardware.tcp_seats import (
     SAME_BOARD_S,
     Seat,
     choose_seat,
+    explain_refusal,
     parse_seats,
 )
 
 A, B, C = "10.0.0.1", "10.0.0.2", "10.0.0.3"
 
 
-def connect(seats: List[Seat], peer: str, now: float = 0.0) -> Optional[str]:
+def connect(seats: List[Seat], peer: str, now: float = 0.0, is_board: bool = True) -> Optional[str]:
     seat = choose_seat(seats, peer, now)
     if seat is None:
         return None
-    seat.peer, seat.heard_at = peer, now
+    seat.connected, seat.heard_at = peer, now
+    if is_board:  # its first frame has come
+        seat.peer = peer
     return seat.name
+
+
+def test_port_probe_that_sends_no_frame_reserves_nothing() -> None:
+    seats = parse_seats("left,right")
+    assert connect(seats, C, is_board=False) == "left"
+    assert connect(seats, A, 0.9 * OTHER_BOARD_S) is None  # not right, which is for the second
+    seats[0].heard_at = None
+    assert connect(seats, A) == "left" and connect(seats, B) == "right"
+    seats = parse_seats("left,right")
+    connect(seats, C, is_board=False)  # it stays connected
+    assert connect(seats, A, OTHER_BOARD_S) == "left" and connect(seats, B) == "right"
+
+
+def test_refusal_names_the_seats_that_are_reserved() -> None:
+    seats = parse_seats("left,right")
+    connect(seats, C, is_board=False)
+    assert f"connections of {C} have sent no frame" in explain_refusal(seats)
+    connect(seats, A, OTHER_BOARD_S), connect(seats, B)
+    assert explain_refusal(seats).startswith("all of 2 are connected")
+    seats[0].heard_at = None
+    why = f"left ({A}) is reserved for the board that had it, and the others are connected; "
+    assert explain_refusal(seats).startswith(why)
+    seats[1].heard_at = None
+    why = f"left ({A}) and right ({B}) are reserved for boards that had them; give each "
+    assert explain_refusal(seats).startswith(why)
 
 
 def test_boards_get_seats_in_the_order_of_their_first_connection_and_keep_them() -> None:

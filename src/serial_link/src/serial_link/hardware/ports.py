@@ -43,6 +43,10 @@ class Port(Protocol):
         """
         ...
 
+    def on_frame(self) -> None:
+        """Note that a board is there: a frame without damage was among the bytes read."""
+        ...
+
     def write(self, data: bytes) -> None:
         """Send bytes.
 

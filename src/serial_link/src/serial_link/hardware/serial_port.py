@@ -85,6 +85,9 @@ class SerialPort:
             raise PortLost(f"{self.name} is gone: it has ended")
         return data
 
+    def on_frame(self) -> None:
+        """Do nothing: a serial port has one board; see :class:`.Port`."""
+
     def write(self, data: bytes) -> None:
         """Send bytes; see :class:`.Port`."""
         port = self._open_port()

@@ -8,7 +8,7 @@ import time
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence
 
 from serial_link.hardware.ports import PortLost, PortStuck, PortUnavailable
-from serial_link.hardware.tcp_seats import Seat, choose_seat
+from serial_link.hardware.tcp_seats import Seat, choose_seat, explain_refusal
 
 _WRITE_S = 0.5
 _READ_AT_ONCE = 4096
@@ -117,15 +117,15 @@ class TcpServer:
         for caller in list(self._waiting):
             seat = choose_seat(self._seats, caller.address, now)
             if seat is not None and seat not in self._seated:
-                seat.peer, seat.heard_at = caller.address, now
+                seat.connected, seat.heard_at = caller.address, now
                 self._seated[seat] = caller
             elif _has_left(caller.connection):
                 caller.connection.close()
             elif now - caller.came_at > _SEAT_S:
                 caller.connection.close()
                 self._on_refused(
-                    f"{self.name}: the board at {caller.address} is refused: all of "
-                    f"{len(self._seats)} are connected; name each board in tcp_boards"
+                    f"{self.name}: the board at {caller.address} is refused: "
+                    f"{explain_refusal(self._seats)}"
                 )
             else:
                 continue
@@ -147,6 +147,7 @@ class TcpPort:
         self._server, self._seat = server, seat
         self._own_name = self.name = f"{server.name} {seat.name}".rstrip()
         self._board: Optional[socket.socket] = None
+        self._address = ""
 
     def open(self, timeout: float) -> bool:
         """Wait for a board; see :class:`.Port`."""
@@ -157,7 +158,7 @@ class TcpPort:
         caller = self._server.take(self._seat)
         if caller is None:
             return False
-        self._board = caller.connection
+        self._board, self._address = caller.connection, caller.address
         self.name = f"{self._own_name} from {caller.address}:{caller.port}"
         return True
 
@@ -181,8 +182,11 @@ class TcpPort:
             raise PortLost(f"{self.name} is gone: {error}") from None
         if not data:
             raise PortLost(f"{self.name}: the connection was closed")
-        self._seat.heard_at = time.monotonic()
         return data
+
+    def on_frame(self) -> None:
+        """Reserve the seat for the board's address; see :class:`.Port`."""
+        self._seat.peer, self._seat.heard_at = self._address, time.monotonic()
 
     def write(self, data: bytes) -> None:
         """Send bytes; see :class:`.Port`.

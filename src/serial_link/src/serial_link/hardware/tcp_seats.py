@@ -18,13 +18,14 @@ class Seat:
     :param name: of the board, a namespace; empty for the only one
     :param address: IP address that it is for; empty for any
 
-    :ivar peer: IP address of the board that has or had it; empty if no board had
-    :ivar heard_at: when the connected board said something [s]; None while none is connected
+    :ivar peer: IP address of the last board that sent a frame; empty until one has
+    :ivar connected: IP address of the last connection, of a board or of another program
+    :ivar heard_at: when it connected or sent its last frame [s]; None while none is connected
     """
 
     def __init__(self, name: str = "", address: str = "") -> None:
         self.name, self.address = name, address
-        self.peer = ""
+        self.peer = self.connected = ""
         self.heard_at: Optional[float] = None
 
     def is_free(self, peer: str, now: float) -> bool:
@@ -33,7 +34,8 @@ class Seat:
         :param peer: IP address of the board
         :param now: the time [s]
         """
-        patience = SAME_BOARD_S if peer == self.peer else OTHER_BOARD_S
+        is_known = peer in (self.peer, self.connected)
+        patience = SAME_BOARD_S if is_known else OTHER_BOARD_S
         return self.heard_at is None or now - self.heard_at >= patience
 
 
@@ -64,7 +66,8 @@ def choose_seat(seats: Sequence[Seat], peer: str, now: float) -> Optional[Seat]:
     """Return the seat for a board that has connected; None while all are taken.
 
     The seat of its address comes first, then the one that it had, then the first that no board had;
-    the only seat is for any board.
+    the only seat is for any board. A connection that has sent no frame may be a port probe: the
+    next board waits until it sends one, closes or is silent for too long, and then gets that seat.
 
     :param seats: all
     :param peer: IP address of the board
@@ -75,8 +78,33 @@ def choose_seat(seats: Sequence[Seat], peer: str, now: float) -> Optional[Seat]:
     former = [seat for seat in others if seat.peer == peer]
     former.sort(key=lambda seat: seat.heard_at is not None)  # an empty one first
     unused = [seat for seat in others if not seat.peer]
-    candidates = own or [*former, *unused] or (others if len(seats) == 1 else [])
+    candidates = own or [*former, *unused[:1]] or (others if len(seats) == 1 else [])
     return next((seat for seat in candidates if seat.is_free(peer, now)), None)
+
+
+def explain_refusal(seats: Sequence[Seat]) -> str:
+    """Return why a board gets none of the seats, and what to do.
+
+    :param seats: all
+    """
+    empty = [seat for seat in seats if seat.heard_at is None]
+    reserved = [seat for seat in empty if seat.address or seat.peer]
+    if not empty:
+        return f"all of {len(seats)} are connected; name each board in tcp_boards"
+    if not reserved:
+        silent = [seat.connected for seat in seats if seat.heard_at is not None and not seat.peer]
+        return (
+            f"connections of {' and '.join(silent)} have sent no frame of rosserial, and the next "
+            "board waits for them; end the programs that connect there"
+        )
+    names = " and ".join(f"{seat.name} ({seat.address or seat.peer})" for seat in reserved)
+    others = "" if len(reserved) == len(seats) else ", and the others are connected"
+    one, several = "is reserved for the board that had it", "are reserved for boards that had them"
+    return (
+        f"{names} {one if len(reserved) == 1 else several}{others}; give each board a fixed "
+        "address and name it in tcp_boards, as in left@192.168.1.20, or restart the node to forget "
+        "the addresses"
+    )
 
 
 def _checked(address: str) -> str:

@@ -286,6 +286,8 @@ class BoardLink:
             self._topics.mark_damaged()
             self._execute(now, self._sync.handle(now, sync_states.DAMAGED))
         self._counters.add(counters.RECEIVED, len(frames))
+        if frames:
+            self._port.on_frame()
         for frame in frames:
             self._spoke_at = now
             self._handle_frame(now, *frame)

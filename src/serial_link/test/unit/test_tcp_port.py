@@ -2,6 +2,8 @@
 
 import pathlib
 import socket
+import threading
+import time
 
 import pytest
 
@@ -153,3 +155,52 @@ def test_port_probe_takes_no_board_its_namespace() -> None:
         port.release()
     for board in boards:
         board.unplug()
+
+
+def test_reader_waits_while_as_many_boards_wait_as_may(monkeypatch: "pytest.MonkeyPatch") -> None:
+    monkeypatch.setattr("serial_link.hardware.tcp_seats.SAME_BOARD_S", TIMEOUT_S)
+    monkeypatch.setattr("serial_link.hardware.tcp_port._SEAT_S", TIMEOUT_S)
+    number = free_port()
+    server = TcpServer("localhost", number)
+    port = server.ports[0]
+    assert not port.open(0.0)
+    boards = []
+    for _ in range(1 + 16):
+        boards.append(socket.create_connection(("localhost", number)))
+        assert port._board is not None or port.open(TIMEOUT_S)
+        port.read(0.0)
+    boards.append(socket.create_connection(("localhost", number)))  # is not accepted yet
+    begun = time.monotonic()
+    assert port.read(0.2) == b""
+    assert time.monotonic() - begun >= 0.2
+    for board in boards:
+        board.close()
+    port.release()
+
+
+def test_boards_go_on_while_a_refusal_is_logged(monkeypatch: "pytest.MonkeyPatch") -> None:
+    monkeypatch.setattr("serial_link.hardware.tcp_seats.SAME_BOARD_S", TIMEOUT_S)
+    monkeypatch.setattr("serial_link.hardware.tcp_port._SEAT_S", 0.0)
+    number, went_on = free_port(), []
+
+    def log(_text: str) -> None:
+        other = threading.Thread(target=server.listen, daemon=True)
+        other.start()
+        other.join(TIMEOUT_S)
+        went_on.append(not other.is_alive())
+
+    server = TcpServer("localhost", number, on_refused=log)
+    port = server.ports[0]
+    assert not port.open(0.0)
+    boards = [socket.create_connection(("localhost", number)) for _ in "ab"]
+    assert port.open(TIMEOUT_S)
+
+    def is_refused() -> bool:
+        assert port.read(0.05) == b""
+        return bool(went_on)
+
+    wait_until(is_refused, lambda: "not refused")
+    assert went_on == [True]
+    for board in boards:
+        board.close()
+    port.release()

@@ -59,16 +59,21 @@ class TcpServer:
         self.ports = [TcpPort(self, seat) for seat in self._seats]
         self._in_use = len(self.ports)
 
-    def listen(self) -> socket.socket:
-        """Return what listens, for a wait; what has connected gets its seat.
+    def listen(self) -> List[socket.socket]:
+        """Return what to wait for; what has connected gets its seat.
 
+        :returns: the listener; nothing while as many boards wait as may, as a wait for it would
+            return at once
         :raises PortUnavailable: if the port cannot be listened on
         """
         with self._lock:
             listener = self._listener or self._open()
             self._accept(listener)
-            self._seat(time.monotonic())
-            return listener
+            refused = self._seat(time.monotonic())
+            is_full = len(self._waiting) >= _MOST_WAITING
+        for text in refused:  # without the lock, as a log may take its time
+            self._on_refused(text)
+        return [] if is_full else [listener]
 
     def has_caller(self, seat: Seat) -> bool:
         """Tell whether a board waits for its port to take it."""
@@ -113,7 +118,9 @@ class TcpServer:
             connection.settimeout(_WRITE_S)
             self._waiting.append(_Caller(connection, address, port, time.monotonic()))
 
-    def _seat(self, now: float) -> None:
+    def _seat(self, now: float) -> List[str]:
+        """Give boards their seats; return a sentence about each that is refused."""
+        refused: List[str] = []
         for caller in list(self._waiting):
             seat = choose_seat(self._seats, caller.address, now)
             if seat is not None and seat not in self._seated:
@@ -123,13 +130,14 @@ class TcpServer:
                 caller.connection.close()
             elif now - caller.came_at > _SEAT_S:
                 caller.connection.close()
-                self._on_refused(
+                refused.append(
                     f"{self.name}: the board at {caller.address} is refused: "
                     f"{explain_refusal(self._seats)}"
                 )
             else:
                 continue
             self._waiting.remove(caller)
+        return refused
 
 
 class TcpPort:
@@ -151,9 +159,9 @@ class TcpPort:
 
     def open(self, timeout: float) -> bool:
         """Wait for a board; see :class:`.Port`."""
-        listener = self._server.listen()
+        listeners = self._server.listen()
         if not self._server.has_caller(self._seat):
-            select.select([listener], [], [], timeout)
+            select.select(listeners, [], [], timeout)
             self._server.listen()
         caller = self._server.take(self._seat)
         if caller is None:
@@ -166,10 +174,10 @@ class TcpPort:
         """Return what has arrived; see :class:`.Port`."""
         board = self._connected()
         try:
-            listener = self._server.listen()
+            listeners = self._server.listen()
             if not self._server.has_caller(self._seat):
-                ready = select.select([board, listener], [], [], timeout)[0]
-                if listener in ready:
+                ready = select.select([board, *listeners], [], [], timeout)[0]
+                if any(listener in ready for listener in listeners):
                     self._server.listen()
             if self._server.has_caller(self._seat):
                 raise PortLost(f"{self.name}: a new connection has replaced it")

@@ -4,13 +4,15 @@ import os
 import pathlib
 import subprocess
 import sys
+from typing import Iterator
 
 import pytest
 
 from serial_link.board.transports import PtyTransport
 from serial_link.hardware.ports import PortUnavailable
 from serial_link.hardware.serial_port import SerialPort
-from serial_link.port_mark import is_left_behind, remove_link, write_mark
+from serial_link import port_mark
+from serial_link.port_mark import is_left_behind, remove_link, remove_own_link, write_mark
 
 BOARD = """
 import sys
@@ -75,3 +77,73 @@ def test_link_without_a_mark_or_to_another_place_is_followed(tmp_path: pathlib.P
     assert not is_left_behind(str(link))
     remove_link(str(link))
     assert not link.is_symlink()
+
+
+@pytest.fixture
+def left(tmp_path: pathlib.Path) -> Iterator[pathlib.Path]:
+    """Return a link that a killed board has left, whose mark a test spoils."""
+    leave_link(tmp_path / "board")
+    assert is_left_behind(str(tmp_path / "board"))
+    yield tmp_path / "board"
+
+
+def mark_of(link: pathlib.Path) -> pathlib.Path:
+    return link.with_name(link.name + ".board")
+
+
+def test_mark_whose_numbers_are_too_long_is_none(left: pathlib.Path) -> None:
+    _, *others = mark_of(left).read_text().split(" ")
+    for pid in ("9" * 5000, "9" * 10, "0"):
+        mark_of(left).write_text(" ".join([pid, *others]))
+        assert not is_left_behind(str(left))
+
+
+def test_mark_that_is_a_fifo_or_a_link_is_none(left: pathlib.Path) -> None:
+    mark_of(left).rename(left.with_name("elsewhere"))
+    mark_of(left).symlink_to(left.with_name("elsewhere"))
+    assert not is_left_behind(str(left))
+    mark_of(left).unlink()
+    os.mkfifo(str(mark_of(left)))
+    assert not is_left_behind(str(left))
+
+
+@pytest.mark.skipif(os.getuid() != 0, reason="only root can give a file to another user")
+def test_mark_of_another_user_is_none(left: pathlib.Path) -> None:
+    os.chown(str(mark_of(left)), 12345, -1)
+    assert not is_left_behind(str(left))
+
+
+def test_mark_overwrites_no_file_that_a_link_in_its_place_leads_to(tmp_path: pathlib.Path) -> None:
+    link, target = tmp_path / "board", tmp_path / "target"
+    target.write_text("a user's")
+    link.symlink_to("/dev/null")
+    mark_of(link).symlink_to(target)
+    write_mark(str(link))
+    assert target.read_text() == "a user's" and not mark_of(link).is_symlink()
+
+
+def test_process_that_the_system_hides_has_not_ended(
+    left: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    words = mark_of(left).read_text().split(" ")
+    mark_of(left).write_text(" ".join([words[0], words[1], "pid:[1]", words[3]]))
+    assert not is_left_behind(str(left))  # its number is of another namespace
+    remove_link(str(left))
+    left.symlink_to("/dev/null")
+    write_mark(str(left))
+    monkeypatch.setattr(port_mark, "_began", lambda pid: "")  # as with hidepid
+    assert not is_left_behind(str(left))
+
+
+def test_only_what_is_still_its_own_is_removed(tmp_path: pathlib.Path) -> None:
+    link = tmp_path / "board"
+    link.symlink_to("/dev/pts/none")
+    write_mark(str(link))
+    remove_own_link(str(link), "/dev/null")
+    assert link.is_symlink() and mark_of(link).exists()
+    link.unlink()
+    remove_own_link(str(link), "/dev/pts/none")
+    assert not mark_of(link).exists()
+    link.write_text("a user's")
+    remove_own_link(str(link), "")
+    assert link.exists()

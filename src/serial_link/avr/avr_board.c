@@ -1,9 +1,9 @@
 /* An ATmega328P at 16 MHz in simavr, in real time, its serial port at a pseudo terminal.
  *
- * avr_board SKETCH.elf LINK: runs until its standard input ends. A line "reset SECONDS" there resets
- * it; the sketch runs after that time, as with a bootloader, and what arrives meanwhile is lost. A
- * motor and its encoder are at the pins of docs/examples/board/motor_board: 7 and 8 forward and
- * backward, 9 pulse width, 2 and 3 encoder.
+ * avr_board SKETCH.elf LINK: prints the terminal's name once LINK leads there, and runs until its
+ * standard input ends. A line "reset SECONDS" there resets it; the sketch runs after that time, as
+ * with a bootloader, and what arrives meanwhile is lost. A motor and its encoder are at the pins of
+ * docs/examples/board/motor_board: 7 and 8 forward and backward, 9 pulse width, 2 and 3 encoder.
  */
 #include <errno.h>
 #include <fcntl.h>
@@ -29,7 +29,7 @@ static const double GAIN = 13.1, TIME_CONSTANT = 0.04, MAX_SPEED = 13.0, DEAD_ZO
 static const double COUNTS_PER_RADIAN = 1320.0 / (2.0 * M_PI);
 
 static avr_t *avr;
-static int terminal, can_receive = 1;
+static int terminal, report, can_receive = 1;
 static avr_irq_t *encoder[2];
 static double speed, angle;
 static long counts;
@@ -97,6 +97,7 @@ static void open_terminal(const char *link) {
   close(other);
   fcntl(terminal, F_SETFL, O_NONBLOCK);
   if (symlink(name, link)) fail("link");
+  dprintf(report, "%s\n", name);
 }
 
 /* Give the sketch what has arrived, as long as its port takes it; forget it during a reset. */
@@ -110,6 +111,8 @@ static void feed(int is_running) {
 int main(int argc, char **argv) {
   elf_firmware_t firmware;
   memset(&firmware, 0, sizeof firmware);
+  report = dup(1);
+  if (!freopen("/dev/null", "w", stdout)) fail("/dev/null"); /* simavr prints there as well */
   if (argc != 3 || elf_read_firmware(argv[1], &firmware)) {
     fprintf(stderr, "usage: avr_board SKETCH.elf LINK\n");
     return 2;
@@ -145,7 +148,12 @@ int main(int argc, char **argv) {
         next += SLICE;
         while (avr->cycle < next) {
           int state = avr_run(avr);
-          if (state == cpu_Done || state == cpu_Crashed) return 1;
+          if (state == cpu_Done || state == cpu_Crashed) {
+            fprintf(stderr, "avr_board: the sketch has %s\n",
+                    state == cpu_Done ? "ended" : "crashed");
+            unlink(argv[2]);
+            return 1;
+          }
         }
       }
       turn((double)SLICE / HZ);

@@ -93,3 +93,11 @@ def test_waiting_ends_as_soon_as_something_has_arrived(tmp_path: pathlib.Path) -
     assert time.monotonic() - begun < 4.0 and end.read() == b"x"
     os.close(host)
     end.unplug()
+
+
+def test_link_that_cannot_be_marked_is_not_left_behind(tmp_path: pathlib.Path) -> None:
+    (tmp_path / "board.board").mkdir()  # in the way of the mark
+    end = PtyTransport(str(tmp_path / "board"))
+    with pytest.raises(OSError, match=r"board\.board"):
+        end.plug()
+    assert not end.is_plugged and not (tmp_path / "board").is_symlink()

@@ -2,11 +2,12 @@
 
 import os
 import pathlib
+import select
 import subprocess
 import time
 from typing import Callable, List, NamedTuple, Optional, Sequence
 
-from serial_link.port_mark import is_left_behind, remove_link, remove_mark, write_mark
+from serial_link.port_mark import is_left_behind, remove_link, remove_own_link, write_mark
 
 #: Where Debian's arduino-core-avr has the core.
 ARDUINO = pathlib.Path("/usr/share/arduino/hardware/arduino/avr")
@@ -23,7 +24,8 @@ _LANGUAGES = {
     ".cpp": ["avr-g++", "-std=gnu++11", "-fpermissive", "-fno-exceptions"],
 }
 _SIMULATOR = "-O2 -lsimavr -lelf -lm -lutil".split()
-_BUILD_S, _START_S, _POLL_S, _END_S = 120.0, 5.0, 0.01, 2.0
+_BUILD_S, _START_S, _END_S = 120.0, 5.0, 2.0
+_LONGEST_NAME = 64
 
 
 class BuildError(RuntimeError):
@@ -124,6 +126,7 @@ class AvrBoard:
     def __init__(self, simulator: pathlib.Path, program: pathlib.Path, link: str) -> None:
         self._command, self._link = [str(simulator), str(program), link], link
         self._process: Optional["subprocess.Popen[bytes]"] = None
+        self._terminal = ""
 
     @property
     def is_running(self) -> bool:
@@ -133,26 +136,33 @@ class AvrBoard:
     def start(self) -> None:
         """Switch it on; its port is there when this returns.
 
-        :raises OSError: if the port cannot be made
+        :raises OSError: if the port cannot be made, or is another board's
         """
         if is_left_behind(self._link) or not os.path.exists(self._link):
             remove_link(self._link)  # of a board that was killed
+        if os.path.lexists(self._link):
+            raise OSError(
+                f"{self._link} is there already: it is a file, or the port of another board, or "
+                "left by one that was killed; end that board or remove it"
+            )
         # In a session of its own, as Ctrl-C would end it before it has removed its link.
         self._process = subprocess.Popen(
             self._command,
             stdin=subprocess.PIPE,
-            stdout=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
             start_new_session=True,
         )
-        end = time.monotonic() + _START_S
-        while not os.path.islink(self._link) or self._process.poll() is not None:
-            if self._process.poll() is not None or time.monotonic() > end:
-                self.close()
+        self._terminal = self._read_terminal()
+        try:
+            if not self._terminal or os.readlink(self._link) != self._terminal:
                 raise OSError(
-                    f"{self._link} cannot be made: is there a file or another board's port?"
+                    f"{self._link} cannot be made: the simulator says why above, or another board "
+                    "was started at the same time"
                 )
-            time.sleep(_POLL_S)
-        write_mark(self._link)
+            write_mark(self._link)
+        except OSError:
+            self.close()
+            raise
 
     def reset(self, boot_s: float = 0.0) -> None:
         """Reset it.
@@ -173,8 +183,22 @@ class AvrBoard:
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
-            remove_link(self._link)
-        remove_mark(self._link)
+        assert process.stdout is not None
+        process.stdout.close()
+        remove_own_link(self._link, self._terminal)  # where the simulator has not
+
+    def _read_terminal(self) -> str:
+        """Return the name of the terminal, which the simulator prints; empty if it does not."""
+        assert self._process is not None and self._process.stdout is not None
+        end, line, file = time.monotonic() + _START_S, b"", self._process.stdout.fileno()
+        while not line.endswith(b"\n"):
+            if not select.select([file], [], [], max(0.0, end - time.monotonic()))[0]:
+                return ""
+            data = os.read(file, _LONGEST_NAME)
+            if not data:
+                return ""
+            line += data
+        return line.decode().strip()
 
     def _write(self, line: str) -> None:
         assert self._process is not None and self._process.stdin is not None

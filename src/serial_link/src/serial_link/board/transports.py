@@ -7,7 +7,7 @@ import termios
 import tty
 from typing import Optional, Protocol
 
-from serial_link.port_mark import is_left_behind, remove_link, write_mark
+from serial_link.port_mark import is_left_behind, remove_link, remove_own_link, write_mark
 
 _READ_AT_ONCE = 4096
 
@@ -71,7 +71,11 @@ class PtyTransport:
             if is_dead or is_left_behind(self._link):
                 remove_link(self._link)  # of a board that was killed
             self._make_link(os.ttyname(terminal))
-            write_mark(self._link)
+            try:
+                write_mark(self._link)
+            except OSError:
+                remove_own_link(self._link, os.ttyname(terminal))
+                raise
         except OSError:
             os.close(fd)
             raise

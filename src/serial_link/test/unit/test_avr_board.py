@@ -1,0 +1,82 @@
+"""The port of a simulated Arduino Uno: a program in the simulator's place, and real terminals."""
+
+import os
+import pathlib
+import sys
+from typing import List
+
+import pytest
+
+from nodekit.testing.waiting import wait_until
+from serial_link.board.avr_board import AvrBoard
+from serial_link.board.transports import PtyTransport
+from serial_link.port_mark import is_left_behind
+
+#: What the simulator does about its port; PROGRAM says whether it crashes, as on cpu_Crashed before
+#: it removes its link.
+SIMULATOR = """#!{python}
+import os, sys
+end, terminal = os.openpty()
+os.symlink(os.ttyname(terminal), sys.argv[2])
+print(os.ttyname(terminal), flush=True)
+sys.stdin.readline() if sys.argv[1] == "crash" else sys.stdin.read()
+if sys.argv[1] != "crash":
+    os.unlink(sys.argv[2])
+"""
+
+
+@pytest.fixture
+def simulator(tmp_path: pathlib.Path) -> pathlib.Path:
+    path = tmp_path / "simulator"
+    path.write_text(SIMULATOR.format(python=sys.executable))
+    path.chmod(0o755)
+    return path
+
+
+def entries(folder: pathlib.Path) -> List[str]:
+    return sorted(path.name for path in folder.iterdir() if path.name != "simulator")
+
+
+def test_board_has_a_marked_link_until_it_is_switched_off(
+    simulator: pathlib.Path, tmp_path: pathlib.Path
+) -> None:
+    board = AvrBoard(simulator, pathlib.Path("run"), str(tmp_path / "board"))
+    board.start()
+    assert entries(tmp_path) == ["board", "board.board"]
+    assert os.readlink(tmp_path / "board") in (tmp_path / "board.board").read_text()
+    assert not is_left_behind(str(tmp_path / "board"))
+    board.close()
+    assert entries(tmp_path) == []
+
+
+def test_second_board_is_refused_and_leaves_the_port_of_the_first_alone(
+    simulator: pathlib.Path, tmp_path: pathlib.Path
+) -> None:
+    first = PtyTransport(str(tmp_path / "board"))
+    first.plug()
+    before = (tmp_path / "board.board").read_text(), os.readlink(tmp_path / "board")
+    late = AvrBoard(simulator, pathlib.Path("run"), str(tmp_path / "board"))
+    with pytest.raises(OSError, match="board is there already: .* end that board or remove it"):
+        late.start()
+    assert not late.is_running
+    late.close()
+    assert before == ((tmp_path / "board.board").read_text(), os.readlink(tmp_path / "board"))
+    first.unplug()
+
+
+def test_simulator_that_crashes_leaves_no_link_behind(
+    simulator: pathlib.Path, tmp_path: pathlib.Path
+) -> None:
+    board = AvrBoard(simulator, pathlib.Path("crash"), str(tmp_path / "board"))
+    board.start()
+    board.reset()  # the line at which it crashes
+    wait_until(lambda: not board.is_running, lambda: "it runs")
+    board.close()
+    assert entries(tmp_path) == []
+
+
+def test_simulator_that_cannot_start_is_told(tmp_path: pathlib.Path) -> None:
+    board = AvrBoard(pathlib.Path("/bin/false"), pathlib.Path("run"), str(tmp_path / "board"))
+    with pytest.raises(OSError, match="board cannot be made: the simulator says why"):
+        board.start()
+    assert not board.is_running and entries(tmp_path) == []

@@ -27,6 +27,7 @@ from nodekit.message_definitions import (
 )
 from serial_link.commands import make_headers
 from serial_link.headers.cpp_class import Class, header, member
+from serial_link.headers.wire_header import WIRE_HEADER, WIRE_PATH
 
 HERE = pathlib.Path(__file__).resolve().parents[1]
 SOURCES = HERE.parents[1]
@@ -319,7 +320,36 @@ def test_64_bits_stay_64_where_the_board_has_them(tmp_path: pathlib.Path) -> Non
 def test_headers_give_way_to_those_of_rosserial_by_its_guards() -> None:
     one = Class("Odd", "odd/Odd", "0", (), ())
     assert "#ifndef _ROS_odd_Odd_h" in header("odd", "Odd", [one])
-    assert "#ifndef _ROS_SERVICE_Odd_h" in header("odd", "Odd", [one], service=True)
+    service = header("odd", "Odd", [one], service=True)
+    assert "#if !defined(_ROS_SERVICE_Odd_h) ||" in service
+    assert "#define _ROS_SERVICE_Odd_h" in service
+
+
+SERVICES = """
+#define _ROS_SERVICE_Odd_h  // by a header of rosserial's: this one gives way
+#include "first/Odd.h"
+namespace first { class Odd {}; }
+#include "first/Empty.h"
+#include "second/Empty.h"
+#include "second/Empty.h"
+int main() {
+  first::Empty::Request one;
+  second::Empty::Request other;
+  return sizeof one != sizeof other;
+}
+"""
+
+
+def test_services_of_one_name_in_two_packages_are_both_there(tmp_path: pathlib.Path) -> None:
+    headers = {WIRE_PATH: WIRE_HEADER}
+    for package, name in (("first", "Empty"), ("second", "Empty"), ("first", "Odd")):
+        parts = [Class(name + end, f"{package}/{name}", "0", (), ()) for end in ENDS[1:]]
+        headers[f"{package}/{name}.h"] = header(package, name, parts, service=True)
+    make_headers.write(headers, tmp_path)
+    (tmp_path / "program.cpp").write_text(SERVICES)
+    command = ["g++", "-std=gnu++11", "-Wall", "-Werror", "-I.", f"-I{HERE / 'board_library'}"]
+    subprocess.check_call([*command, "program.cpp", "-o", "program"], cwd=str(tmp_path))
+    subprocess.check_call([str(tmp_path / "program")])
 
 
 def test_names_that_cpp_keeps_for_itself_get_an_underscore() -> None:

@@ -56,11 +56,10 @@ def header(package: str, name: str, classes: List[Class], service: bool = False)
     :param classes: the message's one, the service's two
     :param service: whether it is one
     """
-    guard = f"_ROS_SERVICE_{name}_h" if service else f"_ROS_{package}_{name}_h"
+    opening, closing = _service_guards(package, name) if service else _guard(package, name)
     lines = [
         f"// {package}/{name}. Made by serial_link's make_headers.",
-        f"#ifndef {guard}",
-        f"#define {guard}",
+        *opening,
         "",
         *_includes(classes),
         "",
@@ -73,7 +72,28 @@ def header(package: str, name: str, classes: List[Class], service: bool = False)
         lines += [f"class {name} {{", " public:"]
         lines += [f"  typedef {name}{part} {part};" for part in ("Request", "Response")]
         lines += ["};", ""]
-    return "\n".join([*lines, f"}}  // namespace {package}", "", "#endif", ""])
+    return "\n".join([*lines, f"}}  // namespace {package}", "", *closing, ""])
+
+
+def _guard(package: str, name: str) -> Tuple[List[str], List[str]]:
+    guard = f"_ROS_{package}_{name}_h"
+    return [f"#ifndef {guard}", f"#define {guard}"], ["#endif"]
+
+
+def _service_guards(package: str, name: str) -> Tuple[List[str], List[str]]:
+    """Return the lines of a service's guards.
+
+    The guard of rosserial lacks the package, so services of one name would exclude each other. It
+    is defined without a value there, and as 1 here: only the former excludes this header.
+    """
+    own, of_rosserial = f"SERIAL_LINK_{package}_{name}_SRV_H", f"_ROS_SERVICE_{name}_h"
+    opening = [
+        f"#ifndef {own}",
+        f"#define {own}",
+        f"#if !defined({of_rosserial}) || {of_rosserial} + 0",
+        f"#define {of_rosserial} 1",
+    ]
+    return opening, ["#endif", "#endif"]
 
 
 def member(name: str) -> str:

@@ -24,9 +24,14 @@ class Message(NamedTuple):
 
 
 class ParameterRequest(NamedTuple):
-    """The board asks for a parameter."""
+    """The board asks for a parameter.
+
+    :param name: of the parameter
+    :param arrived_at: when its request came [s]
+    """
 
     name: str
+    arrived_at: float
 
 
 class LogLine(NamedTuple):

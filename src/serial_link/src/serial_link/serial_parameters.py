@@ -1,5 +1,7 @@
 """Parameters of the link to a board."""
 
+import ipaddress
+
 from nodekit import FloatParameter, IntParameter, ParameterSet, StringParameter, read_once, rule
 from serial_link.hardware.tcp_seats import parse_seats
 
@@ -51,7 +53,27 @@ class SerialParameters(ParameterSet):
         if seats[0].name and self.port != TCP:
             raise ValueError("tcp_boards needs port: tcp; a serial port has one board")
 
+    @rule("tcp_boards", "tcp_address")
+    def _can_connect(self) -> None:
+        if not _is_this_machine(self.tcp_address):
+            return
+        for seat in parse_seats(self.tcp_boards):
+            if seat.address and not _is_this_machine(seat.address):
+                raise ValueError(
+                    f"tcp_boards: {seat.name}@{seat.address} cannot connect while tcp_address is "
+                    f"{self.tcp_address}, this machine alone: set tcp_address to 0.0.0.0, or to "
+                    "this machine's address in that network"
+                )
+
     @rule("port")
     def _has_a_port(self) -> None:
         if not self.port:
             raise ValueError("port must be the path of a serial port, or tcp")
+
+
+def _is_this_machine(address: str) -> bool:
+    """Tell whether an address is of the loopback interface; False for other names."""
+    try:
+        return address == "localhost" or ipaddress.IPv4Address(address).is_loopback
+    except ValueError:
+        return False

@@ -29,8 +29,10 @@ def test_avr_board_takes_the_place_of_the_one_in_python() -> None:
     config = load("board:=avr", "port:=/tmp/some")
     assert node_names(config) == ["/avr_board", "/serial_node"]
     assert private_parameters(config, "/avr_board") == {"link": "/tmp/some"}
-    with pytest.raises(RLException, match="board"):
+    with pytest.raises(RLException, match="board is arduino: must be python or avr"):
         load("board:=arduino")
+    with pytest.raises(RLException, match="board is avr and simulated is no: must be true"):
+        load("board:=avr", "simulated:=no")
 
 
 def test_with_hardware_the_board_is_the_users() -> None:

@@ -97,7 +97,8 @@ def test_boards_behind_one_address_are_told_apart_by_order() -> None:
         ("left,,right", "'' is not a namespace"),
         ("left,left", "'left' is there twice"),
         (f"left@{A},right@{A}", f"{A} is there twice"),
-        ("left@robot", "'robot' is not an IP address"),
+        ("left@robot", "'robot' is not an IPv4 address"),
+        ("left@::1", "'::1' is not an IPv4 address"),
     ],
 )
 def test_list_that_is_invalid_is_refused_in_words(text: str, why: str) -> None:

@@ -26,6 +26,8 @@ _LANGUAGES = {
 _SIMULATOR = "-O2 -lsimavr -lelf -lm -lutil".split()
 _BUILD_S, _START_S, _END_S = 120.0, 5.0, 2.0
 _LONGEST_NAME = 64
+#: Of an Arduino Uno, without the bootloader [bytes].
+_FLASH, _RAM = 32256, 2048
 
 
 class BuildError(RuntimeError):
@@ -41,6 +43,18 @@ class Size(NamedTuple):
 
     flash: int
     ram: int
+
+    def check(self) -> None:
+        """Check that it fits into an Arduino Uno.
+
+        :raises BuildError: if it does not; the text has the figures
+        """
+        if self.flash > _FLASH or self.ram >= _RAM:
+            raise BuildError(
+                f"the sketch needs {self.flash} of {_FLASH} bytes of flash and {self.ram} of "
+                f"{_RAM} bytes of RAM, and the stack more of it: lower the numbers and buffers in "
+                "NodeHandle_, or remove arrays"
+            )
 
 
 class AvrBuilder:

@@ -109,6 +109,6 @@ def explain_refusal(seats: Sequence[Seat]) -> str:
 
 def _checked(address: str) -> str:
     try:
-        return str(ipaddress.ip_address(address))
+        return str(ipaddress.IPv4Address(address))
     except ValueError:
-        raise ValueError(f"{address!r} is not an IP address, such as 192.168.1.20") from None
+        raise ValueError(f"{address!r} is not an IPv4 address, such as 192.168.1.20") from None

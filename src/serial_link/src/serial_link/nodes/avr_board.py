@@ -59,7 +59,10 @@ class AvrBoardNode:
         package = pathlib.Path(rospkg.RosPack().get_path("serial_link"))
         sketch = package / pathlib.Path(self._values.sketch).expanduser()
         if not sketch.exists():
-            raise BuildError(f"{sketch} is missing: set ~sketch to the path of an .ino file")
+            raise BuildError(
+                f"{sketch} is missing: set ~sketch to the path of an .ino file; that of the "
+                "default is in the source workspace, not in an installation"
+            )
         headers = build_headers(self._values.packages.replace(",", " ").split())
         write(arduino_library(headers, self._values.packages, "1.0.0"), self._folder)
         libraries = (package / "avr" / "library", self._folder / "ros_messages" / "src")
@@ -69,6 +72,7 @@ class AvrBoardNode:
         rospy.loginfo(
             "%s: %d of 32256 bytes of flash, %d of 2048 of RAM", sketch.name, size.flash, size.ram
         )
+        size.check()
         simulator = builder.simulator(package / "avr" / "avr_board.c")
         link = pathlib.Path(self._values.link).expanduser()
         link.parent.mkdir(parents=True, exist_ok=True)

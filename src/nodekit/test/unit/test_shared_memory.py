@@ -388,7 +388,6 @@ def test_publisher_of_another_user_gets_no_channel(listener, monkeypatch):
     offer = listener.offer()
     writer = WriterChannel(offer)
     monkeypatch.setattr(channel, "_is_of_this_user", lambda sock: False)
-    monkeypatch.setattr(channel, "_ACCEPT_S", 0.1)
     with pytest.raises(OSError):
         listener.take(offer)
     with pytest.raises(OSError):
@@ -448,3 +447,42 @@ def test_segment_that_was_not_sent_is_an_error(listener):
     with pytest.raises(OSError, match="segment 3 was not sent"):
         reader.memory(3)
     writer.close()
+
+
+def test_messages_announced_before_the_publisher_closes_arrive(subscribe):
+    subscriber = subscribe()
+    for number in range(3):
+        assert subscriber.send(bytes([number]) * 300_000)
+    announced = subscriber.announced()
+    part, loan = subscriber.borrow(announced[0])
+    assert part.read(0, 300_000) == bytes(300_000)
+    del loan  # given back, which the publisher does not read any more
+    with subscriber.lock:
+        subscriber.topic.close()
+    for one in announced[1:]:
+        part, loan = subscriber.borrow(one)
+        assert part.read(0, 300_000) == bytes([one.segment - 1]) * 300_000
+        del loan
+
+
+def test_channel_of_a_connection_that_ends_before_it_reads_is_closed(subscribe):
+    subscriber = subscribe()
+    assert subscriber.send(b"x" * 300_000)
+    subscriber.listener.withdraw(subscriber.offer)
+    with subscriber.lock:
+        subscriber.topic.collect()
+        assert not subscriber.topic._pool.readers()
+
+
+def test_connection_whose_channel_has_ended_is_not_left_waiting(subscribe):
+    subscriber = subscribe(depth=10)
+    for _ in range(MOST_IN_FLIGHT + 1):
+        assert subscriber.send(b"x" * 300_000)
+    assert subscriber.link.held
+    subscriber.announced()
+    subscriber.listener.withdraw(subscriber.offer)
+    with subscriber.lock:
+        subscriber.topic.collect()
+    assert subscriber.link.awaited()[0] >= 0
+    subscriber.flush()
+    assert not subscriber.link.held

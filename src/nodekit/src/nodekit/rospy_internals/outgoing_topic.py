@@ -229,12 +229,11 @@ class OutgoingTopic(_Topic):
                 self._last_expires = time.monotonic() + self.lifespan
             if self._links:
                 self.message_data_sent += sum(map(len, packets))
-                if max(map(len, packets)) < LEAST_BYTES:
+                if len(packets) == 1 and len(packets[0]) >= LEAST_BYTES:
+                    self._deliver_large(packets[0])
+                else:  # several are kept or dropped together
                     data = b"".join(map(_joined, packets))
                     deliver(data, self._links.values(), len(packets))
-                else:
-                    for packet in packets:
-                        self._deliver_large(packet)
         if listener is not None:  # without the lock: callbacks may publish on other topics
             bodies = list(map(_body, packets))
             self._link_within().count(bodies)
@@ -243,8 +242,7 @@ class OutgoingTopic(_Topic):
     def _deliver_large(self, packet: Packet) -> None:
         """Send a message through shared memory to the subscribers that read it from there."""
         others = list(self._links.values())
-        is_large = len(packet) >= LEAST_BYTES
-        sharing = [link for link in others if is_large and link.shares()]
+        sharing = [link for link in others if link.shares()]
         message = self._share(packet) if sharing else None
         full: List[SubscriberConnection] = []
         if message is not None:

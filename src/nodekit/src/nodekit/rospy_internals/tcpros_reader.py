@@ -18,7 +18,7 @@ from rospy.impl.tcpros_base import TCPROSTransport
 from nodekit.rospy_internals import shared_memory_offers
 from nodekit.rospy_internals.large_arrays import byte_fields, fill, without_views
 from nodekit.shared_memory import frame
-from nodekit.shared_memory.channel import FIELD, Loan, Offer, ReaderChannel
+from nodekit.shared_memory.channel import FIELD, ChannelListener, Loan, Offer, ReaderChannel
 
 _LENGTH = struct.Struct("<I")
 _PREFIX = _LENGTH.size
@@ -43,7 +43,9 @@ class Reader:
         size = transport.protocol.buff_size
         self._buffer = memoryview(mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE))
         self._socket: Any = None
+        #: the offer of this connection, and the socket at which it is taken
         self._offer: Optional[Offer] = None
+        self._listener: Optional[ChannelListener] = None
         self._channel: Optional[ReaderChannel] = None
         #: messages that the publisher has lost for this subscriber, as the latest announcement
         #: says; -1 before the first one
@@ -57,7 +59,7 @@ class Reader:
     def _offered(self) -> Dict[str, str]:
         """Return the header's field with the offer of a new connection."""
         self.close()
-        listener = shared_memory_offers.listener()
+        self._listener = listener = shared_memory_offers.listener()
         if listener is None:
             return {}
         self._offer = listener.offer()
@@ -66,10 +68,9 @@ class Reader:
     def close(self) -> None:
         """End the channel, once the last message in shared memory is read. From any thread."""
         self._channel = None
-        listener = shared_memory_offers.listener()
         offer, self._offer = self._offer, None
-        if offer is not None and listener is not None:
-            listener.withdraw(offer)
+        if offer is not None and self._listener is not None:
+            self._listener.withdraw(offer)
 
     def receive_once(self) -> List[Any]:
         """Wait for messages. Replaces rospy's method of this name.
@@ -209,7 +210,7 @@ class Reader:
         fill(message, head, tail, announced.field, array)
 
     def _open_channel(self) -> ReaderChannel:
-        listener, offer = shared_memory_offers.listener(), self._offer
+        listener, offer = self._listener, self._offer
         if listener is None or offer is None:
             raise ValueError("a message in shared memory, which was not offered")
         channel = listener.take(offer)

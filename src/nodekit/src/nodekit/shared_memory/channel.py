@@ -14,15 +14,12 @@ import os
 import socket
 import struct
 import threading
-import time
 from typing import Dict, List, NamedTuple, Optional, Set
 
 from nodekit.shared_memory.memory import ReadMemory
 
 #: Field of the connection header, whose value is :meth:`Offer.text`.
 FIELD = "nodekit_shared_memory"
-#: Longest wait for a channel that a publisher has announced [s].
-_ACCEPT_S = 2.0
 #: Longest wait for its token, which the publisher sends at once [s].
 _TOKEN_S = 0.5
 _TOKEN_BYTES = 16
@@ -220,6 +217,8 @@ class ReaderChannel:
                 )
             except BlockingIOError:
                 return
+            except ConnectionResetError:  # once, before what the publisher sent until its end
+                continue
             if len(data) != _NUMBER.size:
                 return  # closed; what was sent before is complete
             (number,) = _NUMBER.unpack(data)
@@ -262,6 +261,7 @@ class ChannelListener:
         try:
             self._socket.bind("\0" + self._name)
             self._socket.listen(128)
+            self._socket.setblocking(False)
         except BaseException:
             self._socket.close()
             raise
@@ -279,19 +279,21 @@ class ChannelListener:
         :param offer: the connection's offer
         :raises OSError: if no publisher has opened it
         """
-        deadline = time.monotonic() + _ACCEPT_S
         with self._lock:
-            while offer.token not in self._arrived:
-                left = deadline - time.monotonic()
-                if left <= 0.0:
-                    raise ChannelError("the publisher has not opened its channel")
-                self._accept(left)
-            return ReaderChannel(self._arrived.pop(offer.token))
+            self._accept_all()  # a publisher opens its channel before it announces a message
+            sock = self._arrived.pop(offer.token, None)
+        if sock is None:
+            raise ChannelError("the publisher has not opened its channel")
+        return ReaderChannel(sock)
 
-    def _accept(self, timeout: float) -> None:
-        """Accept one channel; close those of other users and of connections that have ended."""
-        self._socket.settimeout(timeout)
-        sock, _ = self._socket.accept()
+    def _accept_all(self) -> None:
+        """Accept the channels that wait; without descriptors left, later."""
+        with contextlib.suppress(OSError):
+            while True:
+                self._keep(self._socket.accept()[0])
+
+    def _keep(self, sock: socket.socket) -> None:
+        """Keep a channel; close it if it is of another user or of a connection that has ended."""
         token = ""
         with contextlib.suppress(OSError, UnicodeDecodeError):
             sock.settimeout(_TOKEN_S)
@@ -308,6 +310,7 @@ class ChannelListener:
         :param offer: the offer
         """
         with self._lock:
+            self._accept_all()
             self._expected.discard(offer.token)
             arrived = self._arrived.pop(offer.token, None)
         if arrived is not None:

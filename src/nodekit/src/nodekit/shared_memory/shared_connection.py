@@ -102,10 +102,10 @@ class TopicMemory:
 
     def close(self) -> None:
         """Give back all memory; subscribers keep what they have not read."""
-        self._pool.close()
-        for channel in self._channels:
+        channels, self._channels = self._channels, set()
+        for channel in channels:  # first: a subscriber drops a segment that is not used again
             channel.close()
-        self._channels.clear()
+        self._pool.close()
 
     def _discard(self, segment: Segment[WrittenMemory]) -> None:
         for channel in self._channels:
@@ -248,7 +248,8 @@ class SharedConnection(SubscriberConnection):
             first = None
         if isinstance(first, _Announcement) and not first.has_begun and self._is_at_limit():
             assert self._channel is not None
-            return self._channel.fileno(), select.POLLIN
+            if self._channel.fileno() >= 0:  # otherwise the next flush ends the connection
+                return self._channel.fileno(), select.POLLIN
         return super().awaited()
 
 

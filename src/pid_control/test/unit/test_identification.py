@@ -86,6 +86,8 @@ def test_record_of_few_outputs_raises() -> None:
         record_of([0.0, 1.0], [0.0, 1.0], [0.0, 1.0, 2.0], [0.0, 1.0, 2.0])
     with pytest.raises(IdentificationError, match="the input is not in it"):
         record_of([], [], numpy.arange(30.0), numpy.arange(30.0))
+    with pytest.raises(IdentificationError, match="all outputs have the same time: 5 s"):
+        record_of([1.0, 2.0], [0.0, 1.0], numpy.full(30, 5.0), numpy.arange(30.0))
 
 
 @pytest.mark.parametrize(

@@ -130,6 +130,12 @@ def test_judge_p_controller_reports_no_integral() -> None:
         ({("nan", "not_finite"): 5.0}, "nan", "recovery_time", "nan"),
         ({("nan", "recovery_time"): math.inf}, "nan", "recovery_time", "nan"),
         ({("nan", "recovery_time"): 0.7}, "nan", "recovery_time", "gains"),
+        (
+            {("nan", "recovery_time"): math.inf, ("missing", "recovery_time"): math.inf},
+            "nan",
+            "recovery_time",
+            "gains",
+        ),
         ({}, "steps", "chatter", "chatter"),
         ({}, "steps", "overshoot", "gains"),
         ({}, "steps", "effort", "gains"),

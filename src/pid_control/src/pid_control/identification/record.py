@@ -86,6 +86,8 @@ def record_of(
         raise IdentificationError("the input is not in it")
     if len(times) < LEAST_OUTPUTS:
         raise IdentificationError(f"it has {len(times)} outputs; {LEAST_OUTPUTS} are the least")
+    if times[-1] <= times[0]:
+        raise IdentificationError(f"all outputs have the same time: {times[0]:g} s")
     if given_at[0] > times[0]:
         if len(given) > 1 and numpy.median(numpy.diff(given_at)) < 1.0 / _STREAM_HZ:
             is_within = times >= given_at[0]

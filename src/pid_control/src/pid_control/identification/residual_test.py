@@ -100,6 +100,9 @@ def _past_inputs(record: Record, model: Model) -> numpy.ndarray:
         columns += [inputs, inputs**2]
     stacked = numpy.column_stack(columns)
     stacked = stacked - stacked.mean(axis=0)
+    # Scaled, so that the unit of the input does not decide which of them count.
+    lengths = numpy.linalg.norm(stacked, axis=0)
+    stacked = stacked / numpy.where(lengths > 0.0, lengths, 1.0)
     axes, singular, _ = numpy.linalg.svd(stacked, full_matrices=False)
     spanned: numpy.ndarray = axes[:, singular > 1e-3 * singular[0]]
     return spanned

@@ -232,7 +232,14 @@ def _windup_or_delay() -> Cause:
 
 
 def _keeps_nan(figures: Figures) -> bool:
-    is_well_otherwise = math.isfinite(_figure(figures, "steps", "settling_time", 0.0))
+    """Return whether answers are not finite, or only messages that are not are never got over."""
+    others = [
+        value
+        for (scenario, metric), value in figures.items()
+        if metric == "recovery_time" and scenario != "nan" and value is not None
+    ]
+    others.append(_figure(figures, "steps", "settling_time", 0.0))
+    is_well_otherwise = all(map(math.isfinite, others))
     never_recovers = math.isinf(_figure(figures, "nan", "recovery_time", 0.0))
     return _figure(figures, "nan", "not_finite", 0.0) > 0.0 or (
         never_recovers and is_well_otherwise

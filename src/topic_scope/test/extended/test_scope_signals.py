@@ -141,7 +141,8 @@ class Signals(SignalsTest):
         self.assertEqual(
             names,
             ["/nowhere/levels[0]", "/nowhere/levels[1]"]
-            + [f"/nowhere/inner[{n}]/{name}" for n in (0, 1) for name in ("stamp", "on")],
+            + [f"/nowhere/inner[{n}]/{name}" for n in (0, 1) for name in ("stamp", "on")]
+            + ["/nowhere/name.state"],
         )
         page.send("select", fields=["/nowhere/levels[1]", "/nowhere/inner[1]/on"])
         selected = ["/nowhere/levels[1]", "/nowhere/inner[1]/on"]

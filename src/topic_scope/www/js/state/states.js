@@ -3,7 +3,8 @@
 const SEVERAL = -1; // place of the text where many states change in a short time
 
 /** Whether the name of a trace is that of a state. */
-export const isState = (field) => !field.startsWith("=") && /\.state(@[^@]*)?$/.test(field);
+export const isState = (field) =>
+  !field.startsWith("=") && /\.state(@[^@]*)?$/.test(field.replace(/"[^"]*"|\[[^\]]*\]/g, ""));
 
 /** Those of some fields that are numbers. */
 export const numbersOf = (fields) => fields.filter((field) => !isState(field));

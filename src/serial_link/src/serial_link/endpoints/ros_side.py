@@ -39,9 +39,6 @@ from serial_link.negotiation.payloads import (
 from serial_link.negotiation.topic_table import SERVICES, Endpoint
 
 _LONGEST_WAIT_S, _RETRY_S, _WARN_EVERY_S = 1.0, 1.0, 10.0
-#: rosserial's library gives up a request for a parameter after 1 s; an answer has no name, and so a
-#: later one would be taken for that to the next request [s]. The rest is for the ways of both.
-_ANSWER_S = 0.8
 _WORDS = {
     PUBLISHER: "publishes",
     SUBSCRIBER: "subscribes to",
@@ -82,9 +79,9 @@ class RosSide:
         self._wanted: Dict[_Key, Endpoint] = {}
         self._open: Dict[_Key, Tuple[Any, Any]] = {}
         #: Whether the board has told of its topics, and so of its buffer, since it was started; and
-        #: its last request for a parameter before that.
+        #: the parameters that it has asked for before.
         self._is_known = False
-        self._asked: Optional[ParameterRequest] = None
+        self._asked: List[str] = []
         self._retry_at = 0.0
         self._throttled_log = ThrottledLog(_WARN_EVERY_S)
         self._is_over = threading.Event()
@@ -114,18 +111,18 @@ class RosSide:
         elif isinstance(arrival, Topics):
             self._update(*arrival)
             self._is_known = True
-            asked, self._asked = self._asked, None
-            if asked is not None:
-                self._answer(asked)
+            asked, self._asked = self._asked, []
+            for name in asked:
+                self._answer(name)
         elif isinstance(arrival, LogLine):
             self._log.write(*arrival)
         elif isinstance(arrival, ParameterRequest):
             if self._is_known:
-                self._answer(arrival)
+                self._answer(arrival.name)
             else:
-                self._asked = arrival
+                self._asked.append(arrival.name)
         elif isinstance(arrival, Restarted):
-            self._is_known, self._asked = False, None
+            self._is_known, self._asked = False, []
             self._wanted.clear()
             for _, endpoint_in_ros in self._open.values():
                 endpoint_in_ros.on_lost(arrival.why)
@@ -197,11 +194,8 @@ class RosSide:
         kind = OfferedService if endpoint.kind == SERVICE_SERVER else CalledService
         return kind(scope, endpoint, link, counters, self._timeout)
 
-    def _answer(self, request: ParameterRequest) -> None:
+    def _answer(self, name: str) -> None:
         """Send a parameter to the board; what it cannot get as nothing, so that it goes on."""
-        if time.monotonic() - request.arrived_at >= _ANSWER_S:
-            return
-        name = request.name
         payload = encode_values(Values())
         try:
             resolved = self._scope.resolve(self._placed(name))
@@ -212,8 +206,7 @@ class RosSide:
                 payload = encode_answer(raw, self._buffer_size())
         except (UnsupportedValue, IllegalName, ConnectionError) as error:
             rospy.logwarn("the board asks for %s: %s", name, error)
-        if time.monotonic() - request.arrived_at < _ANSWER_S:  # the master may have been slow
-            self._link.answer(PARAMETER, payload)
+        self._link.answer(PARAMETER, payload)
 
     def _placed(self, name: str) -> str:
         """Return a name of the board in its namespace, unless the name is global or private."""

@@ -302,7 +302,7 @@ class BoardLink:
                 self._tell_time(now)
             elif topic_id == PARAMETER:
                 event = sync_states.NOTICE
-                self.inbox.put_reliable(ParameterRequest(payloads.decode_name(payload), now))
+                self.inbox.put_reliable(ParameterRequest(payloads.decode_name(payload)))
             elif topic_id == LOG:
                 event = sync_states.NOTICE
                 self.inbox.put(LOG, LogLine(*payloads.decode_log(payload)))

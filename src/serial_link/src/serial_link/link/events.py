@@ -24,14 +24,9 @@ class Message(NamedTuple):
 
 
 class ParameterRequest(NamedTuple):
-    """The board asks for a parameter.
-
-    :param name: of the parameter
-    :param arrived_at: when its request came [s]
-    """
+    """The board asks for a parameter."""
 
     name: str
-    arrived_at: float
 
 
 class LogLine(NamedTuple):

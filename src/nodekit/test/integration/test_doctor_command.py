@@ -39,8 +39,12 @@ class WithAMaster(unittest.TestCase):
         self.master = self.closing.enter_context(MasterClient("/test", master_uri=master.uri))
         self.folder = self.closing.enter_context(tempfile.TemporaryDirectory())
 
-    def start(self, name: str, *words: str) -> Process:
-        """Start a node, and wait until it is registered for all of its topics."""
+    def start(self, name: str, *topics: str) -> Process:
+        """Start a node, and wait until it is registered for all of its topics.
+
+        :param topics: a sign, a topic and its type: ``+`` to publish it, ``-`` to subscribe
+        """
+        words = " ".join(topics).split()
         script = os.path.join(HELPERS, "plain_node.py")
         process = Process(script, [name, *words], self.environment)
         self.closing.callback(process.end)
@@ -76,8 +80,8 @@ class WithAMaster(unittest.TestCase):
         self.assertEqual(len(matching), 1, f"{words} in {found}")
 
     def test_healthy_system_is_called_healthy_and_nothing_stays_registered(self) -> None:
-        self.start("talker", "+", "/chatter", TEXT, "+", "/stamped", STAMPED)
-        self.start("listener", "-", "/chatter", TEXT, "-", "/stamped", STAMPED, "-", "/x", TEXT)
+        self.start("talker", f"+ /chatter {TEXT}", f"+ /stamped {STAMPED}")
+        self.start("listener", f"- /chatter {TEXT}", f"- /stamped {STAMPED}", f"- /x {TEXT}")
         before = self.master.system_state()
         status, lines = self.examine()
         self.assertEqual((status, lines[-1]), (0, "healthy"), lines)
@@ -89,16 +93,20 @@ class WithAMaster(unittest.TestCase):
     def test_each_of_many_faults_is_named(self) -> None:
         self.start(
             "one",
-            *("+", "/mixed", TEXT, "+", "/robot/speed", NUMBER),
-            *("+", "/drifted", TEXT, "+", "/stamped", STAMPED),
+            f"+ /mixed {TEXT}",
+            f"+ /robot/speed {NUMBER}",
+            f"+ /drifted {TEXT}",
+            f"+ /stamped {STAMPED}",
         )
         self.start(
             "two",
-            *("-", "/mixed", NUMBER, "-", "/speed", NUMBER),
-            *("-", "/drifted", TEXT, "-", "/stamped", STAMPED),
+            f"- /mixed {NUMBER}",
+            f"- /speed {NUMBER}",
+            f"- /drifted {TEXT}",
+            f"- /stamped {STAMPED}",
         )
-        self.start("ended", "+", "/left", TEXT).end()
-        stopped = self.start("stopped", "+", "/silent", TEXT)
+        self.start("ended", f"+ /left {TEXT}").end()
+        stopped = self.start("stopped", f"+ /silent {TEXT}")
         self.master.request([("registerPublisher", "/far", TEXT, "http://no-such-host.invalid:1/")])
         self.master.write({"/use_sim_time": True})
         self.make_workspace()

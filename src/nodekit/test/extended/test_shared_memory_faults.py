@@ -3,6 +3,7 @@
 
 import contextlib
 import os
+import pty
 import random
 import resource
 import signal
@@ -153,12 +154,15 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
         (subscriber,) = self.subscribe(publisher, "views")
         with tempfile.TemporaryDirectory() as folder:
             bag = os.path.join(folder, "arrays.bag")
-            commands = [["rosbag", "record", "-O", bag, self.topic], ["rostopic", "hz", self.topic]]
-            tools = []
-            for name, command in zip(("record", "hz"), commands):
-                with open(os.path.join(folder, name), "w") as output:
-                    environment = {**os.environ, "PYTHONUNBUFFERED": "1"}
-                    tools.append(subprocess.Popen(command, stdout=output, env=environment))
+            terminal, its_side = pty.openpty()  # where a user reads each line as it comes
+            self.addCleanup(os.close, terminal)
+            os.set_blocking(terminal, False)
+            record = ["rosbag", "record", "-O", bag, self.topic]
+            tools = [
+                subprocess.Popen(record, stdout=subprocess.DEVNULL),
+                subprocess.Popen(["rostopic", "hz", self.topic], stdout=its_side),
+            ]
+            os.close(its_side)
             for tool in tools:
                 self.addCleanup(tool.wait)
                 self.addCleanup(tool.kill)
@@ -168,10 +172,13 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
             self.publish(publisher, *[LARGE, 100] * 5)
             self.wait_for_all(subscriber)
 
+            shown = bytearray()
+
             def is_measured():
                 self.publish(publisher, LARGE)
-                with open(os.path.join(folder, "hz")) as output:
-                    return "average rate" in output.read()
+                with contextlib.suppress(BlockingIOError):
+                    shown.extend(os.read(terminal, 4096))
+                return b"average rate" in shown
 
             wait_until(is_measured, publisher.statistics, timeout=TIME_OUT)
             self.assertEqual(self.transports(), ["SHAREDMEM", "TCPROS", "TCPROS"])

@@ -3,20 +3,12 @@
 import pathlib
 import re
 import subprocess
-import sys
+
+from header_command import LIBRARIES, command
 import zipfile
 
 HERE = pathlib.Path(__file__).resolve().parents[1]
 SOURCES = HERE.parents[1]
-
-
-def command(*arguments: str) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run(
-        [sys.executable, str(HERE.parent / "scripts" / "make_headers"), *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        universal_newlines=True,
-    )
 
 
 def test_library_has_what_the_arduino_ide_expects(tmp_path: pathlib.Path) -> None:
@@ -35,7 +27,7 @@ def test_library_has_what_the_arduino_ide_expects(tmp_path: pathlib.Path) -> Non
         "#include <ros_messages.h>\n"
         "std_srvs::Trigger::Request request; pid_control::motor_output output;\n"
     )
-    includes = [f"-I{library / 'src'}", f"-I{HERE / 'board_library'}"]
+    includes = [f"-I{library / 'src'}", *LIBRARIES]
     subprocess.check_call(["g++", "-std=gnu++11", "-fsyntax-only", "-Wall", *includes, str(sketch)])
 
 
@@ -55,5 +47,5 @@ def test_the_sketch_of_the_docs_is_right_with_them(tmp_path: pathlib.Path) -> No
     command("pid_control", "--arduino", "--into", str(tmp_path))
     sketch = SOURCES.parent / "docs" / "examples" / "board" / "motor_board" / "motor_board.ino"
     compiler = ["g++", "-std=gnu++11", "-fsyntax-only", "-Wall", "-Werror"]
-    includes = [f"-I{HERE / 'board_library'}", f"-I{tmp_path / 'ros_messages' / 'src'}"]
+    includes = [*LIBRARIES, f"-I{tmp_path / 'ros_messages' / 'src'}"]
     subprocess.check_call([*compiler, *includes, "-x", "c++", str(sketch)])

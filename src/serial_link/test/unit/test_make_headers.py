@@ -5,12 +5,12 @@ import pathlib
 import random
 import struct
 import subprocess
-import sys
 from typing import Any, Dict, List, NamedTuple, Tuple
 
 import genpy
 import numpy
 import pytest
+from header_command import LIBRARIES, command
 import roslib.message
 from hypothesis import given
 from hypothesis import strategies as st
@@ -239,7 +239,7 @@ class Board:
         ]
         source, self._program = folder / "program.cpp", folder / "program"
         source.write_text("\n".join(text) + MAIN.replace("CASES", "\n".join(cases)))
-        includes = [f"-I{HERE / 'board_library'}", f"-I{folder / 'headers'}"]
+        includes = [*LIBRARIES, f"-I{folder / 'headers'}"]
         includes += ["-include", "ros/time.h", "-include", "ros/duration.h"]
         command = ["g++", "-std=gnu++11", "-O0", "-Wall", "-Werror", *SMALL_DOUBLE, *includes]
         subprocess.check_call([*command, str(source), "-o", str(self._program)])
@@ -308,8 +308,7 @@ def test_64_bits_stay_64_where_the_board_has_them(tmp_path: pathlib.Path) -> Non
     make_headers.write(make_headers.build_headers(["std_msgs"]), tmp_path)
     (tmp_path / "test").mkdir()
     (tmp_path / "test" / "program.cpp").write_text(DOUBLES)
-    include = f"-I{HERE / 'board_library'}"
-    command = ["g++", "-std=gnu++11", "-Wall", "-Werror", include, "test/program.cpp"]
+    command = ["g++", "-std=gnu++11", "-Wall", "-Werror", *LIBRARIES, "test/program.cpp"]
     subprocess.check_call(command, cwd=str(tmp_path))
     numbers = [0.1, -0.0, 1e300, 5e-324, 1.0 / 3.0]
     payload = encoded(Float64MultiArray(data=numbers))
@@ -347,7 +346,7 @@ def test_services_of_one_name_in_two_packages_are_both_there(tmp_path: pathlib.P
         headers[f"{package}/{name}.h"] = header(package, name, parts, service=True)
     make_headers.write(headers, tmp_path)
     (tmp_path / "program.cpp").write_text(SERVICES)
-    command = ["g++", "-std=gnu++11", "-Wall", "-Werror", "-I.", f"-I{HERE / 'board_library'}"]
+    command = ["g++", "-std=gnu++11", "-Wall", "-Werror", "-I.", *LIBRARIES]
     subprocess.check_call([*command, "program.cpp", "-o", "program"], cwd=str(tmp_path))
     subprocess.check_call([str(tmp_path / "program")])
 
@@ -361,15 +360,6 @@ def test_text_constants_are_functions() -> None:
     constant = Constant("string", "GREETING", 'say "hi" \\ # all of it')
     text = header("odd", "Odd", [Class("Odd", "odd/Odd", "0", (constant,), ())])
     assert 'static const char *GREETING() { return "say \\"hi\\" \\\\ # all of it"; }' in text
-
-
-def command(*arguments: str) -> "subprocess.CompletedProcess[str]":
-    return subprocess.run(
-        [sys.executable, str(HERE.parent / "scripts" / "make_headers"), *arguments],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        universal_newlines=True,
-    )
 
 
 def test_the_command_writes_what_a_sketch_includes(tmp_path: pathlib.Path) -> None:

@@ -70,7 +70,7 @@ def _responses(record: Record, candidates: numpy.ndarray) -> numpy.ndarray:
     decays = numpy.exp(-numpy.diff(record.changed_at) / tau)
     first = _limited(start - offset, -limit, limit)
     if brake.any():
-        states = _braked_states(targets, decays, first, limit, brake)
+        states = _braked_states(targets - brake, targets + brake, decays, first, limit)
     else:
         states = _states(targets, decays, first, limit)
     due = record.times - delay
@@ -80,48 +80,58 @@ def _responses(record: Record, candidates: numpy.ndarray) -> numpy.ndarray:
     state = numpy.take_along_axis(states, held, axis=1)
     decay = numpy.exp(-elapsed / tau)
     if brake.any():
-        free = _braked(state, target, decay, brake)
+        free = _braked(state, target - brake, target + brake, decay)
     else:
         free = target + (state - target) * decay
     return offset + _limited(free, -limit, limit)
 
 
 def _braked(
-    state: numpy.ndarray, target: numpy.ndarray, decay: numpy.ndarray, brake: numpy.ndarray
+    state: numpy.ndarray, above: numpy.ndarray, below: numpy.ndarray, decay: numpy.ndarray
 ) -> numpy.ndarray:
     """Return the states of plants with friction, after their input was held for a time.
 
     :param state: w at the beginning
-    :param target: w that the input would reach without friction
+    :param above: w that the input would reach if w stayed above 0: the target less the friction
+    :param below: the same below 0: the target plus the friction
     :param decay: exp(-time / T)
-    :param brake: what the friction takes of the target, >= 0
     """
-    side = numpy.sign(numpy.where(state == 0.0, target, state))
-    begin, ahead = side * state, side * target - brake
-    away = begin - ahead
-    # The decay at which a plant that slows down stands; 0 if it never does.
-    stop = numpy.maximum(-ahead, 0.0) / numpy.where(away > 0.0, away, 1.0)
-    back = numpy.minimum(ahead + 2.0 * brake, 0.0)
-    # Only where it has stood, so that the decay is smaller: the ratio is 1 at most.
-    turned = back * (1.0 - numpy.minimum(decay, stop) / numpy.where(stop > 0.0, stop, 1.0))
-    braked: numpy.ndarray = side * numpy.where(decay >= stop, ahead + away * decay, turned)
+    is_above = state > 0.0
+    ahead = numpy.where(is_above, above, below)
+    moved = ahead + (state - ahead) * decay
+    # A plant that passes 0 has as much of the way beyond left as of the way ahead, and rests at 0
+    # where the input does not overcome the friction there.
+    beyond = numpy.where(is_above, numpy.minimum(below, 0.0), numpy.maximum(above, 0.0))
+    passed = beyond * moved / numpy.where(ahead == 0.0, 1.0, ahead)
+    braked: numpy.ndarray = numpy.where((moved > 0.0) == is_above, moved, passed)
     return braked
 
 
 def _braked_states(
-    targets: numpy.ndarray,
+    above: numpy.ndarray,
+    below: numpy.ndarray,
     decays: numpy.ndarray,
     first: numpy.ndarray,
     limit: numpy.ndarray,
-    brake: numpy.ndarray,
 ) -> numpy.ndarray:
-    """Return the outputs at the changes of the input, one after the other."""
-    states = numpy.empty_like(targets)
-    states[:, :1] = state = first
-    for place in range(decays.shape[1]):
-        column = slice(place, place + 1)
-        state = _braked(state, targets[:, column], decays[:, column], brake)
-        states[:, place + 1 : place + 2] = state = _limited(state, -limit, limit)
+    """Return the outputs at the changes of the input, one after the other.
+
+    Of few plants :func:`_braked` takes ten times as long as the same steps with single numbers.
+    """
+    states = numpy.empty_like(above)
+    for row, most in enumerate(limit[:, 0].tolist()):
+        state = first[row, 0].item()
+        found = [state]
+        for over, under, decay in zip(above[row].tolist(), below[row].tolist(), decays[row].tolist()):
+            ahead = over if state > 0.0 else under
+            moved = ahead + (state - ahead) * decay
+            if state > 0.0 >= moved:
+                moved *= min(under, 0.0) / (ahead or 1.0)
+            elif state <= 0.0 < moved:
+                moved *= max(over, 0.0) / ahead
+            state = min(max(moved, -most), most)
+            found.append(state)
+        states[row] = found
     return states
 
 

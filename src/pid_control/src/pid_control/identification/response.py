@@ -122,7 +122,9 @@ def _braked_states(
     for row, most in enumerate(limit[:, 0].tolist()):
         state = first[row, 0].item()
         found = [state]
-        for over, under, decay in zip(above[row].tolist(), below[row].tolist(), decays[row].tolist()):
+        for over, under, decay in zip(
+            above[row].tolist(), below[row].tolist(), decays[row].tolist()
+        ):
             ahead = over if state > 0.0 else under
             moved = ahead + (state - ahead) * decay
             if state > 0.0 >= moved:

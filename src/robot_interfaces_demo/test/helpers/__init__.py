@@ -1,0 +1,1 @@
+"""Helpers of the integration tests; a .test file puts the folder above on PYTHONPATH."""

@@ -21,7 +21,7 @@ from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 
 class SerialFaults(NodeRig):
-    """Faults, and the judge of the controller beside a board."""
+    """Faults, and a check of the controller that takes the board for its plant."""
 
     def test_controller_check_takes_the_board_for_a_plant(self) -> None:
         """The verdict may be that the machine is too busy; the motor moves and stops anyway."""

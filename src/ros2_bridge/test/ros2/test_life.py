@@ -28,6 +28,8 @@ from nodekit.testing.waiting import wait_until
 from ros2_bridge.graph_loop import GraphLoop
 from ros2_bridge.ros1.nodes import NodeRegistrar
 from ros2_bridge.ros1.single_instance import domain
+from ros2_bridge.ros2 import participant as participant_module
+from ros2_bridge.ros2.participant import Participant
 
 #: How long roslaunch waits for a node to end before it kills it [s]: its DEFAULT_TIMEOUT_SIGINT,
 #: which cannot be imported where messages are those of ROS 2.
@@ -82,6 +84,30 @@ def test_second_bridge_is_refused(ros: both.Both) -> None:
             return ("ros2_bridge", "/") not in ros.node.get_node_names_and_namespaces()
 
         wait_until(is_gone, lambda: "ROS 2 still lists it", 10.0)  # 20 s if it had been killed
+
+
+def test_participant_ends_once_its_nodes_are_known_to_have_gone(
+    ros: both.Both, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    participant = Participant("/leaves")
+    participant.create_node("/leaves_too")
+
+    def listed() -> List[str]:
+        names = ros.node.get_node_names_and_namespaces()
+        return sorted(name for name, _ in names if name.startswith(("leaves", "_ros2_bridge")))
+
+    wait_until(lambda: len(listed()) == 2, lambda: str(listed()))
+    seen: List[List[str]] = []
+
+    def pause(_: float) -> None:
+        wait_until(lambda: listed() == ["_ros2_bridge_ends"], lambda: str(listed()))
+        seen.append(listed())
+
+    with monkeypatch.context() as patched:
+        patched.setattr(participant_module, "time", SimpleNamespace(sleep=pause))
+        participant.close()
+    assert seen
+    wait_until(lambda: not listed(), lambda: str(listed()))
 
 
 def test_domain_that_there_is_not_is_refused(

@@ -26,8 +26,11 @@ from ros2_bridge.rules.settings import Quality
 _GUID_PREFIX_SIZE = 12
 #: How many calls of a service are kept in a burst, as by rclpy.
 _CALLS = 10
-#: Longest time for disconnecting [s]: Ctrl-C ends the bridge within 2 s.
-_DISCONNECT_S = 0.7
+#: Pause between the end of all nodes and that of the participant [s]: ROS 2's word that a node has
+#: gone is repeated until it has arrived, but only while the participant is there.
+_LAST_WORD_S = 0.2
+#: Name of the node that keeps the participant until then; ``ros2 node list`` hides it.
+_LAST_NODE = "/_ros2_bridge_ends"
 #: Has ROS 2 forget what has failed in this thread. It tries kinds of type support that twins do not
 #: have, collects the failures, and would log for each endpoint that they were truncated.
 _forget_failures = ctypes.CDLL("librcutils.so").rcutils_reset_error
@@ -221,14 +224,20 @@ class Participant:
         return lambda: loop.remove(waitable, locked)
 
     def close(self) -> None:
-        """End everything, and disconnect from ROS 2, which would list it for 20 s more."""
+        """End everything, and disconnect from ROS 2.
+
+        A participant ends with its last node, and says so once: where that is lost, or overtakes
+        what was said of the nodes, ROS 2 goes on to list them.
+        """
         self.messages.close()
         self.calls.close()
-        enough = time.monotonic() + _DISCONNECT_S
         with self._lock:
-            for node in self._nodes:
-                if time.monotonic() < enough:
-                    node.destroy_node()
+            nodes = list(self._nodes)
+            last = self.create_node(_LAST_NODE)
+            for node in nodes:
+                node.destroy_node()
+            time.sleep(_LAST_WORD_S)
+            last.destroy_node()
             rclpy.shutdown(context=self.context)
 
     def topics(self) -> Set[str]:

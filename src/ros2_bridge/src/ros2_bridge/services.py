@@ -20,6 +20,8 @@ from ros2_bridge.types.codec_ops import ConversionError
 from ros2_bridge.types.service_types import ServiceTypes
 from ros2_bridge.types.type_registry import ServiceType, TypeRegistry
 
+#: How many requests, and responses, of a service are kept in a burst.
+_DEPTH = 1000
 #: Fields that say, by convention, why a service has failed.
 _WHY = ("message", "status_message", "reason")
 #: Shortest time between two log lines of one kind [s].
@@ -53,7 +55,7 @@ class ServiceToRos2:
         self._throttle = Throttle(_LOG_PERIOD_S)
         self.owner = owner
         self.kind, self._timeout = kind, timeout
-        self._end = participant.create_service(owner, kind.cls, other, self._answer)
+        self._end = participant.create_service(owner, kind.cls, other, self._answer, _DEPTH)
         self._scope = node.create_scope()
         self._client = self._scope.create_client(name, kind.raw, group=ReentrantCallbackGroup())
 
@@ -114,7 +116,7 @@ class ServiceToRos1:
         timeout: Callable[[], float],
     ) -> None:
         self.kind, self._timeout, self.server = kind, timeout, ""
-        self._client = Ros2Client(participant, kind.cls, other)
+        self._client = Ros2Client(participant, kind.cls, other, _DEPTH)
         self._scope = node.create_scope()
         self._scope.create_service(name, kind.raw, self._answer, group=ReentrantCallbackGroup())
 

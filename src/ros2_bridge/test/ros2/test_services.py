@@ -13,6 +13,7 @@ import rospy
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 from std_srvs.srv import SetBool, Trigger
 from test_topics import RCLError
 
@@ -137,6 +138,79 @@ def test_ros2_is_called_from_ros1(ros: both.Both, bridge: both.Bridge) -> None:
         return "/add" not in dict(rospy.get_master().getSystemState()[2][2])
 
     wait_until(is_gone, lambda: "/add is still offered in ROS 1")
+
+
+def test_burst_of_calls_is_answered_whole_both_ways(ros: both.Both, bridge: both.Bridge) -> None:
+    many = 120  # rclpy's servers and clients keep ten of a burst
+    raw = ros.types.service(ADD).raw
+
+    def add2(request: Any, response: Any) -> Any:
+        response.sum = request.a + request.b
+        return response
+
+    def add1(request: Any) -> Any:
+        response = raw._response_class()
+        response._buff = struct.pack("<q", sum(struct.unpack("<qq", request._buff)))
+        return response
+
+    adder = Node("burst_adder")
+    adder.create_service(AddTwoInts, "/burst2", add2)
+    ros.executor.add_node(adder)
+    server = rospy.Service("/burst1", raw, add1)
+    rospy.wait_for_service("/burst2", 20.0)
+    answers: List[Any] = []
+    together = threading.Barrier(many)
+
+    def call(number: int) -> None:
+        together.wait()
+        try:
+            answers.append(ros.call1("/burst2", ADD, struct.pack("<qq", number, 1)))
+        except rospy.ServiceException as error:
+            answers.append(str(error))
+
+    threads = [threading.Thread(target=call, args=(number,)) for number in range(many)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    expected = [struct.pack("<q", number + 1) for number in range(many)]
+    assert sorted(map(str, answers)) == sorted(map(str, expected))
+    client = ros.node.create_client(AddTwoInts, "/burst1", qos_profile=QoSProfile(depth=many))
+    assert client.wait_for_service(20.0)
+    calls = [client.call_async(AddTwoInts.Request(a=number, b=1)) for number in range(many)]
+
+    def answered() -> int:
+        return sum(one.done() for one in calls)
+
+    wait_until(lambda: answered() == many, lambda: f"{answered()} of {many} answered")
+    assert [one.result().sum for one in calls] == [number + 1 for number in range(many)]
+    ros.node.destroy_client(client)
+    server.shutdown()
+    ros.executor.remove_node(adder)
+    adder.destroy_node()
+
+
+def test_calls_that_a_full_server_leaves_say_so(ros: both.Both, bridge: both.Bridge) -> None:
+    stuck = Node("stuck")  # which is not spun
+    stuck.create_service(AddTwoInts, "/stuck", lambda _, response: response)
+    rospy.wait_for_service("/stuck", 20.0)
+    rospy.set_param("/ros2_bridge/service_timeout", 1.5)
+    bridge.wait_for_log("-> 1.5")
+    texts: List[str] = []
+
+    def call() -> None:
+        with pytest.raises(rospy.ServiceException) as caught:
+            ros.call1("/stuck", ADD, struct.pack("<qq", 1, 1))
+        texts.append(str(caught.value))
+
+    threads = [threading.Thread(target=call) for _ in range(15)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all("/stuck in ROS 2: no answer within 1.5 s" in text for text in texts)
+    assert any("calls are under way, and a server keeps 10 requests" in text for text in texts)
+    stuck.destroy_node()
 
 
 def test_type_changes_at_once(ros: both.Both, bridge: both.Bridge) -> None:

@@ -1,10 +1,12 @@
 """ROS 2 service client with a time-out."""
 
 import threading
+import time
 from typing import Any, Callable, Dict, List
 
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 
+from ros2_bridge.ros2.call_window import QUEUE, CallWindow
 from ros2_bridge.ros2.participant import Participant
 
 
@@ -25,6 +27,7 @@ class Ros2Client:
         self._cls, self._name = cls, name
         self._lock = threading.Lock()
         self._waiting: Dict[int, Callable[[Any], None]] = {}
+        self._window = CallWindow()
         self._client, self.close = participant.create_client(cls, name, self._receive, depth)
 
     def is_ready(self) -> bool:
@@ -61,9 +64,21 @@ class Ros2Client:
     def call(self, request: Any, timeout: float) -> Any:
         """Call the service and wait for the response.
 
-        :param timeout: longest wait [s]
+        No more calls are sent at a time than a server's queue holds; the others wait.
+
+        :param timeout: longest wait, for being sent as well [s]
         :raises NoResponse: if it is not offered, or there is no response in time
         """
+        deadline = time.monotonic() + timeout
+        turn = self._window.enter(deadline)
+        if turn is None:
+            raise self._no_answer(timeout)
+        try:
+            return self._call(request, timeout, deadline)
+        finally:
+            self._window.leave(turn)
+
+    def _call(self, request: Any, timeout: float, deadline: float) -> Any:
         responses: List[Any] = []
         came = threading.Event()
 
@@ -72,10 +87,19 @@ class Ros2Client:
             came.set()
 
         number = self.send(request, receive)
-        if not came.wait(timeout):
+        if not came.wait(deadline - time.monotonic()):
             self.forget(number)
-            raise NoResponse(f"{self._name} in ROS 2: no answer within {timeout:g} s")
+            raise self._no_answer(timeout)
         return responses[0]
+
+    def _no_answer(self, timeout: float) -> NoResponse:
+        text = f"{self._name} in ROS 2: no answer within {timeout:g} s"
+        if len(self._window) >= QUEUE:
+            text += (
+                f"; {len(self._window)} calls are under way, and a server keeps {QUEUE} requests"
+                " unless its node sets a greater depth"
+            )
+        return NoResponse(text)
 
     def _receive(self, most: int) -> None:
         for _ in range(most):

@@ -64,12 +64,25 @@ class Clients:
         self.goals.on_status(listed, now)
 
     def end(self, uuid: bytes, status: Status1, result: bytes = b"", now: float = 0.0) -> None:
-        self.goals.on_result(text_of(uuid), status, result, now)
+        self.goals.on_result(text_of(uuid), 1, status, result, now)
 
 
 @pytest.fixture
 def clients() -> Clients:
     return Clients()
+
+
+def test_result_before_the_first_list_with_its_goal_counts(clients: Clients) -> None:
+    clients.end(ONE, Status1.SUCCEEDED, b"there")  # of a quick goal of a client of ROS 1
+    clients.list_goals(one=Status1.ACTIVE)  # which came by a slower connection
+    assert clients.status == {ONE: Status2.SUCCEEDED}
+    clients.list_goals(one=Status1.SUCCEEDED)
+    assert clients.goals.end_timeouts(10.0 * PATIENCE_S) == NOTHING
+    clients.ask(ONE)
+    assert clients.results == {ONE: [(Status2.SUCCEEDED, b"there")]}
+    clients.end(TWO, Status1.REJECTED)
+    clients.end(NO_GOAL, Status1.SUCCEEDED)
+    assert list(clients.status) == [ONE]
 
 
 def test_goal_goes_from_sending_to_its_result(clients: Clients) -> None:
@@ -174,7 +187,7 @@ def test_goals_of_ros1_are_there_too(clients: Clients) -> None:
     assert clients.status == {uuid: Status2.EXECUTING}
     assert clients.cancel(uuid) == "/node-1-7.5"
     clients.ask(uuid)
-    clients.goals.on_result("/node-1-7.5", Status1.PREEMPTED, b"far", 0.0)
+    clients.goals.on_result("/node-1-7.5", 7, Status1.PREEMPTED, b"far", 0.0)
     assert clients.results == {uuid: [(Status2.CANCELED, b"far")]}
     assert clients.cancelled == [(DONE, [uuid])]
 

@@ -207,7 +207,7 @@ class Ros1ServerInRos2:
             rospy.logwarn(f"{self._name}: {report.text} is aborted, its result refused: {error}")
             status, content = Status1.LOST, b""
         with self._lock:
-            self._goals.on_result(report.text, status, content, time.monotonic())
+            self._goals.on_result(report.text, report.stamp, status, content, time.monotonic())
 
     def _on_feedback(self, message: Any) -> None:
         if self._offered is None:

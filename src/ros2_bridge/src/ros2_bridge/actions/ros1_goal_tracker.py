@@ -177,16 +177,22 @@ class Ros1GoalTracker:
                 self._move(goal, Status1.LOST, now)
         self._report(now)
 
-    def on_result(self, text: str, status: Status1, result: bytes, now: float) -> None:
-        """End a goal.
+    def on_result(self, text: str, stamp: int, status: Status1, result: bytes, now: float) -> None:
+        """End a goal, also one of ROS 1's own whose result comes before the first list with it.
 
+        That list comes by another connection; the goal would be taken for one under way.
+
+        :param stamp: when the goal began [ns]
         :param result: its result, as ROS 1 has it
         """
         goal = self._goals.get(text)
-        if goal is not None:
-            is_last = TO_ROS2[status] in OVER2
-            self._move(goal, status if is_last else Status1.LOST, now, result)
-            self._report(now)
+        if goal is None and not text:
+            return  # of no goal
+        if goal is None:
+            goal = self._goals[text] = Goal(text, stamp, now, None)
+        is_last = TO_ROS2[status] in OVER2
+        self._move(goal, status if is_last else Status1.LOST, now, result)
+        self._report(now)
 
     def abort_all(self, now: float) -> None:
         """End all goals, as the server has gone."""

@@ -45,7 +45,8 @@ def ros1_bytes(fields: Fields, datatype: str) -> Any:
         if base in ("byte", "char"):
             return NUMBERS["uint8"].map(lambda value: struct.pack("<B", value))
         if base in ("time", "duration"):
-            return st.tuples(WORDS, WORDS).map(lambda both: struct.pack("<II", *both))
+            seconds = st.integers(0, 2**31 - 1) if base == "time" else WORDS
+            return st.tuples(seconds, WORDS).map(lambda both: struct.pack("<II", *both))
         if base == "string":
             text = st.binary(max_size=9).filter(lambda value: b"\0" not in value)
             return text.map(lambda value: struct.pack("<I", len(value)) + value)
@@ -216,3 +217,23 @@ def test_one_codec_serves_many_threads() -> None:
     for thread in threads:
         thread.join()
     assert not wrong
+
+
+@pytest.mark.parametrize("shape", ["time t", "time[] t", "time[2] t", "Header t", "Header[] t"])
+def test_time_that_the_other_ros_lacks_is_refused(shape: str) -> None:
+    codec = Codec("pkg/m", parse("pkg/m", shape + HEADER))
+
+    def ros1(seconds: int) -> bytes:
+        stamp = struct.pack("<II", seconds, 7)
+        one = struct.pack("<I", 0) + stamp + struct.pack("<I", 0) if "Header" in shape else stamp
+        many = struct.pack("<I", 1) + one if "[]" in shape else one
+        return many + stamp if "[2]" in shape else many
+
+    last = codec.to_cdr(ros1(2**31 - 1))
+    assert codec.to_ros1(last) == ros1(2**31 - 1)
+    with pytest.raises(ConversionError, match="after 2038-01-19"):
+        codec.to_cdr(ros1(2**31))
+    with pytest.raises(ConversionError, match="before 1970"):
+        codec.to_ros1(last.replace(struct.pack("<i", 2**31 - 1), struct.pack("<i", -1)))
+    long = Codec("pkg/m", parse("pkg/m", "duration d"))  # which has a sign in both
+    assert long.to_ros1(long.to_cdr(struct.pack("<ii", -1, 5))) == struct.pack("<ii", -1, 5)

@@ -2,9 +2,10 @@
 """Codec between serialized ROS 1 messages and CDR, without message objects.
 
 A definition is compiled once into instructions; after that a codec holds no state, so any number of
-threads may use one. Both notations are little endian. CDR, as ROS 2 writes it, differs in four
+threads may use one. Both notations are little endian. CDR, as ROS 2 writes it, differs in five
 points: each number stands at a multiple of its size, counted from behind the first four bytes; a
-text ends with a zero, which is counted; a Header has no ``seq``; and what is empty has one byte.
+text ends with a zero, which is counted; a Header has no ``seq``; the seconds of a time have a sign; and what is
+empty has one byte.
 """
 
 import struct
@@ -14,6 +15,7 @@ from nodekit.message_definitions import SIZES, TIMES, Field, Fields
 from ros2_bridge.types.codec_ops import (
     EMPTY,
     SEQ,
+    TIME,
     ConversionError,
     Instruction,
     Number,
@@ -55,7 +57,7 @@ class _Compiler:
             return self._fixed_array(field.base, field.length, element)
         numbers = [piece for piece in element if isinstance(piece, Number)]
         sizes = {number.size for number in numbers}
-        if len(numbers) < len(element) or len(sizes) != 1 or EMPTY in numbers:
+        if len(numbers) < len(element) or len(sizes) != 1 or {EMPTY, TIME}.intersection(numbers):
             least = sum(piece.bytes1 if isinstance(piece, Number) else 4 for piece in element)
             return [array(chain(element), least)]
         (size,) = sizes
@@ -72,7 +74,7 @@ class _Compiler:
         if base in SIZES:
             return [number(SIZES[base], 1)]
         if base in TIMES:
-            return [number(4, 2)]
+            return [TIME if base == "time" else number(4, 2)]
         if base == "string":
             return [(text_down, text_up)]
         return self.message(base)

@@ -38,6 +38,9 @@ class Number:
 # Zeros where there is nothing to take: a pad byte of struct is skipped, or written as zero.
 SEQ = Number("4x", "", 1, 4, 0)
 EMPTY = Number("", "x", 1, 0, 1)
+#: A point in time: its seconds have no sign in ROS 1, and one in ROS 2.
+TIME = Number("II", "iI", 4, 8, 8)
+_NO_TIME = "a time before 1970 or after 2038-01-19, which one of both ROSes does not have"
 
 
 def number(size: int, count: int) -> Number:
@@ -63,12 +66,20 @@ def _run(numbers: List[Number]) -> Tuple[Instruction, Instruction]:
         variants.append(struct.Struct("".join(notes)))
 
     def down(source: Any, at: int, out: bytearray) -> int:
-        out += variants[len(out) & 7].pack(*packed.unpack_from(source, at))
+        values = packed.unpack_from(source, at)
+        try:
+            out += variants[len(out) & 7].pack(*values)
+        except struct.error:  # nothing else has a range of its own
+            raise ConversionError(_NO_TIME) from None
         return at + packed.size
 
     def up(source: Any, at: int, out: bytearray) -> int:
         padded = variants[at & 7]
-        out += packed.pack(*padded.unpack_from(source, at))
+        values = padded.unpack_from(source, at)
+        try:
+            out += packed.pack(*values)
+        except struct.error:
+            raise ConversionError(_NO_TIME) from None
         return at + padded.size
 
     return down, up

@@ -84,6 +84,16 @@ def test_another_python_is_refused(
     assert line.startswith("make_environment: PyPI has ROS 2 for Python 3.2 only, and this is 3.")
 
 
+def test_folder_that_cannot_be_written_to_is_named(
+    monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["make_environment", "--into", "/proc/ros2"])
+    assert python_environment.main() == 125
+    shown = capsys.readouterr().err
+    assert shown.startswith("make_environment: cannot write to /proc/ros2: ")
+    assert shown.endswith("name another folder with --into\n")
+
+
 def test_first_error_of_a_command_is_the_reason(place: pathlib.Path) -> None:
     ours = PythonEnvironment(place)
     place.with_name("ros2_twins").mkdir()

@@ -359,6 +359,9 @@ def main() -> int:
     except Unavailable as reason:
         say(str(reason))
         return 125
+    except OSError as error:  # a folder that cannot be written to, or a full disk
+        say(f"cannot write to {options.into}: {error}; name another folder with --into")
+        return 125
     except KeyboardInterrupt:
         say("interrupted: it has to be run again")
         return 130

@@ -10,8 +10,9 @@ from typing import Any, Callable, Dict, List, Tuple, cast
 import both
 import pytest
 import rospy
+from rclpy.duration import Duration
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
-from rclpy.qos import DurabilityPolicy, QoSProfile, qos_profile_sensor_data
+from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, qos_profile_sensor_data
 from std_msgs.msg import Float32, String
 
 from basic_comms.msg import SignalMsg
@@ -19,6 +20,7 @@ from nodekit import Throttle
 from nodekit.message_definitions import parse
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.ros1.graph import Ros1Graph
+from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.ros2.rcl_take import ReceivedMessage
 from ros2_bridge.rules.selection import Rules, Way
 from ros2_bridge.rules.active_pairs import MISSED_POLLS, Bridged
@@ -367,3 +369,35 @@ def test_senders_without_number_are_not_all_remembered() -> None:
     for number in range(5000):
         pair._count_lost(b"%d" % number, 1)
     assert len(pair._last) <= 1000
+
+
+def test_subscriber_that_asks_for_deadline_and_liveliness_matches_what_is_chosen(
+    ros: both.Both,
+) -> None:
+    participant = Participant("/offers")
+    offered = {"deadline": 0.5, "liveliness": "manual_by_topic", "liveliness_lease_duration": 1.0}
+    qualities = Qualities(7, [{"topic": "/heartbeat", **offered, "lifespan": 60.0}])
+    quality = qualities.of("/heartbeat")
+    publisher = participant.create_publisher(participant.node, Float32, "/heartbeat", quality)
+    heard: List[Any] = []
+    wanted = QoSProfile(
+        depth=7,
+        deadline=Duration(seconds=0.5),
+        liveliness=LivelinessPolicy.MANUAL_BY_TOPIC,
+        liveliness_lease_duration=Duration(seconds=1.0),
+    )
+    ear = ros.node.create_subscription(Float32, "/heartbeat", heard.append, wanted)
+    wait_until(
+        lambda: publisher.publish(Float32(data=1.0)) or heard, lambda: "they do not match"
+    )
+    (found,) = ros.node.get_publishers_info_by_topic("/heartbeat")
+    assert found.qos_profile.lifespan == Duration(seconds=60.0)
+    # A subscription asks for nothing of it: publishers without a deadline match too.
+    arrived: List[Any] = []
+    end = participant.create_subscription(Float32, "/plain", quality, arrived.extend)
+    plain = ros.node.create_publisher(Float32, "/plain", 7)
+    wait_until(lambda: plain.publish(Float32(data=1.0)) or arrived, lambda: "it does not match")
+    end()
+    participant.close()
+    ros.node.destroy_subscription(ear)
+    ros.node.destroy_publisher(plain)

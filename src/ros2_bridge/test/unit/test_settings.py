@@ -38,7 +38,7 @@ def test_quality_is_the_user_s_or_fits_the_publishers() -> None:
         ([{"topic": "/a", "depth": True}], "1 to 100000"),
         ([{"topic": "/a", "depth": 100_001}], "1 to 100000"),
         ([{"topic": "/a", "durability": "latched"}], "one of volatile, transient_local"),
-        ([{"topic": "/a", "history": "all"}], "made of topic, depth, reliability and durability"),
+        ([{"topic": "/a", "history": "all"}], "made of topic, depth, reliability, durability, "),
     ],
 )
 def test_nonsense_is_refused(chosen: Any, words: str) -> None:
@@ -121,3 +121,23 @@ def test_environment_is_found_above_or_by_name(tmp_path: pathlib.Path) -> None:
 def test_only_ros1_s_packages_go_along() -> None:
     path = ["/home/me", "/ws/devel/lib/python3/dist-packages", "/usr/lib/python3/dist-packages"]
     assert python_path(path) == ":".join(path[1:])
+
+
+def test_qualities_that_a_publisher_offers_are_the_users() -> None:
+    chosen = {"topic": "/heart*", "deadline": 0.5, "lifespan": 2, "liveliness": "manual_by_topic"}
+    qualities = Qualities(7, [{**chosen, "liveliness_lease_duration": 1.0}])
+    assert dict(qualities.of("/heartbeat").offered) == {
+        "deadline": 0.5,
+        "lifespan": 2,
+        "liveliness": "manual_by_topic",
+        "liveliness_lease_duration": 1.0,
+    }
+    assert qualities.of("/other").offered == ()
+    for name, value in (
+        *(("deadline", wrong) for wrong in (0, -1.0, True, "1 s", math.inf, math.nan)),
+        ("liveliness", "manual"),
+    ):
+        with pytest.raises(ParameterError, match=f"qos of /a, {name}"):
+            Qualities(7, [{"topic": "/a", name: value}])
+    with pytest.raises(ParameterError, match="made of topic, depth, .*liveliness_lease_duration"):
+        Qualities(7, [{"topic": "/a", "lease": 1.0}])

@@ -12,10 +12,11 @@ from typing import Any, Callable, Counter, Dict, List, Set, Tuple
 import rclpy
 from rcl_interfaces.msg import ParameterEvent
 from rclpy.context import Context
+from rclpy.duration import Duration
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.node import Node
 from rclpy.parameter import Parameter
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 
 from ros2_bridge.ros2.rcl_take import ReceivedMessage, MessageTaker
@@ -36,14 +37,25 @@ _LAST_NODE = "/_ros2_bridge_ends"
 _forget_failures = ctypes.CDLL("librcutils.so").rcutils_reset_error
 
 
-def _profile(quality: Quality) -> QoSProfile:
-    """Return a quality of service as rclpy has it."""
+def _profile(quality: Quality, publishes: bool) -> QoSProfile:
+    """Return a quality of service as rclpy has it.
+
+    :param publishes: whether it is a publisher's
+    """
     kept, lost = DurabilityPolicy.TRANSIENT_LOCAL, ReliabilityPolicy.BEST_EFFORT
     return QoSProfile(
         depth=quality.depth,
         durability=kept if quality.latched else DurabilityPolicy.VOLATILE,
         reliability=lost if quality.best_effort else ReliabilityPolicy.RELIABLE,
+        **{name: _as_rclpy(value) for name, value in quality.offered if publishes},
     )
+
+
+def _as_rclpy(offered: Any) -> Any:
+    """Return a part of what a publisher offers as rclpy has it."""
+    if isinstance(offered, str):
+        return LivelinessPolicy[offered.upper()]
+    return Duration(seconds=offered)
 
 
 class Participant:
@@ -112,7 +124,7 @@ class Participant:
         :param node: who publishes it
         """
         with self._lock:
-            publisher = node.create_publisher(cls, topic, _profile(quality))
+            publisher = node.create_publisher(cls, topic, _profile(quality, True))
             _forget_failures()
             self._published[topic] += 1
             return publisher
@@ -137,7 +149,7 @@ class Participant:
         """
         with self._lock:
             subscription = self.node.create_subscription(
-                cls, topic, lambda message: None, _profile(quality), raw=True
+                cls, topic, lambda message: None, _profile(quality, False), raw=True
             )
             _forget_failures()
             self._subscribed[topic] += 1

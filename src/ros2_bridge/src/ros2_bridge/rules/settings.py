@@ -1,7 +1,7 @@
 """Settings of the user: parameters, and qualities of service."""
 
 import fnmatch
-from typing import Any, List, Mapping, NamedTuple
+from typing import Any, List, Mapping, NamedTuple, Tuple
 
 from nodekit import (
     BoolParameter,
@@ -18,6 +18,10 @@ from nodekit import (
 from ros2_bridge.rules.selection import Rules
 from ros2_bridge.rules.rates import MaxRates
 from ros2_bridge.rules.renaming import Renaming
+
+
+#: Longest duration of a quality of service [s]; without one it is infinite.
+_LONGEST_S = 86_400.0
 
 
 class BridgeParameters(ParameterSet):
@@ -106,11 +110,15 @@ class Quality(NamedTuple):
     :param depth: how many messages are kept
     :param latched: whether they are kept for those who come later too
     :param best_effort: whether messages may be lost
+    :param offered: what a publisher offers besides, by the names of ``rclpy.qos.QoSProfile``:
+        ``liveliness`` in words, all else in seconds. A subscription asks for nothing of it, so
+        that it matches every publisher
     """
 
     depth: int
     latched: bool = False
     best_effort: bool = False
+    offered: Tuple[Tuple[str, Any], ...] = ()
 
 
 class Qualities:
@@ -118,8 +126,9 @@ class Qualities:
 
     :param depth: how many messages are kept where the user does not say
     :param chosen: a list of mappings, each a pattern of topics, ``topic``, and what is chosen of
-        ``depth``, ``reliability`` and ``durability``. (The server of parameters takes no slash in a
-        name, so topics cannot be the keys of a mapping.)
+        ``depth``, ``reliability``, ``durability``, ``deadline``, ``lifespan``, ``liveliness`` and
+        ``liveliness_lease_duration``. (The server of parameters takes no slash in a name, so topics
+        cannot be the keys of a mapping.)
     :raises ParameterError: if it is malformed
     """
 
@@ -127,7 +136,10 @@ class Qualities:
     ALLOWED = {
         "reliability": ("reliable", "best_effort"),
         "durability": ("volatile", "transient_local"),
+        "liveliness": ("automatic", "manual_by_topic"),
     }
+    #: Durations [s].
+    DURATIONS = ("deadline", "lifespan", "liveliness_lease_duration")
 
     def __init__(self, depth: int, chosen: Any) -> None:
         self._depth = depth
@@ -161,7 +173,13 @@ class Qualities:
         if "reliability" in choice:
             best_effort = choice["reliability"] == "best_effort"
         depth = at_least or self._depth
-        return Quality(int(choice.get("depth", depth)), latched, best_effort)
+        offered = (*self.DURATIONS, "liveliness")
+        return Quality(
+            int(choice.get("depth", depth)),
+            latched,
+            best_effort,
+            tuple((name, choice[name]) for name in offered if name in choice),
+        )
 
 
 def _validate(topic: str, name: str, value: Any) -> None:
@@ -170,7 +188,11 @@ def _validate(topic: str, name: str, value: Any) -> None:
         is_good, words = value in allowed, f"one of {', '.join(allowed)}"
     elif name == "depth":
         is_good, words = type(value) is int and 1 <= value <= 100_000, "1 to 100000"
+    elif name in Qualities.DURATIONS:
+        is_good = type(value) in (int, float) and 0.0 < value <= _LONGEST_S
+        words = f"a number of seconds above 0, at most {_LONGEST_S:g}"
     else:
-        is_good, words = name == "topic", "made of topic, depth, reliability and durability"
+        names = ("depth", *Qualities.ALLOWED, *Qualities.DURATIONS)
+        is_good, words = name == "topic", f"made of topic, {', '.join(names)}"
     if not is_good:
         raise ParameterError(f"qos of {topic}, {name}", value, words)

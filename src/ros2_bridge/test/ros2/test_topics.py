@@ -387,9 +387,7 @@ def test_subscriber_that_asks_for_deadline_and_liveliness_matches_what_is_chosen
         liveliness_lease_duration=Duration(seconds=1.0),
     )
     ear = ros.node.create_subscription(Float32, "/heartbeat", heard.append, wanted)
-    wait_until(
-        lambda: publisher.publish(Float32(data=1.0)) or heard, lambda: "they do not match"
-    )
+    wait_until(lambda: publisher.publish(Float32(data=1.0)) or heard, lambda: "they do not match")
     (found,) = ros.node.get_publishers_info_by_topic("/heartbeat")
     assert found.qos_profile.lifespan == Duration(seconds=60.0)
     # A subscription asks for nothing of it: publishers without a deadline match too.

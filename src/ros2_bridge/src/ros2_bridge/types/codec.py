@@ -4,8 +4,8 @@
 A definition is compiled once into instructions; after that a codec holds no state, so any number of
 threads may use one. Both notations are little endian. CDR, as ROS 2 writes it, differs in five
 points: each number stands at a multiple of its size, counted from behind the first four bytes; a
-text ends with a zero, which is counted; a Header has no ``seq``; the seconds of a time have a sign; and what is
-empty has one byte.
+text ends with a zero, which is counted; a Header has no ``seq``; the seconds of a time have a sign;
+and what is empty has one byte.
 """
 
 import struct

@@ -75,6 +75,8 @@ def pairs():
 @pytest.fixture
 def unwatched(monkeypatch):
     """Keep the background thread out; gives the links that it would have got."""
+    # That of a test before may still be about to end, and would use a replaced clock.
+    wait_until(lambda: delivery._drain._thread is None, lambda: str(delivery._drain._links))
     links = []
     monkeypatch.setattr(delivery, "_drain", types.SimpleNamespace(watch=links.extend))
     return links
@@ -266,6 +268,26 @@ def test_receiver_is_served_at_once_while_another_one_is_watched(pairs, monkeypa
     assert receive(theirs, len(BIG)) == BIG
     deaf.drop()
     delivery._drain.watch([deaf])  # wakes the thread, which ends then
+
+
+def test_background_thread_outlives_a_defect_of_its_own(pairs, monkeypatch):
+    monkeypatch.setattr(delivery, "DRAIN_PERIOD_S", 0.01)
+    ours, theirs = pairs()
+    link = SubscriberConnection("reads", ours, threading.RLock(), depth=1)
+    failed = threading.Event()
+    serve = delivery._drain._writable
+
+    def fail_once(links):
+        if failed.is_set():
+            return serve(links)
+        failed.set()
+        raise OSError("a defect")
+
+    monkeypatch.setattr(delivery._drain, "_writable", fail_once)
+    with link.lock:
+        delivery.deliver(BIG, [link])
+    assert failed.wait(TIME_OUT)
+    assert receive(theirs, len(BIG)) == BIG
 
 
 def test_others_have_the_message_before_a_full_receiver_is_waited_for(pairs, clock):

@@ -136,7 +136,11 @@ class _Drain:
                     self._close_pipe()
                     return
                 links = list(self._links)
-            self._serve(links)
+            try:
+                self._serve(links)
+            except Exception:  # without the thread, what is held would never be sent
+                logging.getLogger(__name__).exception("delivery in the background failed")
+                time.sleep(DRAIN_PERIOD_S)
 
     def _serve(self, links: List[SubscriberConnection]) -> None:
         for link in self._writable(links):

@@ -188,7 +188,8 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
             )
             for tool in tools:
                 tool.send_signal(signal.SIGINT)
-            tools[0].wait(TIME_OUT)
+            # The command ends at once, and its recorder names the bag when that is whole.
+            wait_until(lambda: os.path.exists(bag), lambda: str(os.listdir(folder)))
             with rosbag.Bag(bag) as recorded:
                 arrays = [message.data for _, message, _ in recorded.read_messages()]
         sent = [numbered(n, 100 if n < 10 and n % 2 else LARGE) for n in range(self.count)]

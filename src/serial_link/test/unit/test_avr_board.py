@@ -8,7 +8,7 @@ from typing import List
 import pytest
 
 from nodekit.testing.waiting import wait_until
-from serial_link.board.avr_board import AvrBoard, BuildError, Size
+from serial_link.board.avr_board import AvrBoard, AvrBuilder, BuildError, Size
 from serial_link.board.transports import PtyTransport
 from serial_link.port_mark import is_left_behind
 
@@ -47,6 +47,17 @@ def test_board_has_a_marked_link_until_it_is_switched_off(
     assert not is_left_behind(str(tmp_path / "board"))
     board.close()
     assert entries(tmp_path) == []
+
+
+def test_ctrl_c_does_not_reach_a_compiler(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    tool = tmp_path / "avr-size"
+    tool.write_text(f"#!{sys.executable}\nimport os\nprint('sizes')\nprint(os.getsid(0), 0, 0)\n")
+    tool.chmod(0o755)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    session = AvrBuilder(tmp_path).size(pathlib.Path("any")).flash
+    assert session != os.getsid(0)  # a terminal interrupts what is in the session of the node
 
 
 def test_second_board_is_refused_and_leaves_the_port_of_the_first_alone(

@@ -231,6 +231,8 @@ def _run(command: Sequence[str]) -> str:
             timeout=_BUILD_S,
             check=True,
             env={**os.environ, "LC_ALL": "C"},
+            # Ctrl-C would end it before the node knows, which would take that for a fault.
+            start_new_session=True,
         )
     except FileNotFoundError as error:
         raise BuildError(

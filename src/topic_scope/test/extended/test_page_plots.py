@@ -287,7 +287,11 @@ class Plots(PageTest):
             ),
             lambda: self.browser.text(".dygraph-axis-label-x"),
         )
-        self.assertEqual(self.browser.find("#plot").size["height"], height)
+        # A badge of the legend, as of a trace that is late, takes a line meanwhile.
+        wait_until(
+            lambda: self.browser.find("#plot").size["height"] == height,
+            lambda: f"{height}: {self.browser.find('#plot').size}: {self.browser.text('#legend')}",
+        )
 
     def test_a_field_that_is_not_there_stays_and_says_so(self) -> None:
         expected = {

@@ -90,8 +90,8 @@ def test_folder_that_cannot_be_written_to_is_named(
     monkeypatch.setattr(sys, "argv", ["make_environment", "--into", "/proc/ros2"])
     assert python_environment.main() == 125
     shown = capsys.readouterr().err
-    assert shown.startswith("make_environment: cannot write to /proc/ros2: ")
-    assert shown.endswith("name another folder with --into\n")
+    assert shown.startswith("make_environment: cannot make /proc/ros2: ")
+    assert shown.endswith("cannot be written to, name another with --into\n")
 
 
 def test_first_error_of_a_command_is_the_reason(place: pathlib.Path) -> None:

@@ -359,8 +359,9 @@ def main() -> int:
     except Unavailable as reason:
         say(str(reason))
         return 125
-    except OSError as error:  # a folder that cannot be written to, or a full disk
-        say(f"cannot write to {options.into}: {error}; name another folder with --into")
+    except OSError as error:  # most often a folder that is read-only, or a full disk
+        remedy = "if that folder cannot be written to, name another with --into"
+        say(f"cannot make {options.into}: {error}; {remedy}")
         return 125
     except KeyboardInterrupt:
         say("interrupted: it has to be run again")

@@ -40,7 +40,7 @@ SEQ = Number("4x", "", 1, 4, 0)
 EMPTY = Number("", "x", 1, 0, 1)
 #: A point in time: its seconds have no sign in ROS 1, and one in ROS 2.
 TIME = Number("II", "iI", 4, 8, 8)
-_NO_TIME = "a time before 1970 or after 2038-01-19, which one of both ROSes does not have"
+_NO_TIME = "a time before 1970 or after 2038-01-19: only one of ROS 1 and ROS 2 can have it"
 
 
 def number(size: int, count: int) -> Number:

@@ -287,7 +287,7 @@ class Plots(PageTest):
             ),
             lambda: self.browser.text(".dygraph-axis-label-x"),
         )
-        # A badge of the legend, as of a trace that is late, takes a line meanwhile.
+        # On a busy machine something may take a line meanwhile.
         wait_until(
             lambda: self.browser.find("#plot").size["height"] == height,
             lambda: f"{height}: {self.browser.find('#plot').size}: {self.browser.text('#legend')}",

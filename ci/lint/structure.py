@@ -65,6 +65,7 @@ SUBJECTS: Dict[str, Dict[str, str]] = {
         "round_robin": "takes a few of many items at a time",
         "message_definitions": "parses message definitions",
         "lifecycle_states": "the states of a managed node, and its transitions",
+        "actions": "states of goals, and the list that a server keeps of them",
         "parameters": "declare, validate, reconcile, describe",
         "transport": "bytes to subscribers that may not read, and from services",
         "shared_memory": "large messages between processes of one user, in memory that both have",

@@ -17,6 +17,19 @@ check_script_folder(sys.argv)
 warn_of_hidden_modules(os.environ)
 
 if TYPE_CHECKING:  # the same names for type checkers and editors
+    from nodekit.actions.goal_states import GoalState as GoalState
+    from nodekit.node.action_client import ActionClient as ActionClient
+    from nodekit.node.action_responses import CancelResponse as CancelResponse
+    from nodekit.node.action_responses import GoalResponse as GoalResponse
+    from nodekit.node.action_server import ActionServer as ActionServer
+    from nodekit.node.action_types import GoalError as GoalError
+    from nodekit.node.action_types import GoalLost as GoalLost
+    from nodekit.node.action_types import GoalRejected as GoalRejected
+    from nodekit.node.action_types import GoalTimeout as GoalTimeout
+    from nodekit.node.client_goal import ClientGoalHandle as ClientGoalHandle
+    from nodekit.node.client_goal import GoalFuture as GoalFuture
+    from nodekit.node.client_goal import GoalResult as GoalResult
+    from nodekit.node.goal_handle import ServerGoalHandle as ServerGoalHandle
     from nodekit.executors import MultiThreadedExecutor as MultiThreadedExecutor
     from nodekit.executors import SingleThreadedExecutor as SingleThreadedExecutor
     from nodekit.groups.callback_groups import CallbackGroup as CallbackGroup
@@ -83,6 +96,19 @@ if TYPE_CHECKING:  # the same names for type checkers and editors
     give_up = abort
 
 _HOMES: Dict[str, str] = {
+    "GoalState": "actions.goal_states",
+    "ActionClient": "node.action_client",
+    "CancelResponse": "node.action_responses",
+    "GoalResponse": "node.action_responses",
+    "ActionServer": "node.action_server",
+    "GoalError": "node.action_types",
+    "GoalLost": "node.action_types",
+    "GoalRejected": "node.action_types",
+    "GoalTimeout": "node.action_types",
+    "ClientGoalHandle": "node.client_goal",
+    "GoalFuture": "node.client_goal",
+    "GoalResult": "node.client_goal",
+    "ServerGoalHandle": "node.goal_handle",
     "MultiThreadedExecutor": "executors",
     "SingleThreadedExecutor": "executors",
     "CallbackGroup": "groups.callback_groups",

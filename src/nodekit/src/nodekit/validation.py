@@ -87,6 +87,19 @@ def check_service_class(given: object, service: str) -> None:
         raise TypeError(f"service {service}: refused {_shown(given)}: {must}")
 
 
+def check_action_class(given: object, action: str) -> None:
+    """Check the type of an action.
+
+    :param given: the argument
+    :param action: the action, for the error
+    :raises TypeError: if it is not an action class
+    """
+    parts = {"action_goal", "action_result", "action_feedback"}
+    if not (isinstance(given, type) and parts.issubset(getattr(given, "__slots__", ()))):
+        must = "must be an action class, such as actionlib.msg.TestAction"
+        raise TypeError(f"action {action}: refused {_shown(given)}: {must}")
+
+
 def check_timeout(timeout: object) -> None:
     """Check the time-out of a request, which must be finite.
 

@@ -67,6 +67,9 @@ class LifecycleScope(NodeScope):
             raise CannotManage(_ONLY_OF_NODE[name])
         raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
 
+    def _is_active(self) -> bool:
+        return self._gate.ticks
+
     def _new_publisher(self, name: str, data_class: type, *options: Any) -> Publisher:
         return ManagedPublisher(self._gate, name, data_class, *options)
 

@@ -4,7 +4,7 @@ import io
 import sys
 import threading
 import time
-from typing import Any, List, Mapping, NamedTuple, Optional, Sequence
+from typing import Any, List, Mapping, NamedTuple, Optional, Sequence, Set
 
 import genpy
 import rospy
@@ -220,6 +220,17 @@ class Publisher:
         if topic is not None and not in_process:
             return len(topic.links())
         return int(publisher.get_num_connections()) if publisher is not None else 0
+
+    def subscribers(self) -> Set[str]:
+        """Return the names of the connected subscribing nodes, with this process's own."""
+        publisher, topic = self._publisher, self._topic
+        if topic is None:  # rospy's own queues
+            connections = list(publisher.impl.connections) if publisher is not None else []
+            return {str(one.header.get("callerid")) for one in connections if one.header}
+        links = topic.links()
+        names = {link.name for link in links}
+        is_own = self.get_num_connections() > len(links)
+        return names | {rospy.get_name()} if is_own else names
 
     def statistics(self) -> List[SubscriberStatistics]:
         """Return the counters of the connected subscribers.

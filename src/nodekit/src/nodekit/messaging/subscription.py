@@ -1,7 +1,7 @@
 """Subscription that passes on all messages that have arrived together."""
 
 import time
-from typing import Any, Callable, List, Optional
+from typing import Any, Callable, List, Optional, Set
 
 import rospy
 
@@ -78,6 +78,14 @@ class Subscription:
         """Return the number of publishing nodes, with this process if it publishes the topic."""
         subscriber = self._subscriber
         return int(subscriber.get_num_connections()) if subscriber is not None else 0
+
+    def publishers(self) -> Set[str]:
+        """Return the names of the connected publishing nodes, with this process's own.
+
+        A connection counts once its publisher has answered, and so sends what it publishes.
+        """
+        subscriber = self._subscriber
+        return incoming_topic.publishers_of(subscriber.impl) if subscriber is not None else set()
 
     def close(self) -> None:
         """Unsubscribe."""

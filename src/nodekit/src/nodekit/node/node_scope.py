@@ -11,6 +11,7 @@ from nodekit.messaging.publisher import Publisher
 from nodekit.messaging.rate_limited_log import RateLimitedLog
 from nodekit.messaging.service import Service
 from nodekit.messaging.subscription import LatestMessage, Subscription
+from nodekit.node.action_methods import ActionMethods
 from nodekit.node.callbacks import (
     Callback,
     ServiceCallback,
@@ -37,7 +38,7 @@ from nodekit.validation import check_function, check_name, check_service_class
 from nodekit_msgs.srv import SetParameters
 
 
-class NodeScope(OldMethods, ResourceOwner):
+class NodeScope(ActionMethods, OldMethods, ResourceOwner):
     """Creates what a node uses, owns it, and closes it.
 
     A :class:`.Node` is a scope; :meth:`create_scope` returns one, and callbacks of a managed node
@@ -290,9 +291,12 @@ class NodeScope(OldMethods, ResourceOwner):
             what = f"{declaration.__name__} beside {live.declaration.__name__}"
             raise ValueError(f"{self.name}: parameters: refused {what}: {must}")
 
-    def _publish(self, name: str, data_class: type, latch: bool = False) -> Publisher:
+    def _publish(
+        self, name: str, data_class: type, latch: bool = False, queue_size: Optional[int] = None
+    ) -> Publisher:
         """Publish a topic of the toolkit itself, in any state of a managed node."""
-        return self._open(Publisher(self.resolve(name), data_class, latch))
+        name = self.resolve(name)
+        return self._open(Publisher(name, data_class, latch, queue_size=queue_size))
 
     def _serve(self, name: str, service_class: type, handler: Callable[[Any], Any]) -> None:
         """Offer a service of the toolkit itself, in no group: it never waits for a callback."""

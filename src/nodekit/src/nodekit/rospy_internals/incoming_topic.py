@@ -10,7 +10,7 @@ import inspect
 import math
 import time
 import traceback
-from typing import Any, Callable, Dict, List, Optional, Sequence, Union
+from typing import Any, Callable, Dict, List, Optional, Sequence, Set, Union
 
 import rospy
 import rospy.core
@@ -112,6 +112,17 @@ def stop_receiving(name: str, callback: BatchCallback) -> None:
     topic = get_topic_manager().get_subscriber_impl(name)
     if isinstance(topic, IncomingTopic):
         topic.remove_batch_callback(callback)
+
+
+def publishers_of(topic: Any) -> Set[str]:
+    """Return the names of the nodes whose messages a subscribed topic receives.
+
+    :param topic: rospy's object for the subscribed topic; None once it is closed
+    """
+    connections = list(getattr(topic, "connections", None) or ())
+    names = {str((one.header or {}).get("callerid")) for one in connections} - {"None"}
+    has_link = isinstance(topic, IncomingTopic) and topic.intraprocess_link() is not None
+    return names | {rospy.get_name()} if has_link else names
 
 
 def cache_statistics_setting() -> None:

@@ -106,7 +106,7 @@ class ManagedRobot(unittest.TestCase):
         """See that a goal ends, because the controller is not active."""
         status = self.results.wait_for(lambda each: each.status.goal_id.id == name).status
         self.assertEqual(status.status, GoalStatus.ABORTED)
-        self.assertEqual(status.text, "the controller is not active")
+        self.assertEqual(status.text, "the node is not active")
 
     def test_robot_that_is_away_takes_its_controller_down_until_it_is_back(self) -> None:
         with launched("bot_controller_demo managed_robot.launch goal_x:=100 autostart:=ON") as run:

@@ -43,7 +43,7 @@ class ProportionalController:
         - ``~set_goal`` (bot_controller_demo_msgs/SetGoal)
 
     :ROS Actions:
-        - ``go_to`` (bot_controller_demo_msgs/GoTo), where python3-actionlib is installed
+        - ``go_to`` (bot_controller_demo_msgs/GoTo)
 
     :ROS Parameters:
         - those of :class:`ProportionalControllerParameters`, private and live

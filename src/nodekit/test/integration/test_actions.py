@@ -4,6 +4,7 @@
 import itertools
 import os
 import threading
+import time
 import unittest
 from typing import Any, Dict, List, Tuple
 
@@ -48,6 +49,7 @@ from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 HELPERS = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "helpers")
 STOCK_SERVER = os.path.join(HELPERS, "stock_action_server.py")
+NODE = os.path.join(HELPERS, "action_node.py")
 #: Goals of the stock server, see there.
 SUCCEED, ABORT, REJECT, PEND, RUN, PERSIST = range(6)
 LONG_S = 60.0
@@ -355,6 +357,35 @@ class Managed(Actions):
         self.assertEqual(ends, ["stopped"])
         self.change("cleanup")
         wait_until(lambda: not client.server_is_ready(), lambda: "it is still there")
+
+
+class Ending(Actions):
+    """Nodes that end while goals run."""
+
+    def test_goals_end_with_their_process_separate_or_hosted(self) -> None:
+        ends = {
+            1: (GoalState.PREEMPTED, "", TestResult(5)),
+            2: (GoalState.ABORTED, "the node ends", TestResult()),
+        }
+        for where in ("separate", "hosted"):
+            with self.subTest(where):
+                server = Process(NODE, [where, f"__ns:={self.space}"])
+                self.addCleanup(server.end)
+                client = self.node.create_action_client("test", TestAction)
+                handles = {
+                    number: client.send_goal_async(TestGoal(number), timeout=TIMEOUT_S).result()
+                    for number in ends
+                }
+                results = {
+                    number: handle.get_result_async(TIMEOUT_S) for number, handle in handles.items()
+                }
+                began = time.monotonic()
+                self.assertEqual(server.interrupt(), 0)
+                self.assertLess(time.monotonic() - began, TIMEOUT_S / 2)
+                for number, end in ends.items():
+                    self.assertEqual(results[number].result(), end)
+                self.assertEqual(server.lines.count("stopped"), 1)
+                client.close()
 
 
 class Client(Actions):

@@ -98,7 +98,7 @@ class ActionServer:
         self._accepted = own(_GoalCallback, handle_accepted_callback, what, group)
         self._topics = ServerTopics(scope, name, messages, self._goals)
         scope.own(self)  # after its publishers, so that it is closed before them
-        scope.before_deactivate(partial(self._end_all, _NOT_ACTIVE))
+        scope.before_deactivate(self._deactivate)
         self._publish_status(0.0)  # latched: clients see that there is a server
         scope.create_timer(STATUS_HZ, self._publish_status, steady=True, group=NoGroup())
         scope.create_subscription(f"{name}/cancel", GoalID, self._on_cancel, group=NoGroup())
@@ -117,6 +117,9 @@ class ActionServer:
         calls = deciding.calls
         is_its_thread = calls is not None and calls.ready.is_served_by_caller_alone()
         return bool(self._group.is_mine or is_its_thread)
+
+    def _deactivate(self) -> None:
+        self._end_all("the node ends" if rospy.core.is_shutdown_requested() else _NOT_ACTIVE)
 
     def close(self) -> None:
         """Abort all goals, and accept no others."""

@@ -9,6 +9,7 @@ import unittest
 from typing import Any, Dict, List, Tuple
 
 import actionlib
+import actionlib.msg
 import rospy
 from actionlib.msg import (
     TestAction,
@@ -18,7 +19,7 @@ from actionlib.msg import (
     TestGoal,
     TestResult,
 )
-from actionlib_msgs.msg import GoalID, GoalStatusArray
+from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray
 from rosgraph_msgs.msg import Log
 
 from lifecycle_msgs.msg import Transition
@@ -177,6 +178,31 @@ class Server(Actions):
         self.may_end.set()
         self.assertEqual(self.ended(third, GoalState.SUCCEEDED), (4, "there"))
         self.assertEqual(set(self.running), {1, 3})
+
+    def test_goal_that_is_cancelled_while_it_waits_for_an_earlier_one_never_begins(self) -> None:
+        holds = threading.Event()
+        self.addCleanup(holds.set)
+
+        def execute(handle: ServerGoalHandle) -> TestResult:
+            result = self.execute(handle)
+            holds.wait(LONG_S)
+            return result
+
+        self.node.create_action_server("test", TestAction, execute, newest_only=True)
+        client = self.stock_client()
+        first = client.send_goal(TestGoal(1))
+        self.is_running(1)
+        second = client.send_goal(TestGoal(2))
+        wait_until(lambda: self.running[1].is_cancel_requested, lambda: "it goes on")
+        client.pub_cancel.publish(second.comm_state_machine.action_goal.goal_id)
+        self.ended(second, GoalState.RECALLED)
+        holds.set()
+        self.ended(first, GoalState.PREEMPTED)
+        third = client.send_goal(TestGoal(3))
+        self.is_running(3)
+        self.assertEqual(set(self.running), {1, 3})
+        self.may_end.set()
+        self.ended(third, GoalState.SUCCEEDED)
 
     def test_newest_only_without_execute_callback_preempts_at_once(self) -> None:
         handles: List[ServerGoalHandle] = []
@@ -494,6 +520,30 @@ class Client(Actions):
         with self.assertRaisesRegex(GoalError, "the client was closed"):
             future.result()
         results.wait_for(lambda message: message.status.status == GoalState.PREEMPTED)
+
+
+class Silent(Actions):
+    """Our client, with a server that leaves something out."""
+
+    def test_result_that_is_lost_ends_the_wait(self) -> None:
+        client = self.node.create_action_client("test", TestAction)
+        server = self.new_node("other")
+        status = server.create_publisher("test/status", GoalStatusArray, latch=True)
+        for name in ("result", "feedback"):
+            server.create_publisher(
+                f"test/{name}", getattr(actionlib.msg, f"TestAction{name.title()}")
+            )
+        server.create_subscription("test/cancel", GoalID, lambda _: None)
+
+        def end(goal: TestActionGoal) -> None:
+            status.publish(GoalStatusArray(None, [GoalStatus(goal.goal_id, 3, "there")]))
+
+        server.create_subscription("test/goal", TestActionGoal, end)
+        status.publish(GoalStatusArray())
+        handle = client.send_goal_async(TestGoal(1)).result()
+        self.assertTrue(handle.accepted)
+        with self.assertRaisesRegex(GoalLost, "it is SUCCEEDED, but its result was lost"):
+            handle.get_result(LONG_S)
 
 
 class Nested(Actions):

@@ -131,17 +131,13 @@ class ActionClient:
         self.reject_nested()
         check_timeout(timeout)
         deadline = time.monotonic() + timeout
-        future = self.send_goal_async(goal, feedback_callback, timeout)
-        handle: Optional[ClientGoalHandle] = None
+        handle: ClientGoalHandle = self.send_goal_async(goal, feedback_callback, timeout).result()
         try:
-            handle = future.result()
             return handle.get_result(max(_SHORTEST_S, deadline - time.monotonic()))
         except GoalTimeout:
-            if handle is not None:
-                self.cancel(handle.goal_id)
-            raise GoalTimeout(
-                f"{self}: no result within {timeout:g} s: the goal is cancelled"
-            ) from None
+            self.cancel(handle.goal_id)
+            why = f"no result within {timeout:g} s: the goal is cancelled"
+            raise GoalTimeout(f"{self}: {why}") from None
 
     def send_goal_async(
         self,

@@ -284,8 +284,8 @@ class ActionServer:
                 self._threads.discard(id(handle))
                 self._left.notify_all()
                 if not self._threads and self._waiting is not None:
-                    following, self._waiting = self._waiting, None
-                    self._accept(following, True)
+                    waiting, self._waiting = self._waiting, None
+                    following = waiting if self._accept(waiting, True) else None
             self._topics.send()
             if following is not None:
                 self._start_thread(following)
@@ -380,8 +380,6 @@ class ActionServer:
             return False
         if goal.has_ended:
             self._handles.pop(goal.id, None)
-            if self._waiting is handle:
-                self._waiting = None
             self._topics.queue_result(goal, self._messages.result() if result is None else result)
         else:
             self._topics.queue_status()

@@ -10,7 +10,7 @@ from played import default_limits, play_all
 
 from nodekit.testing.running import rosrun
 from pid_control.judging.judgement import judge
-from pid_control.judging.reports import as_sentences
+from pid_control.verdicts.reports import as_sentences
 
 LIMITS = default_limits()
 

@@ -4,7 +4,8 @@ from typing import Callable, Dict, List
 
 from pid_control.controller.pid import PI, PidSettings
 from pid_control.judging.evidence import adapted
-from pid_control.judging.limits import Limits, read_limits
+from pid_control.judging.metrics import SCENARIO_METRICS
+from pid_control.verdicts.limits import Limits, read_limits
 from pid_control.judging.record import Record
 from pid_control.judging.scenarios import BY_NAME, SCENARIOS, Scenario
 from pid_control.judging.simulation import Law, pid_law, simulate
@@ -38,7 +39,7 @@ def default_limits() -> Limits:
     import pathlib
 
     place = pathlib.Path(__file__).resolve().parents[2] / "config" / "judge_limits.yaml"
-    return read_limits(place.read_text("utf-8"))
+    return read_limits(place.read_text("utf-8"), SCENARIO_METRICS)
 
 
 def only(limits: Dict[str, float], scenario: str) -> Limits:

@@ -8,9 +8,11 @@ from typing import List
 
 import pytest
 
-from pid_control.runner import batch
-from pid_control.runner.batch import run_bounded
-from pid_control.runner.submissions import packages_in
+from pid_control.judging.metrics import SCENARIO_METRICS
+from pid_control.programs import batch
+from pid_control.programs.batch import run_bounded
+from pid_control.programs.wanted import NothingToJudge, ProgramWanted
+from pid_control.programs.submissions import packages_in
 
 #: Stands for a build: makes a workspace, and says something in the user's language.
 CATKIN_MAKE = """#!/bin/sh
@@ -18,6 +20,11 @@ mkdir -p "$2/devel/lib/x" && touch "$2/devel/env.sh" "$2/devel/lib/x/program"
 echo "{says} ($LC_ALL)"
 exit {status}
 """
+
+
+def program(name: str = "controller.py") -> ProgramWanted:
+    """Return a program as what is judged."""
+    return ProgramWanted(name, [], SCENARIO_METRICS)
 
 
 def put_catkin_make(
@@ -83,7 +90,7 @@ def test_first_error_returns_line_and_next_line() -> None:
 def test_build_nonzero_status_is_a_failure(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
-    with pytest.raises(batch._Broken, match=r"it does not build: Fehler 2 \(C\)"):
+    with pytest.raises(NothingToJudge, match=r"it does not build: Fehler 2 \(C\)"):
         build_with(tmp_path, monkeypatch, "Fehler 2", 1)
 
 
@@ -105,7 +112,7 @@ def test_batch_judges_a_program_that_the_build_creates(
     judge.write_text("import sys; print('judged:', sys.argv[-1])")
     monkeypatch.setattr(sys, "argv", [str(judge)])
     output = tmp_path / "out"
-    batch.Batch(str(tmp_path / "class"), ["program"], [], str(output), 10.0).run()
+    batch.Batch(str(tmp_path / "class"), program("program"), [], str(output), 10.0).run()
     said = (output / "x.txt").read_text()
     assert said.startswith("judged: ") and said.endswith("/workspace/devel/lib/x/program\n")
 
@@ -139,7 +146,7 @@ def test_build_adds_the_messages_of_the_course_if_they_are_used(
     package.mkdir()
     (package / "package.xml").write_text(f"<package><name>{name}</name></package>")
     (package / "CMakeLists.txt").write_text(text)
-    with pytest.raises(batch._Broken, match=r"languages: genlisp \(C\)"):
+    with pytest.raises(NothingToJudge, match=r"languages: genlisp \(C\)"):
         batch.build(str(package), str(tmp_path / "scratch"))
     added = tmp_path / "scratch" / "workspace" / "src" / "pid_control"
     assert added.exists() == has_messages
@@ -178,7 +185,7 @@ def test_batch_goes_on_after_a_package_that_cannot_be_read(
 
     monkeypatch.setattr(batch, "_needs_build", needs_build)
     output = tmp_path / "out"
-    assert batch.Batch(str(tmp_path / "class"), [], [], str(output), 10.0).run() == 1
+    assert batch.Batch(str(tmp_path / "class"), program(), [], str(output), 10.0).run() == 1
     assert "it cannot be judged: Input/output error" in (output / "anna.html").read_text()
     assert (output / "ben.txt").read_text() == "judged\n"
 
@@ -197,7 +204,7 @@ def test_batch_controller_beside_an_unrelated_package_that_does_not_build_is_jud
     broken.write_text("add_executable(x x.cpp)\n")
     judge.write_text("print('judged')")
     monkeypatch.setattr(sys, "argv", [str(judge)])
-    batch.Batch(str(tmp_path / "class"), [], [], str(output), 10.0).run()
+    batch.Batch(str(tmp_path / "class"), program(), [], str(output), 10.0).run()
     assert "does not build" not in (output / "class.csv").read_text()
     assert (output / "anna_pid.txt").read_text() == "judged\n"
 
@@ -213,7 +220,7 @@ def test_batch_names_that_are_equal_without_their_marks_have_a_page_each(
         (tmp_path / "class" / name / "controller.py").write_text("")
     judge.write_text("import sys; print('judged', sys.argv[-1])")
     monkeypatch.setattr(sys, "argv", [str(judge)])
-    batch.Batch(str(tmp_path / "class"), [], [], str(output), 10.0).run()
+    batch.Batch(str(tmp_path / "class"), program(), [], str(output), 10.0).run()
     overview = (output / "class.html").read_text()
     for name, stem in zip(names, ["Anna_B", "Anna_B-2", "class-2"]):
         assert f"{name}/controller.py" in (output / f"{stem}.html").read_text()
@@ -231,7 +238,7 @@ def test_batch_with_a_roster_names_students_and_writes_a_page_for_each(
     judge.write_text("print('judged: <it>')")
     monkeypatch.setattr(sys, "argv", [str(judge)])
     roster = {"g1": "Anna", "g3": "Cleo"}
-    status = batch.Batch(str(class_), [], [], str(output), 10.0, roster).run()
+    status = batch.Batch(str(class_), program(), [], str(output), 10.0, roster).run()
     assert status == 1
     lines = (output / "class.csv").read_text().splitlines()
     assert [line.split(",")[:3] for line in lines] == [

@@ -11,10 +11,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 
-from pid_control.judging.batch_page import as_html
+from pid_control.verdicts.batch_page import as_html
 from pid_control.judging.diagnosis import FLAWS, cause_of, cause_of_failure
-from pid_control.judging.judgement import FAILED, NOT_JUDGED, PASSED, is_fatal, judge, number
-from pid_control.judging.limits import LimitsError, merged, read_limits
+from pid_control.judging.judgement import is_fatal, judge
+from pid_control.verdicts.judgement import FAILED, NOT_JUDGED, PASSED, number
+from pid_control.verdicts.limits import LimitsError, merged, read_limits
 from pid_control.judging.metrics import METRICS, SCENARIO_METRICS
 from pid_control.judging.picture import as_svg
 from pid_control.judging.record import (
@@ -26,7 +27,7 @@ from pid_control.judging.record import (
     Pause,
     Record,
 )
-from pid_control.judging.reports import as_csv, as_junit, as_sentences, as_table
+from pid_control.verdicts.reports import as_csv, as_junit, as_sentences, as_table
 from pid_control.judging.scenarios import BY_NAME
 from played import default_limits, pi, play_all, play_one
 
@@ -41,12 +42,14 @@ def test_default_limits_cover_every_metric() -> None:
 
 
 def test_merged_replaces_named_limits_only() -> None:
-    own = read_limits("steps: {overshoot: 5, rise_time: null}\nwindup:\n  leave_time: 0.1\n")
+    own = read_limits(
+        "steps: {overshoot: 5, rise_time: null}\nwindup:\n  leave_time: 0.1\n", SCENARIO_METRICS
+    )
     found = merged(LIMITS, own)
     assert (found["steps"]["overshoot"], found["steps"]["rise_time"]) == (5.0, None)
     assert found["windup"] == {**LIMITS["windup"], "leave_time": 0.1}
     assert found["nan"] == LIMITS["nan"] and LIMITS["steps"]["overshoot"] == 25.0
-    assert read_limits("") == {} and merged(LIMITS, {}) == LIMITS
+    assert read_limits("", SCENARIO_METRICS) == {} and merged(LIMITS, {}) == LIMITS
 
 
 @pytest.mark.parametrize(
@@ -73,13 +76,13 @@ def test_merged_replaces_named_limits_only() -> None:
 )
 def test_read_limits_invalid_text_names_the_problem(text: str, says: str) -> None:
     with pytest.raises(LimitsError, match=says):
-        read_limits(text)
+        read_limits(text, SCENARIO_METRICS)
 
 
 @given(some.text(max_size=40))
 def test_read_limits_any_text_raises_only_limits_error(text: str) -> None:
     try:
-        read_limits(text)
+        read_limits(text, SCENARIO_METRICS)
     except LimitsError as error:
         assert str(error)
 
@@ -274,7 +277,11 @@ def test_junit_has_a_case_per_scenario_and_escapes_text() -> None:
 
 def test_csv_has_a_row_per_controller_and_escapes_formulas() -> None:
     judgement, _ = bad_judgement()
-    rows = list(csv.DictReader(io.StringIO(as_csv([("=1+1", judgement), ("b", judge([], {}))]))))
+    rows = list(
+        csv.DictReader(
+            io.StringIO(as_csv([("=1+1", judgement), ("b", judge([], {}))], SCENARIO_METRICS))
+        )
+    )
     assert [row["controller"] for row in rows] == ["'=1+1", "b"]
     assert (rows[0]["verdict"], rows[0]["flaws"]) == ("failed", "windup")
     assert float(rows[0]["windup.leave_time"]) > 0.5 and rows[1]["windup.leave_time"] == ""
@@ -325,7 +332,7 @@ def test_batch_page_counts_verdicts_and_escapes_html() -> None:
         {"controller": "d", "verdict": NOT_JUDGED, "flaws": "", "why": "no"},
         {"controller": "e", "verdict": FAILED, "flaws": "windup", "why": "&"},
     ]
-    page = as_html(rows, {"c": ["c d.svg", "c.txt"]})
+    page = as_html(rows, "controller", {"c": ["c d.svg", "c.txt"]})
     assert "<h1>4 controllers</h1><p>1 passed, 2 failed, 1 not judged</p>" in page
     assert "<p>Flaws: windup (2), gains (1)</p>" in page
     assert '<a href="c%20d.svg">svg</a> <a href="c.txt">txt</a>' in page

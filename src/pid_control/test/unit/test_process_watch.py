@@ -9,7 +9,7 @@ from typing import Iterator, List, Sequence
 import pytest
 
 from nodekit.testing.waiting import wait_until
-from pid_control.runner.process_watch import ProcessWatch, adopt_orphans, own_children
+from pid_control.programs.process_watch import ProcessWatch, adopt_orphans, own_children
 
 #: Starts a thread for each line that it reads, which computes until the next.
 LATE_THREADS = """

@@ -9,9 +9,9 @@ from typing import List
 import pytest
 
 from nodekit.testing.waiting import wait_until
-from pid_control.runner.controller_command import ControllerCommand
-from pid_control.runner.controller_process import ControllerProcess
-from pid_control.runner.python_crash import crash_in
+from pid_control.programs.program_command import ProgramCommand
+from pid_control.programs.program_process import ProgramProcess
+from pid_control.programs.python_crash import crash_in
 
 #: A student's template: it prints a line at its end, whatever happens.
 TEMPLATE = """import sys
@@ -44,8 +44,8 @@ def package(tmp_path: pathlib.Path) -> pathlib.Path:
 def last_words(*words: str, **environment: str) -> str:
     """Return the last words of a program that has ended."""
     argv = [sys.executable, *words]
-    command = ControllerCommand("x", argv, {**os.environ, **environment}, {}, {})
-    controller = ControllerProcess(command, {})
+    command = ProgramCommand("x", argv, {**os.environ, **environment}, {}, {})
+    controller = ProgramProcess(command, {})
     try:
         wait_until(lambda: controller.status is not None, controller.last_words)
         return controller.last_words()

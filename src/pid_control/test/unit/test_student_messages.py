@@ -9,9 +9,9 @@ import pytest
 from std_msgs.msg import Float32, String
 
 from pid_control.msg import motor_output, set_point
-from pid_control.runner.controller_command import ControllerCommand
+from pid_control.programs.package_messages import MessageTypeError
+from pid_control.programs.program_command import ProgramCommand
 from pid_control.runner.loop_messages import (
-    MessageTypeError,
     course_messages,
     loop_message,
     told_message,
@@ -26,7 +26,7 @@ def read(tmp_path: pathlib.Path, name: str, definitions: Dict[str, str]) -> Stud
     (package / "package.xml").write_text(f"<package><name>{name}</name></package>")
     for message, text in definitions.items():
         (package / "msg" / f"{message}.msg").write_text(text)
-    command = ControllerCommand("x", ["x"], {}, {}, {}, package=str(package))
+    command = ProgramCommand("x", ["x"], {}, {}, {}, package=str(package))
     return read_messages(command, str(tmp_path / "scratch"))
 
 

@@ -6,19 +6,22 @@ import sys
 from typing import List, NoReturn, Optional, Sequence, Tuple
 
 from pid_control.files import check_writable, write_file
-from pid_control.judging.judgement import NOT_JUDGED, STATUS, Judgement
-from pid_control.judging.limits import Limits, LimitsError, merged, read_limits
+from pid_control.judging.metrics import SCENARIO_METRICS
+from pid_control.verdicts.judgement import NOT_JUDGED, STATUS, Judgement
+from pid_control.verdicts.limits import Limits, LimitsError, merged, read_limits
 from pid_control.judging.picture import as_svg
 from pid_control.judging.record import Record
-from pid_control.judging.reports import as_csv, as_junit, as_sentences, as_table
+from pid_control.verdicts.reports import as_csv, as_junit, as_sentences, as_table
 from pid_control.judging.scenarios import BY_NAME, MOTOR, Scenario
 from pid_control.runner.default_limits import default_limits
-from pid_control.runner.deferred_signals import exit_on_signals
+from pid_control.programs.deferred_signals import exit_on_signals
 from pid_control.runner.outcome import JudgingError
 
 #: Default and largest time limit of a judgement [s].
 _TIME_LIMIT_S = 120.0
 _LONGEST_S = 3600.0
+#: Default name of the controller in each package of a class.
+_NAME = "controller.py"
 _TOPICS = ("set_point", "motor_output", "motor_input")
 #: Arguments that rostest and roslaunch add to a command line.
 _XML, _ADDED = "--gtest_output=xml:", ("__name:=", "__log:=")
@@ -191,14 +194,14 @@ def _limits(path: Optional[str]) -> Limits:
         return limits
     try:
         with open(path, encoding="utf-8") as file:
-            return merged(limits, read_limits(file.read()))
+            return merged(limits, read_limits(file.read(), SCENARIO_METRICS))
     except (LimitsError, UnicodeDecodeError) as error:
         print(f"judge: {path}: {error}", file=sys.stderr)
         sys.exit(STATUS[NOT_JUDGED])
 
 
 def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, List[Record]]:
-    from pid_control.runner.controller_command import CommandError, find_controller
+    from pid_control.programs.program_command import CommandError, find_controller
     from pid_control.runner.session import Session
 
     if arguments.roster is not None:
@@ -228,8 +231,9 @@ def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, Li
 
 
 def _judge_class(arguments: argparse.Namespace) -> int:
-    from pid_control.runner.batch import Batch
-    from pid_control.runner.submissions import RosterError, read_roster
+    from pid_control.programs.batch import Batch
+    from pid_control.programs.submissions import RosterError, read_roster
+    from pid_control.programs.wanted import ProgramWanted
 
     for name in ("node", "workspace", "launch", "picture", "csv"):
         if getattr(arguments, name):
@@ -256,7 +260,9 @@ def _judge_class(arguments: argparse.Namespace) -> int:
         _parser().error(f"--roster: {arguments.roster}: {error}")
     output = os.path.abspath(arguments.output)
     folder, limit = arguments.class_folder, arguments.time_limit
-    return Batch(folder, arguments.words, options, output, limit, roster).run()
+    name, *rest = arguments.words or [_NAME]
+    wanted = ProgramWanted(name, rest, SCENARIO_METRICS)
+    return Batch(folder, wanted, options, output, limit, roster).run()
 
 
 def _report(
@@ -274,6 +280,6 @@ def _report(
         failed = [failure.scenario for failure in judgement.failures]
         write_file(arguments.picture, as_svg(records, title, failed))
     if arguments.csv is not None:
-        write_file(arguments.csv, as_csv([(name, judgement)]))
+        write_file(arguments.csv, as_csv([(name, judgement)], SCENARIO_METRICS))
     if xml is not None:
         write_file(xml, as_junit(judgement, name))

@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""Judging of a controller: scenarios, metrics, limits, diagnosis and reports. Pure."""
+"""Judging of a controller: scenarios, metrics and diagnosis. Pure."""

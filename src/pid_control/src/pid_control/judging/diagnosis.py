@@ -5,7 +5,7 @@ the cause is said to be unknown.
 """
 
 import math
-from typing import Callable, Dict, NamedTuple, Optional, Tuple
+from typing import Callable, Dict, Optional, Tuple
 
 from pid_control.judging.evidence import Evidence, faultless_figures
 from pid_control.judging.record import (
@@ -16,6 +16,7 @@ from pid_control.judging.record import (
     WRITES_WITHOUT_END,
     Record,
 )
+from pid_control.verdicts.judgement import Cause
 
 #: Figures by scenario and metric.
 Figures = Dict[Tuple[str, str], Optional[float]]
@@ -24,17 +25,6 @@ IsBroken = Callable[[str, str, Optional[float]], bool]
 
 #: Messages during a pause of the clock that are more than any loop with a rate sends.
 _FLOOD = 200
-
-
-class Cause(NamedTuple):
-    """The cause of a failure.
-
-    :ivar flaw: short name
-    :ivar sentence: description and remedy
-    """
-
-    flaw: str
-    sentence: str
 
 
 #: Flaws, worst first: each may be the reason of those after it.

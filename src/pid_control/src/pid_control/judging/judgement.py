@@ -1,79 +1,27 @@
-"""Judgement of a controller: its figures, failures and their causes."""
+"""Judgement of a controller by its records."""
 
-import math
-from typing import Dict, List, NamedTuple, Optional, Sequence
+from typing import List, Optional, Sequence
 
-from pid_control.judging.diagnosis import FLAWS, Cause, Figures, cause_of, cause_of_failure
+from pid_control.judging.diagnosis import FLAWS, Figures, cause_of, cause_of_failure
 from pid_control.judging.evidence import evidence_of
-from pid_control.judging.limits import Limits
 from pid_control.judging.metrics import METRICS, SCENARIO_METRICS, metrics_of
 from pid_control.judging.record import ENDED, Record
+from pid_control.verdicts.judgement import (
+    FAILED,
+    NOT_JUDGED,
+    PASSED,
+    Failure,
+    Finding,
+    Judgement,
+    found,
+    text_of,
+)
+from pid_control.verdicts.limits import Limits
 
-PASSED, FAILED, NOT_JUDGED = "passed", "failed", "not judged"
-#: Exit status of each verdict.
-STATUS = {PASSED: 0, FAILED: 1, NOT_JUDGED: 125}
 #: Flaws that stop the judgement: the other scenarios would take too long, or say nothing.
 _FATAL = ("flood", "restless", "machine clock", "endless output", "silent", "not connected")
 #: Flaws that a simulated clock may be the reason of: the machine's shows whether it is.
 _OF_CLOCK = ("machine clock", "division by 0")
-#: Inputs are float32.
-_ROUNDING = 1e-6
-
-
-class Finding(NamedTuple):
-    """A figure and its limit.
-
-    :ivar scenario: name of the scenario
-    :ivar metric: name of the metric
-    :ivar value: the figure; None if not measurable
-    :ivar limit: the limit, if any
-    :ivar passed: True if the figure is within its limit
-    """
-
-    scenario: str
-    metric: str
-    value: Optional[float]
-    limit: Optional[float]
-    passed: bool
-
-
-class Failure(NamedTuple):
-    """A failure in a scenario.
-
-    :ivar scenario: name of the scenario
-    :ivar what: the figure and its limit, or the reason of an early end
-    :ivar cause: the likely cause
-    """
-
-    scenario: str
-    what: str
-    cause: Cause
-
-
-class Judgement(NamedTuple):
-    """The judgement of a controller.
-
-    :ivar verdict: PASSED, FAILED or NOT_JUDGED
-    :ivar findings: all figures
-    :ivar failures: the failures, the worst flaws first
-    :ivar reason: why the controller was not judged, for NOT_JUDGED
-    :ivar left_out: names of the scenarios that the plant does not support
-    """
-
-    verdict: str
-    findings: List[Finding]
-    failures: List[Failure]
-    reason: str = ""
-    left_out: Sequence[str] = ()
-
-    @property
-    def status(self) -> int:
-        """The exit status."""
-        return STATUS[self.verdict]
-
-    def flaws(self) -> List[str]:
-        """Return the names of the flaws, without repetition."""
-        return list(dict.fromkeys(failure.cause.flaw for failure in self.failures))
 
 
 def judge(records: Sequence[Record], limits: Limits, reason: str = "") -> Judgement:
@@ -129,42 +77,5 @@ def is_fatal(record: Record, limits: Limits) -> bool:
 
 
 def _found(scenario: str, metric: str, value: Optional[float], limits: Limits) -> Finding:
-    limit = limits.get(scenario, {}).get(metric)
-    passed = True
-    if value is not None and limit is not None:
-        if METRICS[metric].is_least:
-            passed = value >= limit - _ROUNDING
-        else:
-            passed = value <= limit + _ROUNDING
-    return Finding(scenario, metric, value, limit, passed)
-
-
-def text_of(finding: Finding) -> str:
-    """Return the text of a figure and its limit."""
-    metric = METRICS[finding.metric]
-    allowed = "at least" if metric.is_least else "at most"
-    limit = number(finding.limit, metric.unit)
-    return f"{metric.label} {number(finding.value, metric.unit)}, {allowed} {limit}"
-
-
-def number(value: Optional[float], unit: str = "") -> str:
-    """Format a figure.
-
-    :param value: the figure, if any
-    :param unit: its unit
-    """
-    if value is None:
-        return "-"
-    if math.isinf(value):
-        return "never" if unit == "s" else "endless"
-    if abs(value) < 5e-4:
-        value = 0.0
-    return f"{value:.3g} {unit}".strip()
-
-
-def causes(judgement: Judgement) -> Dict[Cause, List[Failure]]:
-    """Group the failures by cause, in order of appearance."""
-    found: Dict[Cause, List[Failure]] = {}
-    for failure in judgement.failures:
-        found.setdefault(failure.cause, []).append(failure)
-    return found
+    one = METRICS[metric]
+    return found(scenario, metric, value, limits, one.label, one.unit, one.is_least)

@@ -12,10 +12,11 @@ from pid_control.judging.record import ENDED, NOT_CONNECTED, Pause, Record
 from pid_control.judging.scenarios import STEP_S, Scenario
 from pid_control.plant.status import NOT_TURNING
 from pid_control.runner.clock import Clock, SimulatedClock, WallClock
-from pid_control.runner.controller_command import ControllerCommand
-from pid_control.runner.controller_process import ControllerProcess
-from pid_control.runner.deferred_signals import deferred_signals
-from pid_control.runner.loop_messages import MessageTypeError, class_of, loop_message
+from pid_control.programs.program_command import ProgramCommand
+from pid_control.programs.program_process import ProgramProcess
+from pid_control.programs.deferred_signals import deferred_signals
+from pid_control.programs.package_messages import MessageTypeError, class_of
+from pid_control.runner.loop_messages import loop_message
 from pid_control.runner.outcome import Restlessness, TimeLimitExceeded, completed, failure_of
 from pid_control.runner.student_messages import describe
 from pid_control.runner.test_bench import TestBench
@@ -58,7 +59,7 @@ class BenchRunner:
     def __init__(
         self,
         bench: TestBench,
-        command: ControllerCommand,
+        command: ProgramCommand,
         environment: Dict[str, str],
         real_time: bool,
         deadline: float,
@@ -96,10 +97,10 @@ class BenchRunner:
         """Run one scenario; return None if it is to be run again, with other types."""
         self._wait_until_alone()
         self._clock = _FIRST_CLOCK
-        controller: Optional[ControllerProcess] = None
+        controller: Optional[ProgramProcess] = None
         try:
             with deferred_signals():
-                controller = ControllerProcess(self._command, self._environment, [self._master])
+                controller = ProgramProcess(self._command, self._environment, [self._master])
             return self._run(scenario, controller)
         finally:
             if controller is not None:
@@ -123,7 +124,7 @@ class BenchRunner:
             self._bench.follow(messages)
         return bool(self.notes)
 
-    def _run(self, scenario: Scenario, controller: ControllerProcess) -> Optional[Record]:
+    def _run(self, scenario: Scenario, controller: ProgramProcess) -> Optional[Record]:
         experiment = Experiment(scenario, self._clock)
         if not self._connect(experiment, controller):
             failure = ENDED if controller.status is not None else NOT_CONNECTED
@@ -173,7 +174,7 @@ class BenchRunner:
         )
         return completed(record, controller)
 
-    def _connect(self, experiment: Experiment, controller: ControllerProcess) -> bool:
+    def _connect(self, experiment: Experiment, controller: ProgramProcess) -> bool:
         """Advance the time until the controller answers; return False if it does not connect."""
         watch = controller.watch
         end, clock_end, answer_end = time.monotonic() + _FIRST_TOPIC_S, math.inf, math.inf

@@ -4,7 +4,7 @@ import time
 from typing import Callable, List, Optional, Protocol
 
 from pid_control.judging.record import Pause
-from pid_control.runner.process_watch import ProcessWatch
+from pid_control.programs.process_watch import ProcessWatch
 
 #: Shortest pause of the simulated clock: by the machine's clock [s], and as a share of the time
 #: that the scenario took so far. On a busy machine a loop by the machine's clock needs that long.

@@ -2,19 +2,14 @@
 
 from typing import Any, Dict, NamedTuple, Optional, Tuple
 
-import roslib.message
-
 from pid_control.msg import motor_input, motor_output, set_point
+from pid_control.programs.package_messages import MessageTypeError, class_of
 
 #: The loop's topics, and the course's message of each.
 COURSE_CLASSES = {"set_point": set_point, "motor_output": motor_output, "motor_input": motor_input}
 _FLOATS = ("float32", "float64")
 #: Names of fields that hold a time, not the value.
 _TIMES = ("time", "stamp", "t")
-
-
-class MessageTypeError(Exception):
-    """A type cannot be used for a topic; the message says why."""
 
 
 class LoopMessage(NamedTuple):
@@ -95,25 +90,6 @@ def told_message(topic: str, text: str, own: Dict[str, Any]) -> LoopMessage:
         raise MessageTypeError(f"{topic}: must be PACKAGE/TYPE/FIELD ({text})")
     kind = "/".join(parts[:2])
     return loop_message(topic, class_of(topic, kind, own), parts[2] if len(parts) == 3 else None)
-
-
-def class_of(topic: str, kind: str, own: Dict[str, Any]) -> Any:
-    """Return the class of a type.
-
-    :param topic: name of the topic
-    :param kind: ``PACKAGE/TYPE``
-    :param own: classes of the student's package by type
-    :raises MessageTypeError: if there is no such type
-    """
-    found = own.get(kind)
-    if found is None:
-        try:
-            found = roslib.message.get_message_class(kind)
-        except (ImportError, ValueError, AttributeError):
-            found = None
-    if found is None:
-        raise MessageTypeError(f"{topic}: type not found ({kind}); build its package first")
-    return found
 
 
 def _types(message_class: Any) -> Dict[str, str]:

@@ -6,7 +6,7 @@ from typing import Callable, Optional, Protocol
 
 from pid_control.judging.record import ENDED, RESTLESS, SILENT, WRITES_WITHOUT_END, Record
 from pid_control.judging.scenarios import Scenario
-from pid_control.runner.controller_process import ControllerProcess
+from pid_control.programs.program_process import ProgramProcess
 
 #: Processor time without a rest that makes a controller restless, and time without a rest, and
 #: without that much processor time, that makes the machine too busy [s].
@@ -74,7 +74,7 @@ class Restlessness:
         return False
 
 
-def failure_of(controller: ControllerProcess, is_restless: bool = False) -> str:
+def failure_of(controller: ProgramProcess, is_restless: bool = False) -> str:
     """Return the failure of a controller, empty if none.
 
     :param controller: the controller
@@ -90,7 +90,7 @@ def failure_of(controller: ControllerProcess, is_restless: bool = False) -> str:
     return RESTLESS if is_restless else ""
 
 
-def completed(record: Record, controller: ControllerProcess) -> Record:
+def completed(record: Record, controller: ProgramProcess) -> Record:
     """Return a record with SILENT set if it applies, and the last output line for a failure.
 
     :param record: record of the scenario

@@ -10,7 +10,7 @@ from nodekit import init_node
 from nodekit.master import MasterClient, MasterUnreachable
 from pid_control.judging.plant_log import PlantLog
 from pid_control.msg import motor_input, motor_output, set_point
-from pid_control.runner.deferred_signals import deferred_signals
+from pid_control.programs.deferred_signals import deferred_signals
 
 #: Name of the node.
 NAME = "judge"

@@ -10,9 +10,9 @@ from pid_control.judging.plant_log import answers_of, rows_of
 from pid_control.judging.record import ENDED, NOT_CONNECTED, Record
 from pid_control.judging.scenarios import MOTOR, SET_POINT_S, Scenario, value_at
 from pid_control.runner.clock import WallClock
-from pid_control.runner.controller_command import ControllerCommand
-from pid_control.runner.controller_process import ControllerProcess
-from pid_control.runner.deferred_signals import deferred_signals
+from pid_control.programs.program_command import ProgramCommand
+from pid_control.programs.program_process import ProgramProcess
+from pid_control.programs.deferred_signals import deferred_signals
 from pid_control.runner.outcome import (
     JudgingError,
     TimeLimitExceeded,
@@ -42,13 +42,13 @@ class RealPlantRunner:
     most_late = 0.1
 
     def __init__(
-        self, plant: RealPlant, command: ControllerCommand, full_speed: float, deadline: float
+        self, plant: RealPlant, command: ProgramCommand, full_speed: float, deadline: float
     ) -> None:
         self._plant, self._command, self._deadline = plant, command, deadline
         self._scale = full_speed / MOTOR.max_output
         #: Largest delay so far [s].
         self.latest = 0.0
-        self._controller: Optional[ControllerProcess] = None
+        self._controller: Optional[ProgramProcess] = None
         plant.on_shutdown(self._end_controller)
         for key, value in command.parameters.items():  # not those of the plant that is judged with
             rospy.set_param(key, value)
@@ -65,10 +65,10 @@ class RealPlantRunner:
         self._plant.wait_until_it_stands()
         before = self._plant.connections()
         environment = {"ROS_MASTER_URI": get_master_uri()}
-        controller: Optional[ControllerProcess] = None
+        controller: Optional[ProgramProcess] = None
         try:
             with deferred_signals():
-                controller = self._controller = ControllerProcess(self._command, environment)
+                controller = self._controller = ProgramProcess(self._command, environment)
             record = self._connect_and_run(scenario, controller, before)
             self._plant.check_node()  # a shutdown ends the controller: not its failure
             return record
@@ -87,7 +87,7 @@ class RealPlantRunner:
             self._controller.end()
 
     def _connect_and_run(
-        self, scenario: Scenario, controller: ControllerProcess, before: Dict[str, int]
+        self, scenario: Scenario, controller: ProgramProcess, before: Dict[str, int]
     ) -> Record:
         missing = self._connect(controller, before)
         if missing:
@@ -96,7 +96,7 @@ class RealPlantRunner:
         self._plant.check_alone()
         return self._run(scenario, controller)
 
-    def _connect(self, controller: ControllerProcess, before: Dict[str, int]) -> List[str]:
+    def _connect(self, controller: ProgramProcess, before: Dict[str, int]) -> List[str]:
         """Wait until the controller is connected; return the topics that are not.
 
         :param before: number of connections of each topic before the controller started
@@ -111,7 +111,7 @@ class RealPlantRunner:
                 return missing
             time.sleep(SET_POINT_S)
 
-    def _run(self, scenario: Scenario, controller: ControllerProcess) -> Record:
+    def _run(self, scenario: Scenario, controller: ProgramProcess) -> Record:
         clock, failure, now = WallClock(), "", -_SETTLE_S
         busy_before = controller.watch.busy()
         self._plant.pop_log()  # drop messages from before the scenario

@@ -5,14 +5,16 @@ import time
 from typing import List, Mapping, Optional, Sequence, Tuple
 
 from pid_control.judging.evidence import adapted
-from pid_control.judging.judgement import Judgement, is_fatal, judge
-from pid_control.judging.limits import Limits
+from pid_control.judging.judgement import is_fatal, judge
+from pid_control.verdicts.judgement import Judgement
+from pid_control.verdicts.limits import Limits
 from pid_control.judging.record import Record
 from pid_control.judging.scenarios import BY_NAME, Scenario
-from pid_control.runner.controller_command import ControllerCommand
-from pid_control.runner.loop_messages import MessageTypeError, told_message
+from pid_control.programs.program_command import ProgramCommand
+from pid_control.programs.package_messages import MessageTypeError
+from pid_control.runner.loop_messages import told_message
 from pid_control.runner.outcome import JudgingError, Runner, TimeLimitExceeded
-from pid_control.runner.private_master import PrivateMaster
+from pid_control.programs.private_master import PrivateMaster
 from pid_control.runner.student_messages import read_messages
 
 
@@ -31,7 +33,7 @@ class Session:
 
     def __init__(
         self,
-        command: ControllerCommand,
+        command: ProgramCommand,
         only: Optional[Sequence[Scenario]],
         limits: Limits,
         time_limit: float,

@@ -1,14 +1,14 @@
 """Limits of the figures, from YAML."""
 
 import math
-from typing import Any, Dict, Mapping, Optional
+from typing import Any, Dict, Mapping, Optional, Sequence
 
 import yaml
 
-from pid_control.judging.metrics import SCENARIO_METRICS
-
 #: Limits by name of the scenario and of the metric; None for unlimited.
 Limits = Dict[str, Dict[str, Optional[float]]]
+#: Names of the figures of each scenario.
+Figures = Mapping[str, Sequence[str]]
 
 
 class LimitsError(ValueError):
@@ -34,10 +34,11 @@ def _mapping_of(loader: _Loader, node: yaml.MappingNode) -> Dict[Any, Any]:
 _Loader.add_constructor(yaml.resolver.BaseResolver.DEFAULT_MAPPING_TAG, _mapping_of)
 
 
-def read_limits(text: str) -> Limits:
+def read_limits(text: str, figures: Figures) -> Limits:
     """Parse limits.
 
     :param text: content of a limits file
+    :param figures: names of the figures of each scenario
     :raises LimitsError: if it is not YAML, a name is unknown, or a limit is not a number
     """
     try:
@@ -50,7 +51,9 @@ def read_limits(text: str) -> Limits:
         return {}
     if not isinstance(content, dict):
         raise LimitsError(f"it must hold scenarios, each with its limits, not {content!r:.60}")
-    return {scenario: _of_scenario(scenario, limits) for scenario, limits in content.items()}
+    return {
+        scenario: _of_scenario(scenario, limits, figures) for scenario, limits in content.items()
+    }
 
 
 def merged(limits: Limits, own: Limits) -> Limits:
@@ -59,19 +62,17 @@ def merged(limits: Limits, own: Limits) -> Limits:
     :param limits: all limits
     :param own: the limits that replace them
     """
-    return {name: {**limits.get(name, {}), **own.get(name, {})} for name in SCENARIO_METRICS}
+    return {name: {**limits.get(name, {}), **own.get(name, {})} for name in {**limits, **own}}
 
 
-def _of_scenario(scenario: str, limits: Any) -> Dict[str, Optional[float]]:
-    if scenario not in SCENARIO_METRICS:
-        raise LimitsError(
-            f"{scenario}: unknown scenario; choose from {', '.join(SCENARIO_METRICS)}"
-        )
+def _of_scenario(scenario: str, limits: Any, figures: Figures) -> Dict[str, Optional[float]]:
+    if scenario not in figures:
+        raise LimitsError(f"{scenario}: unknown scenario; choose from {', '.join(figures)}")
     if not isinstance(limits, Mapping):
         raise LimitsError(f"{scenario}: must hold limits by name, not {limits!r:.60}")
     for name, limit in limits.items():
-        if name not in SCENARIO_METRICS[scenario]:
-            allowed = ", ".join(SCENARIO_METRICS[scenario])
+        if name not in figures[scenario]:
+            allowed = ", ".join(figures[scenario])
             raise LimitsError(f"{scenario}: {name}: not measured there, but {allowed}")
         if limit is not None and not _is_limit(limit):
             raise LimitsError(

@@ -2,7 +2,6 @@
 
 import contextlib
 import csv
-import glob
 import io
 import itertools
 import os
@@ -15,15 +14,13 @@ from typing import Dict, List, Optional, Sequence, Tuple
 
 import rospkg
 
-from pid_control.judging.batch_page import as_html, as_page_of_student
-from pid_control.judging.judgement import FAILED, NOT_JUDGED, PASSED, STATUS, Judgement
-from pid_control.judging.reports import as_csv
-from pid_control.runner.archives import stem_of
-from pid_control.runner.controller_command import find_files, near_names
-from pid_control.runner.submissions import Submission, missing_in, needed_siblings, submissions_in
+from pid_control.programs.archives import stem_of
+from pid_control.programs.submissions import Submission, missing_in, needed_siblings, submissions_in
+from pid_control.programs.wanted import NothingToJudge, Wanted
+from pid_control.verdicts.batch_page import as_html, as_page_of_student
+from pid_control.verdicts.judgement import FAILED, NOT_JUDGED, PASSED, STATUS, Judgement
+from pid_control.verdicts.reports import as_csv
 
-#: Default name of the controller in each package.
-_NAME = "controller.py"
 #: Time limit of a build, and extra time for a judge beyond its own limit [s].
 _BUILD_S, _BEYOND_S = 180.0, 60.0
 #: Commands in a CMakeLists.txt of a package that must be built.
@@ -48,15 +45,11 @@ catkin_package(CATKIN_DEPENDS message_runtime)
 """
 
 
-class _Broken(Exception):
-    """A package cannot be judged; the message says why."""
-
-
 class Batch:
     """Batch run over the packages of a class.
 
     :param folder: folder of the packages
-    :param name: name of the controller in each package, and its arguments
+    :param wanted: what is judged of each package
     :param options: options of each judge
     :param output: folder for the files
     :param time_limit: time limit per package [s]
@@ -66,7 +59,7 @@ class Batch:
     def __init__(
         self,
         folder: str,
-        name: Sequence[str],
+        wanted: Wanted,
         options: Sequence[str],
         output: str,
         time_limit: float,
@@ -74,7 +67,7 @@ class Batch:
     ) -> None:
         self._roster = roster or {}
         self._folder, self._output = os.path.abspath(folder), output
-        self._name, self._arguments = (name[0], list(name[1:])) if name else (_NAME, [])
+        self._wanted = wanted
         self._options, self._time_limit = list(options), time_limit
         self._rows: List[Dict[str, str]] = []
         self._files: Dict[str, List[str]] = {}
@@ -87,7 +80,7 @@ class Batch:
         :returns: exit status: 0 if all passed, 1 if not, 125 if there is no package
         """
         with tempfile.TemporaryDirectory(prefix="judge-") as unpacked:
-            submissions = submissions_in(self._folder, self._name, unpacked)
+            submissions = submissions_in(self._folder, self._wanted, unpacked)
             submissions += missing_in(submissions, self._roster)
             if not any(submission.package for submission in submissions):
                 for submission in submissions:
@@ -115,23 +108,20 @@ class Batch:
         text = ""
         try:
             if not package:
-                raise _Broken(submission.why)
-            found = find_files(package, self._name)
+                raise NothingToJudge(submission.why)
+            workspace: Optional[str] = None
             options = [*self._options, "--csv", table]
             options += ["--picture", os.path.join(self._output, picture)]
             siblings = needed_siblings(package, submission.siblings)
             if any(map(_needs_build, [package, *siblings])):
                 workspace = build(package, scratch, siblings)
                 options += ["--workspace", workspace]
-                found += glob.glob(os.path.join(workspace, "devel", "lib", "*", self._name))
-            if not found:
-                raise _Broken(f"it has no {self._name}{near_names(self._name, package)}")
             environment = dict(os.environ, TMPDIR=scratch)
             paths = [package, os.environ.get("ROS_PACKAGE_PATH", "")]
             environment["ROS_PACKAGE_PATH"] = os.pathsep.join(paths)
             command = [sys.executable, os.path.abspath(sys.argv[0]), *options]
             text, _ = run_bounded(
-                [*command, found[0], *self._arguments],
+                [*command, *self._wanted.words(package, workspace)],
                 self._time_limit + _BEYOND_S,
                 environment,
             )
@@ -141,18 +131,22 @@ class Batch:
             if os.path.exists(os.path.join(self._output, picture)):
                 self._files[name].append(picture)
             if not os.path.exists(table):
-                raise _Broken((text.strip().splitlines() or ["the judge said nothing"])[-1])
+                raise NothingToJudge((text.strip().splitlines() or ["the judge said nothing"])[-1])
             with open(table, encoding="utf-8", newline="") as file:
                 [row] = csv.DictReader(file)
-        except (_Broken, OSError) as error:
-            why = str(error) if isinstance(error, _Broken) else f"it cannot be judged: {error}"
-            judgement = Judgement(NOT_JUDGED, [], [], why)
-            [row] = csv.DictReader(io.StringIO(as_csv([(name, judgement)])))
+        except (NothingToJudge, OSError) as error:
+            why = (
+                str(error) if isinstance(error, NothingToJudge) else f"it cannot be judged: {error}"
+            )
+            not_judged = [(name, Judgement(NOT_JUDGED, [], [], why))]
+            text_of_row = as_csv(not_judged, self._wanted.figures, self._wanted.subject)
+            [row] = csv.DictReader(io.StringIO(text_of_row))
         student = self._roster.get(stem_of(submission.entry), "")
-        row = {**({"student": student} if self._roster else {}), **row, "controller": name}
+        student_cell = {"student": student} if self._roster else {}
+        row = {**student_cell, **row, self._wanted.subject: name}
         page = stem + ".html"
         drawn = [file for file in self._files[name] if file == picture]
-        self._put(page, as_page_of_student(row, text, drawn))
+        self._put(page, as_page_of_student(row, self._wanted.subject, text, drawn))
         self._files[name].insert(0, page)
         return row
 
@@ -170,7 +164,7 @@ class Batch:
         writer.writeheader()
         writer.writerows(self._rows)
         self._put("class.csv", text.getvalue())
-        self._put("class.html", as_html(self._rows, self._files))
+        self._put("class.html", as_html(self._rows, self._wanted.subject, self._files))
 
     def _put(self, name: str, content: str) -> None:
         path = os.path.join(self._output, name)
@@ -194,7 +188,7 @@ def build(package: str, scratch: str, siblings: Sequence[str] = ()) -> str:
     :param scratch: folder for the workspace
     :param siblings: folders of the packages that it needs
     :returns: path of the workspace
-    :raises _Broken: if the build fails
+    :raises NothingToJudge: if the build fails
     """
     workspace = os.path.join(scratch, "workspace")
     os.makedirs(os.path.join(workspace, "src"))
@@ -207,7 +201,7 @@ def build(package: str, scratch: str, siblings: Sequence[str] = ()) -> str:
     environment["ROS_LANG_DISABLE"] = os.pathsep.join({*languages} - {"gencpp", ""})
     text, status = run_bounded(["catkin_make", "-C", workspace], _BUILD_S, environment)
     if status != 0:
-        raise _Broken(f"it does not build: {_first_error(text)}")
+        raise NothingToJudge(f"it does not build: {_first_error(text)}")
     return workspace
 
 

@@ -13,7 +13,7 @@ import rospkg
 from roslaunch.core import Node, local_machine, setup_env
 from roslaunch.node_args import create_local_process_args
 
-from pid_control.runner.python_program import start_words
+from pid_control.programs.python_program import start_words
 
 #: Timeout for reading the environment of a workspace [s].
 _ENVIRONMENT_S = 20.0
@@ -25,7 +25,7 @@ class CommandError(Exception):
     """The controller cannot be found or started; the message says why."""
 
 
-class ControllerCommand(NamedTuple):
+class ProgramCommand(NamedTuple):
     """Command that starts a controller.
 
     :ivar name: name in reports
@@ -51,7 +51,7 @@ def find_controller(
     node: Optional[str] = None,
     workspace: Optional[str] = None,
     launch: Optional[str] = None,
-) -> ControllerCommand:
+) -> ProgramCommand:
     """Find the controller that a command line names.
 
     :param words: a path and arguments, or a package, a name in it and arguments; the arguments are
@@ -74,7 +74,7 @@ def find_controller(
     if node is not None:
         raise CommandError(f"--node: only valid with a launch file ({path})")
     start, notes = _start(path, environment)
-    command = ControllerCommand(path, [*start, *arguments], environment, {}, {}, notes, package)
+    command = ProgramCommand(path, [*start, *arguments], environment, {}, {}, notes, package)
     if arguments and launch is None:
         return command  # it is run as told
     return _with_launch_file(command, path, launch)
@@ -92,9 +92,7 @@ def _package_of(path: str, words: Sequence[str], environment: Dict[str, str]) ->
     return ""
 
 
-def _with_launch_file(
-    command: ControllerCommand, path: str, launch: Optional[str]
-) -> ControllerCommand:
+def _with_launch_file(command: ProgramCommand, path: str, launch: Optional[str]) -> ProgramCommand:
     """Return a command with the parameters and names that a launch file has for its program."""
     files = [launch] if launch is not None else _launch_files(command.package, path)
     problems: List[str] = []
@@ -142,7 +140,7 @@ def _launch_files(package: str, path: str) -> List[str]:
 
 
 @contextlib.contextmanager
-def _environment_of(command: ControllerCommand) -> Iterator[None]:
+def _environment_of(command: ProgramCommand) -> Iterator[None]:
     """Set the controller's environment, with its package among the packages, for $(find …)."""
     before = dict(os.environ)
     paths = [command.package, command.environment.get("ROS_PACKAGE_PATH", "")]
@@ -263,7 +261,7 @@ def _environment(workspace: str) -> Dict[str, str]:
 
 def _command_of_launch_file(
     path: str, arguments: List[str], wanted: Optional[str], environment: Dict[str, str]
-) -> ControllerCommand:
+) -> ProgramCommand:
     # $(find …) uses this process's environment.
     before = dict(os.environ)
     os.environ.update(environment)
@@ -282,7 +280,7 @@ def _command_of_launch_file(
     start, notes = start_words(command[0], variables)
     parameters, of_others = _split_parameters(config, node)
     name, command = f"{path} {_name(node)}", [*start, *command[1:]]
-    return ControllerCommand(name, command, variables, parameters, of_others, notes)
+    return ProgramCommand(name, command, variables, parameters, of_others, notes)
 
 
 def _name(node: Node) -> str:

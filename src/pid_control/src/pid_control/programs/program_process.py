@@ -7,10 +7,10 @@ import subprocess
 import threading
 from typing import Dict, Optional, Sequence
 
-from pid_control.runner.controller_command import ControllerCommand
-from pid_control.runner.deferred_signals import deferred_signals
-from pid_control.runner.process_watch import ProcessWatch, adopt_orphans, own_children
-from pid_control.runner.python_crash import crash_in
+from pid_control.programs.program_command import ProgramCommand
+from pid_control.programs.deferred_signals import deferred_signals
+from pid_control.programs.process_watch import ProcessWatch, adopt_orphans, own_children
+from pid_control.programs.python_crash import crash_in
 
 #: Kept tail of the output, and output that is too long for a controller [bytes].
 _KEPT, _TOO_MUCH = 20_000, 5_000_000
@@ -18,7 +18,7 @@ _KEPT, _TOO_MUCH = 20_000, 5_000_000
 _PATIENCE_S = 2.0
 
 
-class ControllerProcess:
+class ProgramProcess:
     """Running controller.
 
     The process has its own process group, so that Ctrl-C reaches only the judge. Create the object
@@ -32,7 +32,7 @@ class ControllerProcess:
 
     def __init__(
         self,
-        command: ControllerCommand,
+        command: ProgramCommand,
         environment: Dict[str, str],
         companions: Sequence[int] = (),
     ) -> None:

@@ -8,7 +8,7 @@ from typing import Dict, Optional
 import rosgraph
 
 from nodekit.testing.processes import Master
-from pid_control.runner.deferred_signals import deferred_signals
+from pid_control.programs.deferred_signals import deferred_signals
 
 
 class PrivateMaster:

@@ -5,7 +5,7 @@ import io
 from typing import Dict, List, Optional, Sequence, Tuple
 from xml.etree import ElementTree
 
-from pid_control.judging.judgement import (
+from pid_control.verdicts.judgement import (
     FAILED,
     NOT_JUDGED,
     PASSED,
@@ -14,7 +14,7 @@ from pid_control.judging.judgement import (
     causes,
     number,
 )
-from pid_control.judging.metrics import METRICS, SCENARIO_METRICS
+from pid_control.verdicts.limits import Figures
 
 #: Characters that XML does not allow.
 _LEGAL = dict.fromkeys([*range(9), 11, 12, *range(14, 32), 0xFFFE, 0xFFFF], "?")
@@ -28,13 +28,12 @@ def as_table(judgement: Judgement) -> str:
     rows = [("scenario", "what", "figure", "limit", "")]
     before = ""
     for finding in judgement.findings:
-        metric = METRICS[finding.metric]
         rows.append(
             (
                 finding.scenario if finding.scenario != before else "",
-                metric.label,
-                number(finding.value, metric.unit),
-                _limit(finding, metric.is_least),
+                finding.label,
+                number(finding.value, finding.unit),
+                _limit(finding),
                 "" if finding.passed else "FAILED",
             )
         )
@@ -44,10 +43,10 @@ def as_table(judgement: Judgement) -> str:
     return "\n".join(line.rstrip() for line in lines)
 
 
-def _limit(finding: Finding, is_least: bool) -> str:
+def _limit(finding: Finding) -> str:
     if finding.limit is None:
         return ""
-    return (">= " if is_least else "<= ") + number(finding.limit)
+    return (">= " if finding.is_least else "<= ") + number(finding.limit)
 
 
 def as_sentences(judgement: Judgement) -> str:
@@ -111,24 +110,28 @@ def _legal(text: str) -> str:
 
 
 #: Columns before the figures.
-_COLUMNS = ("controller", "verdict", "flaws", "why")
+_COLUMNS = ("verdict", "flaws", "why")
 
 
-def as_csv(judgements: Sequence[Tuple[str, Judgement]]) -> str:
-    """Return a CSV file with a row per controller and a column per figure.
+def as_csv(
+    judgements: Sequence[Tuple[str, Judgement]], figures: Figures, subject: str = "controller"
+) -> str:
+    """Return a CSV file with a row per judgement and a column per figure.
 
-    :param judgements: name and judgement of each controller
+    :param judgements: name and judgement of each
+    :param figures: names of the figures of each scenario
+    :param subject: what is judged: the heading of the names
     """
-    measured = [(scenario, name) for scenario, names in SCENARIO_METRICS.items() for name in names]
+    measured = [(scenario, name) for scenario, names in figures.items() for name in names]
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*_COLUMNS, *(f"{scenario}.{name}" for scenario, name in measured)])
+    writer.writerow([subject, *_COLUMNS, *(f"{scenario}.{name}" for scenario, name in measured)])
     for name, judgement in judgements:
         values = {(one.scenario, one.metric): one.value for one in judgement.findings}
-        figures = [_cell(values.get(key)) for key in measured]
+        cells = [_cell(values.get(key)) for key in measured]
         why = "; ".join(cause.sentence for cause in causes(judgement)) or judgement.reason
         head = [name, judgement.verdict, ", ".join(judgement.flaws()), why]
-        writer.writerow([*map(_text_cell, head), *figures])
+        writer.writerow([*map(_text_cell, head), *cells])
     return text.getvalue()
 
 

@@ -8,8 +8,8 @@ import re
 from typing import Dict, List, NamedTuple, Sequence, Tuple
 from xml.etree import ElementTree
 
-from pid_control.runner.archives import ArchiveError, is_archive, stem_of, unpack
-from pid_control.runner.controller_command import find_files
+from pid_control.programs.archives import ArchiveError, is_archive, stem_of, unpack
+from pid_control.programs.wanted import Wanted
 
 #: Deepest level of a package below a folder, and below a submission.
 _DEEPEST, _DEEPEST_OF_ENTRY = 3, 5
@@ -58,11 +58,11 @@ def packages_in(folder: str, deepest: int = _DEEPEST) -> List[str]:
     return sorted(found)
 
 
-def submissions_in(folder: str, controller: str, scratch: str) -> List[Submission]:
+def submissions_in(folder: str, wanted: Wanted, scratch: str) -> List[Submission]:
     """Return at least one submission for each entry of a folder that is not hidden.
 
     :param folder: absolute path of the folder of the class
-    :param controller: name of the controller in each package
+    :param wanted: what is judged of each package
     :param scratch: folder for unpacked archives
     """
     if os.path.isfile(os.path.join(folder, "package.xml")):
@@ -71,11 +71,11 @@ def submissions_in(folder: str, controller: str, scratch: str) -> List[Submissio
     for index, entry in enumerate(sorted(os.listdir(folder))):
         if entry[0] != ".":
             place = os.path.join(folder, entry)
-            found += _of_entry(entry, place, controller, os.path.join(scratch, str(index)))
+            found += _of_entry(entry, place, wanted, os.path.join(scratch, str(index)))
     return found
 
 
-def _of_entry(entry: str, place: str, controller: str, scratch: str) -> List[Submission]:
+def _of_entry(entry: str, place: str, wanted: Wanted, scratch: str) -> List[Submission]:
     if is_archive(place):
         try:
             unpack(place, scratch)
@@ -91,13 +91,20 @@ def _of_entry(entry: str, place: str, controller: str, scratch: str) -> List[Sub
             found: List[Submission] = []
             for name in inner:
                 path = os.path.join(place, name)
-                found += _of_entry(name, path, controller, f"{scratch}-{len(found)}")
+                found += _of_entry(name, path, wanted, f"{scratch}-{len(found)}")
             return [one._replace(name=f"{entry}/{one.name}", entry=entry) for one in found]
     if not packages:
-        return [Submission(entry, entry, "", _without_package(place, controller))]
-    # Of several packages those with a controller count: the others are messages or tools.
-    chosen = [one for one in packages if find_files(one, controller)]
-    chosen = chosen or [one for one in packages if _builds(one, controller)] or packages[:1]
+        return [
+            Submission(
+                entry,
+                entry,
+                "",
+                f"it has no package.xml: not a ROS package{wanted.hint(place)}",
+            )
+        ]
+    # Of several packages those with what is judged count: the others are messages or tools.
+    chosen = [one for one in packages if wanted.is_in(one)]
+    chosen = chosen or [one for one in packages if wanted.is_built_by(one)] or packages[:1]
     return [
         Submission(
             os.path.normpath(os.path.join(entry, os.path.relpath(one, place))),
@@ -156,23 +163,6 @@ def _name_and_needs(package: str) -> Tuple[str, List[str]]:
                     name for line in _IMPORTS.findall(text) for name in _WORD.findall(line)
                 )
     return (root.findtext("name") or "").strip(), sorted(needs)
-
-
-def _builds(package: str, program: str) -> bool:
-    """Return True if a package builds a program of that name."""
-    with contextlib.suppress(OSError, UnicodeDecodeError):
-        with open(os.path.join(package, "CMakeLists.txt"), encoding="utf-8") as file:
-            text = file.read()
-        return re.search(rf"add_executable\(\s*{re.escape(program)}\s", text) is not None
-    return False
-
-
-def _without_package(place: str, controller: str) -> str:
-    found = find_files(place, controller)
-    if not found:
-        return "it has no package.xml: not a ROS package"
-    where = os.path.relpath(found[0], place)
-    return f"it has no package.xml: not a ROS package; {where} can be judged by its path"
 
 
 def read_roster(path: str) -> Dict[str, str]:

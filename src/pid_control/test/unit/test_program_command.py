@@ -8,13 +8,13 @@ from typing import List, Optional
 import pytest
 
 from nodekit.testing.waiting import wait_until
-from pid_control.runner.controller_command import (
+from pid_control.programs.program_command import (
     CommandError,
     find_controller,
     find_files,
     near_names,
 )
-from pid_control.runner.controller_process import ControllerProcess
+from pid_control.programs.program_process import ProgramProcess
 
 
 def test_find_files_skips_hidden_folders(tmp_path: pathlib.Path) -> None:
@@ -135,7 +135,7 @@ def test_find_controller_starts_python_file_and_notes_repairs(
     command = find_controller([str(program), "_kp:=1"])
     assert command.notes == [f"{program}: {one}; started with python3" for one in problems]
     assert command.name == str(program)
-    controller = ControllerProcess(command, {})
+    controller = ProgramProcess(command, {})
     try:
         wait_until(lambda: controller.status is not None, controller.last_words)
         assert (controller.status, controller.last_words()) == (0, "started _kp:=1")

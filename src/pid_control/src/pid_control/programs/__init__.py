@@ -1,0 +1,1 @@
+"""Programs that students hand in: found, unpacked, built, started, watched and ended."""

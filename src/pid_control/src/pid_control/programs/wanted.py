@@ -1,0 +1,85 @@
+"""Subject of a class run: the part of each package that is judged."""
+
+import glob
+import os
+import re
+from contextlib import suppress
+from typing import List, Optional, Protocol, Sequence
+
+from pid_control.programs.program_command import find_files, near_names
+from pid_control.verdicts.limits import Figures
+
+
+class NothingToJudge(Exception):
+    """A package has nothing to judge; the message says why."""
+
+
+class Wanted(Protocol):
+    """Subject of a class run, in any package.
+
+    :ivar subject: what is judged, in tables
+    :ivar figures: names of the figures of each scenario
+    """
+
+    subject: str
+    figures: Figures
+
+    def is_in(self, package: str) -> bool:
+        """Return True if a package has it."""
+
+    def is_built_by(self, package: str) -> bool:
+        """Return True if a package builds it."""
+
+    def words(self, package: str, workspace: Optional[str]) -> List[str]:
+        """Return the words that name it for the judge.
+
+        :param package: folder of the package
+        :param workspace: workspace that the package was built in, if it was
+        :raises NothingToJudge: if the package does not have it
+        """
+
+    def hint(self, folder: str) -> str:
+        """Return a hint about a folder that is not a package, or an empty text."""
+
+
+class ProgramWanted:
+    """A program, by its name.
+
+    :param name: name of the program in each package
+    :param arguments: its arguments
+    :param figures: names of the figures of each scenario
+    """
+
+    subject = "controller"
+
+    def __init__(self, name: str, arguments: Sequence[str], figures: Figures) -> None:
+        self._name, self._arguments, self.figures = name, list(arguments), figures
+
+    def is_in(self, package: str) -> bool:
+        """Return True if a package has a file of that name."""
+        return bool(find_files(package, self._name))
+
+    def is_built_by(self, package: str) -> bool:
+        """Return True if a package builds a program of that name."""
+        with suppress(OSError, UnicodeDecodeError):
+            with open(os.path.join(package, "CMakeLists.txt"), encoding="utf-8") as file:
+                text = file.read()
+            pattern = rf"add_executable\(\s*{re.escape(self._name)}\s"
+            return re.search(pattern, text) is not None
+        return False
+
+    def words(self, package: str, workspace: Optional[str]) -> List[str]:
+        """Return the path of the program, and its arguments."""
+        found = find_files(package, self._name)
+        if workspace is not None:
+            found += glob.glob(os.path.join(workspace, "devel", "lib", "*", self._name))
+        if not found:
+            raise NothingToJudge(f"it has no {self._name}{near_names(self._name, package)}")
+        return [found[0], *self._arguments]
+
+    def hint(self, folder: str) -> str:
+        """Return a hint about a program without a package."""
+        found = find_files(folder, self._name)
+        if not found:
+            return ""
+        return f"; {os.path.relpath(found[0], folder)} can be judged by its path"

@@ -39,7 +39,7 @@ def test_what_is_banned_is_refused(text: str) -> None:
 
 
 def test_module_that_starts_processes_may_do_nothing_else() -> None:
-    place = "src/pid_control/src/pid_control/runner/controller_command.py"
+    place = "src/pid_control/src/pid_control/programs/program_command.py"
     assert not refused(place, "import subprocess\n\nsubprocess.run(['true'])\n")
     assert refused(place, "eval('1')\n")
 

@@ -6,7 +6,7 @@ from typing import List
 
 import pytest
 
-from pid_control.commands import judge
+from pid_control.commands import judge, judging_command
 
 GOOD = str(pathlib.Path(__file__).resolve().parents[1] / "controllers" / "good_loop.py")
 SIMULATED = """
@@ -69,7 +69,7 @@ def test_judge_invalid_request_names_the_problem(
     before = sorted(tmp_path.iterdir())
     arguments = [word.format(folder=tmp_path) for word in words]
     monkeypatch.setattr(sys, "argv", ["judge", *arguments])
-    monkeypatch.setattr(judge, "exit_on_signals", lambda: None)  # nor pytest's signals
+    monkeypatch.setattr(judging_command, "exit_on_signals", lambda: None)  # nor pytest's signals
     with pytest.raises(SystemExit) as end:
         judge.main()
     output, errors = capsys.readouterr()

@@ -8,6 +8,7 @@ from typing import Any, Iterator
 
 import pytest
 
+from pid_control.programs import node_queries
 from pid_control.runner import test_bench
 
 
@@ -39,7 +40,7 @@ def test_ask_types_reply_of_no_node_is_named(reply: Any) -> None:
 
 
 def test_ask_types_node_that_never_answers_is_named(monkeypatch: "pytest.MonkeyPatch") -> None:
-    monkeypatch.setattr(test_bench, "_NODE_S", 0.1)
+    monkeypatch.setattr(node_queries, "_NODE_S", 0.1)
     with socket.socket() as listening:
         listening.bind(("127.0.0.1", 0))
         listening.listen(5)

@@ -70,9 +70,7 @@ class ProcessWatch:
         self._pids |= set(self.pids())
         for pid in self._pids:
             with contextlib.suppress(OSError, IndexError):
-                with open(f"/proc/{pid}/stat") as stat:
-                    fields = stat.read().rpartition(")")[2].split()
-                self._spent[pid] = (int(fields[11]) + int(fields[12])) / _TICKS
+                self._spent[pid] = processor_time(pid)
         return sum(self._spent.values())
 
     def is_idle(self) -> bool:
@@ -156,6 +154,17 @@ class ProcessWatch:
             with contextlib.suppress(OSError):
                 for thread in os.listdir(f"/proc/{pid}/task"):
                     yield f"/proc/{pid}/task/{thread}/stat"
+
+
+def processor_time(pid: int) -> float:
+    """Return the processor time of a process [s].
+
+    :param pid: the process
+    :raises OSError: if it has ended
+    """
+    with open(f"/proc/{pid}/stat") as stat:
+        fields = stat.read().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / _TICKS
 
 
 def _parents() -> Dict[int, int]:

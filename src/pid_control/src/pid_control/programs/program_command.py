@@ -5,7 +5,7 @@ import difflib
 import os
 import shlex
 import subprocess
-from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Set, Tuple
+from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 import roslaunch.config
 import roslaunch.substitution_args
@@ -63,7 +63,7 @@ def find_controller(
         its package, if the program has no arguments
     :raises CommandError: if the controller cannot be found
     """
-    environment = _environment(workspace) if workspace is not None else dict(os.environ)
+    environment = workspace_environment(workspace) if workspace is not None else dict(os.environ)
     path, arguments = _path(words, environment)
     package = _package_of(path, words, environment)
     if path.endswith(".launch"):
@@ -98,7 +98,7 @@ def _with_launch_file(command: ProgramCommand, path: str, launch: Optional[str])
     problems: List[str] = []
     for file in files:
         try:
-            with _environment_of(command):
+            with package_environment(command.package, command.environment):
                 config = roslaunch.config.load_config_default([(file, [])], None)
                 nodes = [one for one in config.nodes if one.type == os.path.basename(path)]
                 if not nodes:
@@ -127,7 +127,7 @@ def _with_launch_file(command: ProgramCommand, path: str, launch: Optional[str])
 def _launch_files(package: str, path: str) -> List[str]:
     """Return the launch files of a package that name a program, and those that cannot be read."""
     found = []
-    for file in sorted(_files(package)) if package else []:
+    for file in sorted(files_in(package)) if package else []:
         if file.endswith(".launch"):
             try:
                 with open(file, encoding="utf-8", errors="replace") as opened:
@@ -140,11 +140,15 @@ def _launch_files(package: str, path: str) -> List[str]:
 
 
 @contextlib.contextmanager
-def _environment_of(command: ProgramCommand) -> Iterator[None]:
-    """Set the controller's environment, with its package among the packages, for $(find …)."""
+def package_environment(package: str, environment: Mapping[str, str]) -> Iterator[None]:
+    """Set a program's environment, with its package first among the packages, for $(find …).
+
+    :param package: folder of the package; empty without one
+    :param environment: environment variables of the program
+    """
     before = dict(os.environ)
-    paths = [command.package, command.environment.get("ROS_PACKAGE_PATH", "")]
-    os.environ.update(command.environment, ROS_PACKAGE_PATH=os.pathsep.join(filter(None, paths)))
+    paths = [package, environment.get("ROS_PACKAGE_PATH", "")]
+    os.environ.update(environment, ROS_PACKAGE_PATH=os.pathsep.join(filter(None, paths)))
     roslaunch.substitution_args._rospack = None  # it keeps the paths of its first use
     try:
         yield
@@ -203,7 +207,7 @@ def find_files(place: str, name: str) -> List[str]:
     :param place: the folder
     :param name: name of the file
     """
-    found = [path for path in _files(place) if os.path.basename(path) == name]
+    found = [path for path in files_in(place) if os.path.basename(path) == name]
     return sorted(found, key=lambda path: (not os.access(path, os.X_OK), path))
 
 
@@ -214,7 +218,7 @@ def near_names(name: str, *places: str) -> str:
     :param places: folders; hidden folders in them are skipped
     """
     names: Dict[str, Set[str]] = {}
-    for path in (path for place in places for path in _files(place)):
+    for path in (path for place in places for path in files_in(place)):
         if path.endswith((".py", ".launch")) or os.access(path, os.X_OK):
             names.setdefault(os.path.basename(path).lower(), set()).add(os.path.basename(path))
     near = difflib.get_close_matches(name.lower(), names, cutoff=_NEAR)
@@ -222,7 +226,11 @@ def near_names(name: str, *places: str) -> str:
     return f"; did you mean {' or '.join(found)}?" if found else ""
 
 
-def _files(place: str) -> Iterator[str]:
+def files_in(place: str) -> Iterator[str]:
+    """Yield the paths of all files below a folder; skip hidden folders.
+
+    :param place: the folder
+    """
     for folder, folders, files in os.walk(place):
         folders[:] = [child for child in folders if not child.startswith(".")]
         yield from (os.path.join(folder, file) for file in files)
@@ -238,8 +246,12 @@ def _libexec_folders(environment: Dict[str, str], package: str) -> List[str]:
     return [os.path.join(prefix, "lib", package) for prefix in prefixes if prefix]
 
 
-def _environment(workspace: str) -> Dict[str, str]:
-    """Return the environment of a workspace."""
+def workspace_environment(workspace: str) -> Dict[str, str]:
+    """Return the environment of a workspace.
+
+    :param workspace: its folder, devel or install
+    :raises CommandError: if it is not built
+    """
     places = [os.path.join(workspace, part) for part in ("devel", "install", "")]
     scripts = [os.path.join(place, "env.sh") for place in places]
     found = [script for script in scripts if os.path.isfile(script)]

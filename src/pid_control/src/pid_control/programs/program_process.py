@@ -9,7 +9,12 @@ from typing import Dict, Optional, Sequence
 
 from pid_control.programs.program_command import ProgramCommand
 from pid_control.programs.deferred_signals import deferred_signals
-from pid_control.programs.process_watch import ProcessWatch, adopt_orphans, own_children
+from pid_control.programs.process_watch import (
+    ProcessWatch,
+    adopt_orphans,
+    own_children,
+    processor_time,
+)
 from pid_control.programs.python_crash import crash_in
 
 #: Kept tail of the output, and output that is too long for a controller [bytes].
@@ -62,6 +67,13 @@ class ProgramProcess:
     def writes_without_end(self) -> bool:
         """True if the output is far longer than a log."""
         return self._written > _TOO_MUCH
+
+    def processor_time(self) -> float:
+        """Return the processor time of the process without its children [s]; 0 if it has ended."""
+        try:
+            return processor_time(self._popen.pid)
+        except (OSError, IndexError):
+            return 0.0
 
     def last_words(self) -> str:
         """Return the exception that ended the process, else the last line of its output, if any."""

@@ -10,14 +10,12 @@ import rospy
 from rosgraph_msgs.msg import Clock
 
 from nodekit import init_node
-from nodekit.master import TimeoutTransport
 from pid_control.judging.experiment import Outgoing
+from pid_control.programs.node_queries import ask_topics
 from pid_control.runner.loop_messages import LoopMessage, course_messages
 
 #: Name of the node.
 NAME = "judge"
-#: Longest wait for an answer of a node [s].
-_NODE_S = 2.0
 
 
 class PublisherConflict(Exception):
@@ -35,9 +33,8 @@ def ask_types(uris: Dict[str, str]) -> Tuple[Dict[str, str], List[str]]:
     silent: List[str] = []
     for node, uri in sorted(uris.items()):
         try:
-            with xmlrpc.client.ServerProxy(uri, transport=TimeoutTransport(_NODE_S)) as proxy:
-                answers: Any = (proxy.getPublications(NAME), proxy.getSubscriptions(NAME))
-            found.update({str(name): str(kind) for one in answers for name, kind in one[2]})
+            topics = ask_topics(NAME, uri)
+            found.update({**topics.published, **topics.subscribed})
         except ConnectionRefusedError:
             continue
         except Exception:  # of any kind: a student's node may reply anything

@@ -15,6 +15,7 @@ from pid_control.programs.program_command import (
     near_names,
 )
 from pid_control.programs.program_process import ProgramProcess
+from pid_control.programs.python_program import start_words
 
 
 def test_find_files_skips_hidden_folders(tmp_path: pathlib.Path) -> None:
@@ -141,6 +142,20 @@ def test_find_controller_starts_python_file_and_notes_repairs(
         assert (controller.status, controller.last_words()) == (0, "started _kp:=1")
     finally:
         controller.end()
+
+
+def test_start_words_other_python_than_that_of_ros_is_not_used(tmp_path: pathlib.Path) -> None:
+    program, other = tmp_path / "controller.py", tmp_path / "python"
+    program.write_text("#!/usr/bin/env python\n")
+    other.write_text("#!/bin/sh\n")
+    for path in (program, other):
+        path.chmod(0o755)
+    words, notes = start_words(str(program), {"PATH": str(tmp_path)})
+    assert words == [sys.executable, str(program)]
+    assert notes == [f"{program}: not the Python of ROS ({other}); started with python3"]
+    other.unlink()
+    other.symlink_to(sys.executable)
+    assert start_words(str(program), {"PATH": str(tmp_path)}) == ([str(program)], [])
 
 
 def test_find_controller_compiled_program_is_started_as_it_is(tmp_path: pathlib.Path) -> None:

@@ -38,8 +38,11 @@ def start_words(path: str, environment: Mapping[str, str]) -> Tuple[Sequence[str
         if os.path.basename(interpreter) == "env" and os.access(interpreter, os.X_OK):
             words = argument.split() if argument.startswith("-") else [argument.strip()]
             interpreter = next((word for word in words if word[:1] != "-" and "=" not in word), "")
-        if shutil.which(interpreter, path=environment.get("PATH")) is None:
+        found = shutil.which(interpreter, path=environment.get("PATH"))
+        if found is None:
             problems.append(f"interpreter not found ({interpreter})")
+        elif os.path.realpath(found) != os.path.realpath(sys.executable):
+            problems.append(f"not the Python of ROS ({found})")
     if not problems:
         return [path], []
     # The Python of this process has rospy.

@@ -137,8 +137,8 @@ ROOMS: Dict[str, List[str]] = {
     "first_order_sys_sim": "first_order_plant sampled_plant system_parameters nodes".split(),
     "motor_control": "enable_sequence motor_enabler motor_parameters nodes".split(),
     "pid_control": (
-        "plant controller charts verdicts judging identification tuning recording course_names "
-        "set_point_parameters files programs runner commands nodes"
+        "plant controller charts verdicts judging signal_judging identification tuning recording "
+        "course_names set_point_parameters files programs runner signal_runner commands nodes"
     ).split(),
     "serial_link": (
         "framing negotiation device host headers port_mark hardware board link endpoints "

@@ -20,7 +20,12 @@ LONG_S = 120.0
 
 
 class JudgeCase(unittest.TestCase):
-    """Test case with a folder for each test, also for what the judge writes in between."""
+    """Test case with a folder for each test, also for what the judge writes in between.
+
+    :ivar program: the judge
+    """
+
+    program = JUDGE
 
     def setUp(self) -> None:
         folder = tempfile.TemporaryDirectory()
@@ -34,7 +39,7 @@ class JudgeCase(unittest.TestCase):
     def judge(self, *words: object) -> "subprocess.CompletedProcess[str]":
         """Judge, to the end, and make sure that nothing is left behind."""
         done = subprocess.run(
-            [str(JUDGE), *map(str, words)],
+            [str(self.program), *map(str, words)],
             env=self.environment(),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,

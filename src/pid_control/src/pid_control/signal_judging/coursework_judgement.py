@@ -1,0 +1,334 @@
+"""Judgement of a coursework by its evidence: the failures, and the cause of each."""
+
+import math
+from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+
+from pid_control.signal_judging.channels import oscillates
+from pid_control.signal_judging.evidence import GENERATOR, PROCESS, Baseline, Broken, Evidence
+from pid_control.signal_judging.figures import Figures, figures_of, is_known
+from pid_control.signal_judging.scenarios import METRICS
+from pid_control.verdicts.judgement import (
+    FAILED,
+    NOT_JUDGED,
+    PASSED,
+    Cause,
+    Failure,
+    Finding,
+    Judgement,
+    found,
+    number,
+    text_of,
+)
+from pid_control.verdicts.limits import Limits
+
+#: Flaws, worst first: each may be the reason of those after it.
+FLAWS = (
+    "crash",
+    "flood",
+    "endless output",
+    "not connected",
+    "launch",
+    "silent",
+    "constant",
+    "too seldom",
+    "nan",
+    "undersampled",
+    "distorted",
+    "amplitude",
+    "frequency",
+    "fields",
+    "free-running",
+    "unchanged",
+    "phase",
+    "negative",
+    "restart",
+    "hard-coded",
+    "unread",
+    "yaml",
+    "namespace",
+)
+#: Scenarios that a failed trial leaves without figures.
+_ENDS = {"signal": ("signal", "process", "restart", "parameters", "yaml", "namespace")}
+
+
+def judge(
+    evidence: Evidence, limits: Limits, scenarios: Sequence[str], reason: str = ""
+) -> Judgement:
+    """Judge a coursework.
+
+    :param evidence: what its trials have shown
+    :param limits: limits of the figures
+    :param scenarios: names of the scenarios to judge
+    :param reason: why not all trials were run, if so
+    """
+    figures = figures_of(evidence)
+    findings: List[Finding] = []
+    failures: List[Failure] = []
+    for scenario, broken in evidence.broken.items():
+        failures.append(Failure(scenario, broken.flaw, _cause_of_broken(broken)))
+    for scenario in scenarios:
+        for name, metric in METRICS[scenario].items():
+            if (scenario, name) not in figures:
+                continue
+            value = figures[scenario, name]
+            finding = found(
+                scenario, name, value, limits, metric.label, metric.unit, metric.is_least
+            )
+            findings.append(finding)
+            if not finding.passed:
+                cause = _CAUSES[scenario, name](evidence, figures)
+                failures.append(Failure(scenario, text_of(finding), cause))
+    failures.sort(key=lambda failure: FLAWS.index(failure.cause.flaw))
+    if failures:
+        return Judgement(FAILED, findings, failures)
+    reason = reason or _unknown(evidence, scenarios)
+    if reason or not findings:
+        return Judgement(NOT_JUDGED, findings, failures, reason or "nothing was measured")
+    return Judgement(PASSED, findings, failures)
+
+
+def _unknown(evidence: Evidence, scenarios: Sequence[str]) -> str:
+    """Return why nothing can be said about the signal, or an empty text."""
+    baseline = evidence.baseline
+    if baseline is None or is_known(baseline.features) or not {"signal", "process"} & {*scenarios}:
+        return ""
+    return (
+        "cannot tell: less than one period and a fifth of the signal was seen; judge it with a"
+        " higher frequency"
+    )
+
+
+def _cause_of_broken(broken: Broken) -> Cause:
+    words = f": {broken.words}" if broken.words else ""
+    if broken.flaw == "flood":
+        return Cause("flood", f"{broken.node} computes without a pause: a loop without rospy.Rate")
+    if broken.flaw == "writes without end":
+        return Cause("endless output", f"{broken.node} writes to its log without end")
+    if broken.flaw == "not connected":
+        return Cause("not connected", f"no node hears the other one{words}")
+    return Cause("crash", f"{broken.node} ended by itself{words}")
+
+
+def _baseline(evidence: Evidence) -> Baseline:
+    assert evidence.baseline is not None
+    return evidence.baseline
+
+
+def _launch(evidence: Evidence, figures: Figures) -> Cause:
+    return Cause("launch", f"no launch file starts both nodes: {evidence.missing}")
+
+
+def _rate(node: str, rate_of: Callable[[Baseline], Optional[float]]) -> "_Explain":
+    def explain(evidence: Evidence, figures: Figures) -> Cause:
+        if not rate_of(_baseline(evidence)):
+            return Cause("silent", f"the {node} sends nothing")
+        return Cause("too seldom", f"the {node} sends too seldom: its loop is below 10 Hz")
+
+    return explain
+
+
+def _distorted_signal(evidence: Evidence, figures: Figures) -> Cause:
+    baseline = _baseline(evidence)
+    if len(baseline.signal.values) < 3:
+        return Cause("silent", "the signal generator sends nothing")
+    if baseline.features.signal.sine is None or not oscillates(baseline.signal):
+        return Cause(
+            "constant",
+            f"{baseline.signal.name} does not go up and down: one of: its amplitude or frequency is"
+            " 0, or its time does not go on",
+        )
+    return Cause("distorted", f"{baseline.signal.name} is not a sine")
+
+
+def _nan(node: str) -> "_Explain":
+    return lambda evidence, figures: Cause(
+        "nan",
+        f"the {node} sends NaN: one of: the root of a number below 0 (sine / amplitude, as float32,"
+        " may exceed 1), 0 / 0, or the arc sine of more than 1",
+    )
+
+
+def _amplitude(evidence: Evidence, figures: Figures) -> Cause:
+    assert evidence.parameters is not None
+    named = evidence.parameters.value_of(GENERATOR, "amplitude")
+    assert named is not None
+    measured = number(figures["signal", "amplitude"])
+    return Cause("amplitude", f"the amplitude is {measured}, where {named[0]} is {named[1]:g}")
+
+
+def _frequency(evidence: Evidence, figures: Figures) -> Cause:
+    assert evidence.parameters is not None
+    named = evidence.parameters.value_of(GENERATOR, "frequency")
+    assert named is not None
+    signal, measured = _baseline(evidence).features.signal, figures["signal", "frequency"]
+    assert measured is not None
+    if signal.rate and _is_alias(measured, named[1], signal.rate):
+        return Cause(
+            "undersampled",
+            f"{signal.rate:.3g} messages per second are too few for {named[0]}: {named[1]:g}: they"
+            f" show a sine of {measured:.3g} rad/s",
+        )
+    return Cause(
+        "frequency",
+        f"the frequency is {measured:.3g} rad/s, where {named[0]} is {named[1]:g}, in rad/s or Hz",
+    )
+
+
+def _is_alias(measured: float, value: float, rate: float) -> bool:
+    """Return True if a faster sine of a frequency looks like the measured one when sampled."""
+    turn = 2.0 * math.pi * rate
+    for wanted in (value, 2.0 * math.pi * value):
+        if wanted > 0.5 * turn:
+            folded = abs(wanted - turn * round(wanted / turn))
+            if abs(folded - measured) < 0.05 * max(folded, measured):
+                return True
+    return False
+
+
+def _fields(evidence: Evidence, figures: Figures) -> Cause:
+    baseline = _baseline(evidence)
+    sine = baseline.features.signal.sine
+    assert sine is not None
+    said = ", ".join(
+        f"{name} {value:g}"
+        for name, value in baseline.constants.items()
+        if any(part in name.lower() for part in ("ampl", "freq", "omega"))
+    )
+    return Cause(
+        "fields",
+        f"the messages say {said}, but the signal's amplitude is {sine.amplitude:.3g} and its"
+        f" frequency {sine.frequency:.3g} rad/s",
+    )
+
+
+def _distorted_output(evidence: Evidence, figures: Figures) -> Cause:
+    baseline = _baseline(evidence)
+    if len(baseline.output.values) < 3:
+        return Cause("silent", "the process node sends nothing")
+    if baseline.features.process is None:
+        return Cause("constant", f"{baseline.output.name} stays the same, whatever the signal")
+    return Cause(
+        "distorted",
+        f"{baseline.output.name} is neither a sine of the signal's frequency, nor a rectified one:"
+        " one of: the phase is shifted by a formula that does not hold all the time (the sign of"
+        " the cosine), by an amplitude or frequency that the signal does not have, or values are"
+        " lost",
+    )
+
+
+def _unchanged_gain(evidence: Evidence, figures: Figures) -> Cause:
+    return Cause("unchanged", "the process node does not change the amplitude")
+
+
+def _unchanged_phase(evidence: Evidence, figures: Figures) -> Cause:
+    return Cause("unchanged", "the process node does not shift the phase")
+
+
+def _negative(evidence: Evidence, figures: Figures) -> Cause:
+    process = _baseline(evidence).features.process
+    assert process is not None
+    return Cause(
+        "negative",
+        f"the output goes down to {process.lowest:.3g}: its offset is {process.offset:.3g}, where"
+        f" at least {process.offset - process.lowest:.3g} is needed, or a rectifier",
+    )
+
+
+def _gain(evidence: Evidence, figures: Figures) -> Cause:
+    assert evidence.parameters is not None
+    named = evidence.parameters.value_of(PROCESS, "gain")
+    assert named is not None
+    measured = number(figures["process", "gain"])
+    return Cause(
+        "amplitude", f"the output has {measured} of the amplitude, where {named[0]} is {named[1]:g}"
+    )
+
+
+def _phase(evidence: Evidence, figures: Figures) -> Cause:
+    assert evidence.parameters is not None
+    named = evidence.parameters.value_of(PROCESS, "phase_shift")
+    assert named is not None
+    measured = number(figures["process", "phase_shift"], "rad")
+    return Cause("phase", f"the phase shift is {measured}, where {named[0]} is {named[1]:g}")
+
+
+def _free_running(evidence: Evidence, figures: Figures) -> Cause:
+    return Cause(
+        "free-running",
+        "the output goes on oscillating when no signal comes: it is computed from a clock, not from"
+        " the messages",
+    )
+
+
+def _restart(evidence: Evidence, figures: Figures) -> Cause:
+    if evidence.restart is not None and evidence.restart.after is None:
+        return Cause("restart", "after a restart of the generator, no output follows the signal")
+    return Cause(
+        "restart",
+        "after a restart of the generator the output differs: one of: something of the first run is"
+        " kept, such as its time, or the output depends on when the generator starts",
+    )
+
+
+def _hard_coded(node: str) -> "_Explain":
+    return lambda evidence, figures: Cause(
+        "hard-coded", f"no parameter changes anything of the {node}: its values are in the code"
+    )
+
+
+def _unread(evidence: Evidence, figures: Figures) -> Cause:
+    assert evidence.parameters is not None
+    parts = []
+    for one in evidence.parameters.unread():
+        if one.other_names:
+            parts.append(f"{one.name} changes nothing, but {' or '.join(one.other_names)} does")
+        elif not one.is_mentioned:
+            parts.append(f"{one.name} changes nothing: no source mentions it")
+        else:
+            parts.append(
+                f"{one.name} changes nothing: one of: it is not read, or read and not used"
+            )
+    return Cause("unread", "; ".join(parts))
+
+
+def _yaml(evidence: Evidence, figures: Figures) -> Cause:
+    assert evidence.parameters is not None
+    files: Mapping[str, str] = evidence.parameters.unused_files
+    return Cause("yaml", "; ".join(f"{name}: {why}" for name, why in files.items()))
+
+
+def _namespace(evidence: Evidence, figures: Figures) -> Cause:
+    names = ", ".join(evidence.outside or ())
+    stays = "stays" if len(evidence.outside or ()) == 1 else "stay"
+    return Cause(
+        "namespace",
+        f"{names} {stays} outside the namespace of the nodes: leave out the / at the start of the"
+        " name",
+    )
+
+
+_Explain = Callable[[Evidence, Figures], Cause]
+_CAUSES: Dict[Tuple[str, str], _Explain] = {
+    ("launch", "missing_nodes"): _launch,
+    ("signal", "rate"): _rate(GENERATOR, lambda baseline: baseline.features.signal.rate),
+    ("signal", "distortion"): _distorted_signal,
+    ("signal", "not_finite"): _nan(GENERATOR),
+    ("signal", "amplitude_error"): _amplitude,
+    ("signal", "frequency_error"): _frequency,
+    ("signal", "field_error"): _fields,
+    ("process", "rate"): _rate(PROCESS, lambda baseline: baseline.output.rate()),
+    ("process", "distortion"): _distorted_output,
+    ("process", "not_finite"): _nan(PROCESS),
+    ("process", "gain_change"): _unchanged_gain,
+    ("process", "shift"): _unchanged_phase,
+    ("process", "below_zero"): _negative,
+    ("process", "gain_error"): _gain,
+    ("process", "shift_error"): _phase,
+    ("restart", "free_running"): _free_running,
+    ("restart", "change"): _restart,
+    ("parameters", "of_generator"): _hard_coded(GENERATOR),
+    ("parameters", "of_process"): _hard_coded(PROCESS),
+    ("parameters", "unread"): _unread,
+    ("yaml", "unused"): _yaml,
+    ("namespace", "outside"): _namespace,
+}

@@ -1,0 +1,154 @@
+"""Evidence about a coursework, from its trials."""
+
+from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
+
+from pid_control.signal_judging.channels import Channel
+from pid_control.signal_judging.features import ProcessFeatures, SignalFeatures
+
+#: Roles of what every signal and output has.
+_ALWAYS = ("amplitude", "frequency", "gain", "phase_shift")
+GENERATOR, PROCESS = "signal generator", "process node"
+
+
+class Broken(NamedTuple):
+    """A trial that a node ended.
+
+    :ivar flaw: how it failed
+    :ivar node: the node
+    :ivar words: what it wrote last
+    """
+
+    flaw: str
+    node: str
+    words: str = ""
+
+
+class Features(NamedTuple):
+    """Features of both nodes in one trial.
+
+    :ivar signal: of the generator
+    :ivar process: of the process node; None if its output, or its input, is no sine
+    """
+
+    signal: SignalFeatures
+    process: Optional[ProcessFeatures]
+
+
+class Baseline(NamedTuple):
+    """The trial of the coursework as it is.
+
+    :ivar features: features of both nodes
+    :ivar signal: the generator's signal
+    :ivar output: the process node's output
+    :ivar constants: constant fields of the signal's messages, by name
+    """
+
+    features: Features
+    signal: Channel
+    output: Channel
+    constants: Mapping[str, float]
+
+
+class Restart(NamedTuple):
+    """The generator stopped and started again.
+
+    :ivar oscillates: whether the output went on oscillating without an input
+    :ivar after: features of the process node after the restart; None without any
+    :ivar signal: the generator's signal, from before the stop to the end
+    :ivar output: the process node's output
+    """
+
+    oscillates: bool
+    after: Optional[ProcessFeatures]
+    signal: Channel
+    output: Channel
+
+
+class Tried(NamedTuple):
+    """A parameter, and the effect of a change of it.
+
+    :ivar name: global name
+    :ivar value: value in the launch file
+    :ivar role: role of the parameter; empty if unknown
+    :ivar of: the nodes that changed with it
+    :ivar other_names: names under which a change had an effect, if this one had none
+    :ivar is_mentioned: whether a source mentions the name
+    :ivar is_predicted: whether its change has changed what its role says, and as much
+    """
+
+    name: str
+    value: float
+    role: str
+    of: Set[str]
+    other_names: Sequence[str] = ()
+    is_mentioned: bool = True
+    is_predicted: bool = False
+
+
+class Parameters(NamedTuple):
+    """Effects of the parameters.
+
+    :ivar tried: those of the launch file
+    :ivar hidden: nodes that changed with parameters that only their sources name
+    :ivar unused_files: YAML files of numbers that do not reach the nodes, and why not
+    :ivar has_files: whether there are YAML files of numbers
+    """
+
+    tried: Sequence[Tried]
+    hidden: Set[str]
+    unused_files: Mapping[str, str]
+    has_files: bool
+
+    def read_by(self, node: str) -> int:
+        """Return the number of parameters that change a node, at least 1 if hidden ones do."""
+        return max(sum(node in one.of for one in self.tried), int(node in self.hidden))
+
+    def unread(self) -> List[Tried]:
+        """Return the parameters that are certainly not used.
+
+        One that a source mentions, and that changes nothing, may be used in other cases; not so the
+        only one for what every signal has.
+        """
+        return [
+            one
+            for one in self.tried
+            if not one.of
+            and (
+                one.other_names
+                or not one.is_mentioned
+                or (one.role in _ALWAYS and not self._is_changed(one.role))
+            )
+        ]
+
+    def _is_changed(self, role: str) -> bool:
+        return any(one.role == role and one.of for one in self.tried)
+
+    def value_of(self, node: str, role: str) -> Optional[Tuple[str, float]]:
+        """Return name and value of the only parameter that changes what its role says.
+
+        One that does not do so as predicted has another unit or meaning.
+        """
+        found = [
+            one for one in self.tried if one.role == role and node in one.of and one.is_predicted
+        ]
+        return (found[0].name, found[0].value) if len(found) == 1 else None
+
+
+class Evidence:
+    """All that is known about a coursework.
+
+    :ivar missing: why no launch file starts both nodes; empty if one does
+    :ivar baseline: the coursework as it is
+    :ivar restart: the generator stopped and started again
+    :ivar parameters: effects of the parameters
+    :ivar outside: topics that leave the namespace of their nodes
+    :ivar broken: trials that a node ended, by scenario
+    """
+
+    def __init__(self) -> None:
+        self.missing = ""
+        self.baseline: Optional[Baseline] = None
+        self.restart: Optional[Restart] = None
+        self.parameters: Optional[Parameters] = None
+        self.outside: Optional[List[str]] = None
+        self.broken: Dict[str, Broken] = {}

@@ -1,0 +1,62 @@
+"""Roles of parameters, by their names, and values to try."""
+
+from typing import Dict, Tuple, Union
+
+Number = Union[int, float]
+#: Roles of a generator's and of a process node's parameters, with parts of names of each; the first
+#: that is in the name counts.
+GENERATOR_ROLES: Dict[str, Tuple[str, ...]] = {
+    "rate": ("rate", "hz"),
+    "amplitude": ("ampl",),
+    "frequency": ("freq", "omega"),
+    "offset": ("offset",),
+    "phase": ("phase", "shift"),
+}
+PROCESS_ROLES: Dict[str, Tuple[str, ...]] = {
+    "rate": ("rate", "hz"),
+    "phase_shift": ("phase", "shift", "angle"),
+    "offset": ("offset",),
+    "gain": ("ampl", "gain", "scale", "factor"),
+}
+#: Factors, and summands, of a changed value by role.
+_FACTORS = {"rate": 2.0, "amplitude": 1.5, "frequency": 1.25, "gain": 1.4}
+_SUMMANDS = {"offset": 0.5, "phase": 0.4, "phase_shift": 0.4}
+#: Factor of a value without a role.
+_OTHER = 1.25
+#: Summand of a phase that is an angle in rad or in degrees.
+_FAR_PHASE = 20.0
+
+
+def role_of(name: str, roles: Dict[str, Tuple[str, ...]]) -> str:
+    """Return the role of a parameter; empty if its name does not tell.
+
+    :param name: last part of its name
+    :param roles: GENERATOR_ROLES or PROCESS_ROLES
+    """
+    lower = name.lower()
+    for role, parts in roles.items():
+        if any(part in lower for part in parts):
+            return role
+    return ""
+
+
+def is_number(value: object) -> bool:
+    """Return True for a number that is no truth value."""
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def changed(value: Number, role: str, is_far: bool = False) -> Number:
+    """Return a value to try, of the same type.
+
+    :param value: the present one
+    :param role: role of the parameter; empty if unknown
+    :param is_far: True for a value further away: 20 rad and 20 degrees are both seen
+    """
+    if role in _SUMMANDS:
+        new = value + (_FAR_PHASE if is_far and "phase" in role else _SUMMANDS[role])
+    else:
+        factor = _FACTORS.get(role, _OTHER)
+        new = value * (factor * factor if is_far else factor) if value else 1.0
+    if isinstance(value, int):
+        return round(new) if round(new) != value else value + 1
+    return float(new)

@@ -1,0 +1,290 @@
+"""Trials with other parameters: by the YAML files, by the launch file's names, by hidden ones."""
+
+import os
+import shutil
+import tempfile
+from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Set, Tuple
+
+import yaml
+
+from pid_control.signal_judging.effects import changed_nodes, is_as_predicted
+from pid_control.signal_judging.evidence import (
+    GENERATOR,
+    PROCESS,
+    Baseline,
+    Features,
+    Parameters,
+    Tried,
+)
+from pid_control.signal_judging.parameter_roles import (
+    GENERATOR_ROLES,
+    PROCESS_ROLES,
+    changed,
+    is_number,
+    role_of,
+)
+from pid_control.signal_runner.coursework import (
+    Coursework,
+    find_coursework,
+    launch_files,
+    yaml_files,
+)
+from pid_control.signal_runner.trial import NotConnectedError, Pair, TrialError
+
+#: Most parameters that are tried one by one.
+_MOST = 8
+
+
+class ParameterTrials:
+    """Trials of a coursework with other parameters.
+
+    All numbers are changed at once first, those of YAML files in a copy of the package. Those that
+    have not changed what their names say are then changed one by one.
+
+    :param coursework: the coursework
+    :param pair: both nodes
+    :param baseline: the coursework as it is
+    :param features: runs a coursework, and returns its features
+
+    :ivar notes: what was left out
+    """
+
+    def __init__(
+        self,
+        coursework: Coursework,
+        pair: Pair,
+        baseline: Baseline,
+        features: Callable[[Coursework], Features],
+    ) -> None:
+        self._coursework, self._pair, self._features = coursework, pair, features
+        self._before = baseline.features
+        self._before_names = set(coursework.parameters)
+        #: YAML files with numbers.
+        self._numbered: Set[str] = set()
+        self.notes: List[str] = []
+
+    def run(self) -> Parameters:
+        """Run the trials.
+
+        :returns: effects of the parameters
+        """
+        numbers = self._coursework.numbers()
+        with tempfile.TemporaryDirectory(prefix="judge-") as scratch:
+            copy, reached = self._copy_with_other_numbers(scratch)
+            unused = self._unused(reached)
+            wanted = {name: self._changed(name, value) for name, value in numbers.items()}
+            wanted.update(
+                {name: value for name, value in copy.numbers().items() if name in reached}
+            )
+            as_predicted = self._try_all(copy, wanted) if numbers else set()
+        tried = [
+            Tried(
+                name,
+                float(numbers[name]),
+                self._role(name)[1],
+                {self._role(name)[0]},
+                is_predicted=True,
+            )
+            for name in sorted(as_predicted)
+        ]
+        rest = sorted(set(numbers) - as_predicted)
+        if len(rest) > _MOST:
+            self.notes.append(f"parameters not tried: {', '.join(rest[_MOST:])}")
+        tried += [self._try_one(name, numbers[name]) for name in rest[:_MOST]]
+        read = {node for one in tried for node in one.of}
+        hidden = {
+            node for node in (GENERATOR, PROCESS) if node not in read and self._reads_hidden(node)
+        }
+        parameters = Parameters(tried, hidden, unused, bool(self._numbered))
+        unread = parameters.unread()
+        idle = [one.name for one in tried if not one.of and one not in unread]
+        if idle:
+            self.notes.append(f"parameters that change nothing here: {', '.join(idle)}")
+        return parameters
+
+    def _copy_with_other_numbers(self, scratch: str) -> Tuple[Coursework, Set[str]]:
+        """Copy the package with other numbers in its YAML files.
+
+        :returns: the copy, and the parameters that differ in it
+        """
+        self._numbered.clear()
+        if not self._coursework.launch_file:
+            return self._coursework, set()
+        folder = os.path.join(scratch, os.path.basename(self._coursework.folder))
+        try:
+            shutil.copytree(
+                self._coursework.folder,
+                folder,
+                ignore=shutil.ignore_patterns(".git", "*.bag"),
+                ignore_dangling_symlinks=True,
+            )
+        except OSError as error:
+            self.notes.append(f"YAML files: not changed, as the package cannot be copied ({error})")
+            return self._coursework, set()
+        for path in yaml_files(folder):
+            with open(path, encoding="utf-8", errors="replace") as file:
+                text = file.read()
+            try:
+                content = yaml.safe_load(text)
+            except (yaml.YAMLError, RecursionError, ValueError):
+                continue
+            if _has_number(content):
+                self._numbered.add(os.path.relpath(path, folder))
+                with open(path, "w", encoding="utf-8") as file:
+                    yaml.safe_dump(self._other_numbers(content), file)
+        if not self._numbered:
+            return self._coursework, set()
+        place = os.path.relpath(self._coursework.launch_file, self._coursework.folder)
+        words = [os.path.join(folder, place), *self._coursework.arguments]
+        environment = self._pair.generator.command.environment
+        copy = find_coursework(folder, words, environment)
+        before = self._coursework.numbers()
+        differs = {
+            name
+            for name, value in copy.numbers().items()
+            if name in before and value != before[name]
+        }
+        return copy, differs
+
+    def _other_numbers(self, content: Any, name: str = "") -> Any:
+        if isinstance(content, dict):
+            return {key: self._other_numbers(one, str(key)) for key, one in content.items()}
+        return self._changed("/" + name, content) if is_number(content) else content
+
+    def _unused(self, reached: Set[str]) -> Mapping[str, str]:
+        """Return the YAML files with numbers of which none reaches the nodes, and why not."""
+        if not self._numbered or reached:
+            return {}
+        texts = []
+        for path in launch_files(self._coursework.folder):
+            with open(path, encoding="utf-8", errors="replace") as file:
+                texts.append((os.path.basename(path), file.read()))
+        chosen = os.path.basename(self._coursework.launch_file)
+        found = {}
+        for path in sorted(self._numbered):
+            name = os.path.basename(path)
+            users = [file for file, text in texts if name in text]
+            if self._coursework.mentions(name):
+                self.notes.append(f"{name}: the programs load it by themselves")
+            elif chosen in users:
+                found[name] = f"{chosen} loads it, but sets other values"
+            elif users:
+                self.notes.append(f"{name} is loaded by {', '.join(users)}, not by {chosen}")
+            else:
+                found[name] = "no launch file loads it"
+        return found
+
+    def _try_all(self, copy: Coursework, wanted: Mapping[str, Any]) -> Set[str]:
+        """Change all numbers; return the parameters that change what their names say."""
+        numbers = self._coursework.numbers()
+        try:
+            parameters = {**copy.parameters, **wanted}
+            after = self._features(copy._replace(parameters=parameters))
+        except (TrialError, NotConnectedError):
+            return set()  # one by one, it will show which
+        roles = [self._role(name) for name in numbers]
+        return {
+            name
+            for name in numbers
+            if roles.count(self._role(name)) == 1
+            and is_as_predicted(
+                self._role(name)[1],
+                self._role(name)[0],
+                (numbers[name], wanted[name]),
+                self._before,
+                after,
+            )
+        }
+
+    def _try_one(self, name: str, value: Any) -> Tried:
+        node, role = self._role(name)
+        found: Set[str] = set()
+        is_predicted = False
+        for is_far in (True, False):  # one that is far away may be refused
+            new = changed(value, role, is_far)
+            after = self._after({name: new})
+            found = {GENERATOR, PROCESS} if after is None else changed_nodes(self._before, after)
+            if found:
+                is_predicted = after is not None and is_as_predicted(
+                    role, node, (value, new), self._before, after
+                )
+                break
+        others: List[str] = []
+        last = name.rpartition("/")[2]
+        if not found and self._coursework.mentions(last):
+            names = [other for other in self._names_of(last) if other not in self._before_names]
+            if self._effect({other: new for other in names}):
+                others = [other for other in names if self._effect({other: new})]
+        is_mentioned = self._coursework.mentions(last)
+        return Tried(name, float(value), role, found, others, is_mentioned, is_predicted)
+
+    def _effect(self, values: Mapping[str, Any]) -> Set[str]:
+        """Return the nodes that change with parameters; all, if these end a trial."""
+        after = self._after(values)
+        return {GENERATOR, PROCESS} if after is None else changed_nodes(self._before, after)
+
+    def _after(self, values: Mapping[str, Any]) -> Optional[Features]:
+        """Return the features with parameters; None if a node ends with them."""
+        parameters = {**self._coursework.parameters, **values}
+        try:
+            return self._features(self._coursework._replace(parameters=parameters))
+        except (TrialError, NotConnectedError):
+            return None
+
+    def _reads_hidden(self, node: str) -> bool:
+        """Return True if a node changes with parameters that only its source names."""
+        values: Dict[str, Any] = {}
+        for name, default in self._coursework.names_in_source(self._node(node).command.name):
+            value = changed(default, role_of(name, _roles(node)), is_far=False)
+            for place in self._places(node, name):
+                values[place] = value
+        known = self._coursework.parameters
+        values = {name: value for name, value in values.items() if name not in known}
+        return bool(values) and node in self._effect(values)
+
+    def _places(self, node: str, name: str) -> Sequence[str]:
+        student = self._node(node)
+        if name.startswith("~"):
+            return [f"{student.global_name}/{name[1:]}"]
+        return [name if name.startswith("/") else student.namespace + name]
+
+    def _names_of(self, last: str) -> List[str]:
+        """Return the global names that a program may read a parameter by."""
+        places = {"/"}
+        for node in (self._pair.generator, self._pair.process):
+            places |= {node.namespace, node.global_name + "/"}
+        return sorted(place + last for place in places)
+
+    def _node(self, node: str) -> Any:
+        return self._pair.generator if node == GENERATOR else self._pair.process
+
+    def _changed(self, name: str, value: Any) -> Any:
+        return changed(value, self._role(name)[1])
+
+    def _role(self, name: str) -> Tuple[str, str]:
+        """Return the node that a parameter belongs to, by its name, and its role."""
+        owners = {
+            GENERATOR: self._pair.generator.global_name,
+            PROCESS: self._pair.process.global_name,
+        }
+        for node, owner in owners.items():
+            if name.startswith(owner + "/"):
+                return node, role_of(name.rpartition("/")[2], _roles(node))
+        last = name.rpartition("/")[2]
+        for node, parts in ((PROCESS, ("proc",)), (GENERATOR, ("gen", "sig", "sin"))):
+            if any(part in last.lower() for part in parts):
+                return node, role_of(last, _roles(node))
+        if role_of(last, {"frequency": GENERATOR_ROLES["frequency"]}):
+            return GENERATOR, "frequency"
+        shift = role_of(last, {"phase_shift": PROCESS_ROLES["phase_shift"]})
+        return (PROCESS, shift) if shift else ("", "")
+
+
+def _roles(node: str) -> Dict[str, Tuple[str, ...]]:
+    return GENERATOR_ROLES if node == GENERATOR else PROCESS_ROLES
+
+
+def _has_number(content: Any) -> bool:
+    if isinstance(content, dict):
+        return any(_has_number(one) for one in content.values())
+    return is_number(content)

@@ -1,0 +1,390 @@
+"""Session of one judgement of a coursework: its trials, one after the other."""
+
+import math
+import time
+from typing import Any, Callable, List, Mapping, Optional, Sequence, Tuple
+
+from pid_control.programs.private_master import PrivateMaster
+from pid_control.runner.outcome import JudgingError, TimeLimitExceeded
+from pid_control.signal_judging.channels import AmbiguousChannelsError, Channel, signal_of
+from pid_control.signal_judging.evidence import (
+    GENERATOR,
+    PROCESS,
+    Baseline,
+    Broken,
+    Evidence,
+    Features,
+    Restart,
+)
+from pid_control.signal_judging.features import (
+    ProcessFeatures,
+    is_sine_like,
+    process_features,
+    signal_features,
+)
+from pid_control.signal_judging.sine_fit import is_constant
+from pid_control.signal_runner.coursework import Coursework
+from pid_control.signal_runner.parameter_trials import ParameterTrials
+from pid_control.signal_runner.signal_bench import SignalBench
+from pid_control.signal_runner.trial import STEP_S, NotConnectedError, Pair, Trial, TrialError
+
+#: Time by the clock [s]: before a record begins, shortest and longest of a record, shortest of the
+#: stop.
+_SETTLE_S, _SHORTEST_S, _LONGEST_S, _STOPPED_S = 1.0, 5.0, 30.0, 2.0
+#: Time after the stop in which messages may still be under way [s].
+_AFTER_STOP_S = 0.5
+#: Largest delay of the judge in that trial [s].
+_MOST_LATE_S = 0.05
+#: Rate that may be limited by the step of the clock, in steps; how much finer the next step is; and
+#: the finest one [s].
+_NEAR, _FINER, _FINEST_S = 0.8, 5.0, 0.0004
+#: Periods of a record.
+_PERIODS = 2.2
+#: Namespace of the trial of the names.
+_GROUP = "/judged_group"
+#: Distortion from which a trial is repeated by the machine's clock, and the share of it that is
+#: left there if the simulated clock was the reason.
+_DISTORTED, _GONE = 0.05, 0.3
+
+
+class MachineClockError(JudgingError):
+    """The coursework goes by the machine's clock."""
+
+
+class SignalSession:
+    """One judgement of a coursework; the time limit starts when the session is created.
+
+    :param coursework: the coursework
+    :param scenarios: names of the scenarios to run
+    :param real_time: True for the machine's clock, False for a simulated one
+    :param time_limit: time limit [s]
+    :param told: names of the signal's and of the output's channel, ``TOPIC/FIELD``, where told
+    :param master: the private master
+    :param bench: the bench on that master
+
+    :ivar evidence: all that the trials have shown
+    :ivar notes: what was chosen
+    """
+
+    def __init__(
+        self,
+        coursework: Coursework,
+        scenarios: Sequence[str],
+        real_time: bool,
+        time_limit: float,
+        told: Mapping[str, str],
+        master: PrivateMaster,
+        bench: SignalBench,
+    ) -> None:
+        self._master, self._bench = master, bench
+        self._coursework, self._scenarios = coursework, scenarios
+        self._real_time, self._told = real_time, told
+        self._deadline, self._time_limit = time.monotonic() + time_limit, time_limit
+        self.evidence = Evidence()
+        self.evidence.missing = coursework.missing
+        self.notes: List[str] = []
+        self._pair: Optional[Pair] = None
+        #: Step of the clock [s].
+        self._step = STEP_S
+
+    def run(self) -> str:
+        """Run all trials.
+
+        :returns: why not all of them were run, or an empty text
+        :raises JudgingError: if the coursework cannot be judged
+        """
+        try:
+            return self._run_all()
+        except TimeLimitExceeded:
+            return f"{self._time_limit:g} s are over"
+
+    def _run_all(self) -> str:
+        if set(self._scenarios) == {"launch"}:
+            return ""
+        if not self._guarded("signal", self._run_baseline):
+            return ""
+        baseline = self.evidence.baseline
+        assert baseline is not None and self._pair is not None
+        if set(self._scenarios) & {"parameters", "yaml"} and baseline.features.signal.sine:
+            trials = ParameterTrials(self._coursework, self._pair, baseline, self._features)
+            self._guarded("parameters", lambda: self._put_parameters(trials))
+            self.notes += trials.notes
+        if "namespace" in self._scenarios:
+            self._guarded("namespace", self._run_in_group)
+        return ""
+
+    def _put_parameters(self, trials: ParameterTrials) -> None:
+        self.evidence.parameters = trials.run()
+
+    def _guarded(self, scenario: str, run: Callable[[], None]) -> bool:
+        """Run a scenario; return False if a node ended it."""
+        try:
+            run()
+            return True
+        except TrialError as error:
+            self.evidence.broken[scenario] = Broken(error.flaw, error.node, error.words)
+        except NotConnectedError as error:
+            self.evidence.broken[scenario] = Broken("not connected", "", str(error))
+        return False
+
+    def _trial(
+        self,
+        parameters: Optional[Mapping[str, Any]] = None,
+        group: str = "",
+        is_simulated: Optional[bool] = None,
+    ) -> Trial:
+        nodes = self._coursework.nodes
+        if self._pair is not None:  # the process node first: the generator is to be restarted
+            nodes = [self._pair.process, self._pair.generator]
+        return Trial(
+            self._bench,
+            self._master,
+            nodes,
+            self._coursework.parameters if parameters is None else parameters,
+            self._deadline,
+            not self._real_time if is_simulated is None else is_simulated,
+            group,
+            self._step,
+        )
+
+    def _run_baseline(self) -> None:
+        nodes = self._coursework.nodes
+        with self._trial() as trial:
+            trial.start()
+            self._pair = pair = trial.find_pair()
+            is_as_started = list(nodes) == [pair.process, pair.generator]
+            if is_as_started:
+                self._record_baseline(trial, pair)
+        self.notes.append(
+            f"{pair.generator.program} is the signal generator, {pair.process.program} the"
+            f" process node"
+        )
+        if not is_as_started:
+            with self._trial() as trial:
+                trial.start()
+                self._record_baseline(trial, pair)
+        while not self._real_time and self._is_too_fast():
+            self._step /= _FINER
+            self.evidence.baseline = self.evidence.restart = None
+            self.evidence.broken.clear()
+            with self._trial() as trial:
+                trial.start()
+                self._record_baseline(trial, pair)
+        baseline = self.evidence.baseline
+        assert baseline is not None
+        self.notes.append(f"signal: {baseline.signal.name}; output: {baseline.output.name}")
+        if not self._real_time and _distortion(baseline.features) > _DISTORTED:
+            self._check_clock()
+
+    def _is_too_fast(self) -> bool:
+        """Return True if a loop may be faster than the steps of the clock, which slow it down.
+
+        :raises JudgingError: if even the finest step slows it down
+        """
+        baseline = self.evidence.baseline
+        assert baseline is not None
+        rates = [one.rate() or 0.0 for one in (baseline.signal, baseline.output)]
+        if max(rates) < _NEAR / self._step:
+            return False
+        if self._step / _FINER < _FINEST_S:
+            raise JudgingError(
+                f"cannot tell: more than {max(rates):.0f} messages per second; lower the rate, or"
+                " judge it with --real-time"
+            )
+        return True
+
+    def _record_baseline(self, trial: Trial, pair: Pair) -> None:
+        trial.connect(pair)
+        trial.run(_SETTLE_S)
+        begin = trial.now
+        trial.run(_SETTLE_S)
+        answers = trial.answers_while_paused()  # in which the machine's clock goes on
+        self._run_periods(trial, pair, begin)
+        if max(answers, trial.answers_while_paused()) > 1:
+            raise MachineClockError(_MACHINE_CLOCK)
+        self._check_heard()
+        signal, output = self._channels(pair, begin)
+        end = trial.now
+        features = self._features_of(signal, output)
+        constants = self._constants(signal, begin)
+        self.evidence.baseline = Baseline(features, signal, output, constants)
+        if "restart" in self._scenarios and features.signal.sine is not None:
+            self._guarded("restart", lambda: self._run_restart(trial, pair, begin, end))
+        self._check_lateness(trial)
+
+    def _check_heard(self) -> None:
+        """Check that this process is connected to all topics.
+
+        :raises JudgingError: if it is not: it has other definitions of their types
+        """
+        unheard = self._bench.unheard()
+        if unheard:
+            names = ", ".join(unheard)
+            raise JudgingError(f"{names}: another definition of its type than the judge's")
+
+    def _run_periods(self, trial: Trial, pair: Pair, begin: float) -> None:
+        """Run until some periods of the signal are recorded, within bounds."""
+        trial.run(begin + _SHORTEST_S - trial.now)
+        while trial.now - begin < _LONGEST_S:
+            signal, _ = self._channels(pair, begin)
+            sine = signal_features(signal).sine
+            if sine is not None and sine.periods >= _PERIODS and trial.now - begin >= _SHORTEST_S:
+                return
+            left = _LONGEST_S - (trial.now - begin)
+            wanted = _SHORTEST_S
+            if sine is not None and sine.periods > 0.0:
+                wanted = (trial.now - begin) * (_PERIODS / sine.periods - 1.0) + 0.2
+            trial.run(min(left, max(wanted, 0.5)))
+
+    def _run_restart(self, trial: Trial, pair: Pair, begin: float, end: float) -> None:
+        trial.stop_node(pair.generator)
+        stopped = trial.now
+        assert self.evidence.baseline is not None
+        sine = self.evidence.baseline.features.signal.sine
+        assert sine is not None
+        period = 2.0 * math.pi / sine.frequency
+        trial.run(_AFTER_STOP_S + min(max(period, _STOPPED_S), _LONGEST_S))
+        _, silent = self._channels(pair, stopped + _AFTER_STOP_S)
+        goes_on = is_sine_like(silent.between(0.0, trial.now), sine.frequency)
+        trial.run_past(self.evidence.baseline.output.topic)
+        trial.start_node(pair.generator)
+        trial.connect_again(pair)
+        trial.run(_SETTLE_S)
+        again = trial.now
+        trial.run(end - begin)
+        _, output = self._channels(pair, again)
+        signal, _ = self._channels(pair, again)
+        process = self._features_of(signal, output).process
+        whole = self._channels(pair, begin)
+        self.evidence.restart = Restart(goes_on, process, whole[0], whole[1])
+
+    def _features(self, coursework: Coursework) -> Features:
+        """Return the features of the coursework with other parameters.
+
+        :raises TrialError: if a node fails
+        """
+        pair = self._pair
+        assert pair is not None
+        nodes = {node.global_name: node for node in coursework.nodes}
+        self._pair = pair._replace(
+            generator=nodes.get(pair.generator.global_name, pair.generator),
+            process=nodes.get(pair.process.global_name, pair.process),
+        )
+        try:
+            with self._trial(coursework.parameters) as trial:
+                trial.start()
+                trial.connect(self._pair)
+                trial.run(_SETTLE_S)
+                begin = trial.now
+                self._run_periods(trial, self._pair, begin)
+                signal, output = self._channels(self._pair, begin)
+                self._check_lateness(trial)
+                return self._features_of(signal, output)
+        finally:
+            self._pair = pair
+
+    def _run_in_group(self) -> None:
+        pair = self._pair
+        assert pair is not None
+        with self._trial(group=_GROUP) as trial:
+            trial.start()
+            topics = trial.topics([pair.process, pair.generator])
+        self.evidence.outside = sorted(
+            topic for topic in topics if not topic.startswith(_GROUP + "/")
+        )
+
+    def _check_clock(self) -> None:
+        """Run by the machine's clock; if the distortion is gone there, the nodes go by it.
+
+        :raises MachineClockError: if they do
+        :raises JudgingError: if the machine is too busy to tell
+        """
+        baseline = self.evidence.baseline
+        assert baseline is not None and self._pair is not None
+        try:
+            with self._trial(is_simulated=False) as trial:
+                trial.start()
+                trial.connect(self._pair)
+                trial.run(_SETTLE_S)
+                begin = trial.now
+                times = baseline.signal.times or [0.0]
+                trial.run(min(_LONGEST_S, max(_SHORTEST_S, times[-1] - times[0])))
+                signal, output = self._channels(self._pair, begin)
+                self._check_lateness(trial, _MOST_LATE_S)
+        except (TrialError, NotConnectedError):
+            return
+        features = self._features_of(signal, output)
+        if _distortion(features) < _GONE * _distortion(baseline.features):
+            raise MachineClockError(_MACHINE_CLOCK)
+
+    def _check_lateness(self, trial: Trial, most: float = Trial.most_late) -> None:
+        if trial.latest > most:
+            raise JudgingError(
+                f"this machine is too busy: the judge itself was {trial.latest:.3f} s late"
+            )
+
+    def _channels(self, pair: Pair, begin: float) -> Tuple[Channel, Channel]:
+        """Return the signal and the output from a time on.
+
+        :raises JudgingError: if it cannot be told which they are
+        """
+        signal = self._channel(GENERATOR, [*pair.inputs, *pair.others], begin)
+        return signal, self._channel(PROCESS, list(pair.outputs), begin)
+
+    def _channel(self, node: str, topics: Sequence[str], begin: float) -> Channel:
+        channels = [
+            channel.between(begin) for topic in topics for channel in self._bench.channels(topic)
+        ]
+        told = self._told.get(node)
+        if told is not None:
+            for channel in channels:
+                if told.strip("/") in (channel.name.strip("/"), channel.topic.strip("/")):
+                    return channel
+            names = ", ".join(channel.name for channel in channels) or "none"
+            raise JudgingError(f"{told}: not found; the {node} has: {names}")
+        before = self.evidence.baseline
+        if before is not None:
+            chosen = before.signal if node == GENERATOR else before.output
+            for channel in channels:
+                if (channel.topic, channel.field) == (chosen.topic, chosen.field):
+                    return channel
+            return Channel(chosen.topic, chosen.field, [], [])
+        try:
+            found = signal_of(channels)
+        except AmbiguousChannelsError as error:
+            option = "--signal" if node == GENERATOR else "--proc-signal"
+            raise JudgingError(
+                f"which is the signal of the {node}? {option} TOPIC/FIELD, of {error}"
+            ) from None
+        if found is not None:
+            return found
+        if not channels:
+            return Channel(topics[0], "", [], [])
+        return channels[0] if len(channels) == 1 else channels[0]._replace(field="")
+
+    def _features_of(self, signal: Channel, output: Channel) -> Features:
+        found = signal_features(signal)
+        process: Optional[ProcessFeatures] = None
+        if found.sine is not None and found.sine.distortion <= _DISTORTED:
+            process = process_features(output, signal.times, found.sine)
+        return Features(found, process)
+
+    def _constants(self, signal: Channel, begin: float) -> Mapping[str, float]:
+        channels = [one.between(begin) for one in self._bench.channels(signal.topic)]
+        return {
+            one.field: one.values[0] for one in channels if one.values and is_constant(one.values)
+        }
+
+
+def _distortion(features: Features) -> float:
+    """Return the distortion of the signal, or of the output if that is larger; at most 1."""
+    sine, process = features.signal.sine, features.process
+    if sine is None or sine.distortion > _DISTORTED:
+        return 1.0 if sine is None else min(1.0, sine.distortion)
+    return 1.0 if process is None else min(1.0, process.distortion)
+
+
+_MACHINE_CLOCK = (
+    "it goes by the machine's clock (time.time(), time.sleep()), not by ROS's"
+    " (rospy.get_time(), rospy.Rate): judge it with --real-time"
+)

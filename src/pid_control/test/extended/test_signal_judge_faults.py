@@ -1,0 +1,88 @@
+#!/usr/bin/env python3
+"""Courseworks with known flaws, judged one after the other on one private master."""
+
+import pathlib
+import tempfile
+import unittest
+from typing import List
+
+from helpers.coursework_cases import COURSEWORKS, FAST, FLAWED, GOOD, Case, make
+from nodekit.testing.running import rosrun
+from pid_control.runner.default_limits import default_limits
+from pid_control.runner.outcome import JudgingError
+from pid_control.signal_judging.coursework_judgement import judge
+from pid_control.signal_judging.scenarios import SCENARIO_METRICS, SCENARIOS
+from pid_control.signal_runner.coursework_bench import CourseworkBench, find_request
+from pid_control.verdicts.judgement import PASSED, Judgement
+from pid_control.verdicts.reports import as_sentences
+
+LIMITS = default_limits("judge_signals_limits.yaml", SCENARIO_METRICS)
+#: Time of the machine is not the courseworks': a test takes as long as it needs.
+LONG_S = 600.0
+
+
+class TestSignalJudge(unittest.TestCase):
+    """Courseworks on one master."""
+
+    bench: CourseworkBench
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.bench = CourseworkBench()
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.bench.close()
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def judged(self, package: pathlib.Path, scenarios: List[str]) -> Judgement:
+        request = find_request([str(package)], scenarios)._replace(time_limit=LONG_S)
+        evidence, reason = self.bench.run(request)
+        return judge(evidence, LIMITS, scenarios, reason)
+
+    def test_good_courseworks_pass(self) -> None:
+        for name in GOOD:
+            with self.subTest(name):
+                judgement = self.judged(COURSEWORKS / name, list(SCENARIOS))
+                self.assertEqual(judgement.verdict, PASSED, as_sentences(judgement))
+
+    def test_loop_faster_than_the_steps_keeps_its_rate(self) -> None:
+        judgement = self.judged(make(FAST, self.folder), list(FAST.scenarios))
+        self.assertIn(FAST.says, as_sentences(judgement))
+        figures = {(one.scenario, one.metric): one.value for one in judgement.findings}
+        self.assertAlmostEqual(figures["signal", "rate"] or 0.0, 250.0, delta=5.0)
+        self.assertAlmostEqual(figures["signal", "frequency"] or 0.0, 2.5, delta=0.05)
+
+    def test_flawed_courseworks_fail_with_their_cause(self) -> None:
+        for case in FLAWED:
+            with self.subTest(case.name):
+                judgement = self.judged(make(case, self.folder), list(case.scenarios))
+                text = as_sentences(judgement)
+                self.assertEqual(judgement.flaws(), list(case.flaws), text)
+                self.assertIn(case.says, text)
+
+    def test_machine_clock_is_not_judged_by_a_simulated_one(self) -> None:
+        edits = [
+            ("scripts/signal_generator.py", "import numpy", "import time as clock\n\nimport numpy"),
+            ("scripts/signal_generator.py", "rate.sleep()", "clock.sleep(0.1)"),
+        ]
+        case = Case("time_sleep", "wave_loops", edits, (), (), "")
+        with self.assertRaisesRegex(JudgingError, "it goes by the machine's clock.*--real-time"):
+            self.judged(make(case, self.folder), ["signal"])
+
+    def test_time_of_the_machine_in_a_ros_loop_is_not_judged(self) -> None:
+        edits = [
+            ("scripts/signal_generator.py", "import numpy", "import time as clock\n\nimport numpy"),
+            ("scripts/signal_generator.py", "rospy.get_time()", "clock.time()"),
+        ]
+        case = Case("time_time", "wave_loops", edits, (), (), "")
+        with self.assertRaisesRegex(JudgingError, "it goes by the machine's clock.*--real-time"):
+            self.judged(make(case, self.folder), ["signal"])
+
+
+if __name__ == "__main__":
+    rosrun("pid_control", "signal_judge_faults", TestSignalJudge)

@@ -1,0 +1,208 @@
+"""Tests of finding a coursework in a package."""
+
+import pathlib
+from typing import Dict, List
+
+import pytest
+from geometry_msgs.msg import Vector3Stamped
+from std_msgs.msg import Float32, Float32MultiArray, String
+
+from pid_control.programs.node_queries import NodeTopics
+from pid_control.programs.program_command import CommandError
+from pid_control.signal_runner.coursework import (
+    Coursework,
+    find_coursework,
+    has_coursework,
+    launch_files,
+    package_folder,
+    yaml_files,
+)
+from pid_control.signal_runner.coursework_wanted import CourseworkWanted
+from pid_control.signal_runner.message_numbers import numbers_in
+from pid_control.signal_runner.trial import _description, _pair
+
+COURSEWORKS = pathlib.Path(__file__).resolve().parents[1] / "courseworks"
+ENVIRONMENT = {"PATH": "/usr/bin:/bin"}
+NODE = "#!/usr/bin/env python3\nimport rospy\nrospy.init_node('x')\n"
+
+
+def good(name: str) -> Coursework:
+    return find_coursework(str(COURSEWORKS / name), [], dict(ENVIRONMENT))
+
+
+def package(folder: pathlib.Path, launch: Dict[str, str], *programs: str) -> str:
+    """Make a package; return its folder."""
+    (folder / "scripts").mkdir()
+    (folder / "package.xml").write_text("<package><name>anna</name></package>")
+    for name, text in launch.items():
+        (folder / name).write_text(f"<launch>{text}</launch>")
+    for name in programs:
+        (folder / "scripts" / name).write_text(NODE)
+        (folder / "scripts" / name).chmod(0o755)
+    return str(folder)
+
+
+def node(program: str, of: str = "anna", name: str = "") -> str:
+    return f'<node pkg="{of}" type="{program}" name="{name or program[:-3]}"/>'
+
+
+@pytest.mark.parametrize(
+    ("name", "launch", "nodes"),
+    [
+        ("wave_loops", "launch/cw1.launch", ["/process", "/signal_generator"]),
+        ("sine_classes", "launch/both.launch", ["/lab/processor", "/lab/source"]),
+        ("magnitude_vectors", "launch/all.launch", ["/rectifier", "/oscillator"]),
+        ("included_arguments", "launch/cw1.launch", ["/process_node", "/sig_gen"]),
+    ],
+)
+def test_find_coursework_takes_the_launch_file_of_both_nodes(
+    name: str, launch: str, nodes: List[str]
+) -> None:
+    found = good(name)
+    assert found.launch_file == str(COURSEWORKS / name / launch)
+    assert [node.global_name for node in found.nodes] == nodes
+    assert found.missing == "" and f"launch file: {launch}" in found.notes
+
+
+def test_find_coursework_leaves_out_nodes_of_other_packages_and_terminals() -> None:
+    found = good("wave_loops")
+    assert "not started: rqt_plot of rqt_plot" in found.notes
+    assert all("gnome" not in word for node in found.nodes for word in node.command.argv)
+    assert found.numbers() == {
+        "/signal_amplitude": 2.0,
+        "/signal_omega": 3.0,
+        "/process_angle": 1.2,
+        "/process_offset": 1.5,
+        "/process_amplitude": 0.5,
+    }
+
+
+def test_find_coursework_told_launch_file_gets_its_arguments() -> None:
+    folder = str(COURSEWORKS / "sine_classes")
+    found = find_coursework(folder, ["both.launch", "amplitude:=7.5"], dict(ENVIRONMENT))
+    assert found.parameters["/lab/source/amplitude"] == 7.5
+    with pytest.raises(CommandError, match=r"not found \(x.launch\); the package has: both.launch"):
+        find_coursework(folder, ["x.launch"], dict(ENVIRONMENT))
+    with pytest.raises(CommandError, match=r"must be a launch file of the package \(x.py\)"):
+        find_coursework(folder, ["x.py"], dict(ENVIRONMENT))
+
+
+def test_find_coursework_without_launch_file_takes_programs_by_name(
+    tmp_path: pathlib.Path,
+) -> None:
+    folder = package(tmp_path, {}, "sin_gen.py", "my_process.py", "talker.py")
+    found = find_coursework(folder, [], dict(ENVIRONMENT))
+    assert [node.program for node in found.nodes] == ["my_process.py", "sin_gen.py"]
+    assert found.missing == "the package has no launch file"
+
+
+def test_find_coursework_launch_file_of_one_node_says_so(tmp_path: pathlib.Path) -> None:
+    launch = {"a.launch": node("process.py"), "b.launch": "<broken"}
+    folder = package(tmp_path, launch, "signal.py", "process.py")
+    found = find_coursework(folder, [], dict(ENVIRONMENT))
+    assert len(found.nodes) == 2
+    assert found.missing.startswith("a.launch starts 1 node of it; b.launch cannot be loaded: ")
+
+
+def test_find_coursework_launch_file_of_another_package_says_which(
+    tmp_path: pathlib.Path,
+) -> None:
+    both = node("process.py", "ben") + node("signal.py", "ben")
+    folder = package(tmp_path, {"a.launch": both}, "signal.py", "process.py")
+    missing = find_coursework(folder, [], dict(ENVIRONMENT)).missing
+    assert missing == (
+        "a.launch starts no nodes of it: process.py is started from the package ben, but this"
+        " package is called anna"
+    )
+
+
+def test_find_coursework_prefers_the_launch_file_with_fitting_names(
+    tmp_path: pathlib.Path,
+) -> None:
+    talk = node("talker.py") + node("listener.py")
+    both = node("process.py") + node("signal.py")
+    launch = {"a.launch": talk, "b.launch": both}
+    folder = package(tmp_path, launch, "talker.py", "listener.py", "signal.py", "process.py")
+    assert find_coursework(folder, [], dict(ENVIRONMENT)).launch_file.endswith("b.launch")
+
+
+def test_find_coursework_without_two_nodes_names_the_option(tmp_path: pathlib.Path) -> None:
+    folder = package(tmp_path, {}, "a.py", "b.py")
+    with pytest.raises(CommandError, match="--nodes PROGRAM,PROGRAM"):
+        find_coursework(folder, [], dict(ENVIRONMENT))
+    told = find_coursework(folder, [], dict(ENVIRONMENT), ["a.py", "b.py"])
+    assert [node.program for node in told.nodes] == ["a.py", "b.py"]
+
+
+def test_names_in_source_have_their_default_unless_it_is_no_number() -> None:
+    found = good("wave_loops")
+    names = dict(found.names_in_source(found.nodes[0].command.name))
+    assert names["process_offset"] == 1.0 and names["process_angle"] > 0.0
+    found = good("magnitude_vectors")
+    assert [name for name, _ in found.names_in_source(found.nodes[0].command.name)] == [
+        "~phase_samples",
+        "~gain",
+    ]
+    assert found.mentions("gain") and not found.mentions("gai")
+
+
+def test_has_coursework_goes_by_the_names_of_programs(tmp_path: pathlib.Path) -> None:
+    folder = package(tmp_path, {}, "process.py", "talker.py")
+    assert not has_coursework(folder)
+    (tmp_path / "scripts" / "signal_generator.cpp").write_text("")
+    assert has_coursework(folder) and CourseworkWanted([]).is_in(folder)
+    assert CourseworkWanted(["a.launch"]).words(folder, None) == [folder, "a.launch"]
+
+
+def test_files_of_a_package_are_found() -> None:
+    folder = str(COURSEWORKS / "magnitude_vectors")
+    assert [pathlib.Path(path).name for path in yaml_files(folder)] == [
+        "oscillator.yaml",
+        "rectifier.yaml",
+    ]
+    assert len(launch_files(folder)) == 1
+
+
+def test_package_folder_says_what_is_missing(tmp_path: pathlib.Path) -> None:
+    with pytest.raises(CommandError, match="no package.xml in it"):
+        package_folder(str(tmp_path), {})
+    with pytest.raises(CommandError, match="folder not found"):
+        package_folder(str(tmp_path / "x"), {})
+    with pytest.raises(CommandError, match="package not found in ROS_PACKAGE_PATH"):
+        package_folder("no_such_package_anywhere", {"ROS_PACKAGE_PATH": str(tmp_path)})
+
+
+def test_numbers_in_messages_of_any_depth() -> None:
+    message = Vector3Stamped()
+    message.vector.y = 2.0
+    assert numbers_in(message) == {"vector/x": 0.0, "vector/y": 2.0, "vector/z": 0.0}
+    assert numbers_in(Float32(1.5)) == {"data": 1.5}
+    assert numbers_in(Float32MultiArray(data=[1.0] * 99)) == {
+        f"data[{index}]": 1.0 for index in range(8)
+    }
+    assert numbers_in(String("x")) == {}
+
+
+def topics(published: Dict[str, str], subscribed: Dict[str, str]) -> NodeTopics:
+    return NodeTopics(published, subscribed)
+
+
+def test_pair_is_found_by_topics_and_types_not_by_names() -> None:
+    one, other = good("included_arguments").nodes
+    a = topics({"/s": "F", "/t": "F", "/z": "F"}, {})
+    b = topics({"/p": "F"}, {"/s": "F", "/t": "F"})
+    found = _pair([one, other], {one.global_name: a, other.global_name: b})
+    assert found is not None and (found.generator, found.process) == (one, other)
+    assert (dict(found.inputs), dict(found.outputs)) == ({"/s": "F", "/t": "F"}, {"/p": "F"})
+    assert dict(found.others) == {"/z": "F"}
+
+
+def test_pair_of_other_types_or_without_an_output_is_none() -> None:
+    one, other = good("included_arguments").nodes
+    a = topics({"/s": "F"}, {})
+    for b in (topics({"/p": "F"}, {"/s": "D"}), topics({}, {"/s": "F"})):
+        assert _pair([one, other], {one.global_name: a, other.global_name: b}) is None
+    text = _description([one, other], {one.global_name: a})
+    assert text == (
+        "process_node.py publishes /s (F) and subscribes to nothing; sig_gen.py does not answer"
+    )

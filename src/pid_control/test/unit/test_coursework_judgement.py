@@ -1,0 +1,299 @@
+"""Tests of the judgement of a coursework: figures, causes, what cannot be told."""
+
+import math
+import pathlib
+from typing import Any, Dict, List, Optional
+from xml.etree import ElementTree
+
+import pytest
+
+from pid_control.signal_judging.channels import Channel
+from pid_control.signal_judging.coursework_judgement import FLAWS, judge
+from pid_control.signal_judging.coursework_picture import as_picture
+from pid_control.signal_judging.evidence import (
+    GENERATOR,
+    PROCESS,
+    Baseline,
+    Broken,
+    Evidence,
+    Features,
+    Parameters,
+    Restart,
+    Tried,
+)
+from pid_control.signal_judging.features import process_features, signal_features
+from pid_control.signal_judging.figures import frequency_error
+from pid_control.signal_judging.scenarios import METRICS, SCENARIO_METRICS, SCENARIOS
+from pid_control.verdicts.judgement import FAILED, NOT_JUDGED, PASSED, Judgement
+from pid_control.verdicts.limits import read_limits
+
+CONFIG = pathlib.Path(__file__).resolve().parents[2] / "config" / "judge_signals_limits.yaml"
+LIMITS = read_limits(CONFIG.read_text("utf-8"), SCENARIO_METRICS)
+ALL = list(SCENARIOS)
+
+
+def channel(topic: str, of: Any, delay: float = 0.0, duration: float = 10.0) -> Channel:
+    times = [0.1 * index for index in range(int(10.0 * duration))]
+    return Channel(topic, "data", [time + delay for time in times], [of(time) for time in times])
+
+
+def features(signal: Channel, output: Channel) -> Features:
+    found = signal_features(signal)
+    if found.sine is None:
+        return Features(found, None)
+    return Features(found, process_features(output, signal.times, found.sine))
+
+
+def evidence(
+    signal: Any = lambda time: 2.0 * math.sin(2.0 * time),
+    output: Any = lambda time: math.sin(2.0 * time + 1.0) + 1.0,
+    constants: Optional[Dict[str, float]] = None,
+    duration: float = 10.0,
+    tried: Optional[List[Tried]] = None,
+) -> Evidence:
+    """Return the evidence of a good coursework, apart from what is given."""
+    found = Evidence()
+    one = channel("/signal", signal, 0.0, duration)
+    other = channel("/proc_signal", output, 0.04, duration)
+    found.baseline = Baseline(features(one, other), one, other, constants or {})
+    found.restart = Restart(False, found.baseline.features.process, one, other)
+    if tried is None:
+        tried = [
+            Tried("/amplitude", 2.0, "amplitude", {GENERATOR}, is_predicted=True),
+            Tried("/omega", 2.0, "frequency", {GENERATOR}, is_predicted=True),
+            Tried("/gain", 0.5, "gain", {PROCESS}, is_predicted=True),
+            Tried("/angle", 1.0, "phase_shift", {PROCESS}, is_predicted=True),
+        ]
+    found.parameters = Parameters(tried, set(), {}, True)
+    found.outside = []
+    return found
+
+
+def judged(found: Evidence) -> Judgement:
+    return judge(found, LIMITS, ALL)
+
+
+def cause(found: Evidence) -> str:
+    """Return the sentence of the only cause."""
+    judgement = judged(found)
+    assert judgement.verdict == FAILED
+    [sentence] = {failure.cause.sentence for failure in judgement.failures}
+    return sentence
+
+
+def test_good_coursework_passes_with_all_figures() -> None:
+    judgement = judged(evidence(constants={"amplitude": 2.0, "frequency": 2.0, "other": 5.0}))
+    assert judgement.verdict == PASSED
+    assert [finding.metric for finding in judgement.findings] == [
+        metric for metrics in METRICS.values() for metric in metrics
+    ]
+    figures = {(one.scenario, one.metric): one.value for one in judgement.findings}
+    assert figures["process", "gain"] == pytest.approx(0.5)
+    assert figures["process", "phase_shift"] == pytest.approx(1.0)
+    assert figures["process", "below_zero"] == pytest.approx(0.0, abs=1e-3)
+
+
+def test_limits_name_only_metrics() -> None:
+    assert list(LIMITS) == ALL
+
+
+@pytest.mark.parametrize(
+    ("changes", "says"),
+    [
+        ({"signal": lambda time: 1.0}, "/signal/data does not go up and down"),
+        (
+            {"signal": lambda time: math.copysign(1.0, math.sin(2.0 * time))},
+            "/signal/data is not a sine",
+        ),
+        ({"output": lambda time: 3.0}, "/proc_signal/data stays the same"),
+        (
+            {"output": lambda time: math.sin(3.1 * time) + 1.0},
+            "/proc_signal/data is neither a sine of the signal's frequency, nor a rectified one",
+        ),
+        (
+            {"output": lambda time: 1.0 + math.sin(2.0 * time), "tried": []},
+            "the process node does not shift the phase",
+        ),
+        (
+            {"output": lambda time: 2.0 + 2.0 * math.sin(2.0 * time + 1.0), "tried": []},
+            "the process node does not change the amplitude",
+        ),
+        (
+            {"output": lambda time: 0.5 + math.sin(2.0 * time + 1.0)},
+            "the output goes down to -0.5: its offset is 0.5, where at least 1 is needed",
+        ),
+        (
+            {"constants": {"amplitude": 1.0, "omega": 2.0}},
+            "the messages say amplitude 1, omega 2, but the signal's amplitude is 2",
+        ),
+    ],
+)
+def test_flaw_of_the_messages_is_the_first_cause(changes: Dict[str, Any], says: str) -> None:
+    judgement = judged(evidence(**changes))
+    assert judgement.verdict == FAILED
+    assert says in judgement.failures[0].cause.sentence
+
+
+@pytest.mark.parametrize(
+    ("tried", "says"),
+    [
+        (
+            Tried("/amplitude", 3.0, "amplitude", {GENERATOR}, is_predicted=True),
+            "the amplitude is 2, where /amplitude is 3",
+        ),
+        (
+            Tried("/omega", 3.0, "frequency", {GENERATOR}, is_predicted=True),
+            "the frequency is 2 rad/s, where /omega is 3, in rad/s or Hz",
+        ),
+        (
+            Tried("/hz", 9.681690113816209, "frequency", {GENERATOR}, is_predicted=True),
+            "10 messages per second are too few for /hz: 9.68169: they show a sine of 2 rad/s",
+        ),
+        (
+            Tried("/gain", 0.9, "gain", {PROCESS}, is_predicted=True),
+            "the output has 0.5 of the amplitude, where /gain is 0.9",
+        ),
+        (
+            Tried("/angle", 2.0, "phase_shift", {PROCESS}, is_predicted=True),
+            "the phase shift is 1 rad, where /angle is 2",
+        ),
+        (
+            Tried("/a/b", 2.0, "", set(), is_mentioned=False),
+            "/a/b changes nothing: no source mentions it",
+        ),
+        (Tried("/a/b", 2.0, "", set(), ["/b"]), "/a/b changes nothing, but /b does"),
+        (
+            Tried("/a/frequency", 2.0, "frequency", set()),
+            "/a/frequency changes nothing: one of: it is not read, or read and not used",
+        ),
+    ],
+)
+def test_flaw_of_a_parameter_is_named(tried: Tried, says: str) -> None:
+    others = [
+        Tried("/x", 1.0, "", {GENERATOR, PROCESS}),
+    ]
+    assert cause(evidence(tried=[*others, tried])) == says
+
+
+@pytest.mark.parametrize(
+    "tried",
+    [
+        # In Hz, in degrees, a lag, of another unit, not the only one, maybe used in another case.
+        Tried("/hz", 2.0 / (2.0 * math.pi), "frequency", {GENERATOR}, is_predicted=True),
+        Tried("/angle", math.degrees(1.0), "phase_shift", {PROCESS}, is_predicted=True),
+        Tried("/angle", -1.0, "phase_shift", {PROCESS}, is_predicted=True),
+        Tried("/phase_samples", 10.0, "phase_shift", {PROCESS}),
+        Tried("/gain", 1.0, "gain", {PROCESS}, is_predicted=True),
+        Tried("/offset", 1.0, "offset", set()),
+        Tried("/chirp_duration", 1.0, "", set()),
+    ],
+)
+def test_parameter_of_another_unit_or_case_is_not_blamed(tried: Tried) -> None:
+    both = Tried("/x", 1.0, "", {GENERATOR, PROCESS})
+    assert judged(evidence(tried=[both, tried])).verdict == PASSED
+
+
+def test_unread_parameter_beside_one_of_its_role_is_not_blamed() -> None:
+    unread = Tried("/prbs_amplitude", 1.0, "amplitude", set())
+    read = Tried("/amplitude", 2.0, "amplitude", {GENERATOR, PROCESS})
+    assert judged(evidence(tried=[unread, read])).verdict == PASSED
+
+
+def test_no_parameter_is_hard_coded_unless_hidden_ones_are_read() -> None:
+    found = evidence(tried=[])
+    judgement = judged(found)
+    assert judgement.flaws() == ["hard-coded"] and len(judgement.failures) == 2
+    found.parameters = Parameters([], {GENERATOR, PROCESS}, {}, False)
+    judgement = judged(found)
+    assert judgement.verdict == PASSED
+    assert {one.metric: one.value for one in judgement.findings}["unused"] is None
+
+
+def test_free_running_output_and_lost_restart_are_named() -> None:
+    found = evidence()
+    assert found.restart is not None
+    found.restart = found.restart._replace(oscillates=True)
+    assert "computed from a clock, not from the messages" in cause(found)
+    found.restart = found.restart._replace(oscillates=False, after=None)
+    assert "no output follows the signal" in cause(found)
+
+
+def test_yaml_namespace_and_launch_say_which() -> None:
+    found = evidence()
+    assert found.parameters is not None
+    found.parameters = found.parameters._replace(unused_files={"p.yaml": "no launch file loads it"})
+    assert cause(found) == "p.yaml: no launch file loads it"
+    found = evidence()
+    found.outside = ["/signal", "/time"]
+    assert cause(found).startswith("/signal, /time stay outside the namespace")
+    found = evidence()
+    found.missing = "it has none"
+    assert cause(found) == "no launch file starts both nodes: it has none"
+
+
+@pytest.mark.parametrize(
+    ("broken", "says"),
+    [
+        (Broken("ended", "/process", "NameError: x"), "/process ended by itself: NameError: x"),
+        (Broken("flood", "/process"), "/process computes without a pause"),
+        (Broken("writes without end", "/process"), "/process writes to its log without end"),
+        (Broken("not connected", "", "a; b"), "no node hears the other one: a; b"),
+    ],
+)
+def test_broken_trial_is_a_failure(broken: Broken, says: str) -> None:
+    found = Evidence()
+    found.broken["signal"] = broken
+    judgement = judge(found, LIMITS, ["signal", "process"])
+    assert judgement.verdict == FAILED
+    assert says in judgement.failures[0].cause.sentence
+
+
+def test_too_short_record_cannot_be_judged() -> None:
+    found = evidence(duration=3.3)  # 1.05 periods
+    found.parameters = found.restart = None
+    judgement = judge(found, LIMITS, ["signal", "process"])
+    assert judgement.verdict == NOT_JUDGED
+    # Nor can a ramp, which may be a slow sine.
+    ramp = judge(evidence(signal=lambda time: time), LIMITS, ["signal", "process"])
+    assert ramp.reason == judgement.reason
+    assert judgement.reason.startswith("cannot tell: less than one period and a fifth")
+
+
+def test_reason_without_a_failure_is_not_judged() -> None:
+    assert judge(evidence(), LIMITS, ALL, "3 s are over").verdict == NOT_JUDGED
+    assert judge(Evidence(), {}, [], "").reason == "nothing was measured"
+
+
+def test_silent_nodes_are_named() -> None:
+    found = evidence()
+    assert found.baseline is not None
+    empty = Channel("/signal", "", [], [])
+    nothing = Features(signal_features(empty), None)
+    found.baseline = Baseline(nothing, empty, empty, {})
+    found.restart = found.parameters = None
+    judgement = judge(found, LIMITS, ["signal", "process"])
+    assert judgement.flaws() == ["silent"]
+    sentences = {failure.cause.sentence for failure in judgement.failures}
+    assert sentences == {"the signal generator sends nothing", "the process node sends nothing"}
+
+
+def test_flaws_are_sorted_and_each_cause_has_its_place() -> None:
+    found = evidence(output=lambda time: 2.0 * math.sin(2.0 * time))
+    found.outside = ["/signal"]
+    flaws = judged(found).flaws()
+    assert flaws == sorted(flaws, key=FLAWS.index) and flaws[-1] == "namespace"
+
+
+def test_frequency_error_takes_rad_per_s_or_hz() -> None:
+    assert frequency_error(2.0, 2.0) == 0.0
+    assert frequency_error(4.0 * math.pi, 2.0) == pytest.approx(0.0)
+    assert frequency_error(3.0, 2.0) == pytest.approx(1.0 / 3.0)
+
+
+def test_picture_shows_both_channels_or_says_that_there_is_nothing() -> None:
+    text = as_picture(evidence(), "anna & ben: passed")
+    ElementTree.fromstring(text)
+    assert "/signal/data" in text and "/proc_signal/data" in text and "anna &amp; ben" in text
+    nothing = as_picture(Evidence(), "x")
+    ElementTree.fromstring(nothing)
+    assert "nothing was received" in nothing

@@ -1,0 +1,48 @@
+"""Tests of the errors of judge_signals before it starts a process."""
+
+import pathlib
+import sys
+from typing import List
+
+import pytest
+
+from pid_control.commands import judge_signals, judging_command
+
+
+@pytest.mark.parametrize(
+    "words, says",
+    [
+        ([], "not judged: package missing; give its name or its folder"),
+        (["no_such_package"], "package not found in ROS_PACKAGE_PATH (no_such_package)"),
+        (["{folder}"], "{folder}: no package.xml in it: not a ROS package"),
+        (["{folder}/x"], "folder not found ({folder}/x)"),
+        (["--only", "signals", "x"], "unknown scenario 'signals'; choose from launch, signal"),
+        (["--nodes", "a.py", "x"], "'a.py' must be two programs, with a comma in between"),
+        (["--nodes", "a.py,", "x"], "'a.py,' must be two programs"),
+        (["--limits", "{folder}/wrong.yaml", "x"], "process: gian: not measured there, but rate"),
+        (["--roster", "x.csv", "x"], "--roster: only valid with --class"),
+        (["--class", "nowhere"], "--class: not a folder (nowhere)"),
+        (["--class", "{folder}", "--workspace", "w"], "--workspace: not valid with --class"),
+        (["--class", "{folder}"], "no package in {folder}"),
+        (["--workspace", "{folder}", "x"], "not a built workspace"),
+        (["--picture", "x.png", "x"], "'x.png' does not end in .svg"),
+        (["--csv", "{folder}/no/x.csv", "x"], "judge_signals: {folder}/no/x.csv: No such file"),
+    ],
+)
+def test_judge_signals_invalid_request_names_the_problem(
+    words: List[str],
+    says: str,
+    tmp_path: pathlib.Path,
+    capsys: "pytest.CaptureFixture[str]",
+    monkeypatch: "pytest.MonkeyPatch",
+) -> None:
+    (tmp_path / "wrong.yaml").write_text("process: {gian: 5}\n")
+    before = sorted(tmp_path.iterdir())
+    arguments = [word.format(folder=tmp_path) for word in words]
+    monkeypatch.setattr(sys, "argv", ["judge_signals", *arguments])
+    monkeypatch.setattr(judging_command, "exit_on_signals", lambda: None)  # nor pytest's signals
+    with pytest.raises(SystemExit) as end:
+        judge_signals.main()
+    output, errors = capsys.readouterr()
+    assert end.value.code == 125 and says.format(folder=tmp_path) in output + errors
+    assert sorted(tmp_path.iterdir()) == before

@@ -1,0 +1,148 @@
+"""Tests of the trials with other parameters, with a law in place of the student's nodes."""
+
+import math
+import pathlib
+import shutil
+from typing import Any, Callable, List, Mapping, Tuple
+
+from pid_control.signal_judging.channels import Channel
+from pid_control.signal_judging.evidence import GENERATOR, PROCESS, Baseline, Features, Parameters
+from pid_control.signal_judging.features import SINE, ProcessFeatures, SignalFeatures
+from pid_control.signal_judging.sine_fit import SineFit
+from pid_control.signal_runner.coursework import Coursework, find_coursework
+from pid_control.signal_runner.parameter_trials import ParameterTrials
+from pid_control.signal_runner.trial import Pair, TrialError
+
+COURSEWORKS = pathlib.Path(__file__).resolve().parents[1] / "courseworks"
+NOTHING = Channel("/x", "", [], [])
+Law = Callable[[Mapping[str, Any]], Features]
+
+
+def features(amplitude: float, omega: float, gain: float, angle: float, offset: float) -> Features:
+    return Features(
+        SignalFeatures(10.0, SineFit(amplitude, omega, 0.0, 0.0, 0.0, 3.0)),
+        ProcessFeatures(10.0, SINE, gain, (angle, angle), offset, 0.0, 0.0, 0),
+    )
+
+
+def wave_loops(parameters: Mapping[str, Any]) -> Features:
+    return features(
+        parameters.get("/signal_amplitude", 1.0),
+        parameters.get("/signal_omega", 1.0),
+        parameters.get("/process_amplitude", 0.5),
+        parameters.get("/process_angle", 1.5),
+        parameters.get("/process_offset", 1.0),
+    )
+
+
+def tried(folder: pathlib.Path, law: Law) -> Tuple[Parameters, ParameterTrials, List[Coursework]]:
+    """Return the parameters of a coursework that follows a law, its trials, and what was run."""
+    coursework = find_coursework(str(folder), [], {"PATH": "/usr/bin:/bin"})
+    process, generator = coursework.nodes
+    ran: List[Coursework] = []
+
+    def run(one: Coursework) -> Features:
+        ran.append(one)
+        return law(one.parameters)
+
+    pair = Pair(generator, process, {}, {}, {})
+    baseline = Baseline(law(coursework.parameters), NOTHING, NOTHING, {})
+    trials = ParameterTrials(coursework, pair, baseline, run)
+    return trials.run(), trials, ran
+
+
+def copy(name: str, folder: pathlib.Path, file: str, old: str, new: str) -> pathlib.Path:
+    package = folder / name
+    shutil.copytree(str(COURSEWORKS / name), str(package))
+    text = (package / file).read_text()
+    assert old in text
+    (package / file).write_text(text.replace(old, new))
+    return package
+
+
+def test_good_coursework_needs_one_trial_of_a_copy() -> None:
+    found, trials, ran = tried(COURSEWORKS / "wave_loops", wave_loops)
+    assert len(ran) == 1 and ran[0].folder != str(COURSEWORKS / "wave_loops")
+    assert all(one.is_predicted for one in found.tried) and len(found.tried) == 5
+    assert (found.read_by(GENERATOR), found.read_by(PROCESS)) == (2, 3)
+    assert found.unread() == [] and dict(found.unused_files) == {} and found.has_files
+    assert trials.notes == []
+    assert found.value_of(PROCESS, "phase_shift") == ("/process_angle", 1.2)
+
+
+def test_files_of_the_student_are_not_changed() -> None:
+    file = COURSEWORKS / "wave_loops" / "config" / "params.yaml"
+    before = file.read_text()
+    tried(COURSEWORKS / "wave_loops", wave_loops)
+    assert file.read_text() == before
+
+
+def test_parameter_without_effect_is_tried_by_other_names() -> None:
+    def law(parameters: Mapping[str, Any]) -> Features:
+        return wave_loops(
+            {**parameters, "/signal_omega": parameters.get("/process/signal_omega", 3)}
+        )
+
+    found, _, _ = tried(COURSEWORKS / "wave_loops", law)
+    [unread] = found.unread()
+    assert (unread.name, list(unread.other_names)) == ("/signal_omega", ["/process/signal_omega"])
+
+
+def test_parameter_that_ends_a_node_is_read() -> None:
+    def law(parameters: Mapping[str, Any]) -> Features:
+        if parameters["/process_offset"] != 1.5:
+            raise TrialError("ended", "/process")
+        return wave_loops(parameters)
+
+    found, _, ran = tried(COURSEWORKS / "wave_loops", law)
+    assert len(ran) == 6  # all at once, which failed, then one by one
+    assert found.unread() == []
+
+
+def test_phase_in_degrees_that_is_far_is_seen(tmp_path: pathlib.Path) -> None:
+    def law(parameters: Mapping[str, Any]) -> Features:
+        degrees = math.radians(parameters["/process_angle"])
+        return wave_loops({**parameters, "/process_angle": degrees})
+
+    package = copy("wave_loops", tmp_path, "config/params.yaml", "angle: 1.2", "angle: 60")
+    found, _, _ = tried(package, law)
+    assert found.value_of(PROCESS, "phase_shift") == ("/process_angle", 60.0)
+
+
+def test_file_that_no_launch_file_loads_is_unused(tmp_path: pathlib.Path) -> None:
+    package = copy("wave_loops", tmp_path, "launch/cw1.launch", "config/params.yaml", "x.yaml")
+    (package / "x.yaml").write_text("{}")
+    found, _, _ = tried(package, wave_loops)
+    assert dict(found.unused_files) == {"params.yaml": "no launch file loads it"}
+    assert found.hidden == {GENERATOR, PROCESS}  # by their names in the sources
+    assert found.read_by(GENERATOR) == 1
+
+
+def test_file_whose_numbers_are_overridden_is_unused(tmp_path: pathlib.Path) -> None:
+    names = {"signal_amplitude": 2, "signal_omega": 3, "process_angle": 1}
+    names.update({"process_offset": 1, "process_amplitude": 1})
+    overriding = "".join(f'<param name="{one}" value="{names[one]}.5"/>' for one in names)
+    package = copy(
+        "wave_loops", tmp_path, "launch/cw1.launch", "</launch>", overriding + "</launch>"
+    )
+    found, _, _ = tried(package, wave_loops)
+    assert dict(found.unused_files) == {"params.yaml": "cw1.launch loads it, but sets other values"}
+
+
+def test_file_of_another_launch_file_or_of_a_program_is_noted(tmp_path: pathlib.Path) -> None:
+    package = copy("wave_loops", tmp_path, "launch/cw1.launch", "config/params.yaml", "x.yaml")
+    (package / "x.yaml").write_text("{}")
+    (package / "launch" / "other.launch").write_text("<launch><!-- params.yaml --></launch>")
+    (package / "own.yaml").write_text("a: 1")
+    (package / "scripts" / "process.py").open("a").write("# open('own.yaml')\n")
+    found, trials, _ = tried(package, wave_loops)
+    assert dict(found.unused_files) == {}
+    assert "params.yaml is loaded by other.launch, not by cw1.launch" in trials.notes
+    assert "own.yaml: the programs load it by themselves" in trials.notes
+
+
+def test_coursework_without_parameters_has_none() -> None:
+    found, _, ran = tried(COURSEWORKS / "sine_classes", lambda _: features(1.0, 1.0, 0.5, 1.0, 1.0))
+    assert found.read_by(GENERATOR) == found.read_by(PROCESS) == 0
+    assert not found.has_files and dict(found.unused_files) == {}
+    assert len(ran) > 1

@@ -1,0 +1,162 @@
+"""Tests of the features of a generator and a process node, and of the channels."""
+
+import math
+from typing import Callable, List, Tuple
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pid_control.signal_judging.channels import (
+    AmbiguousChannelsError,
+    Channel,
+    oscillates,
+    signal_of,
+)
+from pid_control.signal_judging.features import (
+    HALF,
+    RECTIFIED,
+    SINE,
+    ProcessFeatures,
+    is_sine_like,
+    process_features,
+    signal_features,
+)
+from pid_control.signal_judging.sine_fit import wrapped
+
+
+def record(of: Callable[[float], float], rate: float = 10.0, begin: float = 0.0) -> Channel:
+    """Return 12 s of a function of time."""
+    times = [begin + index / rate for index in range(int(12.0 * rate))]
+    return Channel("/x", "data", times, [of(time) for time in times])
+
+
+def processed(
+    law: Callable[[float], float], delay: float = 0.04, frequency: float = 2.0
+) -> ProcessFeatures:
+    """Return the features of a loop that answers with a law of the phase of the latest message."""
+    signal = record(lambda time: 3.0 * math.sin(frequency * time))
+    sine = signal_features(signal).sine
+    assert sine is not None
+    output = Channel(
+        "/y",
+        "data",
+        [time + delay for time in signal.times],
+        [law(frequency * time) for time in signal.times],
+    )
+    found = process_features(output, signal.times, sine)
+    assert found is not None
+    return found
+
+
+@given(
+    st.floats(0.05, 5.0), st.floats(-3.0, 3.0), st.floats(-10.0, 10.0), st.sampled_from([0.0, 0.09])
+)
+def test_process_features_sine_returns_gain_shift_and_offset_whenever_the_loop_answers(
+    gain: float, shift: float, offset: float, delay: float
+) -> None:
+    found = processed(lambda x: gain * 3.0 * math.sin(x + shift) + offset, delay)
+    assert found.shape == SINE
+    assert found.gain == pytest.approx(gain, rel=1e-3)
+    assert found.offset == pytest.approx(offset, abs=1e-3 * (gain + abs(offset)))
+    assert found.shift_error(shift) < 0.01
+    assert found.shift_error(shift + 1.0) > 0.5
+    assert found.not_finite == 0 and found.rate == pytest.approx(10.0)
+
+
+def test_process_features_at_the_same_time_has_both_shifts() -> None:
+    found = processed(lambda x: math.sin(x), 0.0)
+    assert found.shifts[0] == pytest.approx(0.0, abs=1e-3)
+    assert found.shifts[1] == pytest.approx(0.2, abs=1e-3)  # by the message 0.1 s before
+    assert processed(lambda x: math.sin(x)).shift_distance(found) < 1e-3
+
+
+@given(st.floats(0.1, 2.0), st.floats(-1.4, 1.4), st.sampled_from([0.0, 2.0]))
+def test_process_features_rectified_sine_is_recognised(
+    gain: float, shift: float, offset: float
+) -> None:
+    found = processed(lambda x: offset + gain * 3.0 * abs(math.sin(x + shift)))
+    assert found.shape == RECTIFIED
+    assert found.gain == pytest.approx(gain, rel=0.05)
+    assert found.shift_error(shift) < 0.05
+    assert found.shift_error(shift + math.pi) < 0.05
+
+
+@given(st.floats(0.1, 2.0), st.floats(-3.0, 3.0))
+def test_process_features_half_wave_is_recognised(gain: float, shift: float) -> None:
+    found = processed(lambda x: max(0.0, gain * 3.0 * math.sin(x + shift)))
+    assert found.shape == HALF
+    assert found.gain == pytest.approx(gain, rel=0.02)
+    assert found.shift_error(shift) < 0.02
+    assert found.lowest == 0.0
+
+
+def test_process_features_other_shape_is_distorted() -> None:
+    assert processed(lambda x: math.sin(3.0 * x)).distortion > 1.0
+    assert processed(lambda x: math.copysign(1.0, math.sin(x))).distortion > 0.3
+
+
+def test_process_features_nan_is_counted_and_left_out() -> None:
+    found = processed(lambda x: math.nan if 1.0 < x < 2.0 else math.sin(x + 1.0))
+    assert found.not_finite == 4
+    assert found.shift_error(1.0) < 0.01 and found.distortion < 0.01
+
+
+def test_process_features_constant_output_has_none() -> None:
+    signal = record(math.sin)
+    sine = signal_features(signal).sine
+    assert sine is not None
+    assert process_features(record(lambda time: 2.0), signal.times, sine) is None
+    assert process_features(record(math.sin, begin=-50.0), signal.times, sine) is None
+
+
+@pytest.mark.parametrize(
+    ("of", "is_like"),
+    [
+        (lambda time: math.sin(2.0 * time), True),
+        (lambda time: 10.0 + 5.0 * 0.5 ** (10.0 * time), False),
+        (lambda time: 1.0, False),
+        (lambda time: 3.0 * time, False),
+    ],
+)
+def test_is_sine_like_settling_output_is_not(of: Callable[[float], float], is_like: bool) -> None:
+    assert is_sine_like(record(of), 2.0) is is_like
+
+
+def test_signal_features_ramp_has_no_sine() -> None:
+    assert signal_features(record(lambda time: 1.0)).sine is None
+    assert signal_features(Channel("/x", "data", [], [])) == (None, None)
+
+
+def fields(*functions: Tuple[str, Callable[[float], float]]) -> List[Channel]:
+    return [record(of)._replace(field=name) for name, of in functions]
+
+
+def test_signal_of_is_what_goes_up_and_down() -> None:
+    channels = fields(
+        ("amplitude", lambda time: 2.0), ("time_x", lambda time: time), ("q", math.sin)
+    )
+    found = signal_of(channels)
+    assert found is not None and found.field == "q" and found.name == "/x/q"
+    assert signal_of(channels[:2]) is None
+
+
+def test_signal_of_several_uses_names_or_lists_them() -> None:
+    channels = fields(("a", math.sin), ("y", math.cos))
+    assert signal_of(channels) == channels[1]
+    channels = fields(("a", math.sin), ("b", math.cos))
+    with pytest.raises(AmbiguousChannelsError, match="/x/a, /x/b"):
+        signal_of(channels)
+
+
+def test_oscillates_ignores_nan() -> None:
+    assert oscillates(record(lambda time: math.nan if time < 3.0 else math.sin(time)))
+    assert not oscillates(record(lambda time: math.nan))
+
+
+def test_channel_between_and_rate() -> None:
+    channel = record(math.sin).between(2.0, 3.0)
+    assert (channel.times[0], len(channel.times)) == (2.0, 10)
+    assert channel.rate() == pytest.approx(10.0)
+    assert channel.between(2.0, 2.15).rate() is None
+    assert wrapped(0.0) == 0.0

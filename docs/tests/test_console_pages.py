@@ -14,7 +14,7 @@ IN_ROS2 = "docs/tutorials/robot_from_ros2.md"
 PAGES = {page: text for page, text in texts_of_pages().items() if page != IN_ROS2}
 #: Beginnings of commands for which no process is forked, and why.
 STARTED_ANEW = {
-    "docs/tutorials/roslaunch.md": {
+    "docs/tutorials/launch_demos.md": {
         "roslaunch basic_comms cw1.launch frequenzy": "nodekit looks for the command line of "
         "roslaunch in /proc, where a fork has that of the process it comes from"
     }

@@ -51,6 +51,7 @@ NOT_TYPED = {
         "rosservice call /zero_encoder": "is the board's own, and comes when the board has told of "
         "it: the tutorial of the microcontroller types it"
     },
+    "docs/lab.md": {"echo": "writes a setting for all users, as root"},
     "docs/packaging.md": {
         "./ci/deb": "takes root, and minutes of building",
         "sudo apt": "takes the packages: ci/deb types it",

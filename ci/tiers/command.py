@@ -328,6 +328,7 @@ def main(words: List[str]) -> int:
     signal.signal(signal.SIGQUIT, signal.SIG_DFL)
     options, times = arguments(words), Times()
     if options.list:
+        signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # `| head` ends it without a traceback
         list_tests(times)
         return 0
     try:

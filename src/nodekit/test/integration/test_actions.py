@@ -271,7 +271,12 @@ class Server(Actions):
             "test", TestAction, lambda handle: returned[handle.request.goal]
         )
         client = self.stock_client()
-        for number, word in ((1, "returned without"), (2, "TestResult"), (3, "int"), (4, "succeed()")):
+        for number, word in (
+            (1, "returned without"),
+            (2, "TestResult"),
+            (3, "int"),
+            (4, "succeed()"),
+        ):
             goal = client.send_goal(TestGoal(number))
             result, text = self.ended(goal, GoalState.ABORTED)
             self.assertIn(word, text)

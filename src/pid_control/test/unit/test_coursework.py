@@ -64,6 +64,21 @@ def test_find_coursework_takes_the_launch_file_of_both_nodes(
     assert found.missing == "" and f"launch file: {launch}" in found.notes
 
 
+def test_find_coursework_reads_the_files_beside_the_launch_file(tmp_path: pathlib.Path) -> None:
+    """The same package in a built workspace is another one, with other values."""
+    load = '<rosparam file="$(find anna)/values.yaml"/>' + node("process.py") + node("signal.py")
+    places = {name: tmp_path / name / "anna" for name in ("src", "copy")}
+    for name, place in places.items():
+        place.mkdir(parents=True)
+        package(place, {"both.launch": load}, "process.py", "signal.py")
+        (place / "values.yaml").write_text(f"from: {name}")
+    (tmp_path / "devel").mkdir()
+    (tmp_path / "devel" / ".catkin").write_text(str(tmp_path / "src"))
+    built = {**ENVIRONMENT, "CMAKE_PREFIX_PATH": str(tmp_path / "devel")}
+    found = find_coursework(str(places["copy"]), [], built)
+    assert found.parameters["/from"] == "copy"
+
+
 def test_find_coursework_leaves_out_nodes_of_other_packages_and_terminals() -> None:
     found = good("wave_loops")
     assert "not started: rqt_plot of rqt_plot" in found.notes

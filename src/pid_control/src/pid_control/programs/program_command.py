@@ -149,6 +149,7 @@ def package_environment(package: str, environment: Mapping[str, str]) -> Iterato
     before = dict(os.environ)
     paths = [package, environment.get("ROS_PACKAGE_PATH", "")]
     os.environ.update(environment, ROS_PACKAGE_PATH=os.pathsep.join(filter(None, paths)))
+    os.environ.pop("CMAKE_PREFIX_PATH", None)  # its workspaces would come before these paths
     roslaunch.substitution_args._rospack = None  # it keeps the paths of its first use
     try:
         yield

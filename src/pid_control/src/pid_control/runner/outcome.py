@@ -19,6 +19,10 @@ class JudgingError(Exception):
     """The controller cannot be judged; the message says why."""
 
 
+class BusyMachineError(JudgingError):
+    """The machine is too busy for a judgement."""
+
+
 class TimeLimitExceeded(Exception):
     """The judgement exceeds its time limit."""
 
@@ -70,7 +74,9 @@ class Restlessness:
         if self._processor_time() - self._before > _RESTLESS_S:
             return True
         if time.monotonic() - self._since > _STARVED_S:
-            raise JudgingError("this machine is too busy: the controller gets no processor time")
+            raise BusyMachineError(
+                "this machine is too busy: the controller gets no processor time"
+            )
         return False
 
 

@@ -13,7 +13,12 @@ from pid_control.judging.scenarios import BY_NAME, Scenario
 from pid_control.programs.program_command import ProgramCommand
 from pid_control.programs.package_messages import MessageTypeError
 from pid_control.runner.loop_messages import told_message
-from pid_control.runner.outcome import JudgingError, Runner, TimeLimitExceeded
+from pid_control.runner.outcome import (
+    BusyMachineError,
+    JudgingError,
+    Runner,
+    TimeLimitExceeded,
+)
 from pid_control.programs.private_master import PrivateMaster
 from pid_control.runner.student_messages import read_messages
 
@@ -133,7 +138,7 @@ class Session:
             if is_fatal(self.records[-1], self._limits):
                 break
         if runner.latest > runner.most_late:
-            raise JudgingError(
+            raise BusyMachineError(
                 f"this machine is too busy: the judge itself was {runner.latest:.3f} s late"
             )
         return reason

@@ -5,7 +5,7 @@ import time
 from typing import Any, Callable, List, Mapping, Optional, Sequence, Tuple
 
 from pid_control.programs.private_master import PrivateMaster
-from pid_control.runner.outcome import JudgingError, TimeLimitExceeded
+from pid_control.runner.outcome import BusyMachineError, JudgingError, TimeLimitExceeded
 from pid_control.signal_judging.channels import AmbiguousChannelsError, Channel, signal_of
 from pid_control.signal_judging.evidence import (
     GENERATOR,
@@ -42,6 +42,8 @@ _NEAR, _FINER, _FINEST_S = 0.8, 5.0, 0.0004
 _PERIODS = 2.2
 #: Namespace of the trial of the names.
 _GROUP = "/judged_group"
+#: Most trials by the machine's clock, each of which a busy machine may spoil.
+_WALL_TRIALS = 3
 #: Distortion from which a trial is repeated by the machine's clock, and the share of it that is
 #: left there if the simulated clock was the reason.
 _DISTORTED, _GONE = 0.05, 0.3
@@ -297,8 +299,18 @@ class SignalSession:
         """Run by the machine's clock; if the distortion is gone there, the nodes go by it.
 
         :raises MachineClockError: if they do
-        :raises JudgingError: if the machine is too busy to tell
+        :raises BusyMachineError: if the machine is too busy to tell
         """
+        for _ in range(_WALL_TRIALS - 1):
+            try:
+                self._run_by_machine_clock()
+                return
+            except BusyMachineError:
+                continue
+        self._run_by_machine_clock()
+
+    def _run_by_machine_clock(self) -> None:
+        """Run by the machine's clock once; see :meth:`_check_clock`."""
         baseline = self.evidence.baseline
         assert baseline is not None and self._pair is not None
         try:
@@ -319,7 +331,7 @@ class SignalSession:
 
     def _check_lateness(self, trial: Trial, most: float = Trial.most_late) -> None:
         if trial.latest > most:
-            raise JudgingError(
+            raise BusyMachineError(
                 f"this machine is too busy: the judge itself was {trial.latest:.3f} s late"
             )
 

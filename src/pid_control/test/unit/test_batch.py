@@ -42,7 +42,7 @@ def build_with(
     """Build a package by a catkin_make that does nothing but this; return the workspace."""
     put_catkin_make(tmp_path, monkeypatch, says, status)
     (tmp_path / "x").mkdir()
-    return batch.build(str(tmp_path / "x"), str(tmp_path / "scratch"))
+    return batch.build(str(tmp_path / "x"), str(tmp_path / "scratch"))[0]
 
 
 def found(folder: pathlib.Path) -> List[str]:
@@ -92,6 +92,20 @@ def test_build_nonzero_status_is_a_failure(
 ) -> None:
     with pytest.raises(NothingToJudge, match=r"it does not build: Fehler 2 \(C\)"):
         build_with(tmp_path, monkeypatch, "Fehler 2", 1)
+
+
+def test_build_without_add_dependencies_succeeds_once_the_messages_are_there(
+    tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    messages = tmp_path / "messages"
+    put_catkin_make(tmp_path, monkeypatch, "", 0)
+    (tmp_path / "catkin_make").write_text(
+        f"#!/bin/sh\n[ -e {messages} ] && exit 0\n"
+        f'[ "$4" = -k ] && touch {messages}\necho "x.cpp:5: fatal error: x/y.h"; exit 1\n'
+    )
+    (tmp_path / "x").mkdir()
+    _, notes = batch.build(str(tmp_path / "x"), str(tmp_path / "scratch"))
+    assert notes == ["it was built in a second attempt; in the first: x.cpp:5: fatal error: x/y.h"]
 
 
 def test_build_warning_with_the_word_error_is_not_a_failure(
@@ -162,7 +176,8 @@ def test_build_folder_called_like_the_messages_of_the_course_has_both(
     package.mkdir()
     text = "<package><name>anna</name><depend>pid_control</depend></package>"
     (package / "package.xml").write_text(text)
-    sources = pathlib.Path(batch.build(str(package), str(tmp_path / "scratch"))) / "src"
+    workspace, _ = batch.build(str(package), str(tmp_path / "scratch"))
+    sources = pathlib.Path(workspace) / "src"
     texts = [path.read_text() for path in sources.glob("*/package.xml")]
     assert len(texts) == 2 and text in texts
 

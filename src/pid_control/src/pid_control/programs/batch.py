@@ -113,8 +113,9 @@ class Batch:
             options = [*self._options, "--csv", table]
             options += ["--picture", os.path.join(self._output, picture)]
             siblings = needed_siblings(package, submission.siblings)
+            notes: List[str] = []
             if any(map(_needs_build, [package, *siblings])):
-                workspace = build(package, scratch, siblings)
+                workspace, notes = build(package, scratch, siblings)
                 options += ["--workspace", workspace]
             environment = dict(os.environ, TMPDIR=scratch)
             paths = [package, os.environ.get("ROS_PACKAGE_PATH", "")]
@@ -125,6 +126,7 @@ class Batch:
                 self._time_limit + _BEYOND_S,
                 environment,
             )
+            text = "".join(f"note: {note}\n" for note in notes) + text
             with open(os.path.join(self._output, words), "w", encoding="utf-8") as file:
                 file.write(text)
             self._files[name] = [words]
@@ -181,13 +183,13 @@ def _needs_build(package: str) -> bool:
         return False
 
 
-def build(package: str, scratch: str, siblings: Sequence[str] = ()) -> str:
+def build(package: str, scratch: str, siblings: Sequence[str] = ()) -> Tuple[str, List[str]]:
     """Build a package, and those that it needs, in a new workspace.
 
     :param package: folder of the package
     :param scratch: folder for the workspace
     :param siblings: folders of the packages that it needs
-    :returns: path of the workspace
+    :returns: path of the workspace, and notes
     :raises NothingToJudge: if the build fails
     """
     workspace = os.path.join(scratch, "workspace")
@@ -199,10 +201,15 @@ def build(package: str, scratch: str, siblings: Sequence[str] = ()) -> str:
     environment = dict(os.environ, LC_ALL="C")  # errors are found by their English text
     languages = environment.get("ROS_LANG_DISABLE", "").split(os.pathsep)
     environment["ROS_LANG_DISABLE"] = os.pathsep.join({*languages} - {"gencpp", ""})
-    text, status = run_bounded(["catkin_make", "-C", workspace], _BUILD_S, environment)
-    if status != 0:
+    command = ["catkin_make", "-C", workspace]
+    text, status = run_bounded(command, _BUILD_S, environment)
+    if status == 0:
+        return workspace, []
+    # Without add_dependencies in CMakeLists.txt, messages may be generated too late for a program.
+    run_bounded([*command, "--make-args", "-k"], _BUILD_S, environment)
+    if run_bounded(command, _BUILD_S, environment)[1] != 0:
         raise NothingToJudge(f"it does not build: {_first_error(text)}")
-    return workspace
+    return workspace, [f"it was built in a second attempt; in the first: {_first_error(text)}"]
 
 
 def _add_messages(packages: Sequence[str], sources: str) -> None:

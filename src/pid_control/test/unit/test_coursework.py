@@ -76,7 +76,7 @@ def test_find_coursework_reads_the_files_beside_the_launch_file(tmp_path: pathli
     (tmp_path / "devel" / ".catkin").write_text(str(tmp_path / "src"))
     built = {**ENVIRONMENT, "CMAKE_PREFIX_PATH": str(tmp_path / "devel")}
     found = find_coursework(str(places["copy"]), [], built)
-    assert found.parameters["/from"] == "copy"
+    assert found.parameters == {"/from": "copy"}
 
 
 def test_find_coursework_leaves_out_nodes_of_other_packages_and_terminals() -> None:

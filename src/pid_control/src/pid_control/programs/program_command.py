@@ -9,6 +9,7 @@ from typing import Any, Dict, Iterator, List, Mapping, NamedTuple, Optional, Seq
 
 import roslaunch.config
 import roslaunch.substitution_args
+import roslaunch.xmlloader
 import rospkg
 from roslaunch.core import Node, local_machine, setup_env
 from roslaunch.node_args import create_local_process_args
@@ -99,7 +100,7 @@ def _with_launch_file(command: ProgramCommand, path: str, launch: Optional[str])
     for file in files:
         try:
             with package_environment(command.package, command.environment):
-                config = roslaunch.config.load_config_default([(file, [])], None)
+                config = load_launch_file(file, [])
                 nodes = [one for one in config.nodes if one.type == os.path.basename(path)]
                 if not nodes:
                     continue
@@ -157,6 +158,20 @@ def package_environment(package: str, environment: Mapping[str, str]) -> Iterato
         os.environ.clear()
         os.environ.update(before)
         roslaunch.substitution_args._rospack = None
+
+
+def load_launch_file(path: str, arguments: Sequence[str]) -> Any:
+    """Return the configuration of a launch file, without roscore's, which starts two commands.
+
+    :param path: path of the launch file
+    :param arguments: its arguments, ``NAME:=VALUE``
+    :returns: roslaunch's ROSLaunchConfig
+    :raises Exception: of any kind if it cannot be loaded: $(eval …) runs what the student wrote
+    """
+    config = roslaunch.config.ROSLaunchConfig()
+    roslaunch.xmlloader.XmlLoader().load(path, config, argv=list(arguments), verbose=False)
+    config.assign_machines()
+    return config
 
 
 def _split_parameters(config: Any, node: Node) -> Tuple[Dict[str, Any], Dict[str, Any]]:
@@ -279,7 +294,7 @@ def _command_of_launch_file(
     before = dict(os.environ)
     os.environ.update(environment)
     try:
-        config = roslaunch.config.load_config_default([(path, arguments)], None)
+        config = load_launch_file(path, arguments)
         node = _choose(config.nodes, wanted, path)
         command = create_local_process_args(node, local_machine(), environment)
         variables = setup_env(node, local_machine(), "", environment)

@@ -6,7 +6,6 @@ import re
 import shlex
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
-import roslaunch.config
 import rospkg
 from roslaunch.core import Node, local_machine, setup_env
 
@@ -16,6 +15,7 @@ from pid_control.programs.program_command import (
     ProgramCommand,
     files_in,
     find_files,
+    load_launch_file,
     package_environment,
 )
 from pid_control.programs.python_program import start_words
@@ -245,7 +245,7 @@ class _Finder:
     def _load(self, file: str, arguments: List[str]) -> Tuple[Coursework, str]:
         """Load a launch file; return its coursework, and why it does not start two nodes."""
         with package_environment(self._folder, self._environment):
-            config = roslaunch.config.load_config_default([(file, arguments)], None)
+            config = load_launch_file(file, arguments)
         nodes: List[StudentNode] = []
         others: List[str] = []
         notes = list(self._notes)

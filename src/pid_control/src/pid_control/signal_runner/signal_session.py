@@ -301,16 +301,14 @@ class SignalSession:
         :raises MachineClockError: if they do
         :raises BusyMachineError: if the machine is too busy to tell
         """
-        for _ in range(_WALL_TRIALS - 1):
+        for left in reversed(range(_WALL_TRIALS)):
             try:
-                self._run_by_machine_clock()
-                return
+                return self._run_by_machine_clock()
             except BusyMachineError:
-                continue
-        self._run_by_machine_clock()
+                if not left:
+                    raise
 
     def _run_by_machine_clock(self) -> None:
-        """Run by the machine's clock once; see :meth:`_check_clock`."""
         baseline = self.evidence.baseline
         assert baseline is not None and self._pair is not None
         try:

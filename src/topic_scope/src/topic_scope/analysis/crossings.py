@@ -10,24 +10,24 @@ def rises(
 ) -> Tuple[numpy.ndarray, numpy.ndarray]:
     """Return where a trace crosses a level upwards.
 
-    It has crossed the level between the last sample that is surely below and the first one that is
-    surely above, with no gap between them.
+    The crossing lies between the last sample surely below the level and the first sample surely
+    above it, with no gap between them.
 
     :param times: ascending [s]
     :param values: finite
     :param level: the level
-    :param band: how far from the level a sample is surely below or above
-    :param firsts: what :func:`after_gaps` returns
-    :returns: three rows: when [s]; how far off that may be [s]; and how far it is from the sample
-        before to the one behind, in the unit of the values times seconds; and how many gaps are
-        before each crossing
+    :param band: distance from the level beyond which a sample is surely below or above it
+    :param firsts: indices returned by :func:`after_gaps`
+    :returns: three rows: time of the crossing [s]; its uncertainty [s]; the step from the sample
+        before to the sample after it, in the unit of the values times seconds; and the number of
+        gaps before each crossing
     """
     side = (values > level + band).astype(numpy.int8) - (values < level - band)
     sure = numpy.flatnonzero(side)
     surely, gaps = side[sure], numpy.searchsorted(firsts, sure, "right")
     is_rise = (surely[:-1] < 0) & (surely[1:] > 0) & (gaps[:-1] == gaps[1:])
     departures, arrivals = sure[:-1][is_rise], sure[1:][is_rise]
-    # Of all samples on the way, the last one before the level and the one behind it.
+    # Of the samples in the band, take the last before the level and the first after it.
     below = numpy.flatnonzero(values < level)
     last = below[numpy.searchsorted(below, arrivals) - 1]
     jumps, steps = values[last + 1] - values[last], times[last + 1] - times[last]
@@ -37,7 +37,7 @@ def rises(
 
 
 def after_gaps(times: numpy.ndarray, longest: float) -> numpy.ndarray:
-    """Return the indices of the samples that are the first behind a gap.
+    """Return the indices of the first sample after each gap.
 
     :param times: ascending [s]
     :param longest: a gap is longer than this [s]
@@ -46,7 +46,7 @@ def after_gaps(times: numpy.ndarray, longest: float) -> numpy.ndarray:
 
 
 def longest_stretch(times: numpy.ndarray, longest: float) -> slice:
-    """Return which samples are the longest part of a trace without a gap.
+    """Return the slice of the longest part of a trace without a gap.
 
     :param times: ascending [s]
     :param longest: a gap is longer than this [s]

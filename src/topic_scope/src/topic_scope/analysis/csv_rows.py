@@ -1,4 +1,4 @@
-"""Samples as rows of a CSV file: one for each message, with all fields that were read of it."""
+"""Samples as CSV rows: one row per message, with all of its recorded fields."""
 
 import math
 from itertools import groupby
@@ -10,12 +10,12 @@ _NAN = repr(math.nan)
 
 
 class CsvColumn(NamedTuple):
-    """The samples of one field.
+    """Samples of one field.
 
     :param topic: topic of the field: the samples of one message share times and row
     :param times: when each was taken, ascending
-    :param received: when each was received, or what else tells two of one time apart
-    :param cells: what is written of each
+    :param received: receipt times, or other values that distinguish samples of the same time
+    :param cells: text of each sample
     """
 
     topic: str
@@ -25,9 +25,9 @@ class CsvColumn(NamedTuple):
 
 
 def header(*names: str) -> str:
-    """Return the first row.
+    """Return the header row.
 
-    :param names: names of the columns, those of the times before those of the fields
+    :param names: column names, times before fields
     """
     return ",".join(_cell(name) for name in names) + "\n"
 
@@ -37,15 +37,15 @@ def _cell(text: str) -> str:
 
 
 def quoted(text: str) -> str:
-    """Return a cell that holds any text, line ends included."""
+    """Return any text as a quoted cell, line ends included."""
     return '"' + text.replace('"', '""') + '"'
 
 
 def rows(columns: Sequence[CsvColumn], stamp: Callable[[Any, Any], str]) -> Iterator[str]:
-    """Return the rows, in the order of time.
+    """Return the rows in time order.
 
-    :param columns: the fields; a cell stays empty where a row is of another topic
-    :param stamp: returns what a row begins with, of the time and the receipt of its message
+    :param columns: the fields; their cells are empty in rows of other topics
+    :param stamp: returns the first cells of a row from the message's time and receipt time
     """
     filled = [(index, column) for index, column in enumerate(columns) if len(column.times)]
     if not filled:
@@ -59,23 +59,23 @@ def rows(columns: Sequence[CsvColumn], stamp: Callable[[Any, Any], str]) -> Iter
     written = [(index, cell) for index, column in filled for cell in column.cells]
     stamps = zip(*(part[order].tolist() for part in (times, received, topic_of)))
     in_order = zip(stamps, map(written.__getitem__, order.tolist()))
-    for (time, came, _), group in groupby(in_order, key=lambda one: one[0]):
-        first = stamp(time, came)
+    for (time, receipt, _), group in groupby(in_order, key=lambda one: one[0]):
+        first = stamp(time, receipt)
         for row in _rows_of_one_time((cell for _, cell in group), len(columns)):
             yield ",".join([first] + row) + "\n"
 
 
 def _rows_of_one_time(cells: Iterable[Tuple[int, str]], width: int) -> List[List[str]]:
-    """Return a row for each message of a topic that nothing tells apart from the others.
+    """Return a row for each message, for messages of equal time and receipt time.
 
-    :param cells: which column each is of, and its text; those of a column in their order
+    :param cells: column and text of each cell, in message order within a column
     :param width: number of columns
     """
     made: List[List[str]] = []
     filled = [0] * width
     for index, cell in cells:
         if cell == _NAN and filled[index]:
-            continue  # a line that ends has it at its last sample's time
+            continue  # the end of a line is marked at the time of its last sample
         if filled[index] == len(made):
             made.append([""] * width)
         made[filled[index]][index] = cell

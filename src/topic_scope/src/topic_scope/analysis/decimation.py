@@ -1,9 +1,9 @@
-"""Reduce samples to what a screen can show: the least and the greatest value of each bin.
+"""Reduction of samples to screen resolution: minimum and maximum of each bin.
 
-Bin ``i`` covers the times from ``i * width`` up to ``(i + 1) * width``, so the bins of all traces
-are the same, and those of a later moment too: no sample is shown in one bin now and in another one
-a moment later, and a peak of a single sample is never lost. Where a bin has one or two samples it
-is also told where in it they stand, so that these are drawn, and not the middles of bins.
+Bin ``i`` covers the times from ``i * width`` up to ``(i + 1) * width``, so all traces share their
+bins, now and later: a sample never moves from one bin to another, and a peak of a single sample is
+never lost. For a bin with one or two samples, their positions in the bin are returned as well, so
+that they are drawn at their times, not at the middle of the bin.
 """
 
 from typing import List, NamedTuple, Sequence, Union
@@ -13,17 +13,17 @@ import numpy
 from topic_scope.analysis.ring import Samples
 
 
-#: How many parts of a bin are told apart, and up to how many samples in it.
+#: Resolution of positions inside a bin, and the most samples in a bin that have positions.
 PLACES, FEW = 8, 2
 
 
 class Bins(NamedTuple):
-    """Extremes of the samples in some bins, with a row for each trace.
+    """Extremes of the samples in some bins, one row per trace.
 
     :param extremes: as :func:`extremes` returns them
-    :param places: for each of these in which part of its bin it stands, from 0; -1 in a bin with
-        more than FEW samples, or none
-    :param counts: how many samples each bin has that are finite
+    :param places: part of the bin in which each extreme lies, from 0; -1 in a bin with more than
+        FEW samples, or without samples
+    :param counts: number of finite samples in each bin
     """
 
     extremes: numpy.ndarray
@@ -48,16 +48,16 @@ def extremes(
     width: float,
     longest: float = numpy.inf,
 ) -> numpy.ndarray:
-    """Return the extremes of the samples in each of some bins.
+    """Return the extremes of the samples in each bin.
 
-    :param times: ascending [s]; from ``longest`` before the first bin on
-    :param values: the samples; what is not finite is left out
+    :param times: ascending [s]; starting ``longest`` before the first bin
+    :param values: the samples; non-finite values are ignored
     :param first: index of the first bin
     :param count: number of bins
     :param width: width of the bins [s]
-    :param longest: the longest time between samples of one line [s]
-    :returns: min0, max0, min1, max1 and so on; NaN for a bin without a sample, infinity for one
-        that no line may cross: with samples of which none is finite, or too long after the last
+    :param longest: the longest time between samples that a line connects [s]
+    :returns: min0, max0, min1, max1 and so on; NaN for a bin without samples, infinity for a bin
+        that no line may cross: it has no finite sample, or lies too long after the last sample
     """
     return all_bins([(times, values)], first, count, width, [longest]).extremes[0]
 
@@ -65,22 +65,22 @@ def extremes(
 def all_bins(
     traces: Sequence[Samples], first: int, count: int, width: float, longest: Sequence[float]
 ) -> Bins:
-    """Return the bins of several traces, which have the same; see :func:`extremes`.
+    """Return the bins of several traces, which share the same grid; see :func:`extremes`.
 
-    All at once, as a frame has few samples of each: it is the calls of numpy that take the time.
+    All traces in one pass: a frame has few samples of each, so numpy's call overhead dominates.
 
     :param traces: at least one
     :param longest: for each trace
     """
     times, values = (numpy.concatenate(parts) for parts in zip(*traces))
-    size = count + 2  # one more on either side, for what lies outside
+    size = count + 2  # one extra on either side, for samples outside
     rows = numpy.repeat(numpy.arange(len(traces)) * size, [len(trace[0]) for trace in traces])
     whole = numpy.floor(times / width)
     parts = ((times / width - whole) * PLACES).astype(numpy.int8)
     bins = whole.astype(numpy.int64) - (first - 1)
     bins = numpy.minimum(numpy.maximum(bins, 0), size - 1) + rows
     latest = numpy.full(len(traces) * size, -numpy.inf)
-    latest[bins] = times  # of several in a bin the last one stays
+    latest[bins] = times  # the last of several samples in a bin wins
     before = numpy.maximum.accumulate(latest.reshape(-1, size), axis=1)
     ends = (first + numpy.arange(size)) * width
     result = numpy.full((len(traces) * size, 2), numpy.nan)
@@ -106,33 +106,33 @@ def all_bins(
 
 
 def _inner(table: numpy.ndarray, rows: int) -> numpy.ndarray:
-    """Drop what lies outside of the bins, and make a row for each trace."""
+    """Drop the outer bins, and return a row for each trace."""
     return table.reshape(rows, -1, 2)[:, 1:-1].reshape(rows, -1)
 
 
 def lasts(
     times: numpy.ndarray, values: numpy.ndarray, first: int, count: int, width: float
 ) -> numpy.ndarray:
-    """Return the last sample in each of some bins: the value that holds until the next one.
+    """Return the last sample in each bin: the value that holds until the next sample.
 
     :param times: ascending [s]
-    :param values: the samples; what is not finite is left out
+    :param values: the samples; non-finite values are ignored
     :param first: index of the first bin
     :param count: number of bins
     :param width: width of the bins [s]
-    :returns: a value for each bin; NaN for one without
+    :returns: a value for each bin; NaN for a bin without samples
     """
     result = numpy.full(count, numpy.nan)
     bins = numpy.floor(times / width).astype(numpy.int64) - first
     used = (bins >= 0) & (bins < count) & numpy.isfinite(values)
-    result[bins[used]] = values[used]  # of several in a bin the last one stays
+    result[bins[used]] = values[used]  # the last of several samples in a bin wins
     return result
 
 
 def as_json(values: numpy.ndarray) -> List[Union[float, bool, None]]:
-    """Return extremes as JSON knows them: null for nothing, and false for the end of a line.
+    """Return extremes as JSON values: null for an empty bin, false for the end of a line.
 
-    :param values: what :func:`extremes` returns
+    :param values: as returned by :func:`extremes`
     """
     numbers: List[Union[float, bool, None]] = values.tolist()
     for index in numpy.isnan(values).nonzero()[0].tolist():

@@ -1,4 +1,4 @@
-"""Measured value with its uncertainty, or the reason why it cannot be measured."""
+"""Measured value with its uncertainty, or the reason for its absence."""
 
 import math
 from typing import NamedTuple, Optional
@@ -7,9 +7,9 @@ from typing import NamedTuple, Optional
 class Measurement(NamedTuple):
     """Measured value with its uncertainty.
 
-    :param value: in the unit of the figure; None where it cannot be measured
-    :param uncertainty: how far off the value may be, in the same unit
-    :param reason: why it cannot be measured, in words
+    :param value: in the unit of the quantity; None if it cannot be measured
+    :param uncertainty: bound of the error, in the same unit
+    :param reason: why it cannot be measured
     """
 
     value: Optional[float]
@@ -17,7 +17,7 @@ class Measurement(NamedTuple):
     reason: str = ""
 
     def times(self, factor: float) -> "Measurement":
-        """Return it in another unit."""
+        """Return the measurement in another unit."""
         if self.value is None:
             return self
         return measured(factor * self.value, factor * self.uncertainty)
@@ -26,23 +26,23 @@ class Measurement(NamedTuple):
 def unmeasurable(reason: str) -> Measurement:
     """Return a measurement without a value.
 
-    :param reason: why, in words
+    :param reason: why it cannot be measured
     """
     return Measurement(None, 0.0, reason)
 
 
 def measured(value: float, uncertainty: float) -> Measurement:
-    """Return a measurement; one that overflows has no value."""
+    """Return a measurement; on overflow, one without a value."""
     if not math.isfinite(value) or not math.isfinite(uncertainty):
         return unmeasurable("the numbers are too large")
     return Measurement(value, uncertainty)
 
 
 def between(low: float, high: float, more: float = 0.0) -> Measurement:
-    """Return a measurement that lies between two values.
+    """Return the measurement of a quantity between two bounds.
 
-    :param low: the one
-    :param high: the other one
-    :param more: how far beyond these it may lie
+    :param low: lower bound
+    :param high: upper bound
+    :param more: additional uncertainty
     """
     return measured(low + (high - low) / 2.0, abs(high - low) / 2.0 + more)

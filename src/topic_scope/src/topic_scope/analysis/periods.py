@@ -1,10 +1,10 @@
-"""Frequency of a trace, and whether it is periodic at all.
+"""Frequency of a trace, and the test whether it is periodic.
 
-A candidate for the period is the mean time between crossings of the mean, up to some times that, or
-the strongest line of the spectrum. It is one if the trace repeats itself: samples in the same part
-of different periods are alike. So does phase dispersion minimisation (Stellingwerf, 1978). The
-statistic is half of the mean square of their differences over the variance: near 0 for what repeats
-itself, and near 1 for noise. It needs neither even times nor a certain shape.
+Candidates for the period are the mean time between crossings of the mean, its small multiples, and
+the strongest line of the spectrum. A candidate is accepted if the trace repeats itself: samples at
+the same phase of different periods are alike, as in phase dispersion minimisation (Stellingwerf,
+1978). The statistic is half of the mean square of their differences over the variance: near 0 for a
+periodic trace, near 1 for noise. It requires neither even sampling nor a particular shape.
 """
 
 import math
@@ -16,34 +16,34 @@ from topic_scope.analysis.crossings import after_gaps, longest_stretch, rises
 from topic_scope.analysis.measurement import Measurement, measured, unmeasurable
 from topic_scope.analysis.spectrum import SURE, TOO_FEW, peaks, spectrum
 
-#: A trace has to leave its mean by this part of its range before a crossing of the mean counts:
-#: noise on it makes no periods.
+#: A crossing of the mean counts only after the trace has left the mean by this part of its range,
+#: so that noise does not create periods.
 HYSTERESIS = 0.1
-#: A period may have up to so many crossings, if it repeats itself better by this factor then.
+#: Most crossings in a period; several are accepted only if the statistic improves by this factor.
 _MOST_CROSSINGS, _BETTER = 4, 0.2
-#: So many parts of a period may be mixed, as those with the edges of a square wave.
+#: Parts of a period in which samples of different levels may mix, as at the edges of a square wave.
 _MIXED = 3.0
-#: What repeats itself has less than this of the statistic: so much of its power is noise.
+#: Limit of the statistic for a periodic trace: the part of its power that may be noise.
 _NOISE = 0.4
-#: Of less than so many periods, less than this: what is smooth looks like itself by chance.
+#: With fewer periods than this, the lower limit: a smooth trace resembles itself by chance.
 _FEW, _CLEARLY = 3.0, 0.12
-#: From so many crossings on, their own spread says how sure they are.
+#: From this number of crossings on, the uncertainty is taken from their spread.
 _SEVERAL = 6
-#: Into how many parts a period is divided; so many samples are in each at least.
+#: Number of parts of a period, and the least number of samples in each.
 _PARTS, _LEAST = 40, 5
-#: Most samples that are compared, and most of which there is a spectrum.
+#: Most samples that are compared, and most samples of a spectrum.
 _COMPARED, _LATEST = 2000, 1 << 12
-#: Mixed, so that not only each period and the next are compared, but any two.
+#: Shuffled, so that any two periods are compared, not only neighbours.
 _ORDER = numpy.random.RandomState(0).permutation(_COMPARED)
-#: Crossings that are off even ones by this part of their distance are of no period.
+#: Crossings that deviate from an even spacing by this part of it are not periodic.
 _ASTRAY = 0.5
 
-#: The drift is taken out in so many rounds, until the frequency moves by less than this part of its
+#: Most rounds of drift removal, which ends when the frequency changes by less than this part of its
 #: uncertainty.
 _ROUNDS, _ALIKE = 6, 0.1
-#: What is left of noise is not that much alike from one sample to the next.
+#: Successive samples of residual noise correlate less than this.
 _ALIKE_REST = 0.5
-#: That is looked at where a period has so many samples.
+#: Least number of samples in a period for that test.
 _DENSE = 8
 
 STANDS = unmeasurable("it does not change")
@@ -54,12 +54,12 @@ NO_PERIOD = unmeasurable("not periodic: noise, or no steady frequency")
 
 
 class _Comparison(NamedTuple):
-    """Similarity of the periods of a trace.
+    """Comparison of the periods of a trace.
 
-    :param noise: the statistic: 0 for what repeats itself, 1 for noise
-    :param limit: below this it is no noise, as far as so many samples can show
-    :param mixed: below this it may be from edges
-    :param cycles: how many periods there are
+    :param noise: the statistic: 0 for a periodic trace, 1 for noise
+    :param limit: significance limit of the statistic for this number of samples
+    :param mixed: value of the statistic that edges can explain
+    :param cycles: number of periods
     """
 
     noise: float = 1.0
@@ -74,11 +74,11 @@ _UNLIKE = _Comparison()
 def frequency(
     times: numpy.ndarray, values: numpy.ndarray, longest: float = math.inf
 ) -> Measurement:
-    """Measure how often a trace repeats itself in a second, on a mean that may drift.
+    """Measure the frequency of a trace whose mean may drift.
 
     :param times: ascending [s]
     :param values: finite, and of moderate size
-    :param longest: how far apart samples of one line may be [s]: no period is across a gap
+    :param longest: longest time between connected samples [s]; no period spans a gap
     :returns: the frequency [Hz]
     """
     found = _frequency(times, values, longest)
@@ -106,7 +106,7 @@ def frequency(
 def _slope_of_means(
     since: numpy.ndarray, values: numpy.ndarray, period: float
 ) -> Tuple[float, float]:
-    """Return how fast the mean over whole periods changes [1/s], and how far off that may be.
+    """Return the slope of the mean over whole periods [1/s], and its uncertainty.
 
     :param since: times from the first sample on [s]
     """
@@ -119,7 +119,7 @@ def _slope_of_means(
     slope = float((at * means).sum() / numpy.square(at).sum()) / period
     rest = means - means.mean() - slope * period * at
     spread = math.sqrt(float(numpy.square(rest).sum()) / max(count - 2, 1))
-    # A period ends between two samples, so its mean is off by some of the step between them.
+    # A period ends between two samples, which leaves an error in its mean.
     step = float(numpy.abs(numpy.diff(values)).max()) * count / len(values)
     noise = 3.0 * spread / (period * math.sqrt(float(numpy.square(at).sum())))
     return slope, noise + 3.0 * step / (count * period)
@@ -130,10 +130,10 @@ def _middles(values: numpy.ndarray) -> numpy.ndarray:
 
 
 def _frequency(times: numpy.ndarray, values: numpy.ndarray, longest: float) -> Measurement:
-    """Measure how often a trace repeats itself in a second, on a steady mean."""
+    """Measure the frequency of a trace with a steady mean."""
     if len(values) < 3 or not values.min() < values.max():
         return STANDS
-    firsts = after_gaps(times, longest)  # of the pieces without a gap, but for the very first
+    firsts = after_gaps(times, longest)  # starts of all gapless pieces except the first
     crossings, piece_of = _crossings(times, values, firsts)
     some = _some(len(times))
     best, noise = TOO_SHORT, 1.0
@@ -147,11 +147,11 @@ def _frequency(times: numpy.ndarray, values: numpy.ndarray, longest: float) -> M
             begins = _begins(crossings[0, every], piece_of[every], len(firsts) + 1)
             begin = begins[numpy.searchsorted(firsts, some, "right")]
             found = _compared(times[some] - begin, values[some], period.value)
-        # What has several crossings has to repeat itself much better than from one to the next.
+        # Several crossings in a period are accepted only if they fit much better than one.
         limit = found.limit if count == 1 else min(found.limit, _CLEARLY, _BETTER * noise)
         if period.value and found.noise < limit and (count == 1 or found.cycles > _FEW):
             best = measured(1.0 / period.value, period.uncertainty / period.value**2)
-        elif count == 1:  # where crossings are missing, as of few samples, the spectrum knows more
+        elif count == 1:  # with few samples, crossings are missed; use the spectrum
             best = _strongest_line(times, values, longest)
         is_better = count > 1 and found.noise < limit
         noise = min(noise, found.noise)
@@ -163,10 +163,10 @@ def _frequency(times: numpy.ndarray, values: numpy.ndarray, longest: float) -> M
 
 
 def _has_more(times: numpy.ndarray, values: numpy.ndarray, hertz: float) -> bool:
-    """Return whether what does not repeat itself is no noise, but goes on from sample to sample."""
+    """Return whether the non-periodic rest is correlated between samples, hence not noise."""
     turns = (times - times[0]) * hertz
     if len(turns) < _DENSE * turns[-1]:
-        return False  # neighbours tell nothing of what is between them
+        return False  # too few samples in a period to compare neighbours
     parts = ((turns - numpy.floor(turns)) * _PARTS).astype(numpy.int64)
     counts = numpy.maximum(numpy.bincount(parts, minlength=_PARTS), 1)
     rest = values - (numpy.bincount(parts, values, _PARTS) / counts)[parts]
@@ -174,17 +174,17 @@ def _has_more(times: numpy.ndarray, values: numpy.ndarray, hertz: float) -> bool
 
 
 def _some(count: int) -> numpy.ndarray:
-    """Return which ones of so many samples are compared, mixed."""
+    """Return the shuffled indices of the samples to compare."""
     places = _ORDER * -(-count // _COMPARED)
     some: numpy.ndarray = places[places < count]
     return some
 
 
 def _compared(places: numpy.ndarray, values: numpy.ndarray, period: float) -> _Comparison:
-    """Compare the samples in the same parts of different periods.
+    """Compare the samples at the same phase of different periods.
 
-    :param places: times of the samples since the begin of a period [s]; NaN where it is unknown
-    :param values: the samples, mixed
+    :param places: times of the samples since the start of a period [s]; NaN if unknown
+    :param values: the samples, shuffled
     :param period: length of the period [s]
     """
     turns = places / period
@@ -211,32 +211,32 @@ def _compared(places: numpy.ndarray, values: numpy.ndarray, period: float) -> _C
 def _crossings(
     times: numpy.ndarray, values: numpy.ndarray, firsts: numpy.ndarray
 ) -> Tuple[numpy.ndarray, numpy.ndarray]:
-    """Return where a trace crosses its mean upwards, or downwards, as :func:`.rises` does.
+    """Return the upward or downward crossings of the mean, in the form of :func:`.rises`.
 
-    The last row is how much of the doubt is from an edge [s].
+    The last row is the part of the uncertainty that edges cause [s].
     """
     low, high = values.min(), values.max()
     band = HYSTERESIS * (high - low)
-    # Short pulses leave a mean that is close to where they come from on one side only.
+    # Short pulses have their mean close to the base level, so only one side leaves it clearly.
     level = min(max(values.mean(), low + 2 * band), high - 2 * band)
     for sign in (1.0, -1.0):
         found, piece_of = rises(times, sign * values, sign * level, band, firsts)
         if (piece_of[:-1] == piece_of[1:]).any():
             break
-        # Of two periods in a piece, one may begin too close to an end of it to be seen.
+        # With two periods in a piece, the start of one may be too close to its end to be seen.
     found[2] /= high - low
     return found, piece_of
 
 
 def _period(crossings: numpy.ndarray, piece_of: numpy.ndarray) -> Measurement:
-    """Return the mean time from one crossing to the next one of the same piece [s].
+    """Return the mean time between successive crossings of the same piece [s].
 
-    :param crossings: when, how far off that may be, and how much of that is from an edge [s]
-    :param piece_of: which piece each is in
+    :param crossings: their times, uncertainties, and the part of those caused by edges [s]
+    :param piece_of: index of the piece of each
     """
     moments, doubts, edges = crossings
     length, weights = _slope(moments, piece_of)
-    if not length > 0.0:  # the stamps of a simulation that stands are the same
+    if not length > 0.0:  # a paused simulation repeats its stamp
         return TOO_SHORT
     doubt, drift = float(doubts.max()), 0.0
     if len(moments) >= _SEVERAL:
@@ -244,7 +244,7 @@ def _period(crossings: numpy.ndarray, piece_of: numpy.ndarray) -> Measurement:
         spread = math.sqrt(float(numpy.square(rest).sum()) / (len(moments) - 2))
         if spread > _ASTRAY * length:
             return NO_PERIOD
-        # An edge may be anywhere between two samples, what is smooth is on a line between them.
+        # An edge may be anywhere between two samples; a smooth trace is near the line between them.
         doubt = min(doubt, float(numpy.median(edges)) / 2.0 + 3.0 * spread)
         half = len(moments) // 2
         parts = [_slope(moments[one], piece_of[one])[0] for one in (slice(half), slice(half, None))]
@@ -253,16 +253,16 @@ def _period(crossings: numpy.ndarray, piece_of: numpy.ndarray) -> Measurement:
 
 
 def _slope(moments: numpy.ndarray, piece_of: numpy.ndarray) -> Tuple[float, numpy.ndarray]:
-    """Return the period that fits crossings best [s], and what weight each crossing has."""
+    """Return the least-squares period of the crossings [s], and the weight of each."""
     apart = _within(numpy.arange(float(len(moments))), piece_of)
     total = float(numpy.square(apart).sum())
     weights = apart / total if total else apart
-    # From the first one on: of times since the epoch, sums would keep few digits.
+    # Relative to the first crossing: sums of epoch times would lose digits.
     return float((weights * (moments - moments[:1])).sum()), weights
 
 
 def _within(numbers: numpy.ndarray, piece_of: numpy.ndarray) -> numpy.ndarray:
-    """Return numbers less the mean of those of the same piece."""
+    """Return the numbers minus the mean of their piece."""
     if len(numbers) and piece_of[0] == piece_of[-1]:
         return numbers - numbers.mean()
     _, group = numpy.unique(piece_of, return_inverse=True)
@@ -272,14 +272,14 @@ def _within(numbers: numpy.ndarray, piece_of: numpy.ndarray) -> numpy.ndarray:
 
 
 def _begins(moments: numpy.ndarray, piece_of: numpy.ndarray, count: int) -> numpy.ndarray:
-    """Return the first crossing of each piece [s]; NaN for a piece without one."""
+    """Return the first crossing of each piece [s]; NaN for a piece without crossings."""
     begins = numpy.full(count, math.nan)
     begins[piece_of[::-1]] = moments[::-1]
     return begins
 
 
 def _strongest_line(times: numpy.ndarray, values: numpy.ndarray, longest: float) -> Measurement:
-    """Return the frequency of the strongest sine, if the trace repeats itself so often [Hz]."""
+    """Return the frequency of the strongest spectral line, if the trace has that period [Hz]."""
     part = longest_stretch(times, longest)
     times, values = times[part], values[part]
     lines = spectrum(times[-_LATEST:], values[-_LATEST:])

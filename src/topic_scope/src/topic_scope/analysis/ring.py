@@ -1,4 +1,4 @@
-"""The recent samples of one trace, in memory that is bounded."""
+"""Ring buffer of the recent samples of one trace."""
 
 from typing import Optional, Tuple
 
@@ -11,26 +11,26 @@ Samples = Tuple[numpy.ndarray, numpy.ndarray]
 #: Times of samples [ns], their values, and when they were received [ns].
 Rows = Tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]
 
-#: No span of time.
+#: Empty time span.
 NOWHERE = -NO_TIME, NO_TIME
 
-#: Most samples of a trace that are kept: 24 MB.
+#: Most samples kept for a trace: 24 MB.
 LIMIT = 1 << 20
 _SMALLEST = 1 << 10
-#: Memory for more than this many times what there is goes back, as when a topic is slower now.
+#: Memory is released when the capacity exceeds the content by this factor (the topic slowed down).
 _SPARE = 16
-#: Among so many samples is the one that was received last, unless all are early.
+#: The most recently received sample is searched for in this number of latest samples.
 _RECENT = 64
 
 
 class Ring:
-    """Samples in the order of their times, and when they were received; the oldest are forgotten.
+    """Ring buffer of samples in time order, with their receipt times; drops the oldest.
 
     :param history: how long a sample is kept [s]
-    :param limit: most samples that are kept
+    :param limit: most samples to keep
 
     :ivar history: as above
-    :ivar has_forgotten: whether there were samples before those that are kept
+    :ivar has_forgotten: whether samples have been dropped
     """
 
     def __init__(self, history: float, limit: int = LIMIT) -> None:
@@ -41,7 +41,7 @@ class Ring:
         capacity = min(_SMALLEST, 2 * limit)
         self._rows: Rows = _empty(capacity)
         self._start = self._end = 0
-        #: A span whose samples are kept all the same [ns]; and those of them that were forgotten.
+        #: The pinned span [ns], and its samples that left the ring.
         self._pinned = NOWHERE
         self._kept: Optional["Ring"] = None
 
@@ -55,12 +55,12 @@ class Ring:
         received: numpy.ndarray,
         newest: Optional[int] = None,
     ) -> None:
-        """Add samples; those that are late are sorted in.
+        """Add samples; late samples are sorted in.
 
         :param times: when they were taken [ns]
-        :param values: what was taken
+        :param values: the values
         :param received: when they were received [ns]
-        :param newest: the latest time that decides what is forgotten [ns]; None for that of the
+        :param newest: time that the history is counted from [ns]; None for the time of the
             latest sample
         """
         added: Rows = (times, values, received)
@@ -81,7 +81,7 @@ class Ring:
         self._append((added[0][last], added[1][last], added[2][last]), newest)
 
     def _append(self, added: Rows, newest: Optional[int] = None) -> None:
-        """Add samples in the order of their times, none before those that are there."""
+        """Add samples in time order, none before the existing ones."""
         count = len(added[0])
         if not count:
             return
@@ -95,9 +95,9 @@ class Ring:
         self._end += count
 
     def move(self, by: int) -> None:
-        """Move all samples in time, and end the line that they make.
+        """Shift all samples in time, and end their line.
 
-        :param by: how far [ns]
+        :param by: the shift [ns]
         """
         start, end = self._pinned
         if self._pinned != NOWHERE:
@@ -113,7 +113,7 @@ class Ring:
 
         :param start: start of the span [ns]
         :param end: end of the span [ns]
-        :returns: times, values and times of receipt; views that hold until samples are added
+        :returns: times, values and receipt times; views that are valid until samples are added
         """
         found = self._between(start, end)
         kept = None if self._kept is None else self._kept.between(start, end)
@@ -122,14 +122,14 @@ class Ring:
         times, values, received = (numpy.concatenate(both) for both in zip(kept, found))
         if not len(found[0]) or kept[0][-1] <= found[0][0]:
             return times, values, received
-        order = times.argsort(kind="stable")  # what is late is among the recent at first
+        order = times.argsort(kind="stable")  # late samples, still in the ring, may precede pinned
         return times[order], values[order], received[order]
 
     def pin(self, start: int, end: int) -> None:
-        """Keep the samples of a time span, also those to come, and no others, beyond their time.
+        """Keep the samples of a time span, future ones included, beyond the history.
 
         :param start: start of the span [ns]
-        :param end: end of the span [ns]; before its begin to keep nothing
+        :param end: end of the span [ns]; before its start to pin nothing
         """
         kept, self._kept = self._kept, None
         self._pinned = (start, end)
@@ -155,7 +155,7 @@ class Ring:
         return times[first:last], values[first:last], received[first:last]
 
     def _between(self, start: int, end: int) -> Rows:
-        # Its own method: a call of numpy's function takes three times as long.
+        # The array's own method: numpy's function takes three times as long.
         times = self._rows[0][self._start : self._end]
         first = self._start + int(times.searchsorted(start, "left"))
         return self._part(first, self._start + int(times.searchsorted(end, "right")))
@@ -184,7 +184,7 @@ class Ring:
             self._kept.append(*forgotten)
 
     def _make_room(self, count: int) -> None:
-        """Move the samples to the front, of other memory where that is full, or almost empty."""
+        """Move the samples to the front; reallocate if the memory is full or almost empty."""
         kept = self._part(self._start, self._end)
         size = len(kept[0])
         needed, before = size + count, len(self._rows[0])
@@ -194,7 +194,7 @@ class Ring:
         while capacity < 2 * needed and capacity < 2 * self._limit:
             capacity *= 2
         capacity = max(capacity, needed)
-        # In its place where that does: memory that is taken and given back again and again tears.
+        # In place if possible: repeated allocation fragments memory.
         rows = self._rows if capacity == before else _empty(capacity)
         for row, old in zip(rows, kept):
             row[:size] = old

@@ -1,4 +1,4 @@
-"""The spectrum of a trace: the amplitude of the sine at each frequency."""
+"""Amplitude spectrum of a trace, and its peaks."""
 
 import math
 from typing import Dict, List, NamedTuple, Optional, Tuple
@@ -7,41 +7,41 @@ import numpy
 
 from topic_scope.analysis.crossings import longest_stretch
 
-#: Windows by name: the amplitudes of their cosines, and how far a peak reaches, lines.
+#: Windows by name: the amplitudes of their cosines, and the half-width of a peak [lines].
 WINDOWS: Dict[str, Tuple[Tuple[float, ...], int]] = {
     "hann": ((0.5, 0.5), 2),
     "flattop": ((0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368), 5),
     "blackman": ((0.42, 0.5, 0.08), 3),
     "rectangular": ((1.0,), 1),
 }
-#: Most samples that are used, the latest ones.
+#: Most samples that are used: the latest.
 LONGEST = 1 << 17
-#: Least number of samples of a part, so that there is a spectrum of it.
+#: Least number of samples of a part.
 _LEAST = 8
-#: Samples that are off even times by more than this part of their distance are put there.
+#: Samples are resampled if they deviate from even times by more than this part of their spacing.
 _UNEVEN = 1e-3
-#: Samples are bunched where their distances differ by more than this factor.
+#: Samples are bunched if their spacings differ by more than this factor.
 _BUNCHED = 10.0
-#: A peak is this much above the middle of all lines, and this part of the largest one at least.
+#: A peak exceeds the median line by this factor, and is at least this part of the largest line.
 _ABOVE, _SMALLEST = 10.0, 1e-3
-#: Up to this line, or as far as the window reaches, a peak is mixed with its mirror image.
+#: Below this line, or within the window's half-width, a peak overlaps its mirror image.
 _LOWEST = 3
-#: The lines of a peak differ from those of one sine by less than this part of the largest one, and
-#: so many times the middle of all lines.
+#: The lines of a peak differ from those of a single sine by less than this part of the largest,
+#: or this many times the median line.
 _SHAPE, _ABOVE_NOISE = 0.1, 5.0
-#: Why a peak is not measured.
+#: Reasons for peaks without a measurement.
 TOO_FEW = "too few periods or samples of one"
 NOT_SINGLE = "not a single line: several sines, or one that changes"
-#: How well the frequency of a peak is known, lines.
+#: Uncertainty of a peak's frequency [lines].
 SURE = 0.5
 
 
 class Spectrum(NamedTuple):
-    """A spectrum.
+    """Amplitude spectrum.
 
-    :param step: from one line to the next [Hz]; the first is at 0 Hz
+    :param step: spacing of the lines [Hz]; the first is at 0 Hz
     :param amplitudes: of the sine at each line, in the unit of the trace
-    :param seconds: how long the samples are that it is made of [s]
+    :param seconds: duration of the samples [s]
     """
 
     step: float
@@ -50,13 +50,13 @@ class Spectrum(NamedTuple):
 
 
 class Peak(NamedTuple):
-    """A sine in a spectrum.
+    """Peak of a spectrum.
 
     :param frequency: Hz
     :param amplitude: in the unit of the trace
-    :param uncertainty: how far off the frequency may be [Hz]; None where frequency and amplitude
+    :param uncertainty: bound of the frequency's error [Hz]; None if frequency and amplitude
         cannot be measured
-    :param reason: why they cannot, in words
+    :param reason: why they cannot be measured
     """
 
     frequency: float
@@ -72,14 +72,14 @@ def spectrum(
     averages: int = 1,
     longest: float = numpy.inf,
 ) -> Optional[Spectrum]:
-    """Return the spectrum of the longest stretch of a trace that has no gap, less its mean.
+    """Return the spectrum of the longest gapless stretch of a trace, without its mean.
 
     :param times: ascending [s]
-    :param values: the samples; what is not finite is left out
+    :param values: the samples; non-finite values are ignored
     :param window: one of :data:`WINDOWS`
-    :param averages: of how many parts the mean power is taken; each overlaps half of the next
+    :param averages: number of parts whose power is averaged; each overlaps half of the next
     :param longest: a gap is longer than this [s]
-    :returns: None where too few samples
+    :returns: None if there are too few samples
     """
     times, values = _evenly(*_stretch(times, values, longest))
     length = 2 * (len(values) // (averages + 1))
@@ -99,11 +99,11 @@ def spectrum(
 
 
 def peaks(found: Spectrum, window: str, most: int = 5) -> List[Peak]:
-    """Return the largest peaks, the largest first.
+    """Return the largest peaks in descending order.
 
     :param found: the spectrum
     :param window: the window that it was made with
-    :param most: how many at most
+    :param most: maximum number of peaks
     """
     lines = found.amplitudes
     reach = WINDOWS[window][1]
@@ -118,7 +118,7 @@ def peaks(found: Spectrum, window: str, most: int = 5) -> List[Peak]:
             break
         if lines[index] >= near.max():
             frequency, amplitude = _top(found, int(index), window)
-            # At the other end, half of the rate, there is a mirror image, too.
+            # There is a mirror image at half of the sampling rate, too.
             is_clear = lowest < frequency / found.step < len(lines) - 1 - lowest
             reason = "" if is_clear else TOO_FEW
             if is_clear and not _is_single(found, frequency, amplitude, window):
@@ -129,12 +129,12 @@ def peaks(found: Spectrum, window: str, most: int = 5) -> List[Peak]:
 
 
 def reduced(found: Spectrum, most: int) -> Tuple[float, float, numpy.ndarray]:
-    """Return a spectrum in fewer points, without losing a peak.
+    """Return a spectrum reduced to fewer points, without losing a peak.
 
     :param found: the spectrum
-    :param most: how many points there may be
-    :returns: frequency of the first point, from one to the next [Hz], and the greatest amplitude at
-        each
+    :param most: maximum number of points
+    :returns: frequency of the first point and spacing of the points [Hz], and the peak amplitude
+        at each
     """
     many = -(-len(found.amplitudes) // most)
     starts = numpy.arange(0, len(found.amplitudes), many)
@@ -145,7 +145,7 @@ def reduced(found: Spectrum, most: int) -> Tuple[float, float, numpy.ndarray]:
 def _stretch(
     times: numpy.ndarray, values: numpy.ndarray, longest: float
 ) -> Tuple[numpy.ndarray, numpy.ndarray]:
-    """Return the longest part of a trace without a gap, and no two samples of one time."""
+    """Return the longest gapless part of a trace, without duplicate times."""
     used = numpy.isfinite(values)
     used[1:] &= numpy.diff(times) > 0.0
     times, values = times[used], values[used]
@@ -154,7 +154,7 @@ def _stretch(
 
 
 def _evenly(times: numpy.ndarray, values: numpy.ndarray) -> Tuple[numpy.ndarray, numpy.ndarray]:
-    """Return as many samples at even times, on a smooth line through those that there are."""
+    """Return the same number of samples at even times, interpolated smoothly."""
     if len(times) < _LEAST:
         return times, values
     even = numpy.linspace(times[0], times[-1], len(times))
@@ -166,7 +166,7 @@ def _evenly(times: numpy.ndarray, values: numpy.ndarray) -> Tuple[numpy.ndarray,
     before = after - 1
     part = (even - times[before]) / widths[before]
     rest = 1.0 - part
-    # Beside the straight line, so that both ends have the slope of their neighbours.
+    # Relative to the straight line, so that both ends have the slope of their neighbours.
     slopes = numpy.gradient(values, times)
     rise = (values[after] - values[before]) / widths[before]
     bend = (slopes[before] - rise) * rest - (slopes[after] - rise) * part
@@ -176,7 +176,7 @@ def _evenly(times: numpy.ndarray, values: numpy.ndarray) -> Tuple[numpy.ndarray,
 
 
 def _bunched(widths: numpy.ndarray) -> numpy.ndarray:
-    """Return the samples between which a line is straight, as the times do not define its slope."""
+    """Return the samples to connect linearly, because bunched times do not define a slope."""
     beside = numpy.concatenate([widths[:1], widths, widths[-1:]])
     three = numpy.array([beside[:-2], widths, beside[2:]])
     bunched: numpy.ndarray = three.max(axis=0) > _BUNCHED * three.min(axis=0)
@@ -184,20 +184,20 @@ def _bunched(widths: numpy.ndarray) -> numpy.ndarray:
 
 
 def _top(found: Spectrum, index: int, window: str) -> Tuple[float, float]:
-    """Return the sine that a line and its neighbours come from."""
-    # The top of the parabola through three lines on a scale of dB says where it is.
+    """Return frequency and amplitude of the sine that causes a line and its neighbours."""
+    # Its frequency is at the vertex of the parabola through three lines in dB.
     low, top, high = numpy.log(numpy.maximum(found.amplitudes[index - 1 : index + 2], 1e-300))
     bend = low - 2.0 * top + high
     aside = (low - high) / (2.0 * bend) if bend < 0.0 else 0.0
     others = WINDOWS[window][0][1:]
-    if not others:  # it is no parabola: two lines beside a sine are as one to the other distance
+    if not others:  # a rectangular window: the amplitudes of two lines are inverse to the distances
         aside = math.copysign(1.0 / (1.0 + math.exp(top - max(low, high))), high - low)
     left = float(_left(numpy.array([aside]), window)[0])
     return float((index + aside) * found.step), float(numpy.exp(top) / left)
 
 
 def _left(aside: numpy.ndarray, window: str) -> numpy.ndarray:
-    """Return which part a window leaves of a sine that lies so far beside a line [lines]."""
+    """Return the gain of a window for a sine at this distance from a line [lines]."""
     (mean, *others), _ = WINDOWS[window]
     left = mean * numpy.sinc(aside)
     for k, part in enumerate(others, 1):
@@ -206,7 +206,7 @@ def _left(aside: numpy.ndarray, window: str) -> numpy.ndarray:
 
 
 def _is_single(found: Spectrum, frequency: float, amplitude: float, window: str) -> bool:
-    """Return whether a peak has the shape that the window gives to one sine."""
+    """Return whether a peak has the shape of a single sine under the window."""
     place, reach = frequency / found.step, WINDOWS[window][1]
     around = numpy.arange(int(round(place)) - reach, int(round(place)) + reach + 1)
     around = around[(around > 0) & (around < len(found.amplitudes))]

@@ -1,21 +1,21 @@
 # Pure: knows no ROS.
-"""Spans of time in which a state is the same."""
+"""Time spans of constant state."""
 
 from typing import List, NamedTuple, Optional
 
 import numpy
 
-#: What stands for the number of a state where many change in a short time.
+#: State number of a span in which many short states were merged.
 SEVERAL = -1
 
 
 class StateSpan(NamedTuple):
-    """A span with one state, or with many short ones.
+    """Span of one state, or of many short states.
 
     :param start: its start [ns]
-    :param end: its end [ns]; None where it goes on
-    :param number: number of the state; :data:`SEVERAL` for many short ones
-    :param states: how many there are in it
+    :param end: its end [ns]; None if it continues
+    :param number: number of the state; :data:`SEVERAL` for many short states
+    :param states: number of states in it
     """
 
     start: int
@@ -27,16 +27,16 @@ class StateSpan(NamedTuple):
 def state_spans(
     times: numpy.ndarray, numbers: numpy.ndarray, start: int, width: int, most: int
 ) -> List[StateSpan]:
-    """Return the spans of a state that holds until the next sample.
+    """Return the spans of a state, which holds until the next sample.
 
-    Where more than some are to be seen, those that begin within one width are put together, but for
-    the last of them.
+    If there are more than ``most``, spans that start within one width are merged, except the last
+    of them.
 
     :param times: when samples were taken, ascending [ns]
-    :param numbers: number of the state of each; NaN where it is not known
-    :param start: spans that end before are left out [ns]
-    :param width: what is put together where they are too many [ns]
-    :param most: from how many on
+    :param numbers: number of the state of each; NaN if unknown
+    :param start: spans that end earlier are left out [ns]
+    :param width: time in which spans are merged if there are too many [ns]
+    :param most: most spans that are not merged
     """
     if not len(times):
         return []
@@ -45,12 +45,12 @@ def state_spans(
     changes = numpy.concatenate([[0], numpy.flatnonzero(differs) + 1])
     first = max(int(times[changes].searchsorted(start, "right")) - 1, 0)
     changes = changes[first:]
-    begins, kinds = times[changes].tolist(), numbers[changes].tolist()
+    begins, states = times[changes].tolist(), numbers[changes].tolist()
     ends: List[Optional[int]] = [*begins[1:], None]
     spans = [
-        StateSpan(begin, end, int(kind))
-        for begin, end, kind in zip(begins, ends, kinds)
-        if kind == kind
+        StateSpan(begin, end, int(state))
+        for begin, end, state in zip(begins, ends, states)
+        if state == state
     ]
     return spans if len(spans) <= most else _put_together(spans, width)
 

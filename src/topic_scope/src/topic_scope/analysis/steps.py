@@ -1,9 +1,9 @@
 """Measurements of a step: a change from one steady level to another.
 
-Times are those at which a level is reached by the samples, which are averaged over a short part of
-the rise. With all that noise, averaging and the rest of the approach may have changed, a level is
-reached between the times at which a somewhat lower and a somewhat higher one are: these two bound
-the figure.
+The time of a level is the time at which the samples, averaged over a short part of the rise, reach
+it. Noise, averaging and the final approach change the values by at most a known amount, so the time
+lies between the times at which a slightly lower and a slightly higher level are reached: these two
+bound the result.
 """
 
 import math
@@ -13,38 +13,38 @@ import numpy
 
 from topic_scope.analysis.measurement import Measurement, between, measured, unmeasurable
 
-#: Between these parts of the way from one level to the other lies the rise time.
+#: The rise time is measured between these fractions of the step.
 LOW, HIGH = 0.1, 0.9
-#: A step has settled where it stays this near to where it ends, as a part of the step.
+#: Settling band around the final level, as a fraction of the step.
 SETTLED = 0.02
-#: So much of a step, its last part, says where it ends, and so many samples that it begins at rest.
+#: Last fraction of a step that defines its final level; number of samples for its initial level.
 _LAST, _REST = 0.05, 3
-#: It rests at its end for this part of the time that it has taken to settle, at least.
+#: Least time at rest after settling, as a fraction of the settling time.
 _RESTS = 1.0
-#: Its end may be further away than it still moves there, by this factor.
+#: The final level may be off by this multiple of the remaining movement.
 _APPROACH = 2.0
-#: A step is so much higher than the noise, and this part of the whole range at least.
+#: Least height of a step: this multiple of the noise, and this fraction of the whole range.
 _ABOVE, _OF_RANGE = 10.0, 0.45
-#: Samples are averaged over this part of the rise, if the noise is above this part of the step.
+#: Averaging time as a fraction of the rise; used if the noise exceeds this fraction of the step.
 _AVERAGED, _LITTLE = 0.1, 1e-3
-#: Values are rounded to counts where they have so many levels at least, which are so many of the
-#: samples at most.
+#: Values count as quantised if they have at least this many levels, which are at most this fraction
+#: of the number of samples.
 _LEVELS, _REPEATED = 4, 0.5
-#: So many standard deviations are the most that noise adds to a value.
+#: Largest contribution of noise to a value, in standard deviations.
 _SURELY = 3.5
 
 NOISE = "the noise on it is too large"
 
 
 class Step(NamedTuple):
-    """A step that rises.
+    """Rising step.
 
     :param times: ascending [s]
-    :param values: samples, averaged, turned over if the step falls
-    :param low: where it begins
-    :param high: where it ends
-    :param doubt: how far off values and levels may be
-    :param spacing: how far off times may be: from one sample to the next, at least [s]
+    :param values: averaged samples, inverted if the step falls
+    :param low: initial level
+    :param high: final level
+    :param doubt: uncertainty of values and levels
+    :param spacing: uncertainty of times, at least the sampling interval [s]
     """
 
     times: numpy.ndarray
@@ -77,7 +77,7 @@ def step_of(times: numpy.ndarray, values: numpy.ndarray) -> Union[Step, str]:
         mean = numpy.full(width, 1.0 / width)
         times = times[0] + numpy.convolve(times - times[0], mean, "valid")
         values, sigma = numpy.convolve(values, mean, "valid"), sigma / math.sqrt(width)
-        spacing *= 1.0 + width / 4.0  # corners are round now
+        spacing *= 1.0 + width / 4.0  # averaging rounds the corners
     low, high = _levels(values)
     doubt = mean_doubt + _SURELY * sigma + count_of(values, height) / 2.0
     step = Step(times, values, low, high, doubt, spacing)
@@ -85,19 +85,19 @@ def step_of(times: numpy.ndarray, values: numpy.ndarray) -> Union[Step, str]:
 
 
 def rise(step: Step) -> Measurement:
-    """Return the time from 10 % to 90 % of the way from one level to the other [s]."""
+    """Return the rise time from 10 % to 90 % of the step [s]."""
     return rise_of(step.times, step.values, (step.low, step.high), step.doubt, step.spacing)
 
 
 def overshoot(step: Step) -> Measurement:
-    """Return how far it goes beyond where it ends, % of its height."""
+    """Return the overshoot beyond the final level, % of the height."""
     return overshoot_of(step.values, (step.low, step.high), step.doubt)
 
 
 def settling(step: Step) -> Measurement:
-    """Return the time from where it leaves its begin until it stays near its end [s]."""
+    """Return the settling time, from leaving the initial level [s]."""
     band = SETTLED * step.height
-    # Between two samples it may be further away than at both.
+    # Between two samples the deviation may be larger than at both.
     doubt = step.doubt + float(numpy.abs(numpy.diff(step.values[_left(step) :], 2)).max()) / 8.0
     if doubt >= band:
         return unmeasurable(NOISE)
@@ -113,13 +113,13 @@ def rise_of(
     doubt: float,
     spacing: float,
 ) -> Measurement:
-    """Return the time from 10 % to 90 % of the way between two levels [s].
+    """Return the rise time from 10 % to 90 % between two levels [s].
 
     :param times: ascending [s]
-    :param values: from the lower level to the upper one
-    :param levels: the lower one and the upper one
-    :param doubt: how far off values and levels may be
-    :param spacing: how far off times may be [s]
+    :param values: from the lower level to the upper level
+    :param levels: lower and upper level
+    :param doubt: uncertainty of values and levels
+    :param spacing: uncertainty of times [s]
     """
     low, height = levels[0], levels[1] - levels[0]
     if doubt >= LOW * height:
@@ -145,16 +145,16 @@ def rise_of(
 
 
 def overshoot_of(values: numpy.ndarray, levels: Tuple[float, float], doubt: float) -> Measurement:
-    """Return how far values go beyond the upper of two levels, % of the way between them.
+    """Return the overshoot beyond the upper level, % of the distance of the levels.
 
-    :param values: with the highest ones
-    :param levels: the lower one and the upper one
-    :param doubt: how far off values and levels may be
+    :param values: including the highest
+    :param levels: lower and upper level
+    :param doubt: uncertainty of values and levels
     """
     height = levels[1] - levels[0]
     top = int(values.argmax())
     near = values[max(top - 1, 0) : top + 2]
-    # The parabola through the top and its neighbours is so much higher at most.
+    # Upper bound of the parabola through the top and its neighbours.
     missed = abs(float(numpy.diff(near, 2).sum())) / 8.0 if len(near) == 3 else 0.0
     if doubt + missed > LOW * height:
         return unmeasurable(NOISE)
@@ -165,10 +165,10 @@ def overshoot_of(values: numpy.ndarray, levels: Tuple[float, float], doubt: floa
 
 
 def count_of(values: numpy.ndarray, height: float) -> float:
-    """Return the distance of the levels that values are rounded to; 0 where they are not.
+    """Return the quantisation step of values; 0 if they are not quantised.
 
     :param values: the samples
-    :param height: what of them is measured
+    :param height: height of the step that is measured
     """
     levels = numpy.unique(values)
     if not _LEVELS <= len(levels) <= len(values) * _REPEATED:
@@ -178,13 +178,13 @@ def count_of(values: numpy.ndarray, height: float) -> float:
 
 
 def _noise_of(values: numpy.ndarray) -> float:
-    """Return the standard deviation of the noise on what is smooth from sample to sample."""
-    # White noise has six times its variance in second differences; the median leaves edges out.
+    """Return the standard deviation of the noise on a smooth trace."""
+    # Second differences have six times the variance of white noise; the median ignores edges.
     return 1.4826 * float(numpy.median(numpy.abs(numpy.diff(values, 2)))) / math.sqrt(6.0)
 
 
 def _width(values: numpy.ndarray, height: float) -> int:
-    """Return over how many samples the mean may be taken: an odd number."""
+    """Return the averaging width in samples, an odd number."""
     low = values[:_REST].mean()
     arrived = int(numpy.argmax(values >= low + HIGH * height))
     below = numpy.flatnonzero(values[:arrived] < low + LOW * height)
@@ -193,28 +193,28 @@ def _width(values: numpy.ndarray, height: float) -> int:
 
 
 def _levels(values: numpy.ndarray) -> Tuple[float, float]:
-    """Return where it begins and where it ends."""
+    """Return initial and final level."""
     high = float(values[-_count(values) :].mean())
     low = float(numpy.median(values[:_REST]))
     away = numpy.abs(values - low) > SETTLED * abs(high - low)
-    rests = int(numpy.argmax(away))  # half of it, as the last samples may have left it
+    rests = int(numpy.argmax(away))  # use half of the rest: its last samples may have left it
     return float(values[: max(rests // 2, _REST)].mean()), high
 
 
 def _moves(step: Step) -> float:
-    """Return how far it still moves while it rests at its end, beyond what noise does."""
+    """Return the remaining movement at the final level, beyond the noise."""
     rests = step.times > (_last_away(step, SETTLED * step.height + step.doubt) + step.times[-1]) / 2
     furthest = numpy.abs(step.values[rests] - step.high).max(initial=0.0)
     return max(float(furthest) - step.doubt, 0.0)
 
 
 def _count(values: numpy.ndarray) -> int:
-    """Return how many samples say where it ends."""
+    """Return the number of samples that define the final level."""
     return max(math.ceil(_LAST * len(values)), _REST)
 
 
 def _why_none(step: Step, sigma: float) -> str:
-    """Return why a trace is not a step; an empty text for a step."""
+    """Return why a trace is not a step; an empty string for a step."""
     values, height = step.values, step.height
     if height <= _ABOVE * sigma or height < _OF_RANGE * float(values.max() - values.min()):
         return "it does not end at another level than it begins at"
@@ -231,19 +231,19 @@ def _why_none(step: Step, sigma: float) -> str:
 
 
 def _left(step: Step) -> int:
-    """Return the first sample that is in the upper half."""
+    """Return the index of the first sample in the upper half."""
     return min(int(numpy.argmax(step.values >= step.low + step.height / 2.0)), len(step.values) - 3)
 
 
 def _first_away(step: Step, band: float) -> float:
-    """Return when it first gets so far away from its begin [s]."""
+    """Return the time at which the trace first leaves a band around its initial level [s]."""
     away = int(numpy.argmax(numpy.abs(step.values - step.low) > band))
     side = math.copysign(band, step.values[away] - step.low)
     return _crossing(step.times, step.values, away, step.low + side)
 
 
 def _last_away(step: Step, band: float) -> float:
-    """Return when it is as far away from its end for the last time [s]."""
+    """Return the time at which the trace last enters a band around its final level [s]."""
     away = int(numpy.flatnonzero(numpy.abs(step.values - step.high) > band)[-1])
     if away == len(step.values) - 1:
         return float(step.times[-1])
@@ -252,7 +252,7 @@ def _last_away(step: Step, band: float) -> float:
 
 
 def _crossing(times: numpy.ndarray, values: numpy.ndarray, index: int, level: float) -> float:
-    """Return when the line from the sample before to this one is at a level [s]."""
+    """Return the time at which the line from the previous sample crosses a level [s]."""
     if index == 0:
         return float(times[0])
     low, high = values[index - 1 : index + 1]

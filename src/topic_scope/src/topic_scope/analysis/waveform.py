@@ -1,7 +1,7 @@
 """Measurements of a step, of a wave, and of two traces.
 
-What rests at one level, goes to another one and rests there is a step. What repeats itself is a
-wave. Anything else is neither, and has none of these figures.
+A trace that rests at one level, moves to another and rests there is a step; a periodic trace is a
+wave. Any other trace has none of these measurements.
 """
 
 import math
@@ -15,10 +15,10 @@ from topic_scope.analysis.measurement import Measurement, measured, unmeasurable
 from topic_scope.analysis.periods import STANDS, frequency
 from topic_scope.analysis.ring import Samples
 
-#: Names of what is measured of steps and waves.
+#: Names of the measurements of steps and waves.
 SHAPES = ("rise", "overshoot", "settling", "duty", "cycle_mean", "cycle_rms")
 _NO_CYCLES = unmeasurable("a step has no periods")
-#: A trace has a phase if the sine is this part of its power at least.
+#: Least fraction of a trace's power in the sine for a phase.
 _SINE = 0.5
 
 
@@ -32,10 +32,10 @@ def measure_waveform(
     """Measure a step or a wave.
 
     :param times: ascending [s]
-    :param values: the samples; what is not finite is left out
+    :param values: the samples; non-finite values are ignored
     :param longest: a gap is longer than this [s]
-    :param shapes: whether the frequency is not all that is wanted
-    :param hertz: the frequency, where that is not to be measured
+    :param shapes: whether to measure more than the frequency
+    :param hertz: the frequency, if already known
     :returns: frequency in Hz, and of the longest stretch that has no gap rise time (rise) and
         settling time (settling) in s, overshoot and duty in %, mean (cycle_mean) and RMS
         (cycle_rms) over whole periods
@@ -51,11 +51,11 @@ def measure_waveform(
 
 
 def phase(samples: Samples, reference: Samples, longest: float = math.inf) -> Measurement:
-    """Return how far a trace is ahead of another one, at the frequency of that.
+    """Return the phase lead of a trace over a reference, at the frequency of the reference.
 
     :param samples: times in s, ascending, and values of the trace
-    :param reference: those of the other one
-    :param longest: how far apart samples of one line of the other one may be [s]
+    :param reference: the same of the reference
+    :param longest: longest time between connected samples of the reference [s]
     :returns: above -180 and up to 180 [degrees]
     """
     (times, values, _), (others, turns, _) = _scaled(*samples), _scaled(*reference)
@@ -64,14 +64,14 @@ def phase(samples: Samples, reference: Samples, longest: float = math.inf) -> Me
     hertz = frequency(others, turns, longest)
     if hertz.value is None:
         return unmeasurable(f"the reference has no frequency: {hertz.reason}")
-    # Both from the same moment on, and over whole periods: what is left of one would add to it.
+    # Same start and whole periods for both: a partial period would add an error.
     begin, end = max(times[0], others[0]), min(times[-1], others[-1])
     end = begin + math.floor((end - begin) * hertz.value + 1e-6) / hertz.value
     one, other = (_sine(*part, hertz, begin, end) for part in ((times, values), (others, turns)))
     if one is None or other is None:
         return unmeasurable("no component at the frequency of the reference")
     turned = math.degrees(one.angle - other.angle)
-    # An error of the frequency turns both alike, about the middles of what they are made of.
+    # A frequency error rotates both equally, about the middles of their samples.
     apart = 360.0 * hertz.uncertainty * abs(one.middle - other.middle)
     return measured(180.0 - (180.0 - turned) % 360.0, one.doubt + other.doubt + apart)
 
@@ -111,9 +111,9 @@ def _shapes(
 def _scaled(
     times: numpy.ndarray, values: numpy.ndarray
 ) -> Tuple[numpy.ndarray, numpy.ndarray, float]:
-    """Return the finite samples, from -1 to 1, so that no difference and no sum overflows.
+    """Return the finite samples scaled to -1 to 1, so that no difference or sum overflows.
 
-    :returns: their times [s]; their values, as parts of the largest; and that
+    :returns: their times [s]; their values relative to the largest; and the largest
     """
     finite = numpy.isfinite(values)
     if not finite.all():
@@ -123,11 +123,11 @@ def _scaled(
 
 
 class _Sine(NamedTuple):
-    """The sine that fits a trace best.
+    """Least-squares sine of a trace.
 
-    :param angle: at the begin [rad]
-    :param doubt: how far off that may be [degrees]
-    :param middle: the mean of the times it is made of [s]
+    :param angle: phase at the start [rad]
+    :param doubt: uncertainty of the phase [degrees]
+    :param middle: mean of the sample times [s]
     """
 
     angle: float
@@ -138,7 +138,7 @@ class _Sine(NamedTuple):
 def _sine(
     times: numpy.ndarray, values: numpy.ndarray, frequency: Measurement, begin: float, end: float
 ) -> Optional[_Sine]:
-    """Return the sine that fits a trace best; None without one."""
+    """Return the least-squares sine of a trace; None if it has none."""
     assert frequency.value is not None
     inside = (times >= begin) & (times <= end)
     times, parts = times[inside], values[inside]
@@ -156,7 +156,7 @@ def _sine(
     share = rest / float(parts.var())
     if not share < 1.0 - _SINE:
         return None
-    # What noise adds, and what edges between two samples do.
+    # Contributions of noise, and of edges between two samples.
     noise = 3.0 * math.sqrt(2.0 * rest / len(parts)) / math.hypot(cosine, sine)
     edges = math.pi * math.sqrt(share) * float(numpy.median(numpy.diff(times))) * frequency.value
     return _Sine(math.atan2(cosine, sine), math.degrees(noise + edges), float(times.mean()))

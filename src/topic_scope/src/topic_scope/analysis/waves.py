@@ -1,7 +1,7 @@
-"""Measurements of a periodic wave, from all of its periods laid over one another.
+"""Measurements of a periodic wave, from all of its periods superposed.
 
-Samples at one place of the period, each out of another period, are averaged: their noise goes, and
-a slope is sampled as densely as all periods together sample it.
+Samples at the same phase of different periods are averaged: this reduces noise, and samples a slope
+as densely as all periods together.
 """
 
 import math
@@ -12,29 +12,29 @@ import numpy
 from topic_scope.analysis.measurement import Measurement, between, measured, unmeasurable
 from topic_scope.analysis.steps import NOISE, count_of, overshoot_of, rise_of
 
-#: Samples are averaged over this part of a period at most.
+#: Longest averaging time, as a fraction of a period.
 _AVERAGED = 0.01
-#: It rests at a level if half of the samples near it are within this part of the height.
+#: The wave rests at a level if half of the samples near it are within this fraction of the height.
 _RESTS = 0.02
-#: So many standard deviations are the most that noise adds to a value.
+#: Largest contribution of noise to a value, in standard deviations.
 _SURELY = 3.5
-#: A duty cycle is known to this part of a period, or not at all.
+#: Largest uncertainty of a duty cycle, as a fraction of a period; otherwise it is not measured.
 _SHARP = 0.1
-#: Into how many parts a period is divided to find how long it is above a level.
+#: Number of parts of a period for the time above a level.
 _PARTS = 4096
 
 
 class Wave(NamedTuple):
-    """One period of a wave.
+    """Average period of a wave.
 
-    :param times: since the begin of the period, ascending [s]
+    :param times: since the start of the period, ascending [s]
     :param values: means of the samples there
     :param period: its length [s]
-    :param levels: the lower and the upper one
-    :param rests: whether it rests at both
-    :param doubt: how far off values and levels may be
-    :param spacing: from one sample to the next one at most [s]
-    :param drift: how far the last period may be from its place [s]
+    :param levels: lower and upper level
+    :param rests: whether the wave rests at both
+    :param doubt: uncertainty of values and levels
+    :param spacing: largest sampling interval [s]
+    :param drift: uncertainty of the position of the last period [s]
     """
 
     times: numpy.ndarray
@@ -48,12 +48,12 @@ class Wave(NamedTuple):
 
 
 def wave_of(times: numpy.ndarray, values: numpy.ndarray, frequency: Measurement) -> Optional[Wave]:
-    """Lay all periods of a trace over one another.
+    """Superpose all periods of a trace.
 
     :param times: ascending [s], without a gap
-    :param values: finite, and of moderate size
-    :param frequency: how often it repeats itself [Hz]
-    :returns: None where there is not one whole period
+    :param values: finite and of moderate size
+    :param frequency: of the wave [Hz]
+    :returns: None if there is no whole period
     """
     assert frequency.value is not None
     length = float(times[-1] - times[0])
@@ -66,13 +66,13 @@ def wave_of(times: numpy.ndarray, values: numpy.ndarray, frequency: Measurement)
     places, values = places[order], values[order]
     count = count_of(values, float(values.max() - values.min()))
     sigma = 1.4826 * float(numpy.median(numpy.abs(numpy.diff(values)))) / math.sqrt(2.0)
-    # The samples stand so close together there, if the period is what it is said to be.
+    # Spacing of the superposed samples, if the period is exact.
     spacing = float(numpy.diff(places, append=places[0] + period).max())
     width = max(int(min(cycles, _AVERAGED * len(values))), 1)
     if width > 1:
         places, values = _rounded(places, width, period), _rounded(values, width)
         sigma /= math.sqrt(width)
-        spacing += width * period / len(values)  # corners are round now
+        spacing += width * period / len(values)  # averaging rounds the corners
     drift = frequency.uncertainty * length * period / 2.0
     doubt = _SURELY * sigma + count / 2.0
     low, low_rests = _level(-values, sigma)
@@ -82,9 +82,9 @@ def wave_of(times: numpy.ndarray, values: numpy.ndarray, frequency: Measurement)
 
 
 def rise(wave: Wave) -> Measurement:
-    """Return the time from 10 % to 90 % of the way from one level to the other [s]."""
+    """Return the rise time from 10 % to 90 % between the levels [s]."""
     low, high = wave.levels
-    # From its lowest place on, through a whole period.
+    # Start at the lowest sample, for a whole period.
     start = int(wave.values.argmin())
     values = numpy.roll(wave.values, -start)
     times = numpy.roll(wave.times, -start)
@@ -93,14 +93,14 @@ def rise(wave: Wave) -> Measurement:
 
 
 def overshoot(wave: Wave) -> Measurement:
-    """Return how far it goes beyond its upper level, % of the way between both."""
+    """Return the overshoot beyond the upper level, % of the distance of the levels."""
     if not wave.rests:
         return unmeasurable("no step: no two steady levels")
     return overshoot_of(wave.values, wave.levels, wave.doubt)
 
 
 def duty(wave: Wave) -> Measurement:
-    """Return the part of the time that it is above the middle of its levels, %."""
+    """Return the duty cycle: the time above the middle of the levels, %."""
     low, high = wave.levels
     if wave.doubt >= (high - low) / 4.0:
         return unmeasurable(NOISE)
@@ -119,12 +119,12 @@ def duty(wave: Wave) -> Measurement:
 def cycle_figures(
     times: numpy.ndarray, values: numpy.ndarray, wave: Wave, frequency: Measurement
 ) -> Tuple[Measurement, Measurement]:
-    """Return mean and RMS over whole periods, the latest ones.
+    """Return mean and RMS over the latest whole periods.
 
     :param times: ascending [s], without a gap
-    :param values: what the wave is made of
+    :param values: the samples of the wave
     :param wave: the wave
-    :param frequency: how often it repeats itself [Hz]
+    :param frequency: of the wave [Hz]
     """
     assert frequency.value is not None
     whole = math.floor((times[-1] - times[0]) / wave.period + 1e-6) * wave.period
@@ -134,7 +134,7 @@ def cycle_figures(
     there = numpy.concatenate([[numpy.interp(begin, times, values)], values[inside]])
     mean = _integral(at, there) / whole
     rms = math.sqrt(_integral(at, numpy.square(there)) / whole)
-    # Edges may be anywhere between two samples; the rest is from ends that are not quite whole.
+    # Edges may be anywhere between two samples; the rest is from inexact ends of the periods.
     step = float(numpy.diff(at).max())
     height = wave.levels[1] - wave.levels[0]
     sharp = min(float(numpy.abs(numpy.diff(there)).max()) / height, 1.0)
@@ -145,14 +145,14 @@ def cycle_figures(
 
 
 def _integral(times: numpy.ndarray, values: numpy.ndarray) -> float:
-    """Return the integral of the lines between samples."""
+    """Return the trapezoidal integral of samples."""
     return float((numpy.diff(times) * (values[1:] + values[:-1])).sum()) / 2.0
 
 
 def _rounded(values: numpy.ndarray, width: int, turn: float = 0.0) -> numpy.ndarray:
-    """Return the means of so many neighbours, all around the period.
+    """Return the moving average of samples, periodic at its ends.
 
-    :param turn: how much larger they are in the next period
+    :param turn: difference between one period and the next
     """
     before, after = width // 2, width - 1 - width // 2
     around = numpy.concatenate(
@@ -162,9 +162,9 @@ def _rounded(values: numpy.ndarray, width: int, turn: float = 0.0) -> numpy.ndar
 
 
 def _level(values: numpy.ndarray, sigma: float) -> Tuple[float, bool]:
-    """Return the upper level of a wave, and whether it rests there.
+    """Return the upper level of a wave, and whether the wave rests there.
 
-    It is where most of the upper half is, or else the upper end.
+    The level is the median of the upper half if the wave rests there, or else the maximum.
     """
     low, high = float(values.min()), float(values.max())
     upper = values[values > (low + high) / 2.0]

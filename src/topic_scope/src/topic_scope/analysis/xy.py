@@ -1,4 +1,4 @@
-"""One trace over another: the samples of both, paired by time."""
+"""XY display: samples of two traces, paired by time."""
 
 import numpy
 
@@ -6,19 +6,19 @@ from topic_scope.analysis.ring import Samples
 
 #: Most points of a line.
 LONGEST = 4000
-#: How many points of a stretch stay, at most: its ends, its extremes, and the end of a line.
+#: Most points kept of a stretch: its ends, its extremes, and the end of a line.
 _OF_EACH = 7
-#: Points that are nearer than this part of the range to the one before are left out.
+#: Points closer to the previous point than this fraction of the range are left out.
 _FINE = 1.0 / 2000
 
 
 def paired(x: Samples, y: Samples, longest: float) -> numpy.ndarray:
-    """Return a trace over another one.
+    """Return one trace against another.
 
-    :param x: times in s or ns, ascending, and values of what goes to the right
-    :param y: those of what goes up
-    :param longest: the longest time between two samples of x that a value lies between [s]
-    :returns: x and y at the times of y; both NaN where x is not known, or either is not finite
+    :param x: times in s or ns, ascending, and values of the horizontal trace
+    :param y: the same of the vertical trace
+    :param longest: the longest time between two samples of x to interpolate in [s]
+    :returns: x and y at the times of y; both NaN if x is unknown, or either is not finite
     """
     (times, right), (moments, up) = x, y
     points = numpy.full((2, len(moments)), numpy.nan)
@@ -37,7 +37,7 @@ def paired(x: Samples, y: Samples, longest: float) -> numpy.ndarray:
 
 
 def thinned(points: numpy.ndarray) -> numpy.ndarray:
-    """Drop points that a screen cannot distinguish from the one before.
+    """Drop points that a screen cannot distinguish from the previous point.
 
     :param points: as :func:`paired` returns them
     """
@@ -45,7 +45,7 @@ def thinned(points: numpy.ndarray) -> numpy.ndarray:
     if not finite.any():
         return points[:, :0]
     low, high = points[:, finite].min(axis=1), points[:, finite].max(axis=1)
-    # Halved, so that a range from one end of floats to the other does not overflow.
+    # Halved, so that the full range of floats does not overflow.
     fine = numpy.maximum((high / 2 - low / 2) * _FINE, numpy.finfo(float).tiny)
     places = numpy.floor((points.T / 2 - low / 2) / fine).T
     same = (places[:, 1:] == places[:, :-1]).all(axis=0) | ~(finite[1:] | finite[:-1])
@@ -56,7 +56,7 @@ def thinned(points: numpy.ndarray) -> numpy.ndarray:
 
 
 def _extremes(points: numpy.ndarray) -> numpy.ndarray:
-    """Return of each stretch its extremes in both directions, and where its line ends."""
+    """Return the extremes of each stretch in both directions, and the end of its line."""
     size = -(-points.shape[1] * _OF_EACH // LONGEST)
     places = numpy.arange(-(-points.shape[1] // size) * size).reshape(-1, size)
     places = numpy.minimum(places, points.shape[1] - 1)

@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""Traces computed from others by an expression that is typed: read, checked, evaluated."""
+"""Traces computed from others by a formula: its lexer, parser and evaluation."""

@@ -1,4 +1,4 @@
-"""Expression tree of a validated formula, which computes signals from signals."""
+"""Expression tree of a validated formula."""
 
 import math
 from typing import Callable, List, Mapping, NamedTuple, Sequence, Tuple, Union
@@ -18,11 +18,11 @@ from topic_scope.timing.nanoseconds import shifted, to_ns
 
 
 class Operands(NamedTuple):
-    """Access to the samples of a formula's fields, by their names.
+    """Access to the samples of a formula's fields, by name.
 
     :param read: returns the samples from one time to another [ns]
-    :param longest_step: tells how far apart samples of one line may be [s]
-    :param last: tells when the last sample was taken [ns]; the first time there is without one
+    :param longest_step: returns the longest time between connected samples [s]
+    :param last: returns the time of the last sample [ns]; the earliest time if there are no samples
     """
 
     read: Callable[[str, int, int], Signal]
@@ -31,7 +31,7 @@ class Operands(NamedTuple):
 
     @classmethod
     def of(cls, signals: Mapping[str, Signal]) -> "Operands":
-        """Return the samples that there are, by name, when no more will come."""
+        """Return access to complete signals, by name."""
         return cls(
             lambda name, start, end: signals[name].between(start, end),
             lambda name: signals[name].longest,
@@ -55,7 +55,7 @@ class _Sampled:
         raise NotImplementedError
 
     def at(self, operands: Operands, times: numpy.ndarray, start: int, end: int) -> numpy.ndarray:
-        """Return the values at some times of a time span [ns]: on the line between two samples."""
+        """Return the values at some times of a time span [ns], interpolated between samples."""
         more = to_ns(operands.longest_step(self.fields[0]))
         return self.signal(operands, shifted(start, -more), shifted(end, more)).at(times)
 
@@ -68,7 +68,7 @@ class Field(_Sampled):
 
     def __init__(self, name: str) -> None:
         self.name = name
-        #: The fields of it, the first one first: this one's stamps count.
+        #: Its fields; the stamps of the first are used.
         self.fields = [name]
 
     def signal(self, operands: Operands, start: int, end: int) -> Signal:
@@ -76,19 +76,19 @@ class Field(_Sampled):
         return operands.read(self.name, start, end)
 
     def until(self, operands: Operands) -> int:
-        """Return the time up to which it is known [ns]."""
+        """Return the time up to which the value is known [ns]."""
         return operands.last(self.name)
 
     def lookaround(self, _operands: Operands) -> Tuple[float, float]:
-        """Return how far before and after a time samples affect its value [s]."""
+        """Return how far before and after a time samples affect the value [s]."""
         return 0.0, 0.0
 
 
 class Elementwise:
-    """Function of each sample; all arguments are taken at the times of the first one.
+    """Function of each sample; all arguments are evaluated at the times of the first.
 
-    :param function: of numpy, value by value
-    :param arguments: what it takes; one at least is no number
+    :param function: elementwise function of numpy
+    :param arguments: its arguments; at least one is not a number
     """
 
     def __init__(self, function: Callable[..., numpy.ndarray], arguments: Sequence["Node"]) -> None:
@@ -106,7 +106,7 @@ class Elementwise:
         return base._replace(values=self._values([base.values, *rows]))
 
     def at(self, operands: Operands, times: numpy.ndarray, start: int, end: int) -> numpy.ndarray:
-        """Return the values at some times of a time span [ns]: of what there is at these times."""
+        """Return the values at some times of a time span [ns], from the arguments there."""
         return self._values([one.at(operands, times, start, end) for one in self._signals])
 
     def _values(self, rows: List[numpy.ndarray]) -> numpy.ndarray:
@@ -146,10 +146,10 @@ class Windowed(_Sampled):
 
 
 class Delay(Windowed):
-    """A signal some time later.
+    """Signal shifted in time.
 
     :param of: the signal
-    :param seconds: how much later [s]; below 0, earlier
+    :param seconds: the delay [s]; negative for earlier
     """
 
     def __init__(self, of: "Computed", seconds: float) -> None:
@@ -172,7 +172,7 @@ class Delay(Windowed):
 
 
 class Derivative(Windowed):
-    """The change of a signal per second; of two samples, in the middle between them."""
+    """Derivative of a signal per second, at the middle of each two samples."""
 
     def signal(self, operands: Operands, start: int, end: int) -> Signal:
         """As of :class:`Field`."""
@@ -194,7 +194,7 @@ class Derivative(Windowed):
 
 
 class LowPass(Windowed):
-    """A signal behind a low-pass of first order.
+    """Signal filtered by a first-order low-pass.
 
     :param of: the signal
     :param cutoff: Hz
@@ -217,10 +217,10 @@ class LowPass(Windowed):
 
 
 class Mean(Windowed):
-    """The mean of the last samples of a signal.
+    """Moving average of a signal.
 
     :param of: the signal
-    :param seconds: how long a sample counts [s]
+    :param seconds: length of the window [s]
     """
 
     def __init__(self, of: "Computed", seconds: float) -> None:
@@ -238,10 +238,10 @@ class Mean(Windowed):
 
 
 class Extreme(Windowed):
-    """The highest or the lowest value of a signal around each time.
+    """Maximum or minimum of a signal around each time.
 
     :param of: the signal
-    :param seconds: how far around, to either side [s]
+    :param seconds: half-width of the window [s]
     """
 
     pick: numpy.ufunc
@@ -256,7 +256,7 @@ class Extreme(Windowed):
         return found._replace(values=extreme(found, found.times, self._ns, self.pick))
 
     def at(self, operands: Operands, times: numpy.ndarray, start: int, end: int) -> numpy.ndarray:
-        """As of :class:`Field`, but around the given times, not those of the samples."""
+        """As of :class:`Field`, but around the given times, not around the sample times."""
         return extreme(self._around(operands, start, end), times, self._ns, self.pick)
 
     def until(self, operands: Operands) -> int:
@@ -275,13 +275,13 @@ class Extreme(Windowed):
 
 
 class Highest(Extreme):
-    """The highest value around each time."""
+    """Maximum around each time."""
 
     pick = numpy.maximum
 
 
 class Lowest(Extreme):
-    """The lowest value around each time."""
+    """Minimum around each time."""
 
     pick = numpy.minimum
 

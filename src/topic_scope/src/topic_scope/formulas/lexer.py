@@ -1,8 +1,8 @@
-"""Lexer of formulas: names of fields, numbers, functions, operators, brackets.
+"""Lexer of formulas: field names, numbers, functions, operators, brackets.
 
-Only what is listed here ever reaches the parser: no quotes but those of a topic, no dots behind
-anything but a number or a field, no square or curly brackets, no lambda. A ``/`` begins the name of
-a field where an operand has to stand, and divides everywhere else.
+Only the tokens listed here reach the parser: no quotes except around a topic, no dots except in
+numbers and fields, no square or curly brackets, no lambda. A ``/`` starts a field name where an
+operand is expected, and is a division everywhere else.
 """
 
 import re
@@ -23,9 +23,9 @@ class FormulaError(FieldError):
 
 
 class Token(NamedTuple):
-    """A word of a formula.
+    """Token of a formula.
 
-    :param kind: ``field``, ``number``, ``name``, ``operator``, or the mark itself
+    :param kind: ``field``, ``number``, ``name``, ``operator``, or the character itself
     :param text: as it was typed
     """
 
@@ -34,15 +34,15 @@ class Token(NamedTuple):
 
 
 def tokens_of(text: str) -> List[Token]:
-    """Take a formula apart.
+    """Split a formula into tokens.
 
     :param text: the formula, without the ``=`` before it
-    :raises FormulaError: if it is too long, or something in it is not a word that may stand there
+    :raises FormulaError: if the formula is too long, or contains an unexpected character
     """
     if len(text) > LONGEST:
         raise FormulaError(f"a formula has at most {LONGEST} characters, not {len(text)}")
     tokens: List[Token] = []
-    place, depth, operand = 0, 0, True  # whether an operand has to stand here
+    place, depth, operand = 0, 0, True  # operand: an operand is expected here
     while place < len(text):
         if text[place] == " ":
             place += 1
@@ -67,7 +67,7 @@ def tokens_of(text: str) -> List[Token]:
 
 
 def text_of(tokens: Sequence[Token]) -> str:
-    """Return the formula of some tokens, with blanks where they help to read it."""
+    """Return tokens as a formula, with spaces for legibility."""
     parts: List[str] = []
     before = Token("(", "(")
     for token in tokens:

@@ -1,4 +1,4 @@
-"""Names of traces, those that are computed of others included.
+"""Names of traces, including computed traces.
 
 ``=/a/x - 2*/b/y`` is computed by a formula, see :mod:`.parser`; so is the difference
 ``/a/x-/b/y``, which needs no ``=``. Everything else is the name of a field.
@@ -26,9 +26,9 @@ def is_formula(text: str) -> bool:
 
 @lru_cache(maxsize=256)
 def formula_of(name: str) -> Optional[Formula]:
-    """Return how a trace is computed; None where it is a field, or no name at all.
+    """Return the formula of a trace; None for a field or an invalid name.
 
-    :param name: one that :func:`expand` has returned, or refused
+    :param name: a name that :func:`expand` has returned or rejected
     """
     if problem_of(name):
         return None
@@ -40,32 +40,32 @@ def formula_of(name: str) -> Optional[Formula]:
 
 @lru_cache(maxsize=256)
 def is_state(name: str) -> bool:
-    """Return whether a trace is a state: a text, or a number shown by the names of its values.
+    """Return whether a trace is a state: a text, or a number with named values.
 
-    :param name: one that :func:`expand` has returned, or refused
+    :param name: a name that :func:`expand` has returned or rejected
     """
     return problem_of(name) is None and formula_of(name) is None and fields.parted(name)[1] == STATE
 
 
 def terms(name: str) -> Tuple[str, ...]:
-    """Return the fields that a trace is computed of, or the name of the field that it is."""
+    """Return the fields that a trace is computed from; for a field, its name."""
     formula = formula_of(name)
     return formula.fields if formula else (name,)
 
 
 def expand(name: str) -> List[str]:
-    """Return the names that an argument stands for.
+    """Return the trace names that an argument denotes.
 
-    :param name: of a field, as for :func:`.fields.expand`, or of something computed
-    :returns: global names; of something computed, one
-    :raises FieldError: if it is not a name, or a field of a formula stands for several
+    :param name: of a field, as for :func:`.fields.expand`, or of a computed trace
+    :returns: global names; a single name for a computed trace
+    :raises FieldError: if the name is invalid, or a field of a formula denotes several
     """
     return expand_with(name, fields.expand)
 
 
 @lru_cache(maxsize=256)
 def problem_of(name: str) -> Optional[str]:
-    """Return why a text cannot be the name of a trace, in words; None where it can."""
+    """Return why a text is not a valid trace name; None if it is valid."""
     try:
         expand(name)
     except FieldError as error:
@@ -74,11 +74,11 @@ def problem_of(name: str) -> Optional[str]:
 
 
 def expand_with(name: str, resolve: Callable[[str], List[str]]) -> List[str]:
-    """Return the names that a name stands for.
+    """Return the trace names that a name denotes.
 
     :param name: as for :func:`expand`
-    :param resolve: returns the names that the one of a field stands for
-    :raises FieldError: what that raises, or if a field of a formula stands for several
+    :param resolve: returns the names that a field name denotes
+    :raises FieldError: as raised by ``resolve``, or if a field of a formula denotes several
     """
     if is_formula(name):
         formula = parse_formula(name.lstrip()[1:])
@@ -94,11 +94,11 @@ def expand_with(name: str, resolve: Callable[[str], List[str]]) -> List[str]:
 
 
 def with_letters(text: str, traces: Sequence[str]) -> str:
-    """Return a formula with the names of traces in the place of letters.
+    """Return a formula with its letters replaced by names of traces.
 
     :param text: the formula as it was typed
-    :param traces: what ``a``, ``b``, ``c`` and so on stand for: fields, or what is computed
-    :raises FormulaError: if it has letters beyond those, or is no formula
+    :param traces: the traces ``a``, ``b``, ``c`` and so on: fields or computed traces
+    :raises FormulaError: if it has other letters, or is not a formula
     """
     letters: Dict[str, Sequence[Token]] = {}
     for letter, name in zip("abcdefghijklmnopqrstuvwxyz", traces):

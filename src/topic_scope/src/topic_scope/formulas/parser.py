@@ -1,7 +1,7 @@
-"""Parser of formulas: a checked subset of Python's grammar; nothing is ever executed.
+"""Parser of formulas: a checked subset of Python's grammar, never executed.
 
-The text is taken apart first, so that the parser sees only listed tokens, with placeholders for the
-fields; what it returns is walked once, and everything that is not listed here is refused.
+The lexer runs first, so Python's parser sees only listed tokens, with placeholders for the fields.
+The resulting tree is walked once, and any node that is not listed here is rejected.
 """
 
 import ast
@@ -28,11 +28,11 @@ from topic_scope.formulas.signals import Signal
 from topic_scope.timing.nanoseconds import to_ns
 from topic_scope.formulas.lexer import FormulaError, Token, text_of, tokens_of
 
-#: How deep operations and functions may be nested, and of how many fields a formula may be.
+#: Deepest nesting of operations and functions, and most fields of a formula.
 DEPTH, FIELDS = 24, 8
-#: Most functions over time: these take longer than the others.
+#: Most functions over time, which take longer than the others.
 OVER_TIME = 8
-#: Longest delay, and longest time that a sample counts in a mean [s]; how much all that adds up to.
+#: Longest delay and averaging window [s], and the longest total of a formula.
 SECONDS = 600.0
 #: Bounds of the cut-off frequency of a low-pass [Hz].
 CUTOFF = (0.02, 1e6)
@@ -71,7 +71,7 @@ _OF_TWO: Dict[str, Callable[..., numpy.ndarray]] = {
     "min": numpy.minimum,
     "max": numpy.maximum,
 }
-#: What they are over time: the second argument, and its bounds.
+#: Functions over time: class, description of the second argument, and its bounds.
 _OVER_TIME: Dict[str, Tuple[Callable[[Computed, float], Computed], str, float, float]] = {
     "delay": (Delay, "a time in s", -SECONDS, SECONDS),
     "mean": (Mean, "a time in s", 1e-6, SECONDS),
@@ -85,10 +85,10 @@ FUNCTIONS: Tuple[str, ...] = (*_OF_ONE, *_OF_TWO, *_OVER_TIME, "derivative")
 
 
 class Formula(NamedTuple):
-    """A formula that has been read.
+    """Parsed formula.
 
-    :param tokens: what it is written of
-    :param tree: what it computes
+    :param tokens: its tokens
+    :param tree: its expression tree
     """
 
     tokens: Sequence[Token]
@@ -96,20 +96,20 @@ class Formula(NamedTuple):
 
     @property
     def fields(self) -> Tuple[str, ...]:
-        """The fields that it is computed of; the stamps of the first one count."""
+        """Fields of the formula; the stamps of the first are used."""
         return tuple(self.tree.fields)
 
     def computed(self, signals: Mapping[str, Signal]) -> Signal:
-        """Return what it makes of samples, all of which are there.
+        """Evaluate the formula on complete signals.
 
         :param signals: the samples by name of the field
         """
         return self.tree.signal(Operands.of(signals), to_ns(-math.inf), to_ns(math.inf))
 
     def text(self, names: Callable[[str], str] = str) -> str:
-        """Return it as text.
+        """Return the formula as text.
 
-        :param names: returns what is to stand for a field
+        :param names: returns the text of a field
         """
         return text_of(
             [
@@ -120,7 +120,7 @@ class Formula(NamedTuple):
 
 
 def parse_formula(text: str) -> Formula:
-    """Read a formula.
+    """Parse a formula.
 
     :param text: the formula, without the ``=`` before it
     :raises FormulaError: if it is invalid; the text states the reason
@@ -152,7 +152,7 @@ def parse_formula(text: str) -> Formula:
 
 
 def _far(tree: Computed) -> float:
-    """Return over how long a time a formula reaches at most [s]."""
+    """Return the longest time span that a value of a formula depends on [s]."""
     none = numpy.empty(0, numpy.int64)
     nothing = Signal(none, numpy.empty(0), none, 0.0)
     back, ahead = tree.lookaround(Operands.of(dict.fromkeys(tree.fields, nothing)))
@@ -160,9 +160,9 @@ def _far(tree: Computed) -> float:
 
 
 class _Reader:
-    """Makes the tree of a formula.
+    """Builder of the expression tree of a formula.
 
-    :param fields: what the placeholders stand for
+    :param fields: fields of the placeholders
     """
 
     def __init__(self, fields: Sequence[str]) -> None:
@@ -170,10 +170,10 @@ class _Reader:
         self._over_time = 0
 
     def node(self, parsed: ast.AST, depth: int) -> Node:
-        """Return what a node of Python's grammar stands for.
+        """Return the expression of a node of Python's syntax tree.
 
-        :param depth: how many are around it
-        :raises FormulaError: if it is not one of the few that are allowed
+        :param depth: its nesting depth
+        :raises FormulaError: if the node is not allowed
         """
         if depth > DEPTH:
             raise FormulaError(f"operations may be nested {DEPTH} deep")
@@ -227,7 +227,7 @@ class _Reader:
 
 
 def _each(function: Callable[..., numpy.ndarray], arguments: List[Node]) -> Node:
-    """Return an operation, or its result where it is of numbers only."""
+    """Return an operation, or its result if all arguments are numbers."""
     numbers = [one.value for one in arguments if isinstance(one, Number)]
     if len(numbers) == len(arguments):
         return _number(lambda: float(function(*map(numpy.float64, numbers))))
@@ -235,7 +235,7 @@ def _each(function: Callable[..., numpy.ndarray], arguments: List[Node]) -> Node
 
 
 def _number(compute: Callable[[], float]) -> Number:
-    """Return a number; all are floats, so that no power of integers grows without end."""
+    """Return a number; always a float, so that powers of integers cannot grow without bound."""
     try:
         with numpy.errstate(all="ignore"):
             value = compute()

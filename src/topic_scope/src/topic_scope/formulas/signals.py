@@ -1,4 +1,4 @@
-"""Samples with what is needed to compute with them, and the functions of samples and times."""
+"""Sampled signals, and the functions over time of formulas."""
 
 import math
 from typing import NamedTuple
@@ -8,18 +8,18 @@ import numpy
 from topic_scope.analysis.xy import paired
 from topic_scope.timing.nanoseconds import NS
 
-#: After so many time constants a low-pass has forgotten what was before: to 2e-9.
+#: Number of time constants after which a low-pass has settled to 2e-9.
 SETTLED = 20.0
 _FORGOTTEN = 1e-18
 
 
 class Signal(NamedTuple):
-    """Samples of one trace, in the order of time.
+    """Samples of one trace, in time order.
 
     :param times: when they were taken, in whole nanoseconds
-    :param values: what was taken
-    :param received: when they were received, or what else tells where they come from
-    :param longest: how far apart two samples of one line may be [s]
+    :param values: the values
+    :param received: receipt times, or other identification of their messages
+    :param longest: longest time between connected samples [s]
     """
 
     times: numpy.ndarray
@@ -28,9 +28,9 @@ class Signal(NamedTuple):
     longest: float
 
     def at(self, times: numpy.ndarray) -> numpy.ndarray:
-        """Return its values at some times [ns], on the straight line between two samples.
+        """Return the values at some times [ns], linearly interpolated.
 
-        :returns: NaN where it has a gap, has not begun or has ended
+        :returns: NaN in a gap, and before the first and after the last sample
         """
         there = times, numpy.zeros(len(times))
         found: numpy.ndarray = paired((self.times, self.values), there, self.longest * NS)[0]
@@ -44,12 +44,12 @@ class Signal(NamedTuple):
 
 
 def delayed(signal: Signal, by: int) -> Signal:
-    """Return a signal some time later [ns]."""
+    """Return a delayed signal [ns]."""
     return signal._replace(times=signal.times + by)
 
 
 def slope(signal: Signal) -> Signal:
-    """Return the change per second: of two samples, in the middle between them."""
+    """Return the derivative per second, at the middle of each two samples."""
     times, values, received, longest = signal
     steps = numpy.diff(times)
     rising = numpy.full(len(steps), numpy.nan)
@@ -59,12 +59,12 @@ def slope(signal: Signal) -> Signal:
 
 
 def low_passed(signal: Signal, cutoff: float) -> Signal:
-    """Return what a low-pass of first order makes of a signal that goes straight between samples.
+    """Return a signal filtered by a first-order low-pass, for linear input between samples.
 
-    Of ``T y' = x - y`` with ``T = 1 / (2 pi cutoff)``; it begins with the first sample, and after
-    a gap again. Each step is ``y = a y + b``: pairs of steps are joined to one until all are.
+    Solves ``T y' = x - y`` with ``T = 1 / (2 pi cutoff)``, restarted at the first sample after each
+    gap. Each step is ``y = a y + b``; pairs of steps are combined until all are.
 
-    :param cutoff: where the amplitude is down by 3 dB [Hz]
+    :param cutoff: frequency of -3 dB [Hz]
     """
     finite = numpy.isfinite(signal.values)
     times, values = signal.times[finite], signal.values[finite]
@@ -90,13 +90,13 @@ def low_passed(signal: Signal, cutoff: float) -> Signal:
 
 
 def averaged(signal: Signal, window: int) -> Signal:
-    """Return the mean of the samples of the last nanoseconds, at each sample.
+    """Return the moving average at each sample, over a window [ns].
 
-    The window is open at its begin, so that there are as many samples in each.
+    The window is open at its start, so that all windows have the same number of samples.
     """
     finite = numpy.isfinite(signal.values)
     values = numpy.where(finite, signal.values, 0.0)
-    middle = values.sum() / max(int(finite.sum()), 1)  # less is lost of a small change that way
+    middle = values.sum() / max(int(finite.sum()), 1)  # subtracted, to keep small changes exact
     sums = numpy.concatenate([[0.0], numpy.cumsum(numpy.where(finite, values - middle, 0.0))])
     counts = numpy.concatenate([[0], numpy.cumsum(finite)])
     begin = signal.times.searchsorted(signal.times - window, "right")
@@ -108,19 +108,19 @@ def averaged(signal: Signal, window: int) -> Signal:
 
 
 def extreme(signal: Signal, times: numpy.ndarray, reach: int, pick: numpy.ufunc) -> numpy.ndarray:
-    """Return the highest or the lowest value around some times.
+    """Return the maximum or minimum around some times.
 
-    Of all values on the lines between samples: at the ends of each span, and at the samples in it.
+    Interpolated between samples, so it is evaluated at the ends of each span and at its samples.
 
     :param times: the middles of the spans [ns]
-    :param reach: how far a span reaches to either side [ns]
+    :param reach: half-width of the spans [ns]
     :param pick: numpy.maximum or numpy.minimum
-    :returns: NaN where a span goes beyond what is known, or over a gap
+    :returns: NaN if a span exceeds the samples or contains a gap
     """
     found = pick(signal.at(times - reach), signal.at(times + reach))
     begin = signal.times.searchsorted(times - reach, "left")
     count = signal.times.searchsorted(times + reach, "right") - begin
-    # Of each row the next one: that of spans of twice as many samples. Two such cover any span.
+    # Each row covers spans of twice as many samples as the row before; two spans cover any span.
     row, length = signal.values, 1
     while (count >= length).any():
         here = numpy.flatnonzero((count >= length) & (count < 2 * length))

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Checks of the parts of a request."""
+"""Validation of the fields of a request."""
 
 import math
 from typing import Any, Dict, List, Tuple
@@ -9,21 +9,21 @@ from topic_scope.messages.fields import FieldError
 
 #: Most traces of a page.
 TRACES = 32
-#: Times that there are [s] since the epoch.
+#: Range of valid times [s] since the epoch.
 TIMES = (0.0, 1e11)
 _LONGEST_NAME = 300
 
 
 class RequestError(ValueError):
-    """A request that cannot be obeyed, and why."""
+    """Invalid or impossible request; the text states the reason."""
 
 
 def fields_of(names: Any) -> Tuple[str, ...]:
-    """Read a list of names of fields.
+    """Return the field names of a list.
 
-    :param names: as it came
+    :param names: the received value
     :returns: each name once
-    :raises RequestError: if it is not such a list
+    :raises RequestError: if it is not a list of names
     """
     if not isinstance(names, list):
         raise RequestError("fields must be a list of names")
@@ -36,23 +36,23 @@ def fields_of(names: Any) -> Tuple[str, ...]:
 
 
 def check_count(count: int) -> None:
-    """Check how many traces there are to be.
+    """Check the number of traces.
 
-    :raises RequestError: if these are too many
+    :raises RequestError: if there are too many
     """
     if count > TRACES:
         raise RequestError(f"a page shows at most {TRACES} traces, not {count}")
 
 
 def field_names(name: Any, kind: str) -> List[str]:
-    """Return the fields that a name stands for.
+    """Return the fields that a name denotes.
 
-    What is not a name stays as it is: so it has a row of its own that says why there is nothing,
-    and the others are shown.
+    An invalid name is returned unchanged, so that its row shows why it has no samples, and the
+    other traces are shown.
 
-    :param name: as it came
-    :param kind: what it is needed for
-    :raises RequestError: if it is not a text
+    :param name: the received value
+    :param kind: type of the request, for the error
+    :raises RequestError: if it is not a string
     """
     if not isinstance(name, str):
         raise RequestError(f"{kind}: the name of a field must be a text")
@@ -63,9 +63,9 @@ def field_names(name: Any, kind: str) -> List[str]:
 
 
 def field_in(request: Dict[str, Any], kind: str, key: str = "field") -> str:
-    """Return the one field that a request names.
+    """Return the single field that a request names.
 
-    :raises RequestError: if it is not a name, or stands for several
+    :raises RequestError: if the name is invalid, or denotes several fields
     """
     fields = field_names(request.get(key), kind)
     if len(fields) != 1:
@@ -76,7 +76,7 @@ def field_in(request: Dict[str, Any], kind: str, key: str = "field") -> str:
 
 
 def time_of(text: Any) -> float:
-    """Read a time.
+    """Return a time.
 
     :param text: s since the epoch
     :raises RequestError: if it is invalid
@@ -102,9 +102,9 @@ def name_of(request: Dict[str, Any], kind: str, key: str) -> str:
 
 
 def word_of(request: Dict[str, Any], kind: str, key: str, words: Tuple[str, ...]) -> str:
-    """Return one of some words in a request.
+    """Return a keyword in a request.
 
-    :raises RequestError: if it is not one of them
+    :raises RequestError: if it is not one of the allowed keywords
     """
     word = request.get(key)
     if not isinstance(word, str) or word not in words:
@@ -113,7 +113,7 @@ def word_of(request: Dict[str, Any], kind: str, key: str, words: Tuple[str, ...]
 
 
 def flag_of(request: Dict[str, Any], kind: str, key: str) -> bool:
-    """Return a truth value in a request.
+    """Return a Boolean in a request.
 
     :raises RequestError: if it is not one
     """
@@ -126,7 +126,7 @@ def flag_of(request: Dict[str, Any], kind: str, key: str) -> bool:
 def number_of(request: Dict[str, Any], kind: str, key: str, low: float, high: float) -> float:
     """Return a number in a request.
 
-    :raises RequestError: if it is not a number, or out of range
+    :raises RequestError: if it is not a number, or is out of range
     """
     number = request.get(key)
     if isinstance(number, bool) or not isinstance(number, (int, float)):

@@ -1,4 +1,4 @@
-"""The request for a CSV file, which is an address that can be copied."""
+"""Request for a CSV file, in the form of a URL that can be copied."""
 
 from typing import Any, Dict, NamedTuple, Tuple
 
@@ -7,7 +7,7 @@ from topic_scope.protocol.checks import RequestError, fields_of, time_of
 
 
 class Export(NamedTuple):
-    """Write these samples to a CSV file.
+    """Samples to write to a CSV file.
 
     :param fields: names of the fields
     :param start: start of the time span [s] since the epoch
@@ -20,14 +20,14 @@ class Export(NamedTuple):
 
 
 def export_of(request: Dict[str, Any]) -> Export:
-    """Return which samples are to be written.
+    """Return the samples to write.
 
-    :param request: ``fields``, and optionally ``start`` and ``end``, texts as in an address
+    :param request: ``fields``, and optionally ``start`` and ``end``, strings as in a URL
     :raises RequestError: if a time or the names of all fields are invalid
     """
     fields = fields_of(request.get("fields"))
     problems = [problem_of(name) for name in fields]
-    if problems and all(problems):  # else what is not a name has a column with nothing in it
+    if problems and all(problems):  # among valid names, an invalid name has an empty column
         raise RequestError(f"fields: {problems[0]}")
     start, end = time_of(request.get("start", "0")), time_of(request.get("end", "1e11"))
     return Export(fields, start, end)

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Requests about what is computed of traces: formulas and masks."""
+"""Requests about formulas and masks."""
 
 from typing import Any, Dict, NamedTuple, Optional, Tuple
 
@@ -12,8 +12,8 @@ from topic_scope.protocol.checks import RequestError, field_in, fields_of, numbe
 class FormulaText(NamedTuple):
     """Request to check a formula while it is typed.
 
-    :param text: as it was typed
-    :param traces: names that its letters stand for
+    :param text: the text as typed
+    :param traces: names that its letters denote
     """
 
     text: str
@@ -21,7 +21,7 @@ class FormulaText(NamedTuple):
 
 
 def formula_text_of(request: Dict[str, Any]) -> FormulaText:
-    """Return which formula is to be checked."""
+    """Return the formula to check."""
     text = request.get("text")
     if not isinstance(text, str) or not is_formula(text):
         raise RequestError("formula: text must be a text that begins with =")
@@ -29,7 +29,7 @@ def formula_text_of(request: Dict[str, Any]) -> FormulaText:
 
 
 def mask_of(request: Dict[str, Any]) -> Optional[Mask]:
-    """Return the requested mask; None to end it."""
+    """Return the requested mask; None to remove the mask."""
     if request.get("field") == "":
         return None
     mask = Mask(

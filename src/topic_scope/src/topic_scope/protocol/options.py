@@ -1,4 +1,4 @@
-"""The command line of the oscilloscope.
+"""Command line of the oscilloscope.
 
 Options are read from the command line only. As parameters they would outlive the scope on the
 master, and one of them could open the next scope to the network unasked.
@@ -19,22 +19,22 @@ from topic_scope.messages.fields import FieldError
 from topic_scope.protocol.overlay_request import FARTHEST_S
 from topic_scope.protocol.checks import RequestError, check_count, fields_of
 
-#: Addresses that stand for all of a machine's.
+#: Addresses that denote all interfaces of a machine.
 _ALL = ("", "0.0.0.0", "::")
 
 DEFAULT_ADDRESS, DEFAULT_PORT = "127.0.0.1", 8080
 #: Most plots of a page.
 PLOTS = 8
-#: How many ports are tried where the next one will do.
+#: Number of ports to try with --next-port.
 PORTS = 100
 
 
 class OverlayOption(NamedTuple):
-    """A bag that is laid over what is shown.
+    """Bag to overlay.
 
     :param path: the file
-    :param name: what its topics begin with
-    :param offset: how much later it is laid [s]
+    :param name: prefix of its topics
+    :param offset: shift to later times [s]
     """
 
     path: str
@@ -45,16 +45,16 @@ class OverlayOption(NamedTuple):
 class Options(NamedTuple):
     """Options of the command line.
 
-    :param fields: names of the fields that are shown at first
-    :param address: address that the pages are served at
-    :param port: port that the pages are served at
-    :param next_port: whether the next port that is free will do as well
-    :param history: how long samples are kept [s]
-    :param window: span of time that is shown at first [s]
-    :param open_browser: whether to open the page where there is a browser
-    :param setup: what a page is set up to show at first, as one has saved it; None for nothing
+    :param fields: names of the fields to show at start
+    :param address: address to listen on
+    :param port: port to listen on
+    :param next_port: whether to use the next free port if this one is taken
+    :param history: how long to keep samples [s]
+    :param window: time span to show at start [s]
+    :param open_browser: whether to open the page in a browser, if there is one
+    :param setup: saved set-up to show at start; None for none
     :param bag: the bag to show in place of the graph; None for the graph
-    :param over: the bags that are laid over that
+    :param over: the bags to overlay
     """
 
     fields: Sequence[str]
@@ -70,7 +70,7 @@ class Options(NamedTuple):
 
     @property
     def ports(self) -> Sequence[int]:
-        """The ports that will do, the wanted one first."""
+        """Acceptable ports, the requested port first."""
         return range(self.port, min(self.port + PORTS, 65536) if self.next_port else self.port + 1)
 
     @property
@@ -98,12 +98,12 @@ def is_loopback(address: str) -> bool:
 
 
 def parse(arguments: Sequence[str]) -> Options:
-    """Read a command line.
+    """Parse a command line.
 
-    :param arguments: without the name of the program; ``_port:=8081`` is another way to say
-        ``--port 8081``, and so for all options with a value; ``__ns:=lab``, or else the
-        environment's ``ROS_NAMESPACE``, is where relative names of fields are
-    :raises SystemExit: if it cannot be understood, with the status 2
+    :param arguments: without the name of the program; ``_port:=8081`` is equivalent to
+        ``--port 8081``, likewise for all options with a value; ``__ns:=lab``, or else the
+        environment's ``ROS_NAMESPACE``, is the namespace of relative field names
+    :raises SystemExit: if the arguments are invalid, with status 2
     """
     parser = _parser()
     read = parser.parse_intermixed_args(_as_options(arguments))
@@ -145,7 +145,7 @@ def parse(arguments: Sequence[str]) -> Options:
 
 
 def _with_plots(setup: Optional[Dict[str, Any]], plots: Dict[str, int]) -> Optional[Dict[str, Any]]:
-    """Return a set-up with the fields in their plots, as a page would have saved it."""
+    """Return a set-up with the fields in their plots, in the form that a page saves."""
     lower = {name: plot for name, plot in plots.items() if plot > 1}
     if not lower:
         return setup
@@ -241,15 +241,15 @@ def _as_options(arguments: Sequence[str]) -> List[str]:
         match = re.match(r"_(port|address|history|window|setup|bag|over|offset):=(.*)\Z", argument)
         if match:
             words += ["--" + match.group(1), match.group(2)]
-        elif ":=" not in argument:  # the rest is rospy's
+        elif ":=" not in argument:  # remappings are for rospy
             words.append(argument)
     return words
 
 
 def _words(group: Sequence[str]) -> List[str]:
-    """Return the names in some arguments: a launch file puts them in one, but not formulas.
+    """Return the names in some arguments; a launch file passes several names in one argument.
 
-    Quotes and brackets may have blanks in them.
+    Quoted and bracketed text may contain spaces.
     """
     words: List[str] = []
     for argument in group:
@@ -283,7 +283,7 @@ def _over(text: str) -> OverlayOption:
 
 
 def _name_of(path: str) -> str:
-    """Return the name of a file as one of a topic: rosbag begins with the date."""
+    """Return the name of a file as a topic name: rosbag starts file names with the date."""
     stem, ending = os.path.splitext(os.path.basename(path.rstrip("/")))
     is_bag = ending in (".bag", ".mcap", ".db3")
     name = re.sub(r"\W", "_", stem if is_bag else stem + ending, flags=re.ASCII)

@@ -1,23 +1,23 @@
 # Pure: knows no ROS.
-"""The request about a bag that is laid over what is shown."""
+"""Request to shift an overlaid bag."""
 
 from typing import Any, Dict, NamedTuple, Optional
 
 from topic_scope.protocol.checks import TIMES, RequestError, name_of, number_of
 
-#: How much later or earlier a bag can be laid [s].
+#: Range of the shift of a bag [s].
 FARTHEST_S = 1e9
 _KIND = "overlay"
 
 
 class OverlayRequest(NamedTuple):
-    """Lay a bag elsewhere; what is None stays as it is.
+    """Shift an overlaid bag; None leaves a value unchanged.
 
     :param name: of the bag
-    :param offset: how much later than at its begin [s]
-    :param begin: where its first message is without the offset [s] since the epoch
-    :param trigger: the time at which it is to cross the level of the page's trigger for the first
-        time, without the offset [s] since the epoch
+    :param offset: shift to later times, relative to ``begin`` [s]
+    :param begin: time of its first message without the offset [s] since the epoch
+    :param trigger: time at which its first crossing of the page's trigger level is placed,
+        without the offset [s] since the epoch
     """
 
     name: str
@@ -27,7 +27,7 @@ class OverlayRequest(NamedTuple):
 
 
 def overlay_of(request: Dict[str, Any]) -> OverlayRequest:
-    """Return which bag is to be laid where."""
+    """Return the bag to shift, and its new position."""
     offset, begin, trigger = (
         None if request.get(key) is None else number_of(request, _KIND, key, *limits)
         for key, limits in (

@@ -1,7 +1,7 @@
 # Pure: knows no ROS.
 """Requests of a page: one JSON object each, validated field by field.
 
-A server of pages has a table of handlers, with the check and the action of each type of request.
+A server has a table of handlers, with the validation and the action of each type of request.
 """
 
 import json
@@ -19,27 +19,27 @@ from topic_scope.protocol.checks import (
     word_of,
 )
 
-#: Version of all that page and scope say to each other; the page has the same number.
+#: Version of the protocol between page and scope; the page has the same number.
 VERSION = 1
-#: Longest request that is read [bytes].
+#: Longest accepted request [bytes].
 LONGEST = 64 * 1024
 #: Limits of a view: time span [s], and number of bins.
 WINDOW = (1e-3, 3600.0)
 WIDTH = (10, 4000)
-#: Least and most parts that a spectrum is the mean of.
+#: Least and most parts averaged for a spectrum.
 AVERAGES = (1, 64)
-#: How much slower and faster than it was recorded a bag may be played.
+#: Slowest and fastest playback of a bag, relative to its recording.
 SPEEDS = (0.01, 100.0)
-_LARGEST_NUMBER = 2**53 - 1  # all integers up to here are exact in a page
-#: Times from a reference on [s]; largest speed, m/s and rad/s; and coordinate [m].
+_LARGEST_NUMBER = 2**53 - 1  # JavaScript represents integers exactly up to here
+#: Times relative to a reference [s]; largest speed [m/s, rad/s]; largest coordinate [m].
 _AWAY, _SPEED, _FAR = (-1e11, 1e11), 100.0, 1e6
 
 
 class Handler(NamedTuple):
-    """Validation and handling of one type of request.
+    """Validation and action of one type of request.
 
-    :param check: returns what is asked for; raises RequestError
-    :param handle: does it for a page; raises RequestError if that cannot be done
+    :param check: returns the validated request; raises RequestError
+    :param handle: executes it for a page; raises RequestError if that is impossible
     """
 
     check: Callable[[Dict[str, Any]], Any]
@@ -47,13 +47,13 @@ class Handler(NamedTuple):
 
 
 def dispatch(text: Union[str, bytes], handlers: Mapping[str, Handler], page: Any) -> None:
-    """Handle a request of a page.
+    """Validate and execute a request of a page.
 
-    :param text: the request as it came
+    :param text: the received request
     :param handlers: by type of request
     :param page: the page
-    :raises RequestError: if the type is unknown, something in the request is not allowed, or it
-        cannot be done
+    :raises RequestError: if the type is unknown, or the request is invalid or cannot be
+        executed
     """
     if not isinstance(text, str):
         raise RequestError("a request must be text")
@@ -74,21 +74,21 @@ def dispatch(text: Union[str, bytes], handlers: Mapping[str, Handler], page: Any
 
 
 def selection_of(request: Dict[str, Any]) -> Tuple[str, ...]:
-    """Return the names of the fields that are to be shown."""
+    """Return the names of the fields to show."""
     return fields_of(request.get("fields"))
 
 
 def hidden_of(request: Dict[str, Any]) -> Tuple[str, ...]:
-    """Return the names of the fields of which nothing is to be sent for now."""
+    """Return the names of the hidden fields, whose samples are not sent."""
     return fields_of(request.get("fields"))
 
 
 class View(NamedTuple):
-    """Show this span of time.
+    """Time span to show.
 
-    :param window: how long it is [s]
-    :param width: how many bins it is shown in
-    :param end: its end [s] since the epoch; None to go with the time
+    :param window: its length [s]
+    :param width: number of bins
+    :param end: its end [s] since the epoch; None to follow the current time
     """
 
     window: float
@@ -97,7 +97,7 @@ class View(NamedTuple):
 
 
 def view_of(request: Dict[str, Any]) -> View:
-    """Return which span of time is to be shown."""
+    """Return the time span to show."""
     end = request.get("end")
     return View(
         number_of(request, "view", "window", *WINDOW),
@@ -107,17 +107,17 @@ def view_of(request: Dict[str, Any]) -> View:
 
 
 class Trigger(NamedTuple):
-    """Show what is around the crossing of a level.
+    """Trigger: show the samples around the crossing of a level.
 
-    :param mode: off; normal, to show each crossing; auto, the same, but to go on where none comes;
-        single, to stop at the next one
+    :param mode: off; normal, to show each crossing; auto, the same, but free-running without
+        crossings; single, to stop at the next crossing
     :param field: name of the field
     :param level: the level
-    :param rising: whether it is crossed upwards
-    :param number: the page's own, by which it knows what is told of this request
-    :param hysteresis: how far beyond the level the trace has to be before it crosses it
+    :param rising: whether the level is crossed upwards
+    :param number: number that the page chose for this request, repeated in the responses
+    :param hysteresis: distance from the level that the trace must reach before a crossing
     :param holdoff: least time from one crossing to the next [s]
-    :param position: which part of the span lies before the crossing
+    :param position: fraction of the span before the crossing
     """
 
     mode: str
@@ -131,7 +131,7 @@ class Trigger(NamedTuple):
 
 
 def trigger_of(request: Dict[str, Any]) -> Trigger:
-    """Return what a page is to wait for."""
+    """Return the trigger of a page."""
     mode = word_of(request, "trigger", "mode", ("off", "normal", "auto", "single"))
     number = 0
     if "number" in request:
@@ -153,16 +153,16 @@ def trigger_of(request: Dict[str, Any]) -> Trigger:
 
 
 class Measure(NamedTuple):
-    """Measure more of the traces, or another span of time than the one that is visible.
+    """Additional measurements, or another time span than the visible one.
 
-    :param shapes: whether times and ratios of steps and waves are wanted
-    :param against: name of the field that phases are against; empty for none
-    :param start: start of the span [s] from the reference on; None for what is visible
-    :param end: its end [s] from the reference on
-    :param reference: s since the epoch; None to go with the time
-    :param latency: whether the times from stamps to reception are wanted
-    :param over_time: number of the request to count how figures vary; another one restarts it, 0
-        ends it
+    :param shapes: whether to measure times and ratios of steps and waves
+    :param against: name of the reference field of phases; empty for none
+    :param start: start of the span [s], relative to the reference; None for the visible span
+    :param end: its end [s], relative to the reference
+    :param reference: s since the epoch; None for the current time
+    :param latency: whether to measure the times from stamps to receipt
+    :param over_time: number of the request for statistics over time; a new number restarts them,
+        0 ends them
     """
 
     shapes: bool = False
@@ -174,7 +174,7 @@ class Measure(NamedTuple):
     over_time: int = 0
 
     def span(self, now: float) -> Optional[Tuple[float, float]]:
-        """Return begin and end [s]; None for what is visible."""
+        """Return start and end [s]; None for the visible span."""
         if self.start is None or self.end is None:
             return None
         reference = now if self.reference is None else self.reference
@@ -182,7 +182,7 @@ class Measure(NamedTuple):
 
 
 def measure_of(request: Dict[str, Any]) -> Measure:
-    """Return what is to be measured."""
+    """Return the requested measurements."""
     shapes = "shapes" in request and flag_of(request, "measure", "shapes")
     start, end, reference = (
         None if request.get(key) is None else number_of(request, "measure", key, *limits)
@@ -197,12 +197,12 @@ def measure_of(request: Dict[str, Any]) -> Measure:
 
 
 class Chart(NamedTuple):
-    """Show the traces otherwise than over time.
+    """Chart of the traces.
 
-    :param kind: time; spectrum; xy, one over another
-    :param x: name of the field that goes to the right, of the kind xy
+    :param kind: time; spectrum; xy, one trace against another
+    :param x: name of the horizontal field, for xy
     :param window: window of a spectrum
-    :param averages: of how many parts a spectrum is the mean
+    :param averages: number of parts that a spectrum averages
     """
 
     kind: str = "time"
@@ -212,7 +212,7 @@ class Chart(NamedTuple):
 
 
 def chart_of(request: Dict[str, Any]) -> Chart:
-    """Return which chart is wanted."""
+    """Return the requested chart."""
     kind = word_of(request, "chart", "kind", ("time", "spectrum", "xy"))
     if kind == "xy":
         return Chart(kind, field_in(request, "chart", "x"))
@@ -226,7 +226,7 @@ def chart_of(request: Dict[str, Any]) -> Chart:
 
 
 def graph_of(request: Dict[str, Any]) -> bool:
-    """Return whether the graph is to be shown."""
+    """Return whether to show the graph."""
     return flag_of(request, "graph", "on")
 
 
@@ -234,8 +234,8 @@ class Set(NamedTuple):
     """Set a parameter.
 
     :param node: namespace of the parameter
-    :param name: name in there
-    :param value: as it came
+    :param name: name in the namespace
+    :param value: the received value
     """
 
     node: str
@@ -244,7 +244,7 @@ class Set(NamedTuple):
 
 
 def set_of(request: Dict[str, Any]) -> Set:
-    """Return which parameter is to be set, and to what."""
+    """Return the parameter to set, and its value."""
     if "value" not in request:
         raise RequestError("set: there is no value")
     value = request["value"]
@@ -257,7 +257,7 @@ class Call(NamedTuple):
     """Call a service.
 
     :param service: its name
-    :param data: for one that takes a truth value
+    :param data: for a service that takes a Boolean
     """
 
     service: str
@@ -265,7 +265,7 @@ class Call(NamedTuple):
 
 
 def call_of(request: Dict[str, Any]) -> Call:
-    """Return which service is to be called."""
+    """Return the service to call."""
     data = None if request.get("data") is None else flag_of(request, "call", "data")
     return Call(name_of(request, "call", "service"), data)
 
@@ -282,7 +282,7 @@ class Transition(NamedTuple):
 
 
 def transition_of(request: Dict[str, Any]) -> Transition:
-    """Return which node is to make which transition."""
+    """Return the node and the requested transition."""
     kind = "transition"
     return Transition(name_of(request, kind, "node"), name_of(request, kind, "label"))
 
@@ -291,21 +291,21 @@ def transition_of(request: Dict[str, Any]) -> Transition:
 
 
 def robots_of(request: Dict[str, Any]) -> bool:
-    """Return whether robots are to be shown."""
+    """Return whether to show robots."""
     return flag_of(request, "robots", "on")
 
 
 def steering_of(request: Dict[str, Any]) -> str:
-    """Return the topic of the robot's commands that is to be driven; empty for none."""
+    """Return the command topic of the robot to drive; empty for none."""
     return "" if request.get("topic") == "" else name_of(request, "steer", "topic")
 
 
 class Drive(NamedTuple):
-    """Move the robot that is steered, until the next request; for a short time only.
+    """Command of the driven robot until the next request, for a short time only.
 
     :param speed: forward [m/s]
     :param turn: counter-clockwise [rad/s]
-    :param sent: when this was sent, by the page's clock [s]
+    :param sent: time of sending, by the page's clock [s]
     """
 
     speed: float
@@ -319,7 +319,7 @@ class Drive(NamedTuple):
 
 
 def drive_of(request: Dict[str, Any]) -> Drive:
-    """Return how the robot is to move."""
+    """Return the requested motion of the robot."""
     return Drive(
         number_of(request, "drive", "speed", -_SPEED, _SPEED),
         number_of(request, "drive", "turn", -_SPEED, _SPEED),
@@ -328,13 +328,13 @@ def drive_of(request: Dict[str, Any]) -> Drive:
 
 
 class Goal(NamedTuple):
-    """Send a robot to a place.
+    """Goal pose of a robot.
 
-    :param topic: where it takes goals
-    :param frame: frame of the place
+    :param topic: topic of its goals
+    :param frame: frame of the pose
     :param x: m
     :param y: m
-    :param heading: which way to look there [rad]
+    :param heading: heading at the goal [rad]
     """
 
     topic: str
@@ -345,7 +345,7 @@ class Goal(NamedTuple):
 
 
 def goal_of(request: Dict[str, Any]) -> Goal:
-    """Return where a robot is to go."""
+    """Return the requested goal."""
     x, y, heading = (number_of(request, "goal", key, -_FAR, _FAR) for key in ("x", "y", "heading"))
     topic, frame = (name_of(request, "goal", key) for key in ("topic", "frame"))
     return Goal(topic, frame, x, y, heading)
@@ -355,11 +355,11 @@ def goal_of(request: Dict[str, Any]) -> Goal:
 
 
 class Playback(NamedTuple):
-    """Play a bag otherwise; what is None stays as it is.
+    """Change of the playback of a bag; None leaves a value unchanged.
 
-    :param playing: whether its clock goes
-    :param time: where to go to [s] since the epoch
-    :param speed: how much faster than it was recorded
+    :param playing: whether its clock runs
+    :param time: time to jump to [s] since the epoch
+    :param speed: factor relative to the recording
     """
 
     playing: Optional[bool] = None
@@ -368,7 +368,7 @@ class Playback(NamedTuple):
 
 
 def playback_of(request: Dict[str, Any]) -> Playback:
-    """Return how a bag is to be played."""
+    """Return the requested playback."""
     kind = "playback"
     playing = None if request.get("playing") is None else flag_of(request, kind, "playing")
     time, speed = (

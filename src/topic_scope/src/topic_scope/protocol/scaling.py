@@ -1,8 +1,8 @@
 # Pure: knows no ROS.
 """Gain, offset and stepped drawing of a page's traces.
 
-All that a page is told of a trace is of the scaled values: what is drawn, measured and triggered on
-agrees with the axis then. CSV files have the values as they came.
+The page receives scaled values only, so plot, measurements and trigger agree with the axis. CSV
+files contain the original values.
 """
 
 from typing import Any, Callable, Dict, Mapping, NamedTuple, Set, Tuple
@@ -21,9 +21,9 @@ _LARGEST = 1e300
 class TraceScale(NamedTuple):
     """Scaling of one trace on a page.
 
-    :param gain: what its values are multiplied by
-    :param offset: what is added then
-    :param steps: whether a value holds until the next one comes
+    :param gain: factor of its values
+    :param offset: added to the product
+    :param steps: whether a value holds until the next sample
     """
 
     gain: float = 1.0
@@ -34,15 +34,15 @@ class TraceScale(NamedTuple):
 class Scaling(NamedTuple):
     """Scaling of all traces of a page.
 
-    :param traces: by name of the field; others are as they are
+    :param traces: by name of the field; other traces are not scaled
     """
 
     traces: Mapping[str, TraceScale] = {}
 
     def scaled(self, read: ReadSamples) -> ReadSamples:
-        """Return where the samples are as the page wants them.
+        """Return a reader of scaled samples.
 
-        :param read: returns them as they came
+        :param read: returns the original samples
         """
         scales = {name: one for name, one in self.traces.items() if one[:2] != TraceScale()[:2]}
         if not scales:
@@ -59,10 +59,10 @@ class Scaling(NamedTuple):
         return samples
 
     def differing(self, other: "Scaling") -> Set[str]:
-        """Return the names of the traces whose values differ from those of another scaling."""
+        """Return the names of the traces with other values under another scaling."""
         usual, names = TraceScale(), {*self.traces, *other.traces}
-        told = {name: [one.traces.get(name, usual)[:2] for one in (self, other)] for name in names}
-        return {name for name, (here, there) in told.items() if here != there}
+        both = {name: [one.traces.get(name, usual)[:2] for one in (self, other)] for name in names}
+        return {name for name, (here, there) in both.items() if here != there}
 
     def is_stepped(self, name: str) -> bool:
         """Return whether a trace is drawn in steps."""
@@ -71,10 +71,10 @@ class Scaling(NamedTuple):
 
 
 def scaling_of(request: Dict[str, Any]) -> Scaling:
-    """Read how a page wants its traces.
+    """Return the requested scaling of a page's traces.
 
-    :param request: as it came
-    :raises RequestError: if something in it is not allowed
+    :param request: the received request
+    :raises RequestError: if it is invalid
     """
     traces = request.get("traces")
     if not isinstance(traces, dict) or len(traces) > TRACES:

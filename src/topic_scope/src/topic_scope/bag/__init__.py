@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""Samples from bags: played, plotted, written as CSV."""
+"""Bags: reading, playback, plots and CSV files."""

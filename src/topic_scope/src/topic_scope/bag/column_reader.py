@@ -1,4 +1,4 @@
-"""Read columns out of the messages of a bag, and write them to a CSV file."""
+"""Reader of columns from the messages of a bag, and the writer of CSV files."""
 
 import math
 import struct
@@ -19,33 +19,33 @@ from topic_scope.timing.clocks import ELSEWHERE_NS, Clocks
 from topic_scope.timing.nanoseconds import NO_TIME, exact_seconds
 from topic_scope.timing.topic_time import AHEAD_NS, TopicTime
 
-#: What stands for the number of a message that ends before it.
+#: Value for a message that ends before the field.
 _CUT_OFF = object()
 
 
 class ColumnReader:
-    """Reads a column, and notices whether what was asked for was ever there.
+    """Reader of a column; records whether any message contained the field.
 
     :param column: the column
-    :param first: the message that tells the layout of its topic
-    :param begin: when the bag begins, ns since the epoch
+    :param first: an early message of the topic, with its layout
+    :param begin: start of the bag, ns since the epoch
 
     :ivar column: the column
-    :ivar stamp_path: where messages say when they were made; None where the time of receipt counts
+    :ivar stamp_path: path of the stamp in a message; None if the time of receipt is used
     """
 
     def __init__(self, column: Column, first: FirstMessage, begin: int) -> None:
         self.column = column
-        #: When the bag begins [ns] since the epoch.
+        #: Start of the bag [ns] since the epoch.
         self.begin = begin
         self.stamp_path = path_of(column.timestamp, first.layout)
-        #: Whether samples stand where the messages say, however late they were recorded.
+        #: Whether samples are placed at their stamps, however late they were recorded.
         self.is_exact = is_exact(column.timestamp, first.layout)
         self._layout = first.layout
         stamp = self.stamp_path
         self._stamp = Decoder(self._layout, stamp) if stamp is not None else None
         paths = [column.path + part for part in parts(column.function)]
-        #: The texts whose numbers the rows are; None for a column of numbers.
+        #: Texts of the state numbers in the rows; None for a numeric column.
         self.states = StateTable() if column.function == STATE else None
         self._decoders: Sequence[Union[Decoder, StateDecoder]] = (
             [Decoder(self._layout, path) for path in paths]
@@ -53,39 +53,39 @@ class ColumnReader:
             else [StateDecoder(self._layout, column.path, self.states)]
         )
         self._function = make(column.function)
-        #: Where a message has no element of that name it is about others.
+        #: Whether the path names an element; messages without that element are ignored.
         self._is_named = any(isinstance(part, Key) for part in column.path)
-        #: The step that whole numbers of more digits than a float has are rounded to.
+        #: Rounding step of integers that a float cannot represent exactly.
         self.rounding = 1
-        #: A field without elements is in each message.
+        #: Whether the field was found; a field without elements is in each message.
         self._was_there = not any(isinstance(part, (int, Key)) for part in column.path)
-        #: How many elements the array has had at most, and what is to be said of it.
+        #: Longest array seen, and the text for a missing field.
         self._longest = -1
         self._missing = "it is not there"
         self._cut_off = 0
 
     @property
     def cut_off(self) -> Optional[str]:
-        """Count of messages that end before what was asked for, as text; None without any."""
+        """Count of messages that end before the field, as text; None if there are none."""
         count = self._cut_off
         return f"{count} message{'s' * (count > 1)} cut off: left out" if count else None
 
     @property
     def correction(self) -> Optional[str]:
-        """Rounding of values and count of missing ones, as text; None where all is usual."""
+        """Rounding and missing values, as text; None if there are none."""
         note = self.states.note if self.states is not None else None
         return "; ".join(filter(None, (rounding_text(self.rounding), self.cut_off, note))) or None
 
     def check(self) -> None:
-        """Check that what was asked for was there once.
+        """Check that at least one message contained the field.
 
-        :raises FieldError: if it was not
+        :raises FieldError: if none did
         """
         if not self._was_there:
             raise FieldError(f"{self.column.name}: {self._missing}")
 
     def rows(self, messages: List[bytes]) -> numpy.ndarray:
-        """Return a row for each number that the column is computed of; NaN where one lacks."""
+        """Return a row for each number that the column is computed from; NaN if missing."""
         rows = numpy.array([decoder.decode(messages) for decoder in self._decoders])
         for decoder, row in zip(self._decoders, rows):
             self.rounding = max(self.rounding, decoder.rounding(row))
@@ -97,30 +97,30 @@ class ColumnReader:
         return rows
 
     def topic_time(self, clocks: Clocks) -> TopicTime:
-        """Return what places the messages of the topic in time.
+        """Return the object that places the messages of the topic in time.
 
-        :param clocks: those of all topics of the bag
+        :param clocks: clocks of all topics of the bag
         """
         return topic_time(clocks, self.column.timestamp, self._layout)
 
     def stamps(self, messages: List[bytes]) -> numpy.ndarray:
-        """Return when messages say that they were made [ns]; NO_TIME where they say nothing."""
+        """Return the stamps of messages [ns]; NO_TIME for an unset stamp."""
         if self._stamp is None or self.stamp_path is None:
             return numpy.full(len(messages), NO_TIME)
         return read_times(self._stamp, self.stamp_path, messages)
 
     def about(self, messages: List[bytes]) -> "numpy.ndarray":
-        """Return which messages are about the element that was asked for by name: truth values."""
+        """Return a mask of the messages that contain the named element."""
         if not self._is_named:
             return numpy.ones(len(messages), bool)
         decoder = self._decoders[0]
         return numpy.array([self._value(decoder, message) is not None for message in messages])
 
     def cells(self, found: Slice) -> CsvColumn:
-        """Return what is written of messages, exactly as it was recorded.
+        """Return the cells of messages, exactly as recorded.
 
-        Rows stand at the stamps where these were named, else at the time of recording; those of a
-        derivative in the middle of two messages.
+        Rows are placed at the stamps if the name selects them, else at the time of recording;
+        rows of a derivative in the middle of two messages.
         """
         times = self._stamps_ns(found) if self.is_exact else found.times
         places = numpy.arange(len(found.messages))
@@ -129,7 +129,7 @@ class ColumnReader:
         by_rows = self._stamp is None or self.is_exact
         own = times if by_rows else self.stamps(found.messages)
         made, values = self._function(own, self.rows(found.messages), math.inf)
-        # What is computed of two begins with the second, and a derivative stands between both.
+        # A value computed from two messages starts at the second; a derivative lies between both.
         late = len(places) - len(values)
         texts = [repr(value) for value in values.tolist()]
         return CsvColumn(self.column.topic, times[late:] - own[late:] + made, places[late:], texts)
@@ -138,7 +138,7 @@ class ColumnReader:
         """Return the stamps, or else the times of recording, since the start of the bag [ns]."""
         stamps = self.stamps(found.messages)
         ahead = stamps - self.begin - found.times
-        # An unset stamp, one that is not believed, or one of another clock.
+        # An unset stamp, an implausible stamp, or a stamp of another clock.
         said = (stamps != NO_TIME) & (ahead > -ELSEWHERE_NS) & (ahead <= AHEAD_NS)
         return numpy.where(said, stamps - self.begin, found.times)
 
@@ -157,7 +157,7 @@ class ColumnReader:
                 yield repr(int(value) if isinstance(value, bool) else value)
 
     def _value(self, decoder: Union[Decoder, StateDecoder], message: bytes) -> Any:
-        """Return a number or state as it is, None where an element on the way is not there."""
+        """Return a number or state unchanged; None if an element of its path is missing."""
         try:
             value = decoder.value(message)
         except struct.error:
@@ -179,12 +179,12 @@ class ColumnReader:
 
 
 def write_csv(file: TextIO, readers: List[ColumnReader], slices: Iterable[List[Slice]]) -> None:
-    """Write a row for each message: its time [s], and the numbers in it.
+    """Write a row for each message: its time [s], and its numbers.
 
-    What is of another topic, or of an array that is too short for it, stays empty.
+    Cells of other topics, and of elements that an array is too short for, are empty.
 
-    :param file: where to write
-    :param readers: read what is written, column by column
+    :param file: the output
+    :param readers: readers of the columns
     :param slices: the messages
     """
     file.write(header("time", *(reader.column.name for reader in readers)))

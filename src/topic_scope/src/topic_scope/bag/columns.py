@@ -1,4 +1,4 @@
-"""Selection of numbers from a bag's messages by their names."""
+"""Selection of numeric fields of a bag by name."""
 
 import difflib
 from functools import partial
@@ -24,18 +24,18 @@ from topic_scope.messages.fields import (
 )
 from topic_scope.messages.timestamp_source import path_of
 
-#: How alike a name has to be to be named, from 0 to 1; and how many are.
+#: Least similarity of a suggested name, from 0 to 1; most suggestions.
 _ALIKE, _HINTS = 0.7, 3
 
 
 class Column(NamedTuple):
-    """A number that the messages of a topic have.
+    """Numeric field of a topic.
 
     :param topic: global name of the topic
-    :param path: where the number stands in a message
-    :param timestamp: name of the time to plot it over; see :func:`.timestamp_source.path_of`
-    :param function: name of what is computed of it; see :mod:`.derived`
-    :param field: name of the number where the bag has a topic that it could be taken for
+    :param path: path of the number in a message
+    :param timestamp: name of its timestamp source; see :func:`.timestamp_source.path_of`
+    :param function: name of the function applied to it; see :mod:`.derived`
+    :param field: name of the number, if its default name could also denote another topic of the bag
     """
 
     topic: str
@@ -52,11 +52,11 @@ class Column(NamedTuple):
 
 
 def choose(expressions: List[str], first_messages: Mapping[str, FirstMessage]) -> List[Column]:
-    """Return what a list of names stands for, each number once.
+    """Return the columns that a list of names denotes, without duplicates.
 
     :param expressions: names in the notation of :mod:`topic_scope.messages.fields`
     :param first_messages: as :func:`.first_messages` returns them
-    :raises FieldError: if there is no such number; the text names those nearest to it
+    :raises FieldError: if there is no such number; the text suggests similar names
     """
     columns: List[Column] = []
     for expression in expressions:
@@ -66,11 +66,11 @@ def choose(expressions: List[str], first_messages: Mapping[str, FirstMessage]) -
 
 
 class Line(NamedTuple):
-    """A line of a plot, or a column of a file.
+    """Line of a plot, or column of a file.
 
     :param name: its name
-    :param columns: the numbers that it is made of
-    :param formula: how it is computed of them, by their names; None where it is one of them
+    :param columns: the numbers that it is computed from
+    :param formula: its formula, by their names; None for a single column
     """
 
     name: str
@@ -79,11 +79,11 @@ class Line(NamedTuple):
 
 
 def choose_lines(expressions: List[str], first_messages: Mapping[str, FirstMessage]) -> List[Line]:
-    """Return what a list of names stands for: numbers, and what is computed of such; each once.
+    """Return the lines that a list of names denotes, fields and formulas, without duplicates.
 
     :param expressions: as for :func:`choose`, formulas, or differences
     :param first_messages: as :func:`.first_messages` returns them
-    :raises FieldError: as :func:`choose`, and if a formula is wrong
+    :raises FieldError: as :func:`choose`, and if a formula is invalid
     """
 
     def names(field: str) -> List[str]:
@@ -102,7 +102,7 @@ def choose_lines(expressions: List[str], first_messages: Mapping[str, FirstMessa
 
 
 def all_columns(first_messages: Mapping[str, FirstMessage]) -> List[Column]:
-    """Return all numbers that there are, as far as :func:`.numeric_fields` lists them.
+    """Return all numeric fields that :func:`.numeric_fields` lists.
 
     :param first_messages: as :func:`.first_messages` returns them
     """
@@ -125,7 +125,7 @@ def _columns(name: str, first_messages: Mapping[str, FirstMessage]) -> List[Colu
         function = STATE if not function and is_text(layout, rest) else function
         found = [field.path for field in resolve(layout, rest, lengths_in(layout, data), function)]
         typed, names_at = to_path(rest), partial(keys_in, layout, data)
-        if found != [typed]:  # of what stands for a part, elements have their names
+        if found != [typed]:  # a name that denotes a part of a message: name its elements
             found = [with_names(path, names_at, len(typed)) for path in found]
     except FieldError as error:
         known = [column.name for column in all_columns(first_messages)]
@@ -137,13 +137,13 @@ def _columns(name: str, first_messages: Mapping[str, FirstMessage]) -> List[Colu
 
 
 def _field(topic: str, path: Path, topics: Collection[str]) -> str:
-    """Return the name of a number among those of other topics; nothing where its own will do."""
+    """Return an unambiguous name of a number; empty if its default name is unambiguous."""
     name = name_of(topic, path, topics)
     return "" if name == name_of(topic, path, (topic,)) else name
 
 
 def _hint(name: str, known: List[str], topics: Collection[str]) -> str:
-    """Return what to ask for in place of a name."""
+    """Return suggestions for an unknown name."""
     if not known:
         return "there are no numbers at all"
     place = split(name, topics)
@@ -165,7 +165,7 @@ def _topic(name: str, topics: Collection[str]) -> str:
 
 
 def _likeness(name: str, other: str) -> float:
-    """Return how alike two names are, or their last parts: one may have lost its topic."""
+    """Return the similarity of two names, or of their last parts: one may lack its topic."""
     last, other_last = (one.rpartition("/")[2] for one in (name, other))
     return max(
         difflib.SequenceMatcher(None, name, other).ratio(),

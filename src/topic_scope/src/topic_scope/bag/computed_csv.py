@@ -1,4 +1,4 @@
-"""Writes what formulas compute of a bag to a CSV file, beside the fields as they are."""
+"""Writer of CSV files with formulas of a bag beside its fields."""
 
 from typing import Iterable, List, Sequence, TextIO
 
@@ -18,12 +18,12 @@ def write_computed_csv(
 ) -> None:
     """Write a row for each message, and for each sample of a formula at another time.
 
-    A value stands in the row of the message that gives it its time. All of it is in memory at
-    once, as a formula may look far back and ahead.
+    A value is in the row of the message that determines its time. All data are in memory
+    together, because a formula may look far back and ahead.
 
-    :param file: where to write
-    :param lines: what is written, column by column
-    :param readers: read the numbers that they are made of
+    :param file: the output
+    :param lines: the columns
+    :param readers: readers of the fields that the lines are computed from
     :param slices: the messages
     """
     parts: List[List[CsvColumn]] = [[] for _ in readers]
@@ -52,7 +52,7 @@ def write_computed_csv(
 
 
 def _joined(topic: str, parts: Sequence[CsvColumn]) -> CsvColumn:
-    """Return a column in one piece, in the order of time; its places tell messages apart."""
+    """Return a column joined in time order; indices identify the messages."""
     times = numpy.concatenate([numpy.empty(0, numpy.int64), *(part.times for part in parts)])
     cells = [cell for part in parts for cell in part.cells]
     order = times.argsort(kind="stable")

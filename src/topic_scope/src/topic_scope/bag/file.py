@@ -1,9 +1,9 @@
-"""The messages of a ROS 1 bag, chunk by chunk, so that a large one takes little memory.
+"""Reader of ROS 1 bags, chunk by chunk, so that a large bag takes little memory.
 
-A bag is a row of chunks, each with an index of its own behind it. rosbag.Bag reads all of these
-when it opens a bag, and keeps them: 6 s and 98 MB for 400 000 messages. Kept here is where the
-chunks are and which times they cover: 0.6 ms and 0.1 MB. Messages are not made into objects, but
-stay as they were sent. The format: http://wiki.ros.org/Bags/Format/2.0.
+A bag is a sequence of chunks, each followed by its index. On opening, rosbag.Bag reads and keeps
+all indices: 6 s and 98 MB for 400 000 messages. This reader keeps only the positions and times of
+the chunks: 0.6 ms and 0.1 MB. Messages are not deserialised. The format:
+http://wiki.ros.org/Bags/Format/2.0.
 """
 
 import bz2
@@ -15,22 +15,22 @@ import numpy
 
 from topic_scope.bag.recording import BagError, Connection, Part, Recording
 
-#: What all bags start with, and those of the version that is read.
+#: First bytes of all bags, and of bags of the supported version.
 _ANY, _MAGIC = b"#ROSBAG V", b"#ROSBAG V2.0\n"
-#: Which kind of record it is.
+#: Op codes of the types of records.
 _OPERATIONS = {"file": 3, "index": 4, "chunk": 5, "chunk info": 6, "connection": 7}
 _U32, _U64, _TIME = struct.Struct("<I"), struct.Struct("<Q"), struct.Struct("<II")
-#: Seconds and nanoseconds of the time, and where the message is in its chunk.
+#: Index entry: seconds and nanoseconds of the time, and the offset of the message in its chunk.
 _ENTRY = numpy.dtype([("s", "<u4"), ("ns", "<u4"), ("offset", "<u4")])
-#: What may come of bytes that are broken.
+#: Exceptions that damaged data may cause.
 _ERRORS = (OSError, EOFError, LookupError, MemoryError, ValueError, struct.error)
 
 
 class Record(NamedTuple):
-    """The start of a record.
+    """Header of a record.
 
-    :param fields: of its header
-    :param length: how long the data are that follow [bytes]
+    :param fields: fields of the header
+    :param length: length of the data that follow [bytes]
     """
 
     fields: Mapping[str, bytes]
@@ -38,10 +38,10 @@ class Record(NamedTuple):
 
 
 class BagFile(Recording):
-    """A bag of ROS 1 that is open.
+    """Open ROS 1 bag.
 
     :param path: the file
-    :raises BagError: if it cannot be read, or holds nothing
+    :raises BagError: if it cannot be read, or has no messages
     """
 
     def __init__(self, path: str) -> None:
@@ -89,7 +89,7 @@ class BagFile(Recording):
             topic = "/" + head["topic"].decode("utf-8", "replace").lstrip("/")
             known[_number(head, "conn")] = Connection(topic, said)
         chunks: List[Tuple[int, int, int]] = []
-        #: By number of the connection, where the chunks are that hold messages of it.
+        #: Positions of the chunks with messages of a connection, by its number.
         self._holding: Dict[int, List[int]] = {}
         for _ in range(_number(fields, "chunk_count")):
             head, length = self._record("chunk info")
@@ -131,7 +131,7 @@ class BagFile(Recording):
                 except BagError as error:
                     last.update((self.connections[one].topic, str(error)) for one in numbers)
                     continue
-                # A broken message has no bytes; but nor has a whole one without fields.
+                # A damaged message has no bytes; neither has a valid message without fields.
                 found.update(
                     (part.connection, next(filter(None, part.messages), b"")) for part in parts
                 )
@@ -139,12 +139,12 @@ class BagFile(Recording):
         return found
 
     def _chunks_with(self, connection: int, after: int) -> List[int]:
-        """Return the numbers of the chunks with messages of a connection, behind one of them."""
+        """Return the numbers of the chunks with messages of a connection, after a given chunk."""
         holding = numpy.isin(self._chunks["position"][after + 1 :], self._holding[connection])
         return (numpy.flatnonzero(holding) + after + 1).tolist()
 
     def chunks_after(self, time: int, last: Iterable[int] = ()) -> "Tuple[List[int], List[int]]":
-        """Return the chunks that hold messages later than a time; see :class:`.Recording`."""
+        """Return the chunks with messages later than a time; see :class:`.Recording`."""
         counts = self._chunks["end"] > time
         over = numpy.flatnonzero(~counts)
         for one in last:
@@ -165,9 +165,9 @@ class BagFile(Recording):
         self._file.close()
 
     def broken(self, error: Exception) -> BagError:
-        """Return what is to be said of the bag.
+        """Return the exception for a damaged bag.
 
-        :param error: what has shown that it is broken
+        :param error: the cause
         """
         reason = str(error) or type(error).__name__
         text = "%s is broken (%s); this saves what can be saved: rosbag reindex %s"
@@ -185,7 +185,7 @@ class BagFile(Recording):
         return [_part(data, connection, found) for connection, found in entries.items()]
 
     def _entries_behind(self, position: int, wanted: Collection[int]) -> Dict[int, numpy.ndarray]:
-        """Read the index that stands behind a chunk."""
+        """Read the index that follows a chunk."""
         self._file.seek(position)
         entries: Dict[int, numpy.ndarray] = {}
         while self._file.tell() < self._size:
@@ -216,9 +216,9 @@ class BagFile(Recording):
         return data
 
     def _record(self, kind: str = "") -> Record:
-        """Read the start of a record.
+        """Read the header of a record.
 
-        :param kind: which it has to be; empty for any
+        :param kind: expected type of record; empty for any
         """
         fields = _fields(self._read(_U32.unpack(self._read(4))[0]))
         if kind and fields["op"] != bytes([_OPERATIONS[kind]]):
@@ -226,7 +226,7 @@ class BagFile(Recording):
         return Record(fields, _U32.unpack(self._read(4))[0])
 
     def _read(self, length: int) -> bytes:
-        if length > self._size:  # before memory is taken for it
+        if length > self._size:  # checked before memory is allocated
             raise EOFError("the file ends too early")
         data = self._file.read(length)
         if len(data) != length:
@@ -235,7 +235,7 @@ class BagFile(Recording):
 
 
 def _fields(data: bytes) -> Dict[str, bytes]:
-    """Take a header apart: each field has its length before it, and a = within."""
+    """Parse a header: fields of the form name=value, each preceded by its length."""
     fields, at = {}, 0
     while at < len(data):
         (length,) = _U32.unpack_from(data, at)
@@ -264,7 +264,7 @@ def _part(data: bytes, connection: int, entries: numpy.ndarray) -> Part:
 
 
 def _message_or_nothing(data: bytes, offset: int) -> bytes:
-    """Return a message; nothing of a broken one, which counts as cut off."""
+    """Return a message; empty for a damaged message, which counts as cut off."""
     try:
         return _message(data, offset)
     except (EOFError, struct.error):
@@ -272,7 +272,7 @@ def _message_or_nothing(data: bytes, offset: int) -> bytes:
 
 
 def _message(data: bytes, offset: int) -> bytes:
-    """Return a message: a record whose header only repeats what the index says."""
+    """Return a message: the data of a record; its header only repeats the index."""
     start = offset + 4 + _U32.unpack_from(data, offset)[0]
     (length,) = _U32.unpack_from(data, start)
     message = data[start + 4 : start + 4 + length]

@@ -14,14 +14,14 @@ from topic_scope.messages.fields import FieldError, parted, split
 def chosen(
     bag: Recording, first: Mapping[str, FirstMessage], names: Sequence[str]
 ) -> Tuple[List[Line], List[ColumnReader]]:
-    """Return what names stand for in a bag, and what reads that.
+    """Return the lines that names denote in a bag, and the readers of their columns.
 
-    What is left out, as its topics cannot be read, is in ``left_out`` of the bag then.
+    Lines of unreadable topics are left out and added to ``left_out`` of the bag.
 
     :param bag: the bag
     :param first: as :func:`.first_messages` returns them
-    :param names: of fields, or of what is computed
-    :raises FieldError: if there is no such field, a formula is wrong, or no line is left
+    :param names: names of fields, or formulas
+    :raises FieldError: if a field does not exist, a formula is invalid, or no line is left
     """
     lines: Dict[str, Line] = {}
     for name in names:
@@ -38,7 +38,7 @@ def chosen(
 
 
 def _fault(name: str, bag: Recording, first: Mapping[str, FirstMessage]) -> Optional[str]:
-    """Return why a line cannot be read, in words; None where all of its topics can."""
+    """Return why a line cannot be read; None if all of its topics are readable."""
     topics = {*first, *bag.faults}
     for field in (parted(term)[0] for one in expand(name) for term in terms(one)):
         place = split(field, topics)
@@ -58,7 +58,7 @@ def series_of(
     :param bag: the bag
     :param lines: as :func:`chosen` returns them
     :param readers: the same
-    :param messages: of their topics
+    :param messages: messages of their topics
     """
     found = collect(readers, messages)
     if bag.lost:

@@ -1,4 +1,4 @@
-"""The messages of a bag, topic by topic, in the order of time."""
+"""Messages of a bag by topic, in time order."""
 
 from typing import Collection, Dict, Iterator, List, NamedTuple, Optional
 
@@ -13,7 +13,7 @@ class Slice(NamedTuple):
 
     :param topic: its global name
     :param times: when they were recorded, ascending, since the start of the bag [ns]
-    :param messages: as they were sent
+    :param messages: serialized messages
     """
 
     topic: str
@@ -22,15 +22,15 @@ class Slice(NamedTuple):
 
     @classmethod
     def empty(cls, topic: str) -> "Slice":
-        """Return no messages."""
+        """Return an empty slice."""
         return cls(topic, numpy.empty(0, numpy.int64), [])
 
 
 class FirstMessage(NamedTuple):
-    """The message of a topic that tells what there is in it.
+    """Early message of a topic, with its layout.
 
     :param layout: its layout
-    :param data: the message as it was sent
+    :param data: the serialized message
     """
 
     layout: definitions.Record
@@ -38,9 +38,9 @@ class FirstMessage(NamedTuple):
 
 
 def first_messages(bag: Recording) -> Dict[str, FirstMessage]:
-    """Return one of the first messages of each topic that can be read, by global name.
+    """Return one of the first messages of each readable topic, by global name.
 
-    The others are among the ``faults`` of the bag then.
+    Other topics are added to ``faults`` of the bag.
     """
     types: Dict[str, Dict[Optional[str], str]] = {}
     for topic, header in bag.connections.values():
@@ -65,14 +65,14 @@ def first_messages(bag: Recording) -> Dict[str, FirstMessage]:
 def slices(
     bag: Recording, topics: Collection[str], start: int = 0, end: Optional[int] = None
 ) -> Iterator[List[Slice]]:
-    """Read the messages of some topics, a chunk or so at a time; broken chunks are left out.
+    """Read the messages of some topics, about a chunk at a time; damaged chunks are left out.
 
-    What was left out is in ``lost`` of the bag then.
+    Damaged chunks are added to ``lost`` of the bag.
 
     :param topics: global names
-    :param start: time of the first one, since the start of the bag [ns]
-    :param end: time of the last one; None for the end of the bag
-    :returns: slices of the topics, at most one of each; what comes later in time comes later
+    :param start: start of the time range, since the start of the bag [ns]
+    :param end: its end; None for the end of the bag
+    :returns: lists of slices in time order, with at most one slice of each topic
     """
     wanted = bag.numbers_of(topics)
     first = bag.start + start
@@ -93,7 +93,7 @@ def slices(
 
 
 def _sliced(bag: Recording, parts: List[Part], start: int, end: int) -> List[Slice]:
-    """Put together what parts hold of each topic from one time to before another [ns]."""
+    """Join the messages of each topic from a start up to, but excluding, an end [ns]."""
     of_topic: Dict[str, List[Part]] = {}
     for part in parts:
         part = part.between(start, end)

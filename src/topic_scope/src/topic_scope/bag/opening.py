@@ -1,4 +1,4 @@
-"""Opens recordings of ROS 1 and ROS 2, and tells which a path is."""
+"""Opening of ROS 1 and ROS 2 recordings by path."""
 
 import os
 from typing import Dict
@@ -8,28 +8,28 @@ from topic_scope.bag.recording import Recording
 from topic_scope.bag.ros2_recording import Ros2Recording
 from topic_scope.messages.layouts import Layouts
 
-#: What files of MCAP and of SQLite begin with.
+#: First bytes of MCAP and SQLite files.
 _ROS2 = (b"\x89MCAP", b"SQLite format 3\0")
-#: What a folder of ROS 2 has.
+#: File in the folder of a ROS 2 recording.
 _FOLDER = ("metadata.yaml", ".mcap", ".db3")
 
 
 def open_bag(path: str) -> Recording:
     """Open a recording.
 
-    :param path: a bag of ROS 1; a ``.mcap`` or ``.db3`` file, or a folder of ROS 2
-    :raises BagError: if it cannot be read, or holds nothing
+    :param path: a ROS 1 bag; a ``.mcap`` or ``.db3`` file, or a folder of a ROS 2 recording
+    :raises BagError: if it cannot be read, or has no messages
     """
     return Ros2Recording(path) if _is_of_ros2(path) else BagFile(path)
 
 
 def learn_types(bag: Recording, layouts: Layouts) -> Dict[str, str]:
-    """Return the types of a recording's topics, and have its definitions count.
+    """Return the types of a recording's topics, and register its definitions.
 
-    What the recording says of a type counts, whatever is installed under its name.
+    The recording's definition of a type takes precedence over an installed one.
 
     :param bag: the recording
-    :param layouts: gets the definitions, or why one is missing
+    :param layouts: receives the definitions, or the reason why one is missing
     """
     types: Dict[str, str] = {}
     for topic, header in bag.connections.values():
@@ -47,5 +47,5 @@ def _is_of_ros2(path: str) -> bool:
             return any(name.endswith(_FOLDER) for name in os.listdir(path))
         with open(path, "rb") as file:
             return file.read(16).startswith(_ROS2)
-    except OSError:  # which opening it explains
+    except OSError:  # opening it reports the cause
         return False

@@ -18,17 +18,17 @@ from topic_scope.timing.nanoseconds import array_to_ns, to_ns
 
 
 class BagOverlay:
-    """A bag whose topics begin with a name of its own, and whose time is laid where one likes.
+    """Overlaid bag: its topics have a prefix, and its time can be shifted.
 
     :param path: the file
-    :param name: what its topics begin with: ``/signal`` is ``/NAME/signal``
-    :param offset: how much later than at :attr:`begin` it is laid [s]
-    :raises BagError: if it cannot be read, or holds nothing
+    :param name: prefix of its topics: ``/signal`` is ``/NAME/signal``
+    :param offset: shift to later times, relative to :attr:`begin` [s]
+    :raises BagError: if it cannot be read, or has no messages
 
     :ivar path: the file
-    :ivar name: what its topics begin with
-    :ivar begin: where its first message is laid [s] by the scope's clock
-    :ivar offset: what is added to that [s]
+    :ivar name: prefix of its topics
+    :ivar begin: time of its first message without the offset, by the scope's clock [s]
+    :ivar offset: added to :attr:`begin` [s]
     :ivar length: the time from its first to its last message [s]
     :ivar types: type of each of its topics
     :ivar layouts: the same as layouts; see :class:`.Overlay`
@@ -62,12 +62,12 @@ class BagOverlay:
         return to_ns(self.place)
 
     def trace(self, topic: str, path: Path, timestamp: str, function: str) -> OverlayTrace:
-        """Return one of its traces, which is to be filled; see :meth:`take_wanted`.
+        """Return one of its traces, still empty; see :meth:`take_wanted`.
 
         :param topic: one of :attr:`types`
-        :param path: where the field stands in a message
-        :param timestamp: name of the time that it goes by
-        :param function: name of what is computed of it
+        :param path: path of the field in a message
+        :param timestamp: name of its timestamp source
+        :param function: name of the function applied to it
         """
         own = name_of(self._own(topic), path, self._first)
         name = own + ending(function, timestamp)
@@ -85,35 +85,35 @@ class BagOverlay:
         return trace
 
     def take_wanted(self) -> List[Tuple[str, OverlayTrace]]:
-        """Return the traces that are to be filled, and what they are called in the bag; once."""
+        """Return the traces to fill, each once, with their names in the bag."""
         wanted, self._wanted = self._wanted, []
         return wanted
 
     def name_in_bag(self, name: str) -> str:
-        """Return what a trace is called in the bag, be it one of the bag or of what it lies over.
+        """Return the name of a trace in the bag, for a trace of the bag or of the scope.
 
-        :param name: of a field, or of what is computed
+        :param name: name of a field, or a formula
         """
         formula = formula_of(name)
         return self._own(name) if formula is None else "=" + formula.text(self._own)
 
     def longest_step(self, series: Series) -> float:
-        """Return how far apart samples of one line may be [s].
+        """Return the longest time between connected samples [s].
 
-        :param series: one that :meth:`read` has returned
+        :param series: a series that :meth:`read` has returned
         """
         bare, _, timestamp = parted(terms(series.name)[0])
         place = split(bare, self._first)
         path = path_of(timestamp, self._first[place[0]].layout) if place else None
-        there = numpy.isfinite(numpy.array(series.values))  # where a line ends no sample is
+        there = numpy.isfinite(numpy.array(series.values))  # NaN marks the end of a line
         return longest_step(path, array_to_ns(numpy.array(series.times)[there]))
 
     def read(self, names: Sequence[str]) -> List[Series]:
-        """Return lines over time; it opens the file itself, so any thread may call it.
+        """Return lines over time; opens the file itself, so any thread may call it.
 
-        :param names: what they are called in the bag
+        :param names: their names in the bag
         :raises FieldError: if there is no such line
-        :raises BagError: if the bag is broken
+        :raises BagError: if the bag is damaged
         """
         with open_bag(self.path) as bag:
             lines, readers = chosen(bag, self._first, names)

@@ -1,9 +1,9 @@
-"""Plays a bag: its messages come out as those of subscriptions do, by the clock of the bag.
+"""Player of a bag: a message source that follows the clock of the bag.
 
-It is read in the thread that calls :meth:`now`, a few chunks at each call: so it needs no
-lock and no queue, and in memory is what lies between the chunks that have begun and the clock. When
-it is sent elsewhere it first reads what came before that place, for as long as a scope keeps it, as
-fast as it can; from there on it goes by the clock.
+The bag is read in the thread that calls :meth:`now`, a few chunks at each call, so no locks or
+queues are needed, and only the messages between the chunks in progress and the clock are in memory.
+After a seek, the player first reads the history before the new position, as fast as possible, and
+then follows the clock.
 """
 
 import time
@@ -15,10 +15,10 @@ import numpy
 from topic_scope.bag.recording import BagError, Part, Recording
 from topic_scope.sampling.message_source import TICK_NS, Batch
 
-#: How long one call may read [s]: while pages are shown, and while they wait.
+#: Longest reading time of a call [s]: while pages are updated, and while they wait.
 PLAYING_S, LOADING_S = 0.01, 0.1
 _NS = 10**9
-#: How much of what came before a place is for those who take it besides [ns].
+#: History before a position for side subscriptions [ns].
 ASIDE_NS = 5 * _NS
 
 
@@ -29,7 +29,7 @@ class Subscription:
         self.batches: List[Batch] = []
 
     def drain(self) -> Iterator[Batch]:
-        """Return what has come since the last call, oldest first."""
+        """Return the messages since the last call, oldest first."""
         batches, self.batches = self.batches, []
         return iter(batches)
 
@@ -37,10 +37,10 @@ class Subscription:
 class SideSubscriptions:
     """Second set of subscriptions to a played bag; a :class:`.MessageSource`.
 
-    Of what came before a place it has the last seconds, and of each publisher the latest message at
-    least, however long ago that was: who wants the present has no use for more.
+    After a seek it receives only the last seconds of the history, and at least the latest message
+    of each publisher, however old: its users need the present only.
 
-    :param player: plays the bag
+    :param player: player of the bag
     """
 
     def __init__(self, player: "BagPlayer") -> None:
@@ -50,7 +50,7 @@ class SideSubscriptions:
 
     @property
     def has_ended(self) -> bool:
-        """Whether the clock of the bag stands at its end."""
+        """Whether the clock of the bag has reached its end."""
         return self.clock.has_ended
 
     def want(self, topics: Collection[str], is_more: bool = False) -> None:
@@ -66,17 +66,17 @@ class SideSubscriptions:
 
 
 class BagPlayer:
-    """Plays a bag; a :class:`.MessageSource`.
+    """Player of a bag; a :class:`.MessageSource`.
 
     :param bag: the bag
-    :param history: how much it reads of what came before the place where it begins [s]
-    :param clock: how it tells how much time has passed [s]
+    :param history: history to read before a position [s]
+    :param clock: monotonic clock [s]
 
-    :ivar aside: what else the messages come out of
-    :ivar is_loading: whether it reads what came before
-    :ivar lacks_past: whether more is wanted than was read of what came before
-    :ivar is_playing: whether its clock goes, or will when it has loaded
-    :ivar problems: what could not be read, and why
+    :ivar aside: second set of subscriptions
+    :ivar is_loading: whether the history is being read
+    :ivar lacks_past: whether topics were requested whose history has not been read
+    :ivar is_playing: whether its clock runs, or will run after loading
+    :ivar problems: problems of reading
     """
 
     def __init__(
@@ -88,14 +88,14 @@ class BagPlayer:
         self._subscriptions: Dict[str, Subscription] = {}
         self.aside = SideSubscriptions(self)
         self._connections: Set[int] = set()
-        #: Chunks to be read, as number and begin [ns]; and what was read, but is to come later.
+        #: Chunks to read, as number and start [ns]; and messages read ahead of the clock.
         self._chunks: Deque[Tuple[int, int]] = deque()
         self._parts: List[Part] = []
-        #: When the latest message of each topic came out [ns].
+        #: Output time of the latest message of each topic [ns].
         self._latest: Dict[str, int] = {}
-        #: All messages up to this time have come; and where it is sent to [ns].
+        #: All messages up to this time have been output; and the target of a seek [ns].
         self._at = self._goal = self._start = self._recent = bag.start
-        #: The time by which it counts [s], and where it was then [ns].
+        #: Reference of its clock: monotonic time [s], and position in the bag [ns].
         self._since, self._from = clock(), bag.start
         self._speed = 1.0
         self.is_loading = self.is_playing = self.lacks_past = False
@@ -142,9 +142,9 @@ class BagPlayer:
     def seek(self, moment: float) -> None:
         """Move to a time: read the history before it, then continue as before.
 
-        :param moment: s since the epoch; the nearest one that there is counts
+        :param moment: s since the epoch; limited to the bag
         """
-        # As a float the end may be before the last message.
+        # The end, rounded to a float, may be before the last message.
         goal = self._bag.end if moment >= self.end else round(moment * _NS)
         self._goal = min(max(goal, self._bag.start), self._bag.end)
         self._at = self._start = max(self._goal - self._history, self._bag.start) - 1
@@ -163,7 +163,7 @@ class BagPlayer:
         numbers = [number for number, one in connections.items() if one.topic in topics]
         return {connections[number].topic: Subscription() for number in numbers}, numbers
 
-    # --- What it is as a source of messages --------------------------------------------------
+    # --- MessageSource -----------------------------------------------------------------------
 
     @property
     def clock(self) -> "BagPlayer":
@@ -172,7 +172,7 @@ class BagPlayer:
 
     @property
     def has_ended(self) -> bool:
-        """Whether its clock stands at the end of the bag."""
+        """Whether its clock has reached the end of the bag."""
         return self._at >= self._bag.end
 
     def want(self, topics: Collection[str], is_more: bool = False) -> None:
@@ -185,9 +185,9 @@ class BagPlayer:
         return self._subscriptions
 
     def now(self) -> float:
-        """Read on.
+        """Read the next chunks, and output messages.
 
-        :returns: the time up to which all messages have come [s] since the epoch
+        :returns: the time up to which all messages have been output [s] since the epoch
         """
         passed = self._clock()
         target = self._goal
@@ -202,7 +202,7 @@ class BagPlayer:
             self._count_from_here()
         else:
             self._goal = self._at
-            if reached < target:  # it is not as fast as it should be
+            if reached < target:  # reading is slower than the clock
                 self._count_from_here()
             self.is_playing = self.is_playing and reached < self._bag.end
         return self._at / _NS
@@ -211,11 +211,11 @@ class BagPlayer:
         self._since, self._from = self._clock(), self._goal
 
     def _read(self, target: int, until: float) -> int:
-        """Read chunks, one at least.
+        """Read chunks, at least one.
 
-        :param target: begins up to here [ns]
+        :param target: read the chunks that start up to here [ns]
         :param until: time to stop [s]
-        :returns: the time up to which nothing is missing [ns]
+        :returns: the time up to which all messages have been read [ns]
         """
         is_late = False
         while self._chunks:
@@ -227,7 +227,7 @@ class BagPlayer:
             self._chunks.popleft()
             try:
                 self._parts += self._bag.read(number, self._connections)
-            except BagError as error:  # the others may be whole
+            except BagError as error:  # other chunks may be intact
                 self.problems.append(str(error))
             self.problems += self._bag.notes
             self._bag.notes.clear()
@@ -235,7 +235,7 @@ class BagPlayer:
         return target
 
     def _put(self) -> None:
-        """Release the messages up to the time of the clock."""
+        """Output the messages up to the time of the clock."""
         parts, self._parts = self._parts, []
         ready: Dict[str, List[Part]] = {}
         for connection, times, messages in parts:
@@ -246,30 +246,30 @@ class BagPlayer:
             if last < len(messages):
                 self._parts.append(Part(connection, times[last:], messages[last:]))
         for topic, found in ready.items():
-            came = _told_apart([part.times for part in found], self._latest.get(topic, 0))
-            self._latest[topic] = max(int(one[-1]) for one in came)
-            for part, one in zip(found, came):
+            output = _distinct_times([part.times for part in found], self._latest.get(topic, 0))
+            self._latest[topic] = max(int(one[-1]) for one in output)
+            for part, one in zip(found, output):
                 self._let_out(topic, part, one.tolist())
 
-    def _let_out(self, topic: str, part: Part, came: List[int]) -> None:
+    def _let_out(self, topic: str, part: Part, times: List[int]) -> None:
         header = self._bag.connections[part.connection].header
         first, recent = part.times.searchsorted([self._start, self._recent], "right").tolist()
-        recent = min(recent, len(came) - 1)
+        recent = min(recent, len(times) - 1)
         for subscriptions, begin in ((self._subscriptions, first), (self.aside.active, recent)):
-            if topic in subscriptions and begin < len(came):
-                batch = Batch(header, came[begin:], part.messages[begin:])
+            if topic in subscriptions and begin < len(times):
+                batch = Batch(header, times[begin:], part.messages[begin:])
                 subscriptions[topic].batches.append(batch)
 
 
-def _told_apart(recorded: List[numpy.ndarray], latest: int) -> List[numpy.ndarray]:
-    """Return when the messages of a topic come out, no two at the same time.
+def _distinct_times(recorded: List[numpy.ndarray], latest: int) -> List[numpy.ndarray]:
+    """Return the output times of the messages of a topic, no two equal.
 
-    :param recorded: when those of each part were recorded, ascending [ns]
-    :param latest: when the latest one before them came out [ns]
+    :param recorded: times of recording for each part, ascending [ns]
+    :param latest: output time of the latest earlier message [ns]
     """
     times = numpy.concatenate(recorded)
     order = times.argsort(kind="stable")
     ticks = TICK_NS * numpy.arange(1, len(times) + 1)
-    came = numpy.empty_like(times)
-    came[order] = numpy.maximum.accumulate(numpy.maximum(times[order] - ticks, latest)) + ticks
-    return numpy.split(came, numpy.cumsum([len(one) for one in recorded])[:-1])
+    output = numpy.empty_like(times)
+    output[order] = numpy.maximum.accumulate(numpy.maximum(times[order] - ticks, latest)) + ticks
+    return numpy.split(output, numpy.cumsum([len(one) for one in recorded])[:-1])

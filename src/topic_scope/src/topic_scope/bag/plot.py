@@ -1,4 +1,4 @@
-"""Draw numbers from a bag over time."""
+"""Plots of numbers from a bag over time."""
 
 import math
 import textwrap
@@ -17,24 +17,24 @@ from topic_scope.analysis.state_spans import SEVERAL, state_spans
 from topic_scope.bag.series import Series
 from topic_scope.timing.nanoseconds import NS, array_to_ns, to_ns
 
-#: So few points are marked, as a line through them may not be seen.
+#: Up to this number of points, points are marked: a line through them may be invisible.
 _MARKED = 40
 #: Most characters in a line of the y axis's title.
 _TITLE_WIDTH = 60
 
-#: Height of the band of a state, width of the picture and of a letter [in].
+#: Height of a state's band, width of the picture, width of a letter [in].
 _BAND, _WIDTH, _LETTER = 0.7, 9.0, 0.08
-#: Most spans of a band that are drawn one by one.
+#: Most spans of a band that are drawn individually.
 _SPANS = 1000
 _SEVERAL_COLOUR = "lightgrey"
 
-#: As many lines as four styles and ten colours tell apart.
+#: Number of lines that four styles and ten colours distinguish.
 _LINES = cycler(linestyle=["-", "--", ":", "-."]) * cycler(color=TABLEAU_COLORS.values())
 
 _STYLE = {
-    # Agg refuses to draw longer lines in one piece.
+    # Agg cannot draw longer lines in one piece.
     "agg.path.chunksize": 20000,
-    # The same picture gives the same file.
+    # Identical pictures give identical files.
     "svg.hashsalt": "topic_scope",
 }
 
@@ -72,7 +72,7 @@ def _draw_lines(axes: Axes, lines: List[Series]) -> None:
     axes.set_ylabel(_title([series.name for series in lines]))
     axes.grid(alpha=0.3)
     axes.margins(x=0.01)
-    # On the right, as the left is where an axis writes its power of ten.
+    # On the right: the axis writes its power of ten on the left.
     axes.legend(
         loc="lower right", bbox_to_anchor=(1.0, 1.0), ncol=2, frameon=False, borderaxespad=0.2
     )
@@ -85,7 +85,7 @@ def _span_of(everything: List[Series]) -> Tuple[float, float]:
 
 
 def _draw_bands(rows: List[Axes], bands: List[Series], span: Tuple[float, float]) -> None:
-    """Draw states as bands, coloured by their texts, which stand inside where there is room."""
+    """Draw states as bands, coloured by their texts, with the text inside if it fits."""
     first, last = span
     whole = max(last - first, 1e-9)
     for axes, series in zip(rows, bands):
@@ -101,7 +101,7 @@ def _draw_bands(rows: List[Axes], bands: List[Series], span: Tuple[float, float]
             colour = _SEVERAL_COLOUR if one.number == SEVERAL else _colour_of(text)
             axes.axvspan(start, end, facecolor=colour, alpha=0.6, edgecolor="white")
             if len(text) * _LETTER < (end - start) / whole * _WIDTH and text.isprintable():
-                # Not as a formula, which a dollar sign begins.
+                # Escaped: a dollar sign would start a formula.
                 middle = (start + end) / 2
                 axes.text(middle, 0.5, text, ha="center", va="center", parse_math=False)
 
@@ -119,7 +119,7 @@ def save(figure: Figure, path: str, format: str) -> None:
     :param path: the file
     :param format: ``png``, ``svg`` or ``pdf``
     """
-    # Without a date, the same drawing gives the same file.
+    # Without a date, identical drawings give identical files.
     metadata = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(format)
     with matplotlib.rc_context(_STYLE):
         figure.savefig(path, format=format, metadata=metadata)

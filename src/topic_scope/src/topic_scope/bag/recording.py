@@ -1,4 +1,4 @@
-"""A recording that is open, of ROS 1 or of ROS 2: what its readers have in common."""
+"""Common interface of open ROS 1 and ROS 2 recordings."""
 
 from typing import Collection, Dict, Iterable, List, Mapping, NamedTuple, Tuple, TypeVar
 
@@ -8,7 +8,7 @@ _Self = TypeVar("_Self", bound="Recording")
 
 
 class BagError(Exception):
-    """A bag that cannot be read; the text is for its owner."""
+    """Unreadable bag; the text is for the user."""
 
 
 class Connection(NamedTuple):
@@ -35,24 +35,24 @@ class Part(NamedTuple):
     messages: List[bytes]
 
     def between(self, start: int, end: int) -> "Part":
-        """Return those of them from one time to before another, since the epoch [ns]."""
+        """Return the messages from a start up to, but excluding, an end, since the epoch [ns]."""
         first, last = self.times.searchsorted([start, end]).tolist()
         return Part(self.connection, self.times[first:last], self.messages[first:last])
 
 
 class Recording:
-    """A recording that is open, read chunk by chunk; may be used in a ``with`` statement.
+    """Open recording, read chunk by chunk; may be used in a ``with`` statement.
 
     :param path: file or folder
 
     :ivar path: the same
     :ivar connections: by their numbers; only those with messages
     :ivar start: time of the first message, since the epoch [ns]
-    :ivar end: time of the last one
+    :ivar end: time of the last message
     :ivar faults: topics that cannot be read, and why
-    :ivar lost: parts that could not be read, in words
-    :ivar left_out: what else was asked for and is left out, in words
-    :ivar notes: problems with single messages that were read, in words
+    :ivar lost: descriptions of the parts that could not be read
+    :ivar left_out: descriptions of the requested lines that are left out
+    :ivar notes: descriptions of problems with single messages
     """
 
     def __init__(self, path: str) -> None:
@@ -73,11 +73,11 @@ class Recording:
 
     @property
     def length(self) -> int:
-        """The time from the first message to the last of any topic [ns]."""
+        """Time from the first to the last message of any topic [ns]."""
         return self.end - self.start
 
     def count(self, topics: Collection[str]) -> int:
-        """Return how many messages topics have.
+        """Return the number of messages of some topics.
 
         :param topics: global names
         """
@@ -88,17 +88,17 @@ class Recording:
         return [number for number, one in self.connections.items() if one.topic in topics]
 
     def earliest(self) -> Dict[int, bytes]:
-        """Read an early message of each topic; by the numbers of their connections.
+        """Read an early message of each topic, by the numbers of their connections.
 
-        A topic without one that can be read is among :attr:`faults`.
+        A topic without a readable message is added to :attr:`faults`.
         """
         raise NotImplementedError
 
     def chunks_after(self, time: int, last: Iterable[int] = ()) -> "Tuple[List[int], List[int]]":
-        """Return the numbers of the chunks that hold messages later than a time, and their starts.
+        """Return the numbers of the chunks with messages later than a time, and their starts.
 
         :param time: since the epoch [ns]
-        :param last: numbers of connections; of each the last chunk before that counts, too
+        :param last: numbers of connections whose last chunk before the time is included
         :returns: in the order of their starts [ns]
         """
         raise NotImplementedError
@@ -106,9 +106,9 @@ class Recording:
     def read(self, number: int, wanted: Collection[int]) -> List[Part]:
         """Read the messages of some connections in a chunk.
 
-        :param number: of the chunk
+        :param number: number of the chunk
         :param wanted: numbers of the connections
-        :raises BagError: if the chunk is broken
+        :raises BagError: if the chunk is damaged
         """
         raise NotImplementedError
 

@@ -1,7 +1,7 @@
-"""Recordings of ROS 2, read by the library rosbags: MCAP and SQLite, files and folders.
+"""ROS 2 recordings, read by the library rosbags: MCAP and SQLite, files and folders.
 
-The bytes of messages become those of ROS 1, and so do definitions: what decodes, plots and plays
-knows one kind. A chunk is a span of time here, of about as many bytes as a chunk of a file.
+Messages and definitions are converted to ROS 1, so that decoding, plots and playback handle one
+format. A chunk is a time span here, of about the size of a chunk of a file.
 """
 
 import bisect
@@ -18,22 +18,22 @@ from topic_scope.bag import rosbags_library
 from topic_scope.bag.recording import BagError, Connection, Part, Recording
 from topic_scope.bag.ros2_types import Ros2Type, TypeProblem
 
-#: About how large a span is [bytes], and how many messages it has.
+#: Approximate size of a span [bytes], and its number of messages.
 _SPAN_BYTES, _SPAN_MESSAGES = 4 * 2**20, 4000
-#: How many messages of a topic are tried until one fits its definition.
+#: Number of messages of a topic to try until one fits its definition.
 _FIRST_MESSAGES = 1000
-#: What stands for a message that cannot be read: one that is cut off.
+#: Replacement for an unreadable message: a message that is cut off.
 _CUT_OFF = b""
 
 
 class Ros2Recording(Recording):
-    """A recording of ROS 2 that is open.
+    """Open ROS 2 recording.
 
-    Of a folder each file is read on its own: what its ``metadata.yaml`` says of times and topics
-    need not be what is in them.
+    Each file of a folder is read separately: times and topics in ``metadata.yaml`` may differ
+    from the contents of the files.
 
     :param path: a file, or a folder of such files
-    :raises BagError: if it cannot be read, or holds nothing
+    :raises BagError: if it cannot be read, or has no messages
     """
 
     def __init__(self, path: str) -> None:
@@ -63,14 +63,14 @@ class Ros2Recording(Recording):
         except BagError:
             self.close()
             raise
-        except Exception as error:  # of a library, given files that may be anything
+        except Exception as error:  # the library may raise anything for invalid files
             self.close()
             raise self._broken(error) from error
         size = sum(os.path.getsize(str(file)) for file in files)
         self._edges = self._edges_of(size)
 
     def _learn(self) -> None:
-        """Read what there is: topics, types and times."""
+        """Read topics, types and times."""
         full = [one for one in self._readers if one.message_count]
         if not full:
             raise BagError(f"{self.path} holds no messages")
@@ -88,11 +88,11 @@ class Ros2Recording(Recording):
                     self.connections[number] = self._connection(number, one, made)
 
     def _edges_of(self, size: int) -> List[int]:
-        """Return where spans of time begin, and where the last one ends [ns]."""
+        """Return the starts of the time spans, and the end of the last [ns]."""
         messages = sum(one.message_count for one in self._readers)
         count = max(1, size // _SPAN_BYTES, messages // _SPAN_MESSAGES)
         if any(_chunks(one) == [] for one in self._readers):
-            count = 1  # each span of a file without chunks takes a look at all of it
+            count = 1  # reading a span of a file without chunks scans the whole file
         whole = self.end + 1 - self.start
         edges = {self.start + whole * index // count for index in range(count + 1)}
         return sorted(edges)
@@ -133,7 +133,7 @@ class Ros2Recording(Recording):
                             break
                         except TypeProblem as error:
                             problem = f"no early message fits its definition: {error}"
-                except Exception as error:  # of a library, given files that may be anything
+                except Exception as error:  # the library may raise anything for invalid files
                     problem = f"its messages cannot be read: {error}"
                 if number in found:
                     break
@@ -142,7 +142,7 @@ class Ros2Recording(Recording):
         return found
 
     def chunks_after(self, time: int, last: Iterable[int] = ()) -> "Tuple[List[int], List[int]]":
-        """Return the chunks that hold messages later than a time; see :class:`.Recording`."""
+        """Return the chunks with messages later than a time; see :class:`.Recording`."""
         first = len(self._edges) - 1
         if time < self.end:
             first = max(bisect.bisect_right(self._edges, time) - 1, 0)
@@ -152,12 +152,12 @@ class Ros2Recording(Recording):
         return sorted(numbers), [self._edges[number] for number in sorted(numbers)]
 
     def _latest_before(self, first: int, connection: int) -> List[int]:
-        """Return the last chunk before one that holds a message of a connection, if there is."""
+        """Return the last earlier chunk with a message of a connection, if any."""
         for number in reversed(range(first)):
             try:
                 if next(self._messages(number, [connection]), None) is not None:
                     return [number]
-            except Exception:  # it says so when it is read
+            except Exception:  # reading the chunk reports it
                 return [number]
         return []
 
@@ -169,12 +169,12 @@ class Ros2Recording(Recording):
                 times, messages = found.setdefault(connection, ([], []))
                 times.append(time)
                 messages.append(self._converted(connection, data))
-        except Exception as error:  # of a library, given files that may be anything
+        except Exception as error:  # the library may raise anything for invalid files
             raise self._broken(error) from error
         return [_part(connection, *both) for connection, both in found.items()]
 
     def _messages(self, number: int, wanted: Collection[int]) -> Iterator[Tuple[int, int, bytes]]:
-        """Return number of the connection, time [ns] and bytes of the messages in a chunk."""
+        """Return connection number, time [ns] and bytes of the messages in a chunk."""
         start, end = self._edges[number], self._edges[number + 1]
         for place, reader in enumerate(self._readers):
             mine = [self._sources[one] for one in wanted if one in self._types]
@@ -205,7 +205,7 @@ class Ros2Recording(Recording):
 
 
 def _metadata(path: str) -> Dict[str, Any]:
-    """Return what ``metadata.yaml`` says, in a folder or beside a file; nothing without one."""
+    """Return the contents of ``metadata.yaml``, in a folder or beside a file; empty without one."""
     folder = path if os.path.isdir(path) else os.path.dirname(path)
     try:
         with open(os.path.join(folder, "metadata.yaml"), encoding="utf-8") as file:
@@ -229,19 +229,19 @@ def _files(path: str, metadata: Mapping[str, Any]) -> List[pathlib.Path]:
     missing = [one.name for one in named if not one.exists()]
     if missing:
         raise BagError(f"{path}: {missing[0]} is missing, which its metadata.yaml names")
-    # A recorder that was killed has not written the names of its last files.
+    # A killed recorder has not written the names of its last files.
     others = {*folder.glob("*.mcap"), *folder.glob("*.db3")} - set(named)
     return [*named, *sorted(others)]
 
 
 def _text(metadata: Mapping[str, Any], name: str) -> str:
-    """Return a text of ``metadata.yaml``; empty for anything else, which may be endless."""
+    """Return a string of ``metadata.yaml``; empty for other types, which may be recursive."""
     value = metadata.get(name)
     return value if isinstance(value, str) else ""
 
 
 def _decompression(path: str, metadata: Mapping[str, Any]) -> Callable[[bytes], bytes]:
-    """Return what unpacks each message."""
+    """Return the function that decompresses a message."""
     mode = _text(metadata, "compression_mode").lower() or "none"
     if mode == "none":
         return bytes
@@ -258,14 +258,14 @@ def _decompression(path: str, metadata: Mapping[str, Any]) -> Callable[[bytes], 
 
 
 def _chunks(reader: Any) -> Any:
-    """Return the index of the chunks of a file; None where it has none by its kind."""
+    """Return the chunk index of a file; None if its format has no chunks."""
     return getattr(reader.storage, "chunks", None)
 
 
 def _check_index(reader: Any) -> None:
-    """Refuse a file whose chunks say nothing of their messages: rosbags would find none.
+    """Reject a file without an index of its messages: rosbags would find no messages.
 
-    :raises BagError: if it is one
+    :raises BagError: if the index is missing
     """
     chunks = _chunks(reader) or []
     known = sum(sum(one.channel_count.values()) for one in chunks)

@@ -1,34 +1,34 @@
-"""Types of ROS 2 as ROS 1 has them: definitions, and the bytes of messages."""
+"""Conversion of ROS 2 types and messages to ROS 1."""
 
 from typing import Any, Callable, Dict, List, Tuple
 
-#: What ROS 1 calls types of ROS 2.
+#: ROS 1 names of ROS 2 types.
 _NAMES = {
     "builtin_interfaces/msg/Time": "time",
     "builtin_interfaces/msg/Duration": "duration",
     "byte": "uint8",
     "char": "uint8",
 }
-#: Most characters of what a library says.
+#: Most characters of a library's error text.
 _LONGEST = 120
 _HEADER, _EMPTY = "std_msgs/msg/Header", "structure_needs_at_least_one_member"
 
 
 class TypeProblem(ValueError):
-    """A type that cannot be read; the text says why."""
+    """Unreadable type; the text states the reason."""
 
 
 class Ros2Type:
-    """A type of ROS 2, by the definition in a recording.
+    """ROS 2 type, by its definition in a recording.
 
     :param name: e.g. ``std_msgs/msg/Float64``
     :param language: of the definition: a name of rosbags' ``MessageDefinitionFormat``
-    :param text: the definition; empty for the one that ROS 2 has
-    :param distribution: name of the ROS 2 that is meant
+    :param text: the definition; empty for the standard definition
+    :param distribution: name of the ROS 2 distribution
     :raises TypeProblem: if the definition is malformed or missing
 
-    :ivar name: of the type in ROS 1, e.g. ``std_msgs/Float64``
-    :ivar definition: as ROS 1 writes it, followed by those of the types that it uses
+    :ivar name: name of the type in ROS 1, e.g. ``std_msgs/Float64``
+    :ivar definition: in ROS 1's format, followed by the definitions of the types that it uses
     """
 
     def __init__(self, name: str, language: str, text: str, distribution: str) -> None:
@@ -47,24 +47,24 @@ class Ros2Type:
             self._store.get_msgdef(name)
         except TypeProblem:
             raise
-        except Exception as error:  # of a parser of a library, given a text that may be anything
+        except Exception as error:  # the library's parser may raise anything for invalid text
             raise TypeProblem(_short(error)) from error
         self.name = _ros1_name(name)
 
     def to_ros1(self, message: bytes) -> bytes:
-        """Return a message as ROS 1 sends it.
+        """Return a message in ROS 1 serialization.
 
-        :param message: as ROS 2 sends it, in CDR
+        :param message: serialized by ROS 2, in CDR
         :raises TypeProblem: if it does not fit the definition
         """
         try:
             return bytes(self._store.cdr_to_ros1(message, self._ros2_name))
-        except Exception as error:  # of bytes that may be anything
+        except Exception as error:  # the library may raise anything for invalid bytes
             raise TypeProblem(_short(error)) from error
 
 
 def _short(error: Exception) -> str:
-    """Return what an error says, in a line: the text may quote a whole definition."""
+    """Return the text of an error in one short line: it may quote a whole definition."""
     text = " ".join(str(error).split()) or type(error).__name__
     return text if len(text) <= _LONGEST else f"{text[:_LONGEST]}…"
 
@@ -76,7 +76,7 @@ def _store(name: str) -> Any:
 
 
 def _standard_store(distribution: str) -> Any:
-    """Return the types that a distribution of ROS 2 has."""
+    """Return the standard types of a ROS 2 distribution."""
     from rosbags.typesys import Stores
 
     known = {one.name for one in Stores}
@@ -89,9 +89,9 @@ def _ros1_name(name: str) -> str:
 
 
 def _definition(name: str, types: Dict[str, Any]) -> str:
-    """Return a definition of ROS 1: that of a type, and those of the types that it uses."""
+    """Return the ROS 1 definition of a type, with the types that it uses."""
     names, parts = [name], []
-    for one in names:  # which grows
+    for one in names:  # grows during the loop
         if one not in types:
             raise TypeProblem(f"the recording has no definition of {one}")
         constants, fields = types[one]
@@ -103,7 +103,7 @@ def _definition(name: str, types: Dict[str, Any]) -> str:
                 lines.append(f"{base}{array} {field.rstrip('_')}")
                 declared.append(base + array)
                 names += [used] if used and used not in names else []
-        # The place of constants is lost: they are put before the only field that they can be of.
+        # rosbags drops the position of constants: put them before the only possible field.
         for constant, declared_base, value in reversed(constants):
             base = _NAMES.get(declared_base, declared_base)
             if declared.count(base) == 1:
@@ -115,7 +115,7 @@ def _definition(name: str, types: Dict[str, Any]) -> str:
 
 
 def _named(description: Any) -> Tuple[str, str, str]:
-    """Return what ROS 1 calls the type of a field, its name in ROS 2 where it has fields, brackets.
+    """Return the ROS 1 type of a field, its ROS 2 name if it is a message, and its array brackets.
 
     :param description: as in rosbags' field definitions
     """

@@ -1,7 +1,7 @@
-"""The library rosbags, which reads recordings of ROS 2, in a folder of its own.
+"""Installation of the library rosbags, which reads ROS 2 recordings, in a private folder.
 
-Debian has no package of it. ``rosrun topic_scope fetch_rosbags.py`` fetches it from PyPI, by the
-hashes in ``config/rosbags.txt``: into ``build`` of the workspace, or else into ROS's folder in the
+Debian has no package of it. ``rosrun topic_scope fetch_rosbags.py`` fetches it from PyPI, with the
+hashes in ``config/rosbags.txt``, into ``build`` of the workspace, or else into ROS's folder in the
 user's home.
 """
 
@@ -15,20 +15,20 @@ from typing import List
 
 import rospkg
 
-#: What to type where it is missing.
+#: Command that installs it.
 COMMAND = "rosrun topic_scope fetch_rosbags.py"
-#: Longest time for an empty environment, and for what is fetched [s].
+#: Timeouts for creating an empty environment, and for the download [s].
 _VENV_LIMIT_S, _FETCH_LIMIT_S = 300.0, 600.0
 
 
 class Unavailable(Exception):
-    """The library cannot be fetched; the text says why."""
+    """The library cannot be fetched; the text states the reason."""
 
 
 def enter() -> None:
-    """Have Python find the library.
+    """Add the library to Python's path.
 
-    :raises ModuleNotFoundError: if it was not fetched
+    :raises ModuleNotFoundError: if it has not been fetched
     """
     for folder in map(str, _places()):
         if folder in sys.path:
@@ -40,7 +40,7 @@ def enter() -> None:
 
 
 def fetch() -> pathlib.Path:
-    """Fetch the library unless it is there.
+    """Fetch the library unless it is installed.
 
     :returns: its folder
     :raises Unavailable: if that is not possible
@@ -56,7 +56,7 @@ def fetch() -> pathlib.Path:
         options = ["--no-deps", "--require-hashes", "--only-binary", ":all:", "--retries", "1"]
         quiet = ["--quiet", "--disable-pip-version-check", "--no-compile"]
         _run([*pip, *options, *quiet, "--requirement", str(_wheels())], _FETCH_LIMIT_S)
-        os.rename(new, str(place))  # what is there is whole
+        os.rename(new, str(place))  # atomic: an existing folder is complete
     return place
 
 
@@ -76,8 +76,8 @@ def _run(command: List[str], limit: float) -> None:
         raise Unavailable(f"not finished within {limit:g} s") from None
     except subprocess.CalledProcessError as error:
         lines = error.stdout.decode("utf-8", "replace").splitlines() or ["it wrote nothing"]
-        told = [line for line in lines if "error" in line.lower()] or lines[-1:]
-        raise Unavailable(told[-1].strip()) from None
+        errors = [line for line in lines if "error" in line.lower()] or lines[-1:]
+        raise Unavailable(errors[-1].strip()) from None
     except OSError as error:
         raise Unavailable(f"{command[0]}: {error.strerror}") from None
 
@@ -87,7 +87,7 @@ def _wheels() -> pathlib.Path:
 
 
 def _places() -> List[pathlib.Path]:
-    """Return the folders where it may be for this Python, the one that it is fetched into first."""
+    """Return the possible folders of the library for this Python, the default first."""
     version = "%d.%d" % sys.version_info[:2]
     digest = hashlib.sha256(_wheels().read_bytes()).hexdigest()[:8]
     name = f"rosbags-python{version}-{digest}"

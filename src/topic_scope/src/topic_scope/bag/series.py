@@ -1,4 +1,4 @@
-"""Numbers from a bag over time, and what is computed of them."""
+"""Time series of a bag's fields and formulas."""
 
 import itertools
 import math
@@ -18,20 +18,20 @@ from topic_scope.timing.clocks import Clocks
 from topic_scope.timing.nanoseconds import NS, array_to_ns
 from topic_scope.timing.topic_time import Placed
 
-#: Beyond this a plot of several such values would overflow.
+#: Larger values would overflow in a plot.
 _LARGEST = 1e300
-#: How much of a bag tells how far the clock of its stamps is from that of the recording [ns].
+#: Part of a bag that determines the offset of its stamps' clock from the recorder's clock [ns].
 OFFSET_NS = 3 * NS
 
 
 class Series(NamedTuple):
-    """A number over time.
+    """Number over time.
 
     :param name: name of the field
-    :param times: when each message was made, since the start of the bag [s]
-    :param values: the number in each message; NaN for a message without one
-    :param correction: how stamps were moved and values were rounded, in words
-    :param states: texts whose numbers the values are; None for numbers
+    :param times: timestamp of each message, since the start of the bag [s]
+    :param values: the number in each message; NaN if missing
+    :param correction: description of shifted stamps and rounded values
+    :param states: texts of the state numbers in ``values``; None for numbers
     """
 
     name: str
@@ -42,15 +42,15 @@ class Series(NamedTuple):
 
     @property
     def title(self) -> str:
-        """The name, and what is to be known of the times."""
+        """The name, and the correction."""
         return f"{self.name} ({self.correction})" if self.correction else self.name
 
 
 class _Placement:
-    """Times of the messages of one topic, placed as they come.
+    """Placement of the messages of one topic in time, in order of reading.
 
     :param clocks: the clocks of all topics of the bag
-    :param reader: reads the stamps
+    :param reader: reader of the stamps
     """
 
     def __init__(self, clocks: Clocks, reader: ColumnReader) -> None:
@@ -72,13 +72,13 @@ class _Placement:
         self._placed += placed
 
     def finish(self) -> None:
-        """Place the last messages: no others will come that agree with them."""
+        """Place the last messages, without waiting for others that confirm their clock."""
         self._place(True)
 
     def pieces(self) -> List[numpy.ndarray]:
-        """Return when messages were made, since the start of the bag [ns].
+        """Return the timestamps of the messages, since the start of the bag [ns].
 
-        :returns: a piece for each stretch in which the clock was not set
+        :returns: an array for each stretch between settings of the clock
         """
         pieces = []
         for clock, parts in itertools.groupby(self._placed, key=lambda one: one.clock):
@@ -88,10 +88,10 @@ class _Placement:
 
 
 class _Recorded:
-    """Rows of a column.
+    """Collected rows of a column.
 
-    :param reader: reads the column
-    :param placement: places its messages in time
+    :param reader: reader of the column
+    :param placement: placement of its messages in time
     """
 
     def __init__(self, reader: ColumnReader, placement: _Placement) -> None:
@@ -101,13 +101,13 @@ class _Recorded:
         self._rows: List[numpy.ndarray] = []
 
     def add(self, found: Slice) -> None:
-        """Add the numbers in messages, but of those that are about elements of other names."""
+        """Add the numbers in messages, except messages about other named elements."""
         there = self._reader.about(found.messages)
         self._there.append(there)
         self._rows.append(self._reader.rows(found.messages)[:, there])
 
     def series(self) -> Series:
-        """Return all of it in the order of time; where the clock was set, the line ends."""
+        """Return the series in time order; the line ends where the clock was set."""
         times, values = array("d"), array("d")
         column, time = self._reader.column, self.placement.time
         if not self._rows:
@@ -144,15 +144,15 @@ class _Recorded:
 def _with_gaps(
     path: Optional[Path], times: numpy.ndarray, values: numpy.ndarray
 ) -> "Tuple[numpy.ndarray, numpy.ndarray]":
-    """End the line wherever several samples are missing."""
+    """End the line at gaps of several samples."""
     ends = numpy.flatnonzero(numpy.diff(times) > longest_step(path, times) * NS) + 1
     return numpy.insert(times, ends, times[ends - 1]), numpy.insert(values, ends, numpy.nan)
 
 
 def collect(readers: List[ColumnReader], slices: Iterable[List[Slice]]) -> List[Series]:
-    """Gather the numbers in messages.
+    """Collect the numbers in messages.
 
-    :param readers: read the numbers, column by column
+    :param readers: readers of the columns
     :param slices: the messages
     :returns: a series for each column
     """
@@ -177,16 +177,16 @@ def collect(readers: List[ColumnReader], slices: Iterable[List[Slice]]) -> List[
 
 
 def computed(name: str, formula: Formula, everything: Collection[Series]) -> Series:
-    """Return what a formula makes of series.
+    """Evaluate a formula on series.
 
-    :param name: of the result
+    :param name: name of the result
     :param formula: the formula
-    :param everything: the series that it is computed of, and perhaps others
+    :param everything: the series of its fields, and perhaps others
     """
     signals = {}
     for series in everything:
         times, values = array_to_ns(numpy.array(series.times)), numpy.array(series.values)
-        # Where a line ends a NaN stands, so none has to be found again.
+        # NaNs already mark the ends of lines, so gaps need not be detected again.
         signals[series.name] = Signal(times, values, times, math.inf)
     times, values, *_ = formula.computed(signals)
     drawn = numpy.where(numpy.abs(values) <= _LARGEST, values, numpy.nan)
@@ -195,13 +195,13 @@ def computed(name: str, formula: Formula, everything: Collection[Series]) -> Ser
 
 
 def moved(series: Series, seconds: float, name: str) -> Series:
-    """Return a series later in time, under another name."""
+    """Return a series shifted to later times, under another name."""
     times = array("d", (time + seconds for time in series.times))
     return series._replace(name=name, times=times)
 
 
 def crossing(series: Series, level: float) -> float:
-    """Return when a series first rises through a level [s]: on the line between two points.
+    """Return the interpolated time at which a series first rises through a level [s].
 
     :raises FieldError: if it never does, or is a state
     """

@@ -23,20 +23,20 @@ from topic_scope.messages.layouts import Layouts
 from topic_scope.sampling.raw_subscriptions import RawSubscriptions, SteadyClock
 from topic_scope.sampling.recorder import Recorder
 
-#: Exit status: a sample was outside; no sample could be checked, or the command is wrong.
+#: Exit status: a sample was outside; no sample could be checked, or the command is invalid.
 OUTSIDE, NOT_CHECKED = 1, 2
-#: Most samples that a pass leaves unchecked [%]: the reference is unknown at either end.
+#: Most unchecked samples of a pass [%]: the reference is unknown at either end.
 _UNCHECKED = 10.0
-#: How long samples are kept [s]: more than any formula reaches back and ahead.
+#: How long samples are kept [s]: longer than any formula reaches back and ahead.
 _HISTORY_S = 2.0 * SECONDS + 100.0
-#: Time between two updates of a live graph, and span of a bag that is read at once [s].
+#: Update period of a live graph, and length of bag to read per update [s].
 _LIVE_S, _BAG_S = 0.05, 0.5
 
 
 class TraceChecker:
-    """Checks one trace against its mask, with the samples of a recorder.
+    """Check of one trace against its mask, with the samples of a recorder.
 
-    :param recorder: records the trace and its reference
+    :param recorder: recorder of the trace and its reference
     :param arguments: the command line
     """
 
@@ -46,12 +46,12 @@ class TraceChecker:
         self._saved = 0
 
     def begin(self, now: float, start: float) -> None:
-        """Record what is needed, now that the topics are known.
+        """Start recording, once the topics are known.
 
         :param now: the time [s]
-        :param start: samples that were taken later than this are checked [s]
-        :raises FieldError: if a name is invalid, or stands for several fields, or both with the
-            limits make a formula that is too long, or reaches too far
+        :param start: only later samples are checked [s]
+        :raises FieldError: if a name is invalid, or denotes several fields, or both with the
+            limits form a formula that is too long, or reaches too far
         """
         field, reference = (
             self._one_of(name) for name in (self._arguments.field, self._arguments.around)
@@ -64,10 +64,10 @@ class TraceChecker:
         self._recorder.want(mask.names, now)
 
     def start(self, now: float) -> bool:
-        """Check what is received from now on, once both traces have been received.
+        """Start checking new samples, once both traces have been received.
 
         :param now: the time [s]
-        :returns: whether they have been
+        :returns: whether checking has started
         """
         if self._check is None:
             return False
@@ -89,7 +89,7 @@ class TraceChecker:
     def update(self) -> bool:
         """Check the new samples, and save the first failure before its samples are dropped.
 
-        :returns: whether the verdict is there: a sample is outside, and the first one ends it
+        :returns: whether the check has ended: a sample is outside, and the first one ends it
         :raises OSError: if it cannot be saved
         """
         self._recorder.update()
@@ -103,7 +103,7 @@ class TraceChecker:
         return not self._arguments.all
 
     def _save(self, mask: Mask, first: float) -> None:
-        """Save a failure with all that has come since, unless what it is about was forgotten."""
+        """Save a failure with all later samples, unless its samples have been dropped."""
         read = self._recorder.samples
         there = sum(len(read(name, first - BEFORE_S, first)[0]) for name in mask[:2])
         if self._arguments.save is not None and there >= self._saved:
@@ -157,7 +157,7 @@ class TraceChecker:
 
 
 class _Steps:
-    """A clock that is set, so that a bag is read as fast as it can be."""
+    """Clock that is advanced manually, so that a bag is read as fast as possible."""
 
     def __init__(self) -> None:
         self.seconds = 0.0
@@ -190,7 +190,7 @@ def check_bag(arguments: argparse.Namespace) -> int:
 
 
 def check_live(arguments: argparse.Namespace) -> int:
-    """Check a live trace for some time.
+    """Check a live trace for a limited time.
 
     :returns: the exit status
     :raises MasterUnreachable: if there is no master
@@ -203,7 +203,7 @@ def check_live(arguments: argparse.Namespace) -> int:
     checker = TraceChecker(recorder, arguments)
     states: "queue.Queue[GraphState]" = queue.Queue()
     MasterWatch(source, layouts).start(states.put, lambda _uri: None)
-    # Samples that come while the other trace is yet to be subscribed to are not checked.
+    # Samples before both traces are subscribed to are not checked.
     start, until = math.inf, time.monotonic() + arguments.seconds
     while time.monotonic() < until and not (start < math.inf and checker.update()):
         try:

@@ -17,11 +17,11 @@ from topic_scope.bag.column_reader import ColumnReader, write_csv
 from topic_scope.bag.computed_csv import write_computed_csv
 from topic_scope.messages.fields import FieldError
 
-#: As many lines as :mod:`.plot` has styles and colours for.
+#: Number of lines that :mod:`.plot` has styles and colours for.
 LINES = 40
-#: Exit status: something was left out; nothing was written.
+#: Exit status: part of the bag was left out; no file was written.
 LEFT_OUT, FAILED = 1, 2
-#: From how many messages on it takes long enough for a progress bar.
+#: Number of messages from which on a progress bar is shown.
 LONG = 20000
 _BAR = "{percentage:3.0f} % |{bar}| {elapsed} < {remaining}"
 _FORMATS = ("png", "svg", "pdf", "csv")
@@ -148,9 +148,9 @@ def _nanoseconds(text: str) -> int:
 
 
 def _write(arguments: argparse.Namespace) -> List[str]:
-    """Write the file; it appears when it is complete.
+    """Write the file atomically.
 
-    :returns: what was left out, and why, in sentences
+    :returns: descriptions of the parts that were left out
     """
     partial = arguments.output + ".part"
     try:
@@ -180,7 +180,7 @@ def _write_numbers(file: TextIO, arguments: argparse.Namespace) -> List[str]:
 
 
 def _draw(path: str, arguments: argparse.Namespace) -> List[str]:
-    # It takes a second to load, which an error need not wait for.
+    # Imported late: loading takes a second, and errors are reported before.
     from topic_scope.bag.plot import draw, save
 
     drawn: List[Series] = []
@@ -210,14 +210,14 @@ def _draw(path: str, arguments: argparse.Namespace) -> List[str]:
 def _series(
     bag: Recording, fields: List[str], arguments: argparse.Namespace
 ) -> Tuple[List[Series], List[str]]:
-    """Return fields of a bag over time, in the range that was asked for, and what is left out."""
+    """Return fields of a bag over time, in the requested range, and the parts left out."""
     lines, readers = chosen(bag, first_messages(bag), fields)
     messages = _in_range(bag, readers, arguments.start, arguments.end)
     return series_of(bag, lines, readers, messages), _left_out(bag, readers)
 
 
 def _left_out(bag: Recording, readers: List[ColumnReader]) -> List[str]:
-    """Return what of a bag was left out, and why, in sentences."""
+    """Return descriptions of the parts of a bag that were left out."""
     cut_off = [f"{one.column.name}: {one.cut_off}" for one in readers if one.cut_off]
     return [*bag.left_out, *bag.notes, *cut_off, *bag.lost]
 
@@ -225,10 +225,10 @@ def _left_out(bag: Recording, readers: List[ColumnReader]) -> List[str]:
 def _in_range(
     bag: Recording, readers: List[ColumnReader], start: int, end: Optional[int]
 ) -> Iterator[List[Slice]]:
-    """Read the messages of a range of time, and show how far it has got."""
+    """Read the messages of a time range, with a progress bar."""
     topics = sorted({reader.column.topic for reader in readers})
     until = bag.length if end is None else min(end, bag.length)
-    # A bar for what is done at once only flickers, and in a file it is of no use.
+    # A bar for a short read only flickers, and in a log file it is useless.
     silent = None if bag.count(topics) >= LONG else True
     is_empty, at = True, start
     total = max(until - start, 0)

@@ -1,1 +1,1 @@
-"""The parameters, services and states of other nodes, changed from the page."""
+"""Control of other nodes from the page: parameters, services and states."""

@@ -1,8 +1,7 @@
-"""Panels of nodes that describe their parameters in the way of dynamic_reconfigure.
+"""Panels of dynamic_reconfigure servers.
 
-Such a node tells its description and its values on latched topics, keeps its values on the
-parameter server, and changes them by a service, which puts a value that is out of range back into
-it without a word.
+Such a node publishes its description and its values on latched topics, keeps its values on the
+parameter server, and changes them by a service, which silently limits a value to its range.
 """
 
 import ast
@@ -26,7 +25,7 @@ try:
     from dynamic_reconfigure.srv import Reconfigure
 
     AVAILABLE = True
-    #: Where a message has the values of each type, and as what.
+    #: Field of a message with the values of each type, and their message type.
     _PARTS = {
         bool: ("bools", BoolParameter),
         int: ("ints", IntParameter),
@@ -36,21 +35,21 @@ try:
 except ImportError:  # the package is optional
     AVAILABLE = False
 
-#: Last part of the name of the service, and its type.
+#: Last part of the service's name, and its type.
 SERVICE, TYPE = "set_parameters", "dynamic_reconfigure/Reconfigure"
-#: How long a node may take to tell its parameters [s].
+#: Timeout for a node's description [s].
 _ANSWER_S = 2.0
 _TYPES = {"bool": "bool", "int": "int", "double": "float", "str": "str"}
-#: Ends that stand for an unlimited int or float.
+#: Bounds that denote an unlimited int or float.
 _NO_END = {"int": 2**31 - 1, "float": 1e300}
 
 
 def describe(node: str) -> List[Dict[str, Any]]:
-    """Ask a node for its parameters.
+    """Request the parameters of a node.
 
     :param node: namespace of the parameters
-    :returns: what :func:`nodekit.describe` would say of each
-    :raises rospy.ROSException: if the node does not tell it
+    :returns: descriptions in the form of :func:`nodekit.describe`
+    :raises rospy.ROSException: if the node does not publish them
     """
     description, values = (
         rospy.wait_for_message(f"{node}/{topic}", kind, _ANSWER_S)
@@ -82,9 +81,9 @@ def values_in(config: "Config") -> Dict[str, Any]:
 
 
 def config_of(values: Mapping[str, Any]) -> "Config":
-    """Return the message that has some values.
+    """Return values as a message.
 
-    :param values: truth values, numbers and texts, by name
+    :param values: Booleans, numbers and strings, by name
     """
     config = Config()
     for name, value in values.items():
@@ -94,10 +93,10 @@ def config_of(values: Mapping[str, Any]) -> "Config":
 
 
 def described(description: "ConfigDescription", values: "Config") -> List[Dict[str, Any]]:
-    """Return a description as nodekit has it; a number of an enum has ``labels`` besides.
+    """Return a description in nodekit's form; a number of an enum also has ``labels``.
 
     :param description: as the node publishes it
-    :param values: those in force
+    :param values: current values
     """
     now, low, high = map(values_in, (values, description.min, description.max))
     entries: Dict[str, Dict[str, Any]] = {}
@@ -130,7 +129,7 @@ def _is_end(value: Any, kind: str) -> bool:
 
 
 def _words(edit_method: str) -> Dict[str, Any]:
-    """Return the names and values of an enum, none where it is not one."""
+    """Return the names and values of an enum; empty for other parameters."""
     try:
         listed = ast.literal_eval(edit_method)["enum"]
         return {str(one["name"]): one["value"] for one in listed}

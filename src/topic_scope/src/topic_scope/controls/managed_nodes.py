@@ -9,21 +9,21 @@ from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
 from nodekit import call_service
 from topic_scope.graph.worker import Worker
 
-#: A node is asked again after this time [s]; longest wait for a transition [s].
+#: Polling period of a node [s]; timeout of a transition [s].
 AGAIN_S, _CHANGE_S = 2.0, 60.0
-#: Most nodes that are asked; beyond that the first by name.
+#: Most nodes to poll: the first by name.
 NODES = 32
-#: What stands in the place of the state of a node that has answered before.
+#: State of a node that no longer answers.
 _SILENT = "does not answer"
 _SERVICES = ("get_state", "get_available_transitions", "change_state")
 
 
 class ManagedNodes:
-    """Knows the managed nodes by their services; all methods belong to the web thread.
+    """Managed nodes, found by their services; all methods are for the web thread.
 
-    They are asked, as the event of a transition that ends in a crash never comes.
+    They are polled, because a transition that crashes sends no event.
 
-    :param worker: where to wait for nodes
+    :param worker: worker that waits for nodes
     :param send: sends a message to all pages
     """
 
@@ -52,12 +52,12 @@ class ManagedNodes:
         self._due = {node: due for node, due in self._due.items() if node in self._present}
 
     def change(self, node: str, label: str, answer: Callable[[Dict[str, Any]], None]) -> None:
-        """Ask a node for a transition.
+        """Request a transition of a node.
 
         :param node: its name
-        :param label: of the transition
-        :param answer: tells the page what has become of it
-        :raises ValueError: if the node does not offer that now, or is still busy with another one
+        :param label: label of the transition
+        :param answer: reports the result to the page
+        :raises ValueError: if the transition is unavailable, or the node is busy with another one
         """
         if label not in self._nodes.get(node, {}).get("transitions", ()):
             raise ValueError(f"{node} cannot {label} now")
@@ -79,13 +79,13 @@ class ManagedNodes:
         self._due[node] = time.monotonic() + AGAIN_S
         self._worker.run(("managed", node), partial(_state_of, node), partial(self._on_state, node))
 
-    def _on_state(self, node: str, told: Any) -> None:
-        if isinstance(told, Exception):  # it is asked again; the master lists one that was killed
+    def _on_state(self, node: str, reply: Any) -> None:
+        if isinstance(reply, Exception):  # keep polling; the master still lists killed nodes
             if node not in self._nodes:
                 return
-            told = {"node": node, "state": _SILENT, "transitions": []}
-        if node in self._present and self._nodes.get(node) != told:
-            self._nodes[node] = told
+            reply = {"node": node, "state": _SILENT, "transitions": []}
+        if node in self._present and self._nodes.get(node) != reply:
+            self._nodes[node] = reply
             self._send(self.message())
 
 

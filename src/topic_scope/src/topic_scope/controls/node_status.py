@@ -1,4 +1,4 @@
-"""Status of nodes, as they publish it on a topic such as ``~status``."""
+"""Status of nodes, from topics such as ``~status``."""
 
 import re
 from typing import Any, Callable, Collection, Dict, Mapping
@@ -8,19 +8,19 @@ from std_msgs.msg import String
 from topic_scope.graph.worker import Worker
 from topic_scope.sampling.raw_subscriptions import RawSubscriptions
 
-#: Time between two updates [s].
+#: Update period [s].
 PERIOD_S = 0.1
 _TYPE = "std_msgs/String"
-#: What such topics are called: status, state, motor_state.
+#: Last part of the names of such topics: status, state, motor_state.
 _NAME = re.compile(r"(.*_)?(status|state)\Z")
-#: Longest word that is shown.
+#: Longest word to show.
 _LONGEST = 30
 
 
 def topics_of(
     nodes: Collection[str], publishers: Collection[Any], types: Mapping[str, str]
 ) -> Dict[str, str]:
-    """Return on which topic each node says how it is.
+    """Return the status topic of each node.
 
     :param nodes: names of the nodes
     :param publishers: topics and the nodes that publish them
@@ -36,10 +36,10 @@ def topics_of(
 
 
 class NodeStatuses:
-    """Knows what nodes say of themselves; all methods belong to the web thread.
+    """Statuses of nodes; all methods are for the web thread.
 
-    :param subscriptions: where what they say comes in
-    :param worker: where to wait for the master
+    :param subscriptions: subscriptions to the status topics
+    :param worker: worker that waits for the master
     :param send: sends a message to all pages
     """
 
@@ -54,13 +54,13 @@ class NodeStatuses:
         self._states: Dict[str, str] = {}
 
     def message(self) -> Dict[str, Any]:
-        """Return the state of each node that tells one."""
+        """Return the status of each node that publishes one."""
         return {"type": "statuses", "nodes": dict(self._states)}
 
     def follow(self, topics: Dict[str, str]) -> None:
-        """Follow what nodes say.
+        """Set the status topics.
 
-        :param topics: on which topic each of them says how it is
+        :param topics: status topic of each node
         """
         gone = [node for node, topic in self._topics.items() if topics.get(node) != topic]
         self._topics = topics
@@ -74,7 +74,7 @@ class NodeStatuses:
             self._worker.run("statuses", self._subscriptions.adjust, _ignore)
 
     def update(self) -> None:
-        """Read what has come, and send it to pages; to be called every PERIOD_S."""
+        """Read new statuses, and send them to pages; to be called every PERIOD_S."""
         before = dict(self._states)
         for topic, subscription in self._subscriptions.subscriptions().items():
             texts = [
@@ -82,11 +82,11 @@ class NodeStatuses:
                 for batch in subscription.drain()
                 if batch.header.get("type") == _TYPE
             ]
-            for node in [node for node, told in self._topics.items() if told == topic and texts]:
+            for node in [node for node, name in self._topics.items() if name == topic and texts]:
                 self._states[node] = " ".join(texts[-1].split()[:1])[:_LONGEST]
         if self._states != before:
             self._send(self.message())
 
 
 def _ignore(_result: Any) -> None:
-    """Skip a master that does not answer; the next poll of the graph asks it again."""
+    """Ignore an unreachable master; the next poll of the graph retries."""

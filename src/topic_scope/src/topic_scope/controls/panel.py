@@ -1,9 +1,8 @@
 # Pure: knows no ROS.
-"""Panel of a node, made of the node's description of its parameters.
+"""Panel of a node, built from the node's description of its parameters.
 
-The descriptions are those of the service ``~describe`` of nodekit: a YAML list. The parameters are
-built from it again, so that a value is checked here as the node would, and is refused in the same
-words.
+The description is the reply of nodekit's service ``~describe``: a YAML list. The parameters are
+rebuilt from it, so that values are validated here as in the node, with the same error messages.
 """
 
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Tuple
@@ -22,15 +21,15 @@ from nodekit import (
 
 _KINDS = {"bool": "bool", "int": "int", "float": "float", "enum": "enum"}  # else: text
 _ENDS = ("minimum", "maximum", "above", "below")
-#: The loader of libyaml takes a tenth of the time of the one in Python.
+#: libyaml's loader takes a tenth of the time of the Python loader.
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
 class Entry(NamedTuple):
-    """One parameter of a panel.
+    """Parameter of a panel.
 
-    :param parameter: validates values
-    :param shown: what the page is told, without the value
+    :param parameter: validator of values
+    :param shown: description for the page, without the value
     """
 
     parameter: Parameter[Any]
@@ -38,12 +37,12 @@ class Entry(NamedTuple):
 
 
 class Panel:
-    """The parameters of one node, and the services that can be called with a button.
+    """Parameters of a node, and its services that have a button.
 
     :param node: namespace of the parameters
-    :param described: what :func:`nodekit.describe` says of each
-    :param services: kind of each service, SetBool or Trigger, by name
-    :raises DescriptionError: if one of them describes no parameter
+    :param described: descriptions in the form of :func:`nodekit.describe`
+    :param services: type of each service, SetBool or Trigger, by name
+    :raises DescriptionError: if a description is invalid
     """
 
     def __init__(
@@ -59,7 +58,7 @@ class Panel:
             self.values[name] = value
 
     def message(self) -> Dict[str, Any]:
-        """Return what the page shows."""
+        """Return the panel as a message for the page."""
         return {
             "node": self.node,
             "parameters": [
@@ -72,7 +71,7 @@ class Panel:
         }
 
     def shown_value(self, name: str) -> Any:
-        """Return a parameter's value as the page shows it.
+        """Return a parameter's value in the form for the page.
 
         :param name: name of the parameter
         """
@@ -82,12 +81,12 @@ class Panel:
         return value
 
     def check(self, name: str, value: Any) -> Any:
-        """Return the value that the node would make of one.
+        """Return a value as the node would convert it.
 
         :param name: name of the parameter
-        :param value: as the page, or the parameter server, has it; a page writes a list or bytes
+        :param value: from the page, or from the parameter server; a page writes a list or bytes
             as YAML
-        :raises ParameterError: if it is not allowed, in the node's own words
+        :raises ParameterError: if the value is invalid, with the node's error message
         """
         parameter = self.entries[name].parameter
         if isinstance(parameter, (ListParameter, BytesParameter)) and isinstance(value, str):
@@ -98,9 +97,9 @@ class Panel:
         return parameter.coerce(value)
 
     def follow(self, raw: Mapping[str, Any]) -> List[str]:
-        """Take over what stands on the parameter server, as far as it is allowed.
+        """Update the values from the parameter server, as far as they are valid.
 
-        :param raw: values by name; one that is not allowed is about to be put back by the node
+        :param raw: values by name; the node is about to restore an invalid value
         :returns: names of the parameters that have changed
         """
         changed = []
@@ -116,7 +115,7 @@ class Panel:
 
 
 def _labels(pairs: Any) -> List[Tuple[float, str]]:
-    """Return what the numbers of an enum are called."""
+    """Return the names of the numbers of an enum."""
     try:
         return [(value, str(word)) for value, word in pairs if type(value) in (int, float)]
     except (TypeError, ValueError):
@@ -129,7 +128,7 @@ def _entry(node: str, described: Mapping[str, Any]) -> Tuple[str, Entry, Any]:
         parameter = parameter_of(described)
         parameter.name = f"{node}/{name}"
         value = parameter.coerce(described["value"])
-    except (KeyError, ValueError) as error:  # an unknown kind, a bad limit, an invalid value
+    except (KeyError, ValueError) as error:  # an unknown type, a bad limit, an invalid value
         raise DescriptionError(f"{name}: {error}") from None
     shown: Dict[str, Any] = {
         "name": name,

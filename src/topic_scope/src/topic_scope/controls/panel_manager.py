@@ -1,4 +1,4 @@
-"""Panels of all nodes that describe their parameters, kept up to date."""
+"""Manager of the panels of all nodes that describe their parameters."""
 
 import time
 from functools import partial
@@ -24,26 +24,26 @@ from topic_scope.graph.worker import Worker
 from topic_scope.graph.master_watch import GraphState
 from topic_scope.sampling.raw_subscriptions import RawSubscriptions, SteadyClock
 
-#: Most panels; beyond that, as in a fleet of hundreds of nodes, the first by name.
+#: Most panels, e.g. in a fleet of hundreds of nodes: the first by name.
 PANELS = 64
-#: A node that did not answer is asked again after this time [s].
+#: Time until a node that did not answer is asked again [s].
 RETRY_S = 5.0
-#: Nodes that describe their parameters have these services, which have no button.
+#: Services of nodes that describe their parameters; they have no button.
 _INTERNAL = ("describe", "change")
 _END = "/" + _INTERNAL[0]
-#: The same of those that know dynamic_reconfigure alone.
+#: The same for dynamic_reconfigure servers.
 _FOREIGN = "/" + dynamic_reconfigure_panels.SERVICE
 
 
 class _NoPanel(Exception):
-    """A node that has none, after all."""
+    """The node does not describe its parameters."""
 
 
 class PanelManager:
-    """Knows the panels; all methods belong to the web thread.
+    """Panels of the graph's nodes; all methods are for the web thread.
 
-    :param deliver: hands a function to that thread
-    :param send: sends to all pages: a message, and what it is about
+    :param deliver: runs a function in the web thread
+    :param send: sends a message to all pages, with its subject
     """
 
     def __init__(
@@ -65,7 +65,7 @@ class PanelManager:
         tornado.ioloop.PeriodicCallback(self._statuses.update, PERIOD_S * 1e3).start()
 
     def messages(self) -> List[Dict[str, Any]]:
-        """Return what a new page is told."""
+        """Return the messages for a new page."""
         return [self.message(), self._managed.message(), self._statuses.message()]
 
     def message(self) -> Dict[str, Any]:
@@ -106,13 +106,13 @@ class PanelManager:
         datatype = services.type_of(node + _FOREIGN) if node in self._foreign else None
         if datatype not in (None, dynamic_reconfigure_panels.TYPE):
             raise _NoPanel
-        kinds = {name: services.kind_of(name) for name in own}
-        # First: no change after the description is missed.
+        types = {name: services.kind_of(name) for name in own}
+        # Before the description is read, so that no later change is missed.
         followed = follow_parameter(
             node, lambda raw: self._deliver(partial(self._on_values, node, raw))
         )
         try:
-            offered = {name: kind for name, kind in kinds.items() if kind}
+            offered = {name: kind for name, kind in types.items() if kind}
             return Panel(node, self._describe(node), offered), followed
         except Exception:
             followed.close()
@@ -127,7 +127,7 @@ class PanelManager:
             return
         self._panels[node], followed = result
         self._followed[node] = followed
-        followed.report_again()  # what came before there was a panel is lost
+        followed.report_again()  # changes before the panel existed were lost
         self._send(self.message())
 
     def _on_values(self, node: str, raw: Any) -> None:
@@ -145,12 +145,12 @@ class PanelManager:
             self._send(value_message(panel, name), panel.node, name)
 
     def set(self, node: str, name: str, value: Any, answer: Answer) -> None:
-        """Set a parameter; the page is told if the node refuses the value.
+        """Set a parameter; if the node rejects the value, the page receives the reason.
 
         :param node: namespace of the parameter
-        :param name: its name in there
-        :param value: as the page has it
-        :param answer: tells the page
+        :param name: its name in the namespace
+        :param value: value from the page
+        :param answer: sends a message to the page
         :raises ValueError: if there is no such parameter on a panel
         """
         panel = self._panels.get(node)
@@ -162,9 +162,9 @@ class PanelManager:
         """Call a service that has a button.
 
         :param service: its name
-        :param data: for SetBool, the truth value
-        :param answer: is told what it answers
-        :raises ValueError: if there is no such button, or the data do not fit
+        :param data: for SetBool, the Boolean
+        :param answer: receives the reply
+        :raises ValueError: if there is no such button, or the data have the wrong type
         """
         for panel in self._panels.values():
             if service in panel.services:
@@ -173,12 +173,12 @@ class PanelManager:
         raise ValueError(f"there is no service {service} to call")
 
     def change_state(self, node: str, label: str, answer: Answer) -> None:
-        """Ask a managed node for a transition.
+        """Request a transition of a managed node.
 
         :param node: its name
-        :param label: of the transition
-        :param answer: tells the page what has become of it
-        :raises ValueError: if the node cannot make it now
+        :param label: label of the transition
+        :param answer: reports the result to the page
+        :raises ValueError: if the transition is unavailable now
         """
         self._managed.change(node, label, answer)
 
@@ -190,7 +190,7 @@ class PanelManager:
     def _change(self, node: str, values: Mapping[str, Any]) -> Changed:
         """Change parameters of a node.
 
-        :raises CallError: if it does not answer in good time
+        :raises CallError: if the node does not answer in time
         """
         if node in self._foreign:
             return dynamic_reconfigure_panels.change(node, values)

@@ -1,4 +1,4 @@
-"""The services that get a button: SetBool and Trigger."""
+"""Services with a button: SetBool and Trigger."""
 
 from typing import Any, Callable, Dict, List
 
@@ -8,13 +8,13 @@ from std_srvs.srv import SetBool, Trigger
 from nodekit import call_service
 from topic_scope.graph.worker import Worker
 
-#: Longest wait for an answer [s]: some do their work first, as a robot that drives home.
+#: Timeout of a call [s]; some services first do their work, e.g. drive a robot home.
 _ANSWER_S = 60.0
 _CLASSES = {"SetBool": SetBool, "Trigger": Trigger}
 
 
 def type_of(service: str) -> str:
-    """Return the type of a service, nothing where it does not tell; waits for its node.
+    """Return the type of a service, empty if its node does not answer; waits for the node.
 
     :param service: its name
     """
@@ -25,7 +25,7 @@ def type_of(service: str) -> str:
 
 
 def kind_of(service: str) -> str:
-    """Return SetBool or Trigger, nothing for a service of another type; waits for its node.
+    """Return SetBool or Trigger, empty for a service of another type; waits for its node.
 
     :param service: its name
     """
@@ -40,20 +40,20 @@ def call(
     data: Any,
     answer: Callable[[Dict[str, Any]], None],
 ) -> None:
-    """Call a service, without waiting for it.
+    """Call a service without blocking.
 
-    :param worker: where to wait for it
+    :param worker: worker that waits for the reply
     :param service: its name
-    :param kind: its kind
-    :param data: for SetBool, the truth value
-    :param answer: is told what it answers
-    :raises ValueError: if the data do not fit the kind
+    :param kind: SetBool or Trigger
+    :param data: for SetBool, the Boolean
+    :param answer: receives the reply
+    :raises ValueError: if the data have the wrong type
     """
     if kind == "SetBool" and data is None:
         raise ValueError(f"{service} takes true or false")
     arguments: List[Any] = [data] if kind == "SetBool" else []
 
-    def told(result: Any) -> None:
+    def on_result(result: Any) -> None:
         failed = isinstance(result, Exception)
         success = not failed and bool(result.success)
         text = str(result) if failed else result.message
@@ -62,5 +62,5 @@ def call(
     def work() -> Any:
         return call_service(service, _CLASSES[kind], *arguments, timeout=_ANSWER_S).result()
 
-    if not worker.run(("call", service), work, told):
-        told(RuntimeError("an earlier call has not been answered yet"))
+    if not worker.run(("call", service), work, on_result):
+        on_result(RuntimeError("an earlier call has not been answered yet"))

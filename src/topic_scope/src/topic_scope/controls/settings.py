@@ -1,10 +1,10 @@
 # Pure: knows no ROS.
-"""Sets parameters of nodes, and reports the values that the nodes accepted.
+"""Setting of nodes' parameters from pages.
 
-A value goes to the node's service ``~change``, which answers at once whether it is in force, and
-why not. It takes several parameters in one step: so values that a node refuses because they do not
-go together with others are kept, and tried once more together with what is set next. That is how
-lists that must have one length are changed, one after the other.
+A value is sent to the node's service ``~change``, whose reply states whether it was accepted, and
+why not. The service changes several parameters in one step, so rejected values are kept, and
+retried once together with the next change. This makes it possible to change, one after another,
+lists that must have the same length.
 """
 
 from functools import partial
@@ -14,16 +14,16 @@ from nodekit import ParameterError, to_wire
 from topic_scope.controls.panel import Panel
 from topic_scope.graph.worker import Worker
 
-#: Tells one page.
+#: Sends a message to one page.
 Answer = Callable[[Dict[str, Any]], None]
 
 
 class Changed(NamedTuple):
     """Reply of a node to a change.
 
-    :param success: whether all of it is in force
-    :param message: why not
-    :param values: the values in force, by name
+    :param success: whether all values were accepted
+    :param message: why they were not
+    :param values: current values, by name
     """
 
     success: bool
@@ -32,11 +32,11 @@ class Changed(NamedTuple):
 
 
 class Asked(NamedTuple):
-    """A value that a page has set.
+    """Value that a page has set.
 
     :param panel: the node's panel
     :param value: the value
-    :param answer: tells the page
+    :param answer: sends a message to the page
     """
 
     panel: Panel
@@ -45,12 +45,12 @@ class Asked(NamedTuple):
 
 
 class Settings:
-    """Sets values; all methods belong to the web thread.
+    """Sender of parameter changes; all methods are for the web thread.
 
-    :param worker: where to wait for nodes
-    :param change: has a node change parameters by name; raises an exception if it does not answer
-    :param send_values: sends all pages the values of parameters that have changed
-    :param read_again: has the panel of a node follow what is on the parameter server now
+    :param worker: worker that waits for nodes
+    :param change: changes parameters of a node by name; raises an exception if it does not answer
+    :param send_values: sends changed values to all pages
+    :param read_again: updates the panel of a node from the parameter server
     """
 
     def __init__(
@@ -62,18 +62,18 @@ class Settings:
     ) -> None:
         self._worker, self._change, self._send_values = worker, change, send_values
         self._read_again = read_again
-        #: By node and parameter: what is still to be sent, the newest of each parameter; and what
-        #: was refused, perhaps because other values were still to come.
+        #: By node and parameter: the newest value to send; and rejected values, which may be
+        #: accepted together with other values.
         self._waiting: Dict[str, Dict[str, Asked]] = {}
         self._refused: Dict[str, Dict[str, Any]] = {}
 
     def set(self, panel: Panel, name: str, value: Any, answer: Answer) -> None:
-        """Set a parameter; the page is told if the value is refused.
+        """Set a parameter; if the value is rejected, the page receives the reason.
 
-        :param panel: the panel that it is on
+        :param panel: its panel
         :param name: its name
-        :param value: as the page has it
-        :param answer: tells the page
+        :param value: value from the page
+        :param answer: sends a message to the page
         """
         try:
             checked = panel.check(name, value)
@@ -85,14 +85,14 @@ class Settings:
         self._send(panel.node)
 
     def forget(self, node: str) -> None:
-        """Drop the rejected values of a node that is gone.
+        """Drop the rejected values of a node that has disappeared.
 
         :param node: its name
         """
         self._refused.pop(node, None)
 
     def _send(self, node: str) -> None:
-        """Send what is waiting; what comes meanwhile is sent after that."""
+        """Send the waiting values; values set meanwhile are sent afterwards."""
         asked = self._waiting.get(node)
         if asked is None:
             return
@@ -127,7 +127,7 @@ class Settings:
 
 
 def value_message(panel: Panel, name: str) -> Dict[str, Any]:
-    """Return the message that tells a parameter's value."""
+    """Return the message with a parameter's value."""
     return {"type": "value", "node": panel.node, "name": name, "value": panel.shown_value(name)}
 
 

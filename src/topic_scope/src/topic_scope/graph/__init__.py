@@ -1,1 +1,1 @@
-"""The graph of nodes and topics, as the master knows it."""
+"""Graph of nodes and topics, from the master."""

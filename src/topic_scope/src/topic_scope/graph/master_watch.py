@@ -1,4 +1,4 @@
-"""Polls the master for the state of the graph, in a thread of its own: the master may block."""
+"""Polling of the master for the state of the graph, in a separate thread: calls may block."""
 
 import threading
 import traceback
@@ -12,7 +12,7 @@ from nodekit.master import MasterClient
 from topic_scope.messages.layouts import Layouts
 from topic_scope.sampling.raw_subscriptions import RawSubscriptions
 
-#: Time between two looks at the graph [s].
+#: Polling period [s].
 PERIOD_S = 1.0
 _LOG_PERIOD_S = 60.0
 
@@ -20,7 +20,7 @@ Registrations = List[Tuple[str, List[str]]]
 
 
 class GraphState(NamedTuple):
-    """State of the graph as the master knew it at one moment.
+    """Snapshot of the master's registrations.
 
     :param publishers: topics and the nodes that publish them
     :param subscribers: topics and the nodes that subscribe to them
@@ -40,10 +40,10 @@ class GraphState(NamedTuple):
 
 
 class MasterWatch:
-    """Polls the master once a second, and opens the requested subscriptions.
+    """Thread that polls the master once a second, and opens the requested subscriptions.
 
-    :param subscriptions: those to the topics that are looked at
-    :param layouts: looked up here, where it may take its time
+    :param subscriptions: subscriptions to the shown topics
+    :param layouts: loaded in this thread, because it takes time
     """
 
     def __init__(self, subscriptions: RawSubscriptions, layouts: Layouts) -> None:
@@ -59,13 +59,13 @@ class MasterWatch:
         """Start the thread.
 
         :param on_state: called with each state, from the thread
-        :param on_silence: called so with the master's URI each time when it does not answer
+        :param on_silence: called likewise with the master's URI at each failed poll
         """
         arguments = (on_state, on_silence)
         threading.Thread(target=self._run, args=arguments, name="master", daemon=True).start()
 
     def refresh(self) -> None:
-        """Poll the master at once."""
+        """Poll the master immediately."""
         self._wake.set()
 
     def _run(self, on_state: Callable[[GraphState], Any], on_silence: Callable[[str], Any]) -> None:
@@ -80,7 +80,7 @@ class MasterWatch:
             except (OSError, rospy.ROSException) as error:  # MasterUnreachable is an OSError
                 rospy.logdebug("the master does not answer: %s", error)
                 on_silence(rosgraph.get_master_uri())
-            except Exception:  # of any kind: without this thread nothing new would be seen
+            except Exception:  # keep the thread alive: it is the only source of updates
                 if self._throttle.is_due():
                     rospy.logerr("the graph: %s", traceback.format_exc())
             self._wake.wait(PERIOD_S)

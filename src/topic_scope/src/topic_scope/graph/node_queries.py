@@ -1,8 +1,8 @@
-"""Ask nodes themselves for what the master does not know.
+"""Queries to the slave API of nodes, for data that the master does not have.
 
-They keep count of the messages that they send, so that nothing has to be subscribed to. And they
-know which type they take: the master has one type for each topic only, that of the first node,
-and it stays when a node starts again with another one.
+Nodes count the messages that they send, so rates need no subscriptions. And a subscriber knows the
+type that it expects: the master stores only one type per topic, the type of the first node, and
+keeps it when a node restarts with another type.
 """
 
 import time
@@ -11,13 +11,13 @@ from typing import Any, Collection, Dict, Optional, Tuple
 
 from nodekit.master import MasterClient
 
-#: Longest wait for a node, and the time for which one that did not answer is left alone [s].
+#: Timeout of a query, and the time for which an unresponsive node is skipped [s].
 TIMEOUT_S, PAUSE_S = 1.0, 10.0
 _SUCCESS = 1
 
 
 class _Transport(xmlrpc.client.Transport):
-    """HTTP that gives up after a time."""
+    """HTTP transport with a timeout."""
 
     def make_connection(self, host: Any) -> Any:
         connection = super().make_connection(host)
@@ -26,9 +26,9 @@ class _Transport(xmlrpc.client.Transport):
 
 
 class NodeQueries:
-    """Asks the nodes of a graph; its methods wait for them.
+    """Blocking queries to the nodes of a graph.
 
-    :param caller: name of the node that asks
+    :param caller: name of the calling node
     """
 
     def __init__(self, caller: str) -> None:
@@ -38,7 +38,7 @@ class NodeQueries:
         self._paused: Dict[str, float] = {}
 
     def message_counts(self, nodes: Collection[str]) -> Dict[str, Tuple[float, Any]]:
-        """Return what nodes answer to ``getBusStats``, and when; of those that do.
+        """Return the replies of nodes to ``getBusStats``, with their times.
 
         :param nodes: their names
         """
@@ -53,7 +53,7 @@ class NodeQueries:
                     self._uris[node] = self._look_up(node)
                 statistics = self._ask(self._uris[node], "getBusStats")
                 answers[node] = (time.monotonic(), statistics)
-            except Exception:  # of any kind: a node that is shutting down may reply anything
+            except Exception:  # a node that is shutting down may reply anything
                 self._uris.pop(node, None)
                 self._paused[node] = time.monotonic() + PAUSE_S
         return answers
@@ -61,18 +61,18 @@ class NodeQueries:
     def subscribed_type(
         self, topic: str, nodes: Collection[str], known: Collection[str]
     ) -> Optional[str]:
-        """Return the type that the subscribers of a topic take.
+        """Return the type that the subscribers of a topic expect.
 
         :param topic: the topic
         :param nodes: its subscribers
-        :param known: types that count; what subscribes to any type does not
-        :returns: the first such type, None if no subscriber takes any
+        :param known: accepted types; subscribers to any type are ignored
+        :returns: the first accepted type; None without one
         """
         for node in sorted(nodes):
             try:
                 subscriptions = self._ask(self._look_up(node), "getSubscriptions")
                 types = [datatype for name, datatype in subscriptions if name == topic]
-            except Exception:  # of any kind: a node that is shutting down may reply anything
+            except Exception:  # a node that is shutting down may reply anything
                 continue
             for datatype in types:
                 if datatype in known:

@@ -1,4 +1,4 @@
-"""The graph of nodes and topics, and how often messages go along its edges."""
+"""Message with the graph of nodes and topics, and the message rates of its edges."""
 
 from typing import Any, Callable, Dict, List, Optional, Set, Tuple
 
@@ -6,16 +6,16 @@ from topic_scope.graph.worker import Worker
 from topic_scope.graph.master_watch import GraphState
 from topic_scope.graph.node_queries import NodeQueries
 
-#: What rqt_graph leaves out too: the log, and who subscribes to it.
+#: Hidden as in rqt_graph: the log topics and the node that subscribes to them.
 LOG_TOPICS = ("/rosout", "/rosout_agg")
 LOG_NODE = "/rosout"
 
 
 class Rates:
-    """Rates from the counts of messages that nodes keep for each of their connections."""
+    """Message rates from the counts that nodes keep for each connection."""
 
     def __init__(self) -> None:
-        #: By node; by topic, and connection: both come and go.
+        #: By node; then by topic and connection, which both change over time.
         self._counts: Dict[str, Dict[Tuple[str, Any], Tuple[float, int]]] = {}
         self._rates: Dict[str, Dict[str, float]] = {}
 
@@ -23,9 +23,9 @@ class Rates:
         """Add a node's message counts.
 
         :param node: its name
-        :param statistics: what it answered to ``getBusStats`` of the slave API
+        :param statistics: its reply to ``getBusStats`` of the slave API
             (http://wiki.ros.org/ROS/Slave_API)
-        :param now: when it was asked [s]
+        :param now: time of the query [s]
         """
         known, self._counts[node] = self._counts.get(node, {}), {}
         self._rates[node] = {}
@@ -40,26 +40,26 @@ class Rates:
                 self._rates[node][topic] = max(rates)
 
     def of(self, node: str, topic: str) -> Optional[float]:
-        """Return how often a node publishes, None if that is not known.
+        """Return the publishing rate of a node; None if unknown.
 
         :param node: its name
-        :param topic: on which topic
+        :param topic: the topic
         :returns: the rate [Hz]
         """
         return self._rates.get(node, {}).get(topic)
 
     def keep(self, nodes: Set[str]) -> None:
-        """Drop all other nodes."""
+        """Drop all nodes except these."""
         self._counts = {node: counts for node, counts in self._counts.items() if node in nodes}
         self._rates = {node: rates for node, rates in self._rates.items() if node in nodes}
 
 
 def graph_message(state: GraphState, rates: Rates, without: str) -> Dict[str, Any]:
-    """Return the graph as a page shows it.
+    """Return the graph as a message for pages.
 
-    :param state: what the master knows
+    :param state: snapshot of the master
     :param rates: rates of the edges
-    :param without: name of a node that is left out: the scope itself, which sees everything
+    :param without: name of a node to leave out: the scope itself, which subscribes to everything
     """
     hidden = (LOG_NODE, without)
     published = _pairs(state.publishers, hidden)
@@ -71,7 +71,7 @@ def graph_message(state: GraphState, rates: Rates, without: str) -> Dict[str, An
     services = _pairs(state.services, hidden)
     nodes = {node for nodes in (published, subscribed, services) for _, node in nodes}
     topics = sources | set(targets)
-    # A topic with one end only has an edge with one end.
+    # A topic with one end has an edge with one end.
     edges: List[Dict[str, Any]] = [
         {"from": source, "to": target, "topic": topic, "rate": rates.of(source, topic)}
         for topic, source in published
@@ -102,11 +102,11 @@ def _pairs(registrations: Any, hidden: Tuple[str, ...]) -> List[Tuple[str, str]]
 
 
 class GraphFeed:
-    """Makes the graph message, with rates while a page shows it; in the web thread.
+    """Builder of the graph message, with rates while a page shows it; for the web thread.
 
     :param name: name of the scope's node, which is left out
     :param worker: runs calls that wait for nodes
-    :param send: passes the graph on to the pages that show it
+    :param send: sends the graph to the pages that show it
     """
 
     def __init__(self, name: str, worker: Worker, send: Callable[[Dict[str, Any]], None]) -> None:
@@ -116,13 +116,13 @@ class GraphFeed:
         self._state: Optional[GraphState] = None
 
     def message(self) -> Optional[Dict[str, Any]]:
-        """Return the graph, None as long as it is not known."""
+        """Return the graph; None until it is known."""
         return graph_message(self._state, self._rates, self._name) if self._state else None
 
     def on_state(self, state: GraphState, is_shown: bool) -> None:
         """Update the state of the graph.
 
-        :param state: what the master knows
+        :param state: snapshot of the master
         :param is_shown: whether a page shows it
         """
         self._state = state

@@ -3,41 +3,41 @@
 import threading
 from typing import Any, Callable, Hashable, Set
 
-#: Most pieces of work at a time, those that wait for ever included.
+#: Most concurrent jobs, including jobs that never end.
 LIMIT = 64
 
 
 class Worker:
-    """Runs each job in a thread of its own, without waiting for it.
+    """Runner of jobs, each in a separate thread, without waiting for them.
 
-    A node that is stopped answers never, and rospy waits for it as long. So one piece of work for
-    the same thing is done at a time, and a job that never ends blocks no other.
+    rospy waits forever for a stopped node. So each subject has one job at a time, and a job that
+    never ends does not block others.
 
-    :param deliver: hands a function to the web thread
+    :param deliver: runs a function in the web thread
     """
 
     def __init__(self, deliver: Callable[[Callable[[], None]], None]) -> None:
         self._deliver = deliver
         self._busy: Set[Hashable] = set()
 
-    def is_busy(self, what: Hashable) -> bool:
+    def is_busy(self, subject: Hashable) -> bool:
         """Return whether a job for a subject is still running."""
-        return what in self._busy
+        return subject in self._busy
 
-    def run(self, what: Hashable, work: Callable[[], Any], then: Callable[[Any], None]) -> bool:
+    def run(self, subject: Hashable, work: Callable[[], Any], then: Callable[[Any], None]) -> bool:
         """Start a job; call this from the web thread.
 
-        :param what: the thing that it is about
-        :param work: the work; returns or raises its result
+        :param subject: the subject of the job
+        :param work: the job; returns or raises its result
         :param then: called in the web thread with the result, or the exception
-        :returns: False if earlier work is not done yet, so that this was not begun
+        :returns: False if an earlier job for the subject is running, so this one was not started
         """
-        if what in self._busy or len(self._busy) >= LIMIT:
+        if subject in self._busy or len(self._busy) >= LIMIT:
             return False
-        self._busy.add(what)
+        self._busy.add(subject)
 
         def finish(result: Any) -> None:
-            self._busy.discard(what)
+            self._busy.discard(subject)
             then(result)
 
         def body() -> None:

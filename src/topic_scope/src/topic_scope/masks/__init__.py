@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""Limits around a reference trace, and whether another trace keeps within them."""
+"""Mask tests: limits around a reference trace, and the check of another trace against them."""

@@ -1,7 +1,7 @@
 """Mask: limits around a reference trace, by a distance in value and in time.
 
-The limits are formulas, so they are drawn and saved as all traces are; and one formula says of each
-sample by how much it is outside.
+The limits are formulas, so they are drawn and saved like all traces; another formula computes the
+excess of each sample over the limits.
 """
 
 import math
@@ -17,9 +17,9 @@ from topic_scope.sampling.traces import Trace
 from topic_scope.timing.nanoseconds import NS, shifted, to_ns
 
 
-#: A reference has ended where it was silent for longer than this at least [s].
+#: Least silence after which a reference has ended [s].
 _ENDED_S = 0.5
-#: More than any rounding of a time since the epoch [s].
+#: Larger than any rounding of a time since the epoch [s].
 _MORE_S = 1e-5
 
 
@@ -27,9 +27,9 @@ class Mask(NamedTuple):
     """Limits that a trace must keep within.
 
     :param field: name of the trace
-    :param reference: name of the trace that the limits are around
-    :param value: how far above and below it they are
-    :param time: how far before and after it [s]
+    :param reference: name of the trace at the centre of the limits
+    :param value: distance of the limits above and below it
+    :param time: distance before and after it [s]
     """
 
     field: str
@@ -58,25 +58,25 @@ class Mask(NamedTuple):
     def problem(self) -> Optional[str]:
         """Reason why the mask cannot be checked; None for a valid mask."""
         try:
-            told = map(problem_of, (self.field, self.reference, self.excess))
-            return next((text for text in told if text), None)
-        except FieldError as error:  # the formula cannot even be put together
+            problems = map(problem_of, (self.field, self.reference, self.excess))
+            return next((text for text in problems if text), None)
+        except FieldError as error:  # the formula cannot be built
             return str(error)
 
     @property
     def names(self) -> Tuple[str, ...]:
-        """Names of all traces to record for it."""
+        """Names of all traces to record for the mask."""
         return self.field, self.reference, self.upper, self.lower, self.excess
 
 
 class Verdict(NamedTuple):
     """Result so far.
 
-    :param inside: how many samples were within the limits
-    :param outside: how many were not
-    :param unchecked: how many could not be checked, as the reference was not known there
-    :param first: when the first one outside was taken [s]; None without one
-    :param worst: by how much the worst one was outside
+    :param inside: number of samples within the limits
+    :param outside: number of samples outside
+    :param unchecked: number of samples for which the reference is unknown
+    :param first: time of the first sample outside [s]; None without one
+    :param worst: largest excess
     """
 
     inside: int = 0
@@ -96,31 +96,31 @@ class SampleReader(Protocol):
     """Reader of the samples of traces, such as a recorder."""
 
     def trace(self, name: str) -> Optional[Recorded]:
-        """Return what is recorded of a name; None where nothing is."""
+        """Return the recorded trace of a name; None if it is not recorded."""
 
     @property
     def updated(self) -> float:
         """Time of the latest update [s]."""
 
     def changed_since(self, moment: float) -> float:
-        """Return the time from which on samples may differ from what they were [s]."""
+        """Return the time from which on samples may have changed [s]."""
 
     def longest_step(self, name: str) -> float:
-        """Return how far apart samples of one line of a name may be [s]."""
+        """Return the longest time between connected samples of a name [s]."""
 
 
 class MaskCheck:
-    """Checks each sample of a trace once, as soon as its reference is known.
+    """Check of each sample of a trace, as soon as its reference is known.
 
-    Each sample that is received is counted once: as inside, as outside or as not checked. So one
-    that is late is checked as all others are.
+    Each received sample, even a late one, is counted once: as inside, as outside or as not
+    checked.
 
-    :param mask: what it has to keep within
-    :param start: samples that are received later than this are checked [s]
+    :param mask: the limits
+    :param start: only samples received later are checked [s]
 
-    :ivar mask: what it has to keep within
-    :ivar verdict: what has come out so far
-    :ivar received: how many samples have been received
+    :ivar mask: the limits
+    :ivar verdict: result so far
+    :ivar received: number of received samples
     """
 
     def __init__(self, mask: Mask, start: float) -> None:
@@ -130,8 +130,8 @@ class MaskCheck:
         self._start = to_ns(start)
         self._excess = mask.excess
         self._updated = -math.inf
-        #: When samples were received that are counted, or wait for their reference [ns]: no two of
-        #: a topic are received at the same time.
+        #: Receipt times of samples that are counted, or wait for their reference [ns]: unique in
+        #: a topic.
         self._seen = self._open = numpy.empty(0, numpy.int64)
         self._open_from = to_ns(math.inf)
 
@@ -145,7 +145,7 @@ class MaskCheck:
     def update(self, samplers: SampleReader) -> Verdict:
         """Check the new samples, and those whose reference is known now.
 
-        :returns: what has come out so far
+        :returns: result so far
         """
         field, excess = samplers.trace(self.mask.field), samplers.trace(self._excess)
         if field is None or excess is None:
@@ -153,14 +153,14 @@ class MaskCheck:
         changed, self._updated = samplers.changed_since(self._updated), samplers.updated
         begin = min(to_ns(changed - _MORE_S), self._open_from)
         times, values, received = field.rows(begin, to_ns(math.inf))
-        # Where a line ends the last sample stands twice, once without a value.
+        # At the end of a line the last sample is repeated, without a value.
         real = numpy.append(True, received[1:] != received[:-1])[: len(times)]
         real |= ~numpy.isnan(values)
         times, received = times[real], received[real]
         is_new = (received > self._start) & ~_among(received, self._seen)
         is_open = is_new | _among(received, self._open)
         self.received += int(is_new.sum())
-        if type(field) is Trace:  # its samples appear in the order of reception
+        if type(field) is Trace:  # its samples appear in the order of receipt
             self._start = max(self._start, int(received.max(initial=self._start)))
         else:
             self._seen = numpy.sort(numpy.append(self._seen, received[is_new]))[-LIMIT:]
@@ -168,10 +168,10 @@ class MaskCheck:
         return self.verdict
 
     def _count(self, excess: Recorded, times: numpy.ndarray, received: numpy.ndarray) -> None:
-        """Count samples that were not, as far as something is known of them.
+        """Count the uncounted samples whose excess is known.
 
-        :param times: of all of these that are in memory [ns]
-        :param received: when they were received [ns]
+        :param times: times of all uncounted samples in memory [ns]
+        :param received: their receipt times [ns]
         """
         before = self.verdict
         span = int(times.min(initial=0)), int(times.max(initial=0))
@@ -180,7 +180,7 @@ class MaskCheck:
         is_known = _among(received, found[order])
         by = numpy.full(len(times), math.nan)
         by[is_known] = values[order][found[order].searchsorted(received[is_known])]
-        # What counts for samples before that was forgotten: they will never be checked.
+        # The reference of earlier samples was dropped: they will never be checked.
         is_lost = ~is_known & (times <= excess.whole_from)
         is_open = ~is_known & ~is_lost
         outside = (by > 0.0).nonzero()[0]
@@ -202,8 +202,8 @@ class MaskCheck:
     def finish(self, samplers: SampleReader) -> Optional[float]:
         """Count the remaining samples as unchecked, at the end.
 
-        :returns: how long before the trace the reference has ended [s]; None where it has not, or
-            where all are checked
+        :returns: how long before the trace the reference ended [s]; None if it has not ended, or
+            if all samples are checked
         """
         left, self._open = len(self._open), self._open[:0]
         self.verdict = self.verdict._replace(unchecked=self.verdict.unchecked + left)
@@ -219,9 +219,9 @@ class MaskCheck:
         return text if ended is None else f"{text}; {self.mask.reference} silent for {ended:.1f} s"
 
     def ended(self, samplers: SampleReader) -> Optional[float]:
-        """Return how long before the trace the reference has ended [s]; None if it has not."""
+        """Return how long before the trace the reference ended [s]; None if it has not."""
         traces = [samplers.trace(name) for name in (self.mask.field, self.mask.reference)]
-        # By reception: what has stamps that are late, or is delayed, has not ended.
+        # By receipt: a trace with late stamps, or a delayed trace, has not ended.
         quiet = [one.silence(0.0) for one in traces if one is not None]
         if len(quiet) < 2 or quiet[0] is None or quiet[1] is None:
             return None
@@ -231,7 +231,7 @@ class MaskCheck:
 
 
 def _among(values: numpy.ndarray, known: numpy.ndarray) -> numpy.ndarray:
-    """Return which values are among others, which ascend."""
+    """Return a mask of the values that are in a sorted array."""
     places = known.searchsorted(values)
     is_known: numpy.ndarray = places < len(known)
     is_known[is_known] = known[places[is_known]] == values[is_known]

@@ -1,1 +1,1 @@
-"""Definitions, fields, values and stamps of messages."""
+"""Messages: definitions, fields, decoding and stamps."""

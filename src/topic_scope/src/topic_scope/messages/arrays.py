@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""The arrays of serialized messages: how long they are, and what their elements are called."""
+"""Arrays of serialized messages: their lengths, and the names of their elements."""
 
 import re
 import struct
@@ -18,21 +18,21 @@ from topic_scope.messages.fields import (
     to_text,
 )
 
-#: Most arrays of a topic whose lengths are remembered.
+#: Most arrays of a topic whose lengths are stored.
 _ARRAYS = 1000
-#: Most sets of names that the messages of a topic have, and how long each counts [s].
+#: Most sets of element names of a topic, and how long each is valid [s].
 _KINDS, KEPT_S = 16, 30.0
-#: Fields that tell elements of arrays apart, as of transforms and of diagnostics.
+#: Fields that identify elements of arrays, e.g. of transforms and of diagnostics.
 LABELS = ("child_frame_id", "name")
-#: A name that can stand in brackets.
+#: A name that is allowed in brackets.
 _KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_-]*\Z")
 _VALUE = re.compile(r'[^]["\n]{1,100}\Z')
-#: Most names that a sentence has.
+#: Most names in an error text.
 _SHOWN = 10
 
 
 def lengths_in(layout: Record, data: bytes) -> Lengths:
-    """Return the function that tells how long the arrays of a serialized message are.
+    """Return the function that returns the lengths of arrays of a serialized message.
 
     :param layout: its layout
     :param data: the message
@@ -52,9 +52,9 @@ def names_in(layout: Record, data: bytes, path: Path, field: str = "") -> List[s
 
     :param layout: its layout
     :param data: the message
-    :param path: where the array stands
-    :param field: field of the elements that has their names; empty for what stands beside the array
-    :returns: the names; none where the elements have none
+    :param path: path of the array
+    :param field: field of the elements with their names; empty for the array of names beside it
+    :returns: the names; empty if the elements have no names
     """
     try:
         if field:
@@ -68,12 +68,12 @@ def names_in(layout: Record, data: bytes, path: Path, field: str = "") -> List[s
 
 
 def keys_in(layout: Record, data: bytes, path: Path) -> List[str]:
-    """Return what the elements of an array are found by, as it stands in brackets.
+    """Return the keys of the elements of an array, as written in brackets.
 
     :param layout: layout of the message
     :param data: the message
-    :param path: where the array stands
-    :returns: names or values of a field; empty for one that cannot be written
+    :param path: path of the array
+    :returns: names or values of a field; an empty string for a key that cannot be written
     """
     names = names_in(layout, data, path)
     if names:
@@ -86,18 +86,18 @@ def keys_in(layout: Record, data: bytes, path: Path) -> List[str]:
 
 
 def with_names(path: Path, names_at: Callable[[Path], Sequence[str]], typed: int = 0) -> Path:
-    """Return a place with the names of elements for their indices, where they have some.
+    """Return a path with indices replaced by names of elements, where the elements have names.
 
     :param path: with indices
-    :param names_at: returns what the elements of an array are found by; see :func:`keys_in`
-    :param typed: how many parts of the place stay as they are
+    :param names_at: returns the keys of the elements of an array; see :func:`keys_in`
+    :param typed: number of leading parts of the path that are not changed
     """
     found: Path = ()
     for part in path:
         if isinstance(part, int) and len(found) >= typed:
             names = names_at(found)
             name = names[part] if part < len(names) else ""
-            # Two may have one name.
+            # Names may be duplicates.
             if name and names.count(name) == 1:
                 part = Key(name)
         found += (part,)
@@ -105,7 +105,7 @@ def with_names(path: Path, names_at: Callable[[Path], Sequence[str]], typed: int
 
 
 def has_names(layout: Record) -> bool:
-    """Return whether elements of arrays in a message have names."""
+    """Return whether any array in a message has named elements."""
     parts = [name for name, node in layout.fields if isinstance(node, Array) and node.numeric]
     try:
         return bool(parts) and bool(names_of(layout, (parts[0],)))
@@ -114,10 +114,10 @@ def has_names(layout: Record) -> bool:
 
 
 def check_elements(layout: Record, path: Path, data: bytes) -> None:
-    """Check that the elements on the way to a place are there.
+    """Check that the array elements of a path exist in a message.
 
     :param layout: layout of the messages
-    :param path: the place
+    :param path: the path
     :param data: a serialized message
     :raises FieldError: if an array is too short, or none of its elements has the name
     """
@@ -131,20 +131,20 @@ def check_elements(layout: Record, path: Path, data: bytes) -> None:
 
 
 def missing_text(place: Path, key: Key) -> str:
-    """Return in words that an array has no element with a name or a value."""
+    """Return the error text for an array without an element of a name or value."""
     if key.field:
         return f"no element of {to_text(place)} has the {key.field} {key.value}"
     return f"no element of {to_text(place)} is called {key}"
 
 
 def first_missing(layout: Record, path: Path, data: bytes) -> Tuple[Path, Union[str, int, None]]:
-    """Return the first array on the way to a place that lacks an element, and which.
+    """Return the first array of a path that lacks an element, and the missing element.
 
     :param layout: layout of the messages
-    :param path: the place
+    :param path: the path
     :param data: a serialized message
-    :returns: the place of the array, and the name or index; None for that where all are there
-    :raises FieldError: if nothing can stand there
+    :returns: the path of the array, and the name or index; None for the latter if none is missing
+    :raises FieldError: if the layout does not have the path
     """
     lengths = lengths_in(layout, data)
     for position, part in enumerate(path):
@@ -159,7 +159,7 @@ def first_missing(layout: Record, path: Path, data: bytes) -> Tuple[Path, Union[
 
 
 def _kind(layout: Record, message: bytes) -> Tuple[str, ...]:
-    """Return what tells messages apart that are about different elements."""
+    """Return the names that distinguish messages about different elements."""
     found = names_in(layout, message, ("",))
     for name, node in layout.fields:
         if isinstance(node, Array) and isinstance(node.element, Record):
@@ -170,13 +170,13 @@ def _kind(layout: Record, message: bytes) -> Tuple[str, ...]:
 
 
 class Arrays:
-    """The arrays of a topic; how many elements each has had at most, so that lists stand still."""
+    """Arrays of a topic, with their largest lengths, so that lists of fields do not change."""
 
     def __init__(self) -> None:
         self._known: Dict[Path, int] = {}
         self._named: Dict[Path, List[Path]] = {}
         self._layout: Optional[Record] = None
-        #: By the names in it, a message and when it came [s]: each publisher may have its own ones.
+        #: Time of receipt [s] and latest message by its names; publishers may differ in names.
         self._messages: Dict[Tuple[str, ...], Tuple[float, bytes]] = {}
 
     def add_message(self, layout: Record, message: bytes, time: float = 0.0) -> None:
@@ -184,23 +184,23 @@ class Arrays:
 
         :param layout: its layout
         :param message: the message
-        :param time: when it came [s]
+        :param time: time of receipt [s]
         """
-        kinds = self._messages if layout is self._layout else {}
-        kinds[_kind(layout, message)] = (time, message)
-        recent = sorted(kinds.values(), reverse=True)[:_KINDS]
+        known = self._messages if layout is self._layout else {}
+        known[_kind(layout, message)] = (time, message)
+        recent = sorted(known.values(), reverse=True)[:_KINDS]
         self._layout = layout
         self._messages = {
-            names: one for names, one in kinds.items() if one in recent and one[0] > time - KEPT_S
+            names: one for names, one in known.items() if one in recent and one[0] > time - KEPT_S
         }
 
     def __call__(self, path: Path) -> int:
-        """Return how many elements an array has had."""
+        """Return the largest length of an array so far."""
         latest = 1
         if self._layout is not None:
             try:
                 latest = max(lengths_in(self._layout, one)(path) for one in self._latest())
-            except FieldError:  # the topic has got another type
+            except FieldError:  # the type of the topic has changed
                 pass
         longest = max(latest, self._known.get(path, 0))
         if path in self._known or len(self._known) < _ARRAYS:
@@ -208,14 +208,14 @@ class Arrays:
         return longest
 
     def _latest(self) -> List[bytes]:
-        """Return the messages that count, the latest first."""
+        """Return the stored messages, the latest first."""
         return [message for _, message in sorted(self._messages.values(), reverse=True)]
 
     def check(self, layout: Record, path: Path) -> None:
-        """Check that what stands at a place is in one of the latest messages.
+        """Check that one of the latest messages contains a path.
 
-        :param layout: layout of the messages now
-        :raises FieldError: if it is not
+        :param layout: current layout of the messages
+        :raises FieldError: if none does
         """
         errors = []
         for message in self._latest():
@@ -227,11 +227,11 @@ class Arrays:
             raise errors[0]
 
     def named(self, path: Path, typed: int = 0) -> List[Path]:
-        """Return a place with the names of elements for their indices, where they have some.
+        """Return a path with indices replaced by names of elements, where the elements have names.
 
         :param path: with indices
-        :param typed: how many parts of the place stay as they are
-        :returns: several, where messages of the topic have other names there
+        :param typed: number of leading parts of the path that are not changed
+        :returns: several paths if messages of the topic differ in names
         """
         layout = self._layout
         if layout is None:
@@ -241,7 +241,7 @@ class Arrays:
         return list(dict.fromkeys(one for one in found if one != path)) or [path]
 
     def remembered(self, path: Path, typed: int = 0) -> List[Path]:
-        """As :meth:`named`, with all that it has returned before: what is shown stands still."""
+        """Return :meth:`named` with all its earlier results, so that lists do not change."""
         found = self.named(path, typed)
         if found != [path] and (path in self._named or len(self._named) < _ARRAYS):
             known = dict.fromkeys([*self._named.get(path, []), *found])

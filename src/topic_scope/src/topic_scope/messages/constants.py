@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Names of the values of whole numbers: the constants beside a field in its definition."""
+"""Names of integer values: the constants beside a field in its definition."""
 
 from typing import Dict, List, Mapping, Optional, Tuple
 
@@ -7,19 +7,19 @@ from nodekit.message_definitions import Constant, Field, constant_in, field_in
 
 #: Names by value.
 ValueNames = Mapping[int, str]
-#: Types of whole numbers.
+#: Integer types.
 _WHOLE = ("int8", "uint8", "byte", "char", "int16", "uint16", "int32", "uint32", "int64", "uint64")
 
 
 def value_names(datatype: str, text: str) -> Dict[str, ValueNames]:
-    """Return the names of the values of fields, as far as a definition tells them.
+    """Return the names of the values of fields, from the constants of a definition.
 
-    Constants name the values of the field before or behind them, whichever has their type. Where
-    both have it, the definition does not tell which is meant, and neither has names.
+    Constants name the values of the field before or after them, whichever has their type. If both
+    have it, the definition is ambiguous, and neither has names.
 
     :param datatype: name of the type
-    :param text: its definition, without those of other types
-    :returns: by name of the field; a value with several names has them all
+    :param text: its definition, without the definitions of other types
+    :returns: by name of the field; a value with several names has all of them
     """
     package = datatype.partition("/")[0]
     found: Dict[str, List[Constant]] = {}
@@ -42,7 +42,7 @@ def _assign(
     behind: Optional[Field],
     found: Dict[str, List[Constant]],
 ) -> None:
-    """Add constants to the one field beside them that has their type."""
+    """Add constants to the neighbouring field of their type, if only one has it."""
     for constant in constants:
         beside = [one for one in (before, behind) if one and _fits(one, constant)]
         if len(beside) == 1 and _value(constant) is not None:

@@ -1,10 +1,10 @@
 # Pure: knows no ROS.
-"""Decoder of numbers in serialized messages, which makes no message objects.
+"""Decoder of single numbers in serialized messages, without deserialising them.
 
-A scope reads thousands of messages a second and wants one number of each. Messages of a fixed size
-are read in bulk; of others, what stands before the number is skipped. The format is described at
+A scope reads thousands of messages per second, and needs one number of each. Messages of fixed size
+are decoded in bulk; in others, the data before the number are skipped. The format is described at
 http://wiki.ros.org/roscpp/Overview/MessagesSerializationAndAdaptingTypes (little-endian; a string
-and an array of undeclared length begin with a count of 32 bits).
+and an array of variable length start with a 32-bit count).
 """
 
 import struct
@@ -16,25 +16,25 @@ from topic_scope.messages.definitions import Array, Layout, Record, Scalar
 from topic_scope.messages.fields import FieldError, Key, Path, label_of, names_of, to_path
 from topic_scope.timing.nanoseconds import NO_TIME, NS, array_to_ns
 
-#: How to get on: a number of bytes, or a function from data and offset to the next offset.
+#: Step over data: a number of bytes, or a function from data and offset to the next offset.
 Advance = Union[int, Callable[[bytes, int], int]]
 
-#: How many elements an array has, or bytes a text.
+#: Length of an array, or of a text in bytes.
 COUNT = struct.Struct("<I")
 
 
 class NotThere(Exception):
-    """An array ends before the element, or none has the name."""
+    """An array ends before the element, or no element has the name."""
 
 
 class Decoder:
-    """Reads one number out of messages of one layout.
+    """Decoder of one number of messages of one layout.
 
     :param layout: layout of the messages
-    :param path: where the number stands
-    :raises FieldError: if no number stands there
+    :param path: path of the number
+    :raises FieldError: if the path is not a number
 
-    :ivar is_time: whether it is a time or a duration
+    :ivar is_time: whether the number is a time or a duration
     """
 
     def __init__(self, layout: Record, path: Path) -> None:
@@ -42,7 +42,7 @@ class Decoder:
         if not isinstance(leaf, Scalar):
             raise FieldError("the field is not a number")
         self._steps = steps
-        # An element that is found by its value is anywhere.
+        # An element that is found by its value may be at any offset.
         self._size = layout.size if all(isinstance(step, int) for step in steps) else None
         self.is_time = leaf.datatype in ("time", "duration")
         self._is_wide = leaf.datatype in ("int64", "uint64")
@@ -58,9 +58,9 @@ class Decoder:
             )
 
     def decode(self, messages: Sequence[bytes]) -> numpy.ndarray:
-        """Return the number in each message, NaN where an array is too short for it.
+        """Return the number in each message; NaN if an array is too short.
 
-        :param messages: serialized messages, without the length that goes before each on the wire
+        :param messages: serialized messages, without the length that precedes each on the wire
         """
         if self._size is not None and set(map(len, messages)) <= {self._size}:
             values = numpy.frombuffer(b"".join(messages), self._type)["value"]
@@ -72,7 +72,7 @@ class Decoder:
     def times(self, messages: Sequence[bytes]) -> numpy.ndarray:
         """Return the time in each message in whole nanoseconds.
 
-        :returns: NO_TIME where it is missing, or a number that is no time
+        :returns: NO_TIME if it is missing, or not a valid time
         """
         if not self.is_time:
             return array_to_ns(self.decode(messages))
@@ -82,9 +82,9 @@ class Decoder:
         return numpy.array([self._time_of(data) for data in messages], numpy.int64)
 
     def rounding(self, values: numpy.ndarray) -> int:
-        """Return the step that whole numbers are rounded to: 1 where all digits are kept.
+        """Return the step that integers are rounded to: 1 if they are exact.
 
-        :param values: what :meth:`decode` has returned
+        :param values: as returned by :meth:`decode`
         """
         if not self._is_wide or not len(values):
             return 1
@@ -99,10 +99,10 @@ class Decoder:
         return True
 
     def value(self, message: bytes) -> Any:
-        """Return what stands in a message as it is.
+        """Return the exact value in a message.
 
-        :returns: the number; of a time or a duration, nanoseconds
-        :raises NotThere: if an element on the way to it is not there
+        :returns: the number; nanoseconds for a time or a duration
+        :raises NotThere: if an array element of its path is missing
         :raises struct.error: if the message is cut off
         """
         values = self._struct.unpack_from(message, follow(self._steps, message))
@@ -117,25 +117,25 @@ class Decoder:
     def _decode_one(self, data: bytes) -> float:
         try:
             values = self._struct.unpack_from(data, follow(self._steps, data))
-        except (NotThere, struct.error):  # the latter: the message is cut off
+        except (NotThere, struct.error):  # struct.error: the message is cut off
             return float("nan")
         return values[0] + values[1] * 1e-9 if self.is_time else float(values[0])
 
 
 def rounding_text(step: int) -> Optional[str]:
-    """Describe how whole numbers are rounded.
+    """Describe the rounding of integers.
 
     :param step: as :meth:`Decoder.rounding` returns it
-    :returns: None where all digits are kept
+    :returns: None if they are exact
     """
     return f"whole numbers beyond 2**53: rounded to multiples of {step}" if step > 1 else None
 
 
 def follow(steps: Sequence[Advance], data: bytes, offset: int = 0) -> int:
-    """Return where in a message some steps lead.
+    """Return the offset after some steps in a message.
 
-    :param offset: where they begin
-    :raises NotThere: if an element on the way is not there
+    :param offset: start of the steps
+    :raises NotThere: if an array element of the path is missing
     :raises struct.error: if the message is cut off
     """
     for step in steps:
@@ -144,7 +144,7 @@ def follow(steps: Sequence[Advance], data: bytes, offset: int = 0) -> int:
 
 
 def steps_to(layout: Record, path: Path) -> Tuple[List[Advance], Layout]:
-    """Return the steps from the start of a message to a place in it, and what is there."""
+    """Return the steps from the start of a message to a path, and the layout there."""
     steps: List[Advance] = []
     node: Layout = layout
     for position, part in enumerate(path):
@@ -212,7 +212,7 @@ def _step_to_element(array: Array, index: int) -> Advance:
 
 
 def _step_to_named(array: Array, name: bytes, names: Sequence[Advance]) -> Advance:
-    """Return the step to the element whose name stands at the same place among the names."""
+    """Return the step to the element at the index of its name in the array of names."""
     over_elements = _step_over_elements(array.element)
 
     def step(data: bytes, offset: int) -> int:
@@ -229,7 +229,7 @@ def _step_to_named(array: Array, name: bytes, names: Sequence[Advance]) -> Advan
 
 
 def _step_to_labelled(array: Array, key: Key) -> Advance:
-    """Return the step to the first element whose own field has a value."""
+    """Return the step to the first element with a given value of a field."""
     read = labels(array, key.field)
 
     def step(data: bytes, offset: int) -> int:
@@ -242,13 +242,13 @@ def _step_to_labelled(array: Array, key: Key) -> Advance:
 
 
 def labels(array: Array, field: str) -> Callable[[bytes, int], Iterator[Tuple[str, int]]]:
-    """Return what reads a field of each element of an array, and where the elements stand.
+    """Return a reader of a field of each element of an array, with the offsets of the elements.
 
     :param array: layout of the array
-    :param field: a text or a whole number of its elements
-    :returns: takes a message and where the array stands; ends with struct.error at the end of the
+    :param field: a text or an integer of its elements
+    :returns: takes a message and the offset of the array; raises struct.error at the end of the
         data
-    :raises FieldError: if they have no such field
+    :raises FieldError: if the elements do not have such a field
     """
     leaf = label_of(array.element, field)
     steps, _ = steps_to(array.element, to_path(field))
@@ -274,7 +274,7 @@ def labels(array: Array, field: str) -> Callable[[bytes, int], Iterator[Tuple[st
 
 
 def texts(data: bytes, offset: int) -> Iterator[bytes]:
-    """Return the texts of an array of them; ends with struct.error at the end of the data."""
+    """Return the texts of an array; raises struct.error at the end of the data."""
     count = COUNT.unpack_from(data, offset)[0]
     offset += 4
     for _ in range(count):
@@ -291,7 +291,7 @@ def _step_over_elements(element: Layout) -> Callable[[bytes, int, int], int]:
     steps = _skip(element)
 
     def step(data: bytes, offset: int, count: int) -> int:
-        for _ in range(count):  # ends with struct.error at the end of the data
+        for _ in range(count):  # raises struct.error at the end of the data
             for one in steps:
                 offset = offset + one if isinstance(one, int) else one(data, offset)
         return offset
@@ -300,7 +300,7 @@ def _step_over_elements(element: Layout) -> Callable[[bytes, int, int], int]:
 
 
 def _merged(steps: Sequence[Advance]) -> List[Advance]:
-    """Return the same steps, with those of a known length put together."""
+    """Return the same steps, with steps of known length merged."""
     merged: List[Advance] = []
     for step in steps:
         if isinstance(step, int) and merged and isinstance(merged[-1], int):

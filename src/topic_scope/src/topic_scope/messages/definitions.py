@@ -1,8 +1,8 @@
 # Pure: knows no ROS.
-"""The layout of a message in memory, read from its definition.
+"""Layout of a serialized message, parsed from its definition.
 
-A definition is the text that a publisher sends to each subscriber and that a bag holds: it suffices
-to read messages whose package is not installed.
+Publishers send the definition to each subscriber, and bags store it, so messages can be read whose
+package is not installed.
 """
 
 from typing import Any, Dict, Mapping, NamedTuple, Optional, Tuple, Union
@@ -15,7 +15,7 @@ class Scalar(NamedTuple):
     """A number of fixed size.
 
     :param datatype: its name in definitions
-    :param format: what it is in the notation of the module struct, without byte order
+    :param format: its format for the module struct, without byte order
     :param size: bytes
     """
 
@@ -26,7 +26,7 @@ class Scalar(NamedTuple):
 
 
 class Text(NamedTuple):
-    """A string: its length, then its bytes."""
+    """String: its length, then its bytes."""
 
     datatype: str = "string"
     size: Optional[int] = None
@@ -34,13 +34,13 @@ class Text(NamedTuple):
 
 
 class Record(NamedTuple):
-    """A message: its fields one behind the other.
+    """Message: its fields in sequence.
 
     :param datatype: name of its type
-    :param fields: name and layout of each, in their order
-    :param size: bytes, None where that differs from one to the next
-    :param numeric: whether there are numbers in it, at any depth
-    :param value_names: names of the values of fields that have such
+    :param fields: name and layout of each, in order
+    :param size: bytes; None if variable
+    :param numeric: whether it contains numbers, at any depth
+    :param value_names: names of the values of fields with named values
     """
 
     datatype: str
@@ -51,11 +51,11 @@ class Record(NamedTuple):
 
 
 class Array(NamedTuple):
-    """Elements of one layout.
+    """Array of elements of one layout.
 
     :param element: their layout
-    :param length: how many there are, None where the message says it
-    :param size: bytes, None where that differs from one to the next
+    :param length: number of elements; None if variable
+    :param size: bytes; None if variable
     """
 
     element: Any
@@ -92,18 +92,18 @@ SCALARS: Mapping[str, Scalar] = {
         ("uint64", "Q", 8),
         ("float32", "f", 4),
         ("float64", "d", 8),
-        # Seconds and nanoseconds; a value in s is made of them.
+        # Seconds and nanoseconds, converted to a value in s.
         ("time", "II", 8),
         ("duration", "ii", 8),
     )
 }
 
-#: Deepest nesting of messages, and most fields at all depths; real ones stay far below.
+#: Deepest nesting of messages, and most fields at all depths; real messages have far fewer.
 _DEPTH, _FIELDS = 50, 20000
 
 
 def layout_of(message_class: Any) -> Record:
-    """Return the layout of a message class, whether generated or made at run time.
+    """Return the layout of a message class, generated or created at run time.
 
     :param message_class: class of the messages
     :raises DefinitionError: if its definition is malformed
@@ -112,10 +112,10 @@ def layout_of(message_class: Any) -> Record:
 
 
 def parse(datatype: str, text: str) -> Record:
-    """Read a definition.
+    """Parse a definition.
 
     :param datatype: name of the type, e.g. ``std_msgs/Float32``
-    :param text: its definition, followed by those of the types that it uses
+    :param text: its definition, followed by the definitions of the types that it uses
     :raises DefinitionError: if it is malformed
     """
     return _Parser(parts_of(datatype, text)).record(datatype, 0)

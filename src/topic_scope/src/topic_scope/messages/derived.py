@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Traces that are computed of others: a fixed list, nothing of a name is ever evaluated."""
+"""Functions of fields, such as derivatives: a fixed list, nothing in a name is ever evaluated."""
 
 import math
 from typing import Callable, Dict, Sequence, Tuple
@@ -10,25 +10,25 @@ from topic_scope.timing.nanoseconds import NS
 
 #: Times [ns] and values.
 Samples = Tuple[numpy.ndarray, numpy.ndarray]
-#: Computes a trace, as its samples come: takes their times [ns], a row for each number of a message
-#: that is needed, and how far apart samples of one line may be [s]; returns times and values, for
-#: all samples but perhaps the first.
+#: Incremental computation of a trace: takes times [ns], a row for each number of a message
+#: that is needed, and the longest time between connected samples [s]; returns times and values, for
+#: all samples except perhaps the first.
 Function = Callable[[numpy.ndarray, numpy.ndarray, float], Samples]
 
-#: What has a heading: the names of its fields.
+#: Names of the fields of a quaternion.
 QUATERNION = ("x", "y", "z", "w")
 
 
 def make(name: str) -> Function:
-    """Return a function that has seen no samples yet.
+    """Return a function in its initial state.
 
-    :param name: one of :data:`FUNCTIONS`, or nothing for the samples as they are
+    :param name: one of :data:`FUNCTIONS`, or empty for the identity
     """
     return _FUNCTIONS[name]() if name else _as_it_is
 
 
 def parts(name: str) -> Sequence[Tuple[str, ...]]:
-    """Return what a function needs of a message, as ends of the path of its field.
+    """Return the parts of a field that a function needs, as suffixes of its path.
 
     :param name: as for :func:`make`
     """
@@ -40,16 +40,16 @@ def _as_it_is(times: numpy.ndarray, rows: numpy.ndarray, _longest: float) -> Sam
 
 
 def _yaw(times: numpy.ndarray, rows: numpy.ndarray, _longest: float) -> Samples:
-    """Return how far quaternions turn to the left [rad]; they need not be of length 1."""
+    """Return the yaw of quaternions [rad], which need not be normalised."""
     x, y, z, w = rows
     turned: numpy.ndarray = numpy.arctan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
     return times, numpy.where((rows == 0.0).all(axis=0), numpy.nan, turned)
 
 
 class _Steps:
-    """Computes something of each sample and the one before.
+    """Difference or slope of each sample and the previous one.
 
-    :param is_slope: whether that is divided by the time between both, and stands in the middle
+    :param is_slope: whether to divide by the time between both; a slope is placed in the middle
     """
 
     def __init__(self, is_slope: bool) -> None:
@@ -61,7 +61,7 @@ class _Steps:
         self._last = at[-1:], values[-1:]
         with numpy.errstate(all="ignore"):
             apart, steps = numpy.diff(at), numpy.diff(values)
-            # What is late, or comes after its clock was set back, is no step from the one before.
+            # A late sample, or the first after its clock was set back, has no valid step.
             steps[apart <= 0] = numpy.nan
             if not self._is_slope:
                 return at[1:], steps
@@ -70,7 +70,7 @@ class _Steps:
 
 
 class _Unwrap:
-    """Takes the jumps out of an angle that is kept within a turn [rad]."""
+    """Phase unwrapping of an angle [rad]."""
 
     def __init__(self) -> None:
         self._last = numpy.empty(0)
@@ -88,9 +88,9 @@ class _Unwrap:
         return times, values
 
 
-#: The name of what shows a text, or a number with named values, as a state.
+#: Name of the function that shows a text, or a number with named values, as a state.
 STATE = "state"
-#: The name of what is a change per second.
+#: Name of the derivative per second.
 DERIVATIVE = "derivative"
 _FUNCTIONS: Dict[str, Callable[[], Function]] = {
     DERIVATIVE: lambda: _Steps(True),
@@ -99,5 +99,5 @@ _FUNCTIONS: Dict[str, Callable[[], Function]] = {
     "yaw": lambda: _yaw,
     STATE: lambda: _as_it_is,
 }
-#: Their names, as they stand behind the name of a field, after a dot.
+#: Names of the functions, written after the name of a field and a dot.
 FUNCTIONS: Tuple[str, ...] = tuple(_FUNCTIONS)

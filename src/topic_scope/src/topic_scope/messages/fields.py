@@ -1,17 +1,18 @@
 # Pure: knows no ROS.
-"""Names of numeric fields, such as ``/signal/signal_y``, and what they stand for.
+"""Names of numeric fields, such as ``/signal/signal_y``, and their resolution.
 
-The notation is that of rqt_plot: ``/topic/field/part``; ``/topic/x:y:z`` for several fields side by
-side; ``/topic/array[3]``; a topic or a part alone stands for all numbers in it. Where elements have
-names, these will do: ``/joint_states/position[arm]`` is what stands at the place of ``arm`` in the
-``string[] name`` beside the array, and ``/tf/transforms[child_frame_id=base]/transform`` stands in
-the first element whose own field has this value. A time or a duration is a number too, in s, and a
-truth value is 0 or 1. ``.`` and the name of what is computed of it may follow, see
-:mod:`topic_scope.messages.derived`: ``/topic/field.derivative``; then ``@`` and the name of a time,
+The notation is rqt_plot's: ``/topic/field/part``; ``/topic/x:y:z`` for several fields of a message;
+``/topic/array[3]``; a topic or a part alone denotes all numbers in it. Elements can be selected by
+name: ``/joint_states/position[arm]`` is the element at the index of ``arm`` in the
+``string[] name`` beside the array, and ``/tf/transforms[child_frame_id=base]/transform`` is in
+the first element with this value of the field. A time or a duration is a number too, in s, and a
+Boolean is 0 or 1. ``.`` and the name of a function may follow, see
+:mod:`topic_scope.messages.derived`: ``/topic/field.derivative``; then ``@`` and a timestamp source,
 see :mod:`topic_scope.messages.timestamp_source`: ``/topic/field@stamp``.
 
-A topic stands in quotes where its name has other characters, or could be a field of another topic:
-``"/ORB-SLAM"/pose/x``, ``"/imu/data"/data``. A hyphen before a letter needs none outside formulas.
+A topic needs quotes if its name has other characters, or could be a field of another topic:
+``"/ORB-SLAM"/pose/x``, ``"/imu/data"/data``. A hyphen before a letter needs no quotes outside
+formulas.
 """
 
 import itertools
@@ -24,11 +25,11 @@ from topic_scope.messages.derived import FUNCTIONS, QUATERNION, STATE
 
 
 class Key(str):
-    """Name of an element, or field and value, in place of its index: ``arm``, ``frame_id=base``."""
+    """Key of an array element in place of its index: ``arm``, ``frame_id=base``."""
 
     @property
     def field(self) -> str:
-        """Field of the elements that is compared; empty for the names beside the array."""
+        """Field of the elements to compare; empty for the array of names beside the array."""
         return self.partition("=")[0] if "=" in self else ""
 
     @property
@@ -37,20 +38,20 @@ class Key(str):
         return self.partition("=")[2] if "=" in self else str(self)
 
 
-#: Names of fields and, behind the one of an array, indices or names of elements.
+#: Names of fields and, after the name of an array, indices or keys of elements.
 Path = Tuple[Union[str, int], ...]
 
-#: Tells how many elements the array at a path has.
+#: Returns the length of the array at a path.
 Lengths = Callable[[Path], int]
 
-#: Most elements of an array that are listed one by one.
+#: Most elements of an array that are listed individually.
 LISTED_ELEMENTS = 16
-#: Most fields of a topic that are listed or chosen at once.
+#: Most fields of a topic that are listed or selected together.
 LISTED_FIELDS = 200
 
 _FIELD = r"[A-Za-z][A-Za-z0-9_]*(?:/[A-Za-z][A-Za-z0-9_]*)*"
 _ELEMENT = rf"\[(?:\d{{1,9}}|[A-Za-z_][A-Za-z0-9_-]*|{_FIELD}=[^][\"\n]{{1,100}})\]"
-#: Brackets with what is in them, which may be any text.
+#: Brackets with any text in them.
 _BRACKETS = re.compile(r"\[[^]]*\]")
 _NAME = rf"[A-Za-z][A-Za-z0-9_]*(?:{_ELEMENT})*"
 #: A topic in quotes, and a name that may have hyphens.
@@ -61,24 +62,24 @@ _EXPRESSION = re.compile(
     rf"(?:{_TOPIC}(?:(?:/{_NAME})+(?::{_NAME})*)?"
     rf"|(?:/|~?/?){_HYPHENS}(?:/{_HYPHENS})*(?::{_NAME})*)(?:\.([a-z]+))?{_END}\Z"
 )
-#: A field where other text may follow: one alone, from its slash or quote on.
+#: A field that other text may follow: a single field, from its slash or quote on.
 FIELD = re.compile(rf"(?:{_TOPIC}|/{_NAME})(?:/{_NAME})*(?:\.[a-z]+)?{_END}")
 _QUOTED = re.compile(_TOPIC)
 _PART = re.compile(rf"([A-Za-z][A-Za-z0-9_]*)((?:{_ELEMENT})*)\Z")
-#: The field that has the names of elements, beside their arrays.
+#: Field with the names of elements, beside their arrays.
 _NAMES = "name"
 _LONGEST = 300
 
 
 class FieldError(ValueError):
-    """A name of a field that cannot be one, or that a message does not have."""
+    """Invalid name of a field, or a field that a message does not have."""
 
 
 class NumericField(NamedTuple):
-    """A number in the messages of a topic.
+    """Number in the messages of a topic.
 
-    :param path: where it stands in a message
-    :param datatype: its type as the definition has it, e.g. ``float32``
+    :param path: its path in a message
+    :param datatype: its type in the definition, e.g. ``float32``
     """
 
     path: Path
@@ -86,16 +87,16 @@ class NumericField(NamedTuple):
 
 
 def one_element(_path: Path) -> int:
-    """Return a path with the first element in place of each array."""
+    """Return 1, the assumed length of each array."""
     return 1
 
 
 def expand(expression: str) -> List[str]:
-    """Return the names that an argument stands for.
+    """Return the field names that an argument denotes.
 
-    :param expression: e.g. ``/pose/x:y``, which stands for ``/pose/x`` and ``/pose/y``
+    :param expression: e.g. ``/pose/x:y``, which denotes ``/pose/x`` and ``/pose/y``
     :returns: global names, one for each part between colons
-    :raises FieldError: if it is not a name
+    :raises FieldError: if it is not a valid name
     """
     match = _EXPRESSION.match(expression) if len(expression) <= _LONGEST else None
     if not match:
@@ -115,10 +116,10 @@ def expand(expression: str) -> List[str]:
 
 
 def parted(name: str) -> Tuple[str, str, str]:
-    """Take off the names of what is computed and of a time.
+    """Split off the function and the timestamp source of a name.
 
     :param name: one that :func:`expand` returned
-    :returns: the name without them, and both, each empty where none was given
+    :returns: the name without them, and both, each empty if not given
     """
     topic = _quoted(name)
     rest = name[len(topic) :]
@@ -129,16 +130,16 @@ def parted(name: str) -> Tuple[str, str, str]:
 
 
 def ending(function: str, timestamp: str) -> str:
-    """Return what stands behind a name for what :func:`parted` has taken off."""
+    """Return the suffix of a name with the given parts; reverses :func:`parted`."""
     return (function and f".{function}") + (timestamp and f"@{timestamp}")
 
 
 def split(name: str, topics: Collection[str]) -> Optional[Tuple[str, str]]:
-    """Take a name apart into a topic and what is in its messages.
+    """Split a name into a topic and a field of its messages.
 
-    :param name: one that :func:`expand` returned, without the name of a time
-    :param topics: names of the topics that there are
-    :returns: the longest topic that the name begins with, and the rest, empty for all of a
+    :param name: one that :func:`expand` returned, without the timestamp source
+    :param topics: names of the existing topics
+    :returns: the longest topic that the name starts with, and the rest, empty for the whole
         message; None if there is no such topic
     """
     quoted = _quoted(name)
@@ -153,11 +154,11 @@ def split(name: str, topics: Collection[str]) -> Optional[Tuple[str, str]]:
 
 
 def name_of(topic: str, path: Path, topics: Collection[str]) -> str:
-    """Return the name of a field, with its topic in quotes where that is needed.
+    """Return the name of a field, with its topic in quotes if necessary.
 
     :param topic: global name of the topic
-    :param path: where the field stands in a message; empty for all of it
-    :param topics: names of the topics that there are
+    :param path: path of the field in a message; empty for the whole message
+    :param topics: names of the existing topics
     """
     rest = to_text(path)
     plain = f"{topic}/{rest}" if rest else topic
@@ -167,24 +168,24 @@ def name_of(topic: str, path: Path, topics: Collection[str]) -> str:
 
 
 def _bare(text: str) -> str:
-    """Return a text with nothing but lines in its brackets, as long as before."""
+    """Return a text of the same length, with the contents of its brackets masked."""
     return _BRACKETS.sub(lambda match: "_" * len(match.group()), text)
 
 
 def _split(text: str, mark: str) -> List[str]:
-    """Split a text at a mark, but not in brackets."""
+    """Split a text at a separator outside brackets."""
     places = [-1, *(match.start() for match in re.finditer(mark, _bare(text))), len(text)]
     return [text[start + 1 : end] for start, end in zip(places, places[1:])]
 
 
 def _quoted(name: str) -> str:
-    """Return the topic in quotes that a name begins with, its quotes included; or nothing."""
+    """Return the quoted topic at the start of a name, with its quotes; empty without one."""
     match = _QUOTED.match(name)
     return match.group() if match else ""
 
 
 def to_path(text: str) -> Path:
-    """Return the path that a text such as ``pose/x`` or ``data[3]`` stands for.
+    """Return the path of a text such as ``pose/x`` or ``data[3]``.
 
     :raises FieldError: if it is invalid
     """
@@ -200,7 +201,7 @@ def to_path(text: str) -> Path:
 
 
 def to_text(path: Path) -> str:
-    """Return the text that stands for a path."""
+    """Return a path as text."""
     parts = [f"[{part}]" if isinstance(part, (int, Key)) else "/" + part for part in path]
     return "".join(parts).lstrip("/")
 
@@ -208,12 +209,12 @@ def to_text(path: Path) -> str:
 def resolve(
     layout: Record, text: str, lengths: Lengths = one_element, function: str = ""
 ) -> List[NumericField]:
-    """Return the numeric fields that a text stands for in a message.
+    """Return the numeric fields that a text denotes in a message.
 
     :param layout: layout of the messages
-    :param text: as :func:`split` returned it; empty for all of a message
-    :param lengths: tells how many elements an array has whose length is not declared
-    :param function: name of what is computed of each; for a yaw, those of quaternions are returned
+    :param text: as :func:`split` returned it; empty for the whole message
+    :param lengths: returns the length of an array of variable length
+    :param function: name of the function applied to each; for yaw, quaternions are returned
     :raises FieldError: if the type has no such field
     """
     path = to_path(text)
@@ -231,7 +232,7 @@ def resolve(
 
 
 def quaternions(layout: Record, lengths: Lengths = one_element) -> List[NumericField]:
-    """List what has a heading in a message; as :func:`numeric_fields`."""
+    """List the quaternions of a message; as :func:`numeric_fields`."""
     return list(itertools.islice(_found(layout, (), lengths, _is_quaternion), LISTED_FIELDS))
 
 
@@ -244,7 +245,7 @@ def states(layout: Record, lengths: Lengths = one_element) -> List[NumericField]
 
 
 def is_text(layout: Record, text: str) -> bool:
-    """Return whether a text such as ``status[0]/name`` stands for a string in a message."""
+    """Return whether a text such as ``status[0]/name`` denotes a string in a message."""
     try:
         return isinstance(leaf_at(layout, to_path(text)), Text)
     except FieldError:
@@ -252,17 +253,17 @@ def is_text(layout: Record, text: str) -> bool:
 
 
 def value_names_at(layout: Record, path: Path) -> ValueNames:
-    """Return the names of the values of what stands at a place; empty without any."""
+    """Return the value names of the field at a path; empty without any."""
     parent = leaf_at(layout, path[:-1])
     return parent.value_names.get(str(path[-1]), {}) if isinstance(parent, Record) else {}
 
 
 def leaf_at(layout: Record, path: Path) -> Layout:
-    """Return the layout of what stands at a place in a message.
+    """Return the layout at a path in a message.
 
     :param layout: layout of the messages
-    :param path: where it stands
-    :raises FieldError: if nothing can stand there
+    :param path: the path
+    :raises FieldError: if the message does not have the path
     """
     node: Layout = layout
     for position, part in enumerate(path):
@@ -275,11 +276,11 @@ def leaf_at(layout: Record, path: Path) -> Layout:
 
 
 def names_of(layout: Record, path: Path) -> Path:
-    """Return where the names of an array's elements stand.
+    """Return the path of the names of an array's elements.
 
     :param layout: layout of the messages
-    :param path: where the array stands
-    :raises FieldError: if its elements have no names
+    :param path: path of the array
+    :raises FieldError: if its elements do not have names
     """
     place = path[:-1] + (_NAMES,)
     try:
@@ -292,11 +293,11 @@ def names_of(layout: Record, path: Path) -> Path:
 
 
 def label_of(element: Layout, field: str) -> Layout:
-    """Return the layout of the field that elements of an array are found by.
+    """Return the layout of the field that identifies elements of an array.
 
     :param element: layout of the elements
     :param field: name of the field
-    :raises FieldError: if they have no such field, or it is neither a text nor a whole number
+    :raises FieldError: if the field does not exist, or is neither a text nor an integer
     """
     if not isinstance(element, Record):
         raise FieldError(f"{element.datatype} has no {field}")
@@ -308,7 +309,7 @@ def label_of(element: Layout, field: str) -> Layout:
 
 
 def numeric_fields(layout: Record, lengths: Lengths = one_element) -> List[NumericField]:
-    """List the numeric fields of a message, but of long arrays and messages only the first ones.
+    """List the numeric fields of a message; only the first of long arrays and messages.
 
     :param layout: layout of the messages
     :param lengths: as for :func:`resolve`
@@ -354,7 +355,7 @@ def _found(
 
 
 def _states(layout: Record, path: Path, lengths: Lengths) -> Iterator[NumericField]:
-    """Return the states at a place in a message, and in what is there."""
+    """Return the states at and below a path in a message."""
     node = leaf_at(layout, path)
     if isinstance(node, Text) or (path and value_names_at(layout, path)):
         yield NumericField(path, node.datatype)

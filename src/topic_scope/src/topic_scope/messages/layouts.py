@@ -1,4 +1,4 @@
-"""The layouts of the messages on the graph, by type."""
+"""Cache of message layouts by type."""
 
 from typing import Any, Dict, Mapping, Optional, Tuple
 
@@ -8,7 +8,7 @@ from topic_scope.messages.definitions import DefinitionError, Record, layout_of,
 
 
 class Layouts:
-    """Looks each type up once."""
+    """Layouts of types, each looked up once."""
 
     def __init__(self) -> None:
         self._installed: Dict[str, Optional[Record]] = {}
@@ -19,7 +19,7 @@ class Layouts:
         """Return the layout of a type.
 
         :param datatype: e.g. ``std_msgs/Float32``
-        :returns: its layout; None if its package is not installed, nor a message has come yet
+        :returns: its layout; None if its package is not installed and no message has been received
         """
         if datatype not in self._installed:
             message_class: Any = None
@@ -34,8 +34,8 @@ class Layouts:
     def received(self, header: Mapping[str, str]) -> Optional[Record]:
         """Return the layout of the messages of a connection.
 
-        :param header: what the publisher has said of them
-        :returns: their layout, None if its definition is malformed
+        :param header: connection header of the publisher
+        :returns: their layout; None if their definition is malformed
         """
         key = (header.get("type", ""), header.get("md5sum", ""))
         if key not in self._received:
@@ -50,15 +50,15 @@ class Layouts:
         return self._received[key]
 
     def reject(self, header: Mapping[str, str], problem: str) -> None:
-        """Have the messages of a connection count as unreadable.
+        """Mark the messages of a connection as unreadable.
 
-        :param header: what the publisher has said of them
-        :param problem: why, in words
+        :param header: connection header of the publisher
+        :param problem: the reason
         """
         self._received[(header.get("type", ""), header.get("md5sum", ""))] = None
         self._installed[header.get("type", "")] = None
         self._problems[header.get("type", "")] = problem
 
     def problem(self, datatype: str) -> Optional[str]:
-        """Return why the layout of a type is not known, in words; None where nothing has come."""
+        """Return why the layout of a type is unknown; None if no problem was reported."""
         return self._problems.get(datatype)

@@ -1,8 +1,8 @@
 # Pure: knows no ROS.
-"""Read whole messages by their layout: as dictionaries, lists and arrays of numbers.
+"""Reader of whole messages by their layout, as dictionaries, lists and numeric arrays.
 
-What a plot needs of a message is a number, see :mod:`topic_scope.messages.decoding`; a map with
-robots needs most of it. Types need not be installed here either.
+A plot needs single numbers, see :mod:`topic_scope.messages.decoding`; the robot view needs most of
+a message. Types need not be installed here either.
 """
 
 import struct
@@ -12,18 +12,18 @@ import numpy
 
 from topic_scope.messages.definitions import Array, Layout, Record, Scalar
 
-#: From data and offset to what stands there and the next offset.
+#: From data and offset to the value there and the next offset.
 Reader = Callable[[bytes, int], Tuple[Any, int]]
 
 _COUNT = struct.Struct("<I")
 
 
 class CutOff(ValueError):
-    """A message that is shorter than it says."""
+    """Message that ends before its declared length."""
 
 
 class MessageReader:
-    """Reads messages of one layout.
+    """Reader of messages of one layout.
 
     :param layout: their layout
     """
@@ -32,10 +32,10 @@ class MessageReader:
         self._read = _reader(layout)
 
     def read(self, data: bytes) -> Dict[str, Any]:
-        """Return a message: numbers, texts, arrays of numbers, and lists and dictionaries of them.
+        """Return a message: numbers, strings, numeric arrays, and lists and dictionaries of them.
 
-        :param data: the serialized message; its times become s
-        :raises CutOff: if it is shorter than it says
+        :param data: the serialized message; times are converted to s
+        :raises CutOff: if it is truncated
         """
         try:
             message: Dict[str, Any] = self._read(data, 0)[0]
@@ -93,7 +93,7 @@ def _array(layout: Array) -> Reader:
         count = length
         if count is None:
             count, offset = _COUNT.unpack_from(data, offset)[0], offset + _COUNT.size
-        if count > len(data):  # of elements without a size there could be any number
+        if count > len(data):  # the count of empty elements is otherwise unbounded
             raise CutOff("an array ends beyond it")
         return elements(data, offset, count)
 

@@ -1,7 +1,7 @@
 # Pure: knows no ROS.
-"""States: texts, and whole numbers with names, read out of serialized messages.
+"""Decoder of states: texts, and integers with named values, in serialized messages.
 
-A state is kept as the number of its text in a table, so that it is recorded as all samples are.
+A state is stored as the index of its text in a table, so that it is recorded like all samples.
 """
 
 import math
@@ -20,7 +20,7 @@ _OTHER = "(another text)"
 
 
 class StateTable:
-    """The different texts that a trace has had.
+    """Table of the distinct texts of a trace.
 
     :ivar texts: by their numbers
     """
@@ -31,7 +31,7 @@ class StateTable:
         self._has_cut = False
 
     def number(self, text: str) -> int:
-        """Return the number of a text; that of "(another text)" where the table is full."""
+        """Return the number of a text; the number of "(another text)" if the table is full."""
         if len(text) > CHARACTERS:
             text, self._has_cut = text[:CHARACTERS] + "…", True
         if text not in self._numbers:
@@ -43,25 +43,25 @@ class StateTable:
         return self._numbers[text]
 
     def text(self, number: float) -> Optional[str]:
-        """Return the text with a number; None for NaN."""
+        """Return the text of a number; None for NaN."""
         return None if math.isnan(number) else self.texts[int(number)]
 
     @property
     def note(self) -> Optional[str]:
-        """Texts that are not kept or cut, in words; None without such."""
+        """Description of dropped or shortened texts; None if there are none."""
         full = f"more than {TEXTS} different texts: the others are not kept"
         cut = f"texts are cut after {CHARACTERS} characters"
-        told = [full] * (len(self.texts) > TEXTS) + [cut] * self._has_cut
-        return "; ".join(told) or None
+        notes = [full] * (len(self.texts) > TEXTS) + [cut] * self._has_cut
+        return "; ".join(notes) or None
 
 
 class StateDecoder:
-    """Reads one state out of messages of one layout; used as a :class:`.Decoder` is.
+    """Decoder of one state of messages of one layout; replaces a :class:`.Decoder`.
 
     :param layout: layout of the messages
-    :param path: where the text, or the number with names, stands
-    :param table: gets the texts
-    :raises FieldError: if neither stands there
+    :param path: path of the text, or of the number with named values
+    :param table: receives the texts
+    :raises FieldError: if the path is neither
 
     :ivar is_time: False
     """
@@ -77,9 +77,9 @@ class StateDecoder:
         self._struct = struct.Struct("<" + leaf.format) if isinstance(leaf, Scalar) else None
 
     def value(self, message: bytes) -> str:
-        """Return the state in a message; the number itself where its value has no name.
+        """Return the state in a message; the number itself if its value has no name.
 
-        :raises NotThere: if an element on the way to it is not there
+        :raises NotThere: if an array element of its path is missing
         :raises struct.error: if the message is cut off
         """
         place = follow(self._steps, message)
@@ -93,7 +93,7 @@ class StateDecoder:
         return data.decode("utf-8", "replace")
 
     def decode(self, messages: Sequence[bytes]) -> numpy.ndarray:
-        """Return the number of the state in each message, NaN where it is missing."""
+        """Return the number of the state in each message; NaN if it is missing."""
         return numpy.array([self._decode_one(data) for data in messages], numpy.float64)
 
     def _decode_one(self, message: bytes) -> float:

@@ -1,10 +1,10 @@
 # Pure: knows no ROS.
-"""Source of a sample's time: reception, or a stamp in the message.
+"""Source of a sample's time: receipt, or a stamp in the message.
 
-A stamp that the user has named is what it says: the sample stands there, however late it comes, as
-long as it counts from the epoch at all.
+A stamp that the user has selected is trusted: the sample is placed there, however late it is
+received, provided that it counts from the epoch.
 
-Where the scope chooses, and for fields that are no stamps, what a message says may be by another
+If the scope selects the source, and for fields that are not stamps, the time may be by another
 clock: time since the start of a node, simulated time, the clock of another machine; see
 :mod:`topic_scope.timing`.
 """
@@ -20,25 +20,25 @@ from topic_scope.timing.clocks import ELSEWHERE_NS, Clocks
 from topic_scope.timing.nanoseconds import NO_TIME, NS
 from topic_scope.timing.topic_time import TopicTime
 
-#: Names of times that every message has, and that messages with a header have.
+#: Timestamp sources of every message, and of messages with a header.
 RECEIVED, STAMP = "received", "stamp"
 
 _STAMP_PATH: Path = ("header", "stamp")
-#: The field of a message without a header that says when it was made, e.g. signal_msg's.
+#: Time field of messages without a header, e.g. of signal_msg.
 _FIELD_PATH: Path = ("time_x",)
-#: How many samples tell what is usual between them; how many times that is a gap; and how long one
-#: is at least where the times are those of receipt [s].
+#: Number of samples that determine the usual interval; multiple of it that is a gap; and shortest
+#: gap by times of receipt [s].
 _FEW, _MISSING, _LONGEST_DELAY_S = 4, 5.0, 0.25
 
 
 def path_of(timestamp: str, layout: Record) -> Optional[Path]:
-    """Return where messages say when they were made.
+    """Return the path of the stamp in messages.
 
-    :param timestamp: ``received``, ``stamp``, the name of a field, or nothing for what fits best: a
+    :param timestamp: ``received``, ``stamp``, the name of a field, or empty for the best source: a
         header's stamp, else ``time_x``, else the time of receipt
     :param layout: layout of the messages
-    :returns: where the time stands; None where the time of receipt counts
-    :raises FieldError: if there is no such time in the messages
+    :returns: path of the time; None for the time of receipt
+    :raises FieldError: if the messages do not have this time
     """
     if timestamp == RECEIVED:
         return None
@@ -52,17 +52,17 @@ def path_of(timestamp: str, layout: Record) -> Optional[Path]:
 
 
 def name_of(path: Optional[Path]) -> str:
-    """Return the name of a time that :func:`path_of` has returned."""
+    """Return the name of a path that :func:`path_of` has returned."""
     return RECEIVED if path is None else STAMP if path == _STAMP_PATH else to_text(path)
 
 
 def is_exact(timestamp: str, layout: Record) -> bool:
     """Return whether samples keep their stamps, whatever the scope's clock.
 
-    :param timestamp: as for :func:`path_of`, which has to have accepted it
+    :param timestamp: as for :func:`path_of`, which must have accepted it
     :param layout: layout of the messages
-    :returns: True for a stamp that was named; False for what was chosen for want of a name, and for
-        numbers, which count from a zero of their own
+    :returns: True for a selected stamp; False for a source that the scope chose, and for
+        numbers, which have their own zero
     """
     path = path_of(timestamp, layout) if timestamp else None
     leaf = None if path is None else leaf_at(layout, path)
@@ -70,10 +70,10 @@ def is_exact(timestamp: str, layout: Record) -> bool:
 
 
 def topic_time(clocks: Clocks, timestamp: str, layout: Record) -> TopicTime:
-    """Return what places the messages of a topic in time.
+    """Return the object that places the messages of a topic in time.
 
-    :param clocks: those of all topics
-    :param timestamp: as for :func:`path_of`, which has to have accepted it
+    :param clocks: clocks of all topics
+    :param timestamp: as for :func:`path_of`, which must have accepted it
     :param layout: layout of the messages
     """
     exact = is_exact(timestamp, layout)
@@ -81,11 +81,11 @@ def topic_time(clocks: Clocks, timestamp: str, layout: Record) -> TopicTime:
 
 
 def correction(path: Optional[Path], offset: int) -> Optional[str]:
-    """Describe how stamps were moved.
+    """Describe the shift of stamps.
 
-    :param path: where the times of the messages stand
-    :param offset: what was added to them [ns]
-    :returns: None where nothing was, or where the times are no stamps
+    :param path: path of the messages' times
+    :param offset: added to them [ns]
+    :returns: None if the offset is 0, or the times are not stamps
     """
     if path != _STAMP_PATH or offset == 0:
         return None
@@ -96,23 +96,23 @@ def correction(path: Optional[Path], offset: int) -> Optional[str]:
 
 
 def oddities(path: Optional[Path], time: TopicTime) -> Optional[str]:
-    """Describe how stamps were moved, and which contradict the others.
+    """Describe the shift of stamps, and stamps that contradict the others.
 
-    :param path: where the times of the messages stand
-    :param time: places them
-    :returns: None where all is usual
+    :param path: path of the messages' times
+    :param time: placement of the messages
+    :returns: None if there are no such stamps
     """
     moved = correction(path, time.clock.offset) if time.has_stamps else None
     return "; ".join(filter(None, (moved, time.outliers.text))) or None
 
 
 def read_times(decoder: Decoder, path: Path, messages: Sequence[bytes]) -> numpy.ndarray:
-    """Return when messages say that they were made.
+    """Return the stamps of messages.
 
-    An unset stamp is not a time, nor is NaN, or what is beyond all clocks.
+    An unset stamp, NaN, or a time outside the range of clocks is not a time.
 
-    :param decoder: reads the field at the path
-    :param path: where their times stand
+    :param decoder: decoder of the field at the path
+    :param path: path of their times
     :param messages: the messages
     :returns: the times [ns], or NO_TIME
     """
@@ -123,16 +123,16 @@ def read_times(decoder: Decoder, path: Path, messages: Sequence[bytes]) -> numpy
 
 
 def longest_step(path: Optional[Path], times: numpy.ndarray) -> float:
-    """Return how far apart samples of one line may be [s]: beyond that, several are missing.
+    """Return the longest time between connected samples [s]; beyond it, several are missing.
 
-    :param path: where their times stand in the messages
-    :param times: when the latest samples were taken, ascending [ns]
+    :param path: path of their times in the messages
+    :param times: times of the latest samples, ascending [ns]
     """
     if len(times) < _FEW:
         return float(numpy.inf)
     steps, middle = times[1:] - times[:-1], (len(times) - 1) // 2
     several = _MISSING * int(numpy.partition(steps, middle)[middle]) / NS
-    # What is received is received with delays, and nothing needs to be missing.
+    # Times of receipt vary with delays, without missing samples.
     return several if path is not None else max(several, _LONGEST_DELAY_S)
 
 

@@ -1,1 +1,1 @@
-"""The node: what wires the oscilloscope to ROS."""
+"""ROS node of the oscilloscope."""

@@ -1,4 +1,4 @@
-"""The oscilloscope: serves a page that shows numeric fields of any topics."""
+"""Node of the oscilloscope: serves a page that shows numeric fields of any topics."""
 
 import errno
 import logging
@@ -21,19 +21,19 @@ from topic_scope.web.http_server import HttpServer
 
 
 class Scope:
-    """Serves the page, and runs until the node is shut down.
+    """Oscilloscope: serves the page until the node is shut down.
 
     :ROS Subscribers:
-        - the topics of the fields that are looked at, of any type
+        - the topics of the shown fields, of any type
 
     :ROS Services called:
-        - ``describe`` and ``change`` of each node that has them; SetBool and Trigger services
-          beside them, when a page calls them
+        - ``describe`` and ``change`` of each node that offers them; SetBool and Trigger services
+          of such nodes, when a page calls them
 
     :param node: the node
-    :param chosen: the options, with the port that is served at
-    :param site: shows it
-    :param over: the bags that are laid over the graph
+    :param chosen: the options, with the port in use
+    :param site: HTTP server of the page
+    :param over: the bags to overlay
     """
 
     def __init__(
@@ -64,10 +64,12 @@ def main() -> None:
     logging.getLogger("tornado").setLevel(logging.ERROR)
     if chosen.bag is not None:
         bag_scope.run(chosen, sockets, over)
-    # Two scopes are two nodes: their ports differ, so their names do.
+    # The port makes the names of several scopes unique.
     name = "scope" if chosen.port == options.DEFAULT_PORT else f"scope_{chosen.port}"
 
-    site = HttpServer(chosen, sockets)  # before there is a master: a page says that it is missing
+    site = HttpServer(
+        chosen, sockets
+    )  # before the master is up: the page reports that it is missing
     if chosen.open_browser:
         threading.Thread(target=handlers.open_browser, args=(chosen.url,), daemon=True).start()
 

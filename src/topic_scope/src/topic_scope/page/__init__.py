@@ -1,1 +1,1 @@
-"""State of one page, and what it is sent of the samples."""
+"""State of one page, and the messages for it."""

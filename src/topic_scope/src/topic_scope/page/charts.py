@@ -1,4 +1,4 @@
-"""Charts in place of traces over time: spectra, or one trace over another."""
+"""Charts in place of traces over time: spectra, or one trace against another."""
 
 import time
 from typing import Any, Dict, Optional, Tuple
@@ -10,16 +10,16 @@ from topic_scope.page.view import LATE_S, GapLimit, LiveView
 from topic_scope.protocol.requests import Chart
 from topic_scope.protocol.scaling import ReadSamples
 
-#: Time between two charts [s].
+#: Period of charts [s].
 CHART_S = 0.1
 
 
 class ChartFeed:
-    """Makes the charts of one page.
+    """Producer of the charts of one page.
 
-    :param request: which kind
+    :param request: the requested chart
 
-    :ivar request: which kind
+    :ivar request: the requested chart
     """
 
     def __init__(self, request: Chart) -> None:
@@ -30,14 +30,14 @@ class ChartFeed:
     def update(
         self, now: float, read: ReadSamples, longest_step: GapLimit, view: LiveView
     ) -> Optional[Dict[str, Any]]:
-        """Return what is to be shown, None where it is not time yet, or the same as before.
+        """Return the next chart; None if it is not due yet, or has not changed.
 
         :param now: the time [s]
         :param read: returns samples
-        :param longest_step: tells where a line ends
-        :param view: what the page shows
+        :param longest_step: returns the longest time between connected samples [s]
+        :param view: view of the page
         """
-        # Not by the time of the samples, which may stand, or be set.
+        # By the monotonic clock: the time of the samples may stop, or be set.
         if self.request.kind == "time" or time.monotonic() < self._made_at + CHART_S:
             return None
         start, end = view.span(now)

@@ -1,4 +1,4 @@
-"""Make a CSV file of what is recorded, bit by bit."""
+"""CSV export of recorded samples, in parts."""
 
 from typing import AsyncIterator, Optional, Sequence
 
@@ -9,9 +9,9 @@ from topic_scope.sampling.computed_trace import Recorded
 from topic_scope.sampling.recorder import Recorder
 from topic_scope.timing.nanoseconds import NS, exact_seconds, to_ns
 
-#: Length of a part [ns]; frames are sent in between.
+#: Length of a part [ns]; frames are sent between parts.
 _PART_NS = NS // 4
-#: More than the rounding of a time since the epoch [s].
+#: Larger than the rounding of a time since the epoch [s].
 _MORE_S = 1e-6
 
 _NOTHING = numpy.empty(0, numpy.int64)
@@ -22,7 +22,7 @@ async def parts(
 ) -> AsyncIterator[str]:
     """Return the parts of a file.
 
-    :param recorder: has the samples
+    :param recorder: recorder of the samples
     :param names: names of the fields
     :param start: start of the time span [s]
     :param end: end of the time span [s]

@@ -1,4 +1,4 @@
-"""One page that is open: what it wants, and what is on its way to it."""
+"""State of one open page: its requests, and the messages queued for it."""
 
 from collections import deque
 from typing import Any, Deque, Dict, List, Optional, Tuple
@@ -15,28 +15,28 @@ from topic_scope.protocol.requests import Chart, Measure, Trigger
 from topic_scope.protocol.scaling import Scaling
 from topic_scope.sampling.recorder import Recorder
 
-#: Most answers that wait for a page that does not read.
+#: Most responses that are queued for a page that does not read.
 _NOTES = 50
-#: What makes a frame for one page may take this part of the time, so that the others have the rest.
+#: Largest share of the time for the frames of one page, so that other pages have the rest.
 _SHARE = 0.25
-#: For how long a page may be ahead of that [s]: one long frame, with figures, delays no other.
+#: Time by which a page may exceed it [s]: a single long frame, with statistics, delays no others.
 _CREDIT_S = 0.1
 
 
 class Page:
-    """The state of one page, without its connection.
+    """State of one page, without its connection.
 
-    What a page has not read yet is replaced by what is newer, so that one that does not read costs
-    no memory, and sees the present when it reads again.
+    Newer messages replace unread ones, so that a page that does not read costs no memory, and sees
+    the present when it reads again.
 
-    :param window: span of time that it sees at first [s]
+    :param window: initial time span [s]
     """
 
     def __init__(self, window: float) -> None:
-        #: Names as the page chose them, None as long as it has chosen nothing.
+        #: Names as the page selected them; None until it has selected any.
         self.chosen: Optional[Tuple[str, ...]] = None
         self.wants_graph = False
-        #: Whether its next frame is to come with figures.
+        #: Whether its next frame includes statistics.
         self.is_to_measure = False
         self.view = LiveView(default_view(window))
         self.trigger = TriggerWatch(Trigger("off", "", 0.0, True), 0.0)
@@ -52,9 +52,9 @@ class Page:
         self._notes: Deque[Dict[str, Any]] = deque(maxlen=_NOTES)
 
     def restart(self, now: float) -> None:
-        """Show and await what there is at another time.
+        """Restart view, trigger and mask at another time.
 
-        :param now: this time [s]
+        :param now: the new time [s]
         """
         self.view.restart()
         self._states = StateFeed()
@@ -63,41 +63,41 @@ class Page:
             self.mask = MaskCheck(self.mask.mask, now)
 
     def scale(self, scaling: Scaling) -> None:
-        """Show its traces scaled otherwise.
+        """Set the scaling of its traces.
 
-        :param scaling: how
+        :param scaling: the new scaling
         """
         changed, self.scaling = scaling.differing(self.scaling), scaling
-        if self.measure.against in changed:  # a negative gain turns the phases of all others
+        if self.measure.against in changed:  # a negative gain inverts the phases of all others
             self._statistics_history = StatisticsHistory()
         self._statistics_history.forget(changed)
         self.view.stepped = scaling.is_stepped
         self.show_anew()
 
     def show_anew(self) -> None:
-        """Show its traces once more: they have other samples."""
+        """Send its traces again: their samples have changed."""
         self.view.restart()
         self.chart = ChartFeed(self.chart.request)
         self._states = StateFeed()
 
     def set_measure(self, measure: Measure) -> None:
-        """Measure something else; against another trace, phases do not go on as they were."""
+        """Set the measurements; another reference restarts the statistics of phases."""
         if measure.against != self.measure.against:
             self._statistics_history = StatisticsHistory()
         self.measure = measure
 
     def set_chart(self, chart: Chart) -> None:
-        """Show another chart."""
+        """Set the chart."""
         self.chart = ChartFeed(chart)
 
     def watch(self, recorder: Recorder, now: float) -> None:
         """Search the samples for the page's trigger.
 
-        :param recorder: has the samples
-        :param now: time up to which they are there [s]
+        :param recorder: recorder of the samples
+        :param now: time up to which they are complete [s]
         """
 
-        def longest(field: str) -> float:  # in steps it holds its value until the next one comes
+        def longest(field: str) -> float:  # a stepped trace holds its value until the next sample
             return 0.0 if self.scaling.is_stepped(field) else recorder.longest_step(field)
 
         samples = self.scaling.scaled(recorder.samples)
@@ -106,18 +106,20 @@ class Page:
             self.put(crossing)
 
     def frame(self, recorder: Recorder, now: float, measures: bool) -> List[Dict[str, Any]]:
-        """Return what is to be sent now, with all that is new of the traces.
+        """Return the messages to send now, with the new samples of the traces.
 
-        :param recorder: has the samples
-        :param now: time up to which they are there [s]
-        :param measures: whether they are measured, too
+        :param recorder: recorder of the samples
+        :param now: time up to which they are complete [s]
+        :param measures: whether to include statistics
         """
         samples, longest = self.scaling.scaled(recorder.samples), recorder.longest_step
         if measures:
-            told = statistics_of(recorder, samples, self.view, self.measure, self._backoff, now)
+            statistics = statistics_of(
+                recorder, samples, self.view, self.measure, self._backoff, now
+            )
             span = self.measure.span(now) or self.view.span(now)
-            self._statistics_history.count(self.measure.over_time, span, told["traces"])
-            self.put(told)
+            self._statistics_history.count(self.measure.over_time, span, statistics["traces"])
+            self.put(statistics)
             if self.mask is not None:
                 self.put(_verdict_message(self.mask, recorder))
         chart = self.chart.update(now, samples, longest, self.view)
@@ -137,7 +139,7 @@ class Page:
         return now >= self._rests_until
 
     def took(self, start: float, end: float) -> None:
-        """Record the cost of the last frame: a page with costly frames gets fewer.
+        """Record the duration of the last frame: a page with long frames gets fewer.
 
         :param start: start of the work, s on the monotonic clock
         :param end: its end [s]
@@ -147,15 +149,15 @@ class Page:
     def put(self, message: Dict[str, Any], *key: str) -> None:
         """Send a message; it replaces one of its type and key that has not been sent yet."""
         place = (message["type"],) + key
-        self._latest.pop(place, None)  # newer than what else is waiting
+        self._latest.pop(place, None)  # reinserted at the end: newer than other waiting messages
         self._latest[place] = message
 
     def put_once(self, message: Dict[str, Any]) -> None:
-        """Send a message that says something once."""
+        """Send a message that is not replaced by later messages."""
         self._notes.append(message)
 
     def pop_messages(self) -> List[Dict[str, Any]]:
-        """Return what is to be sent now."""
+        """Return and clear the messages to send."""
         messages = list(self._notes) + list(self._latest.values())
         self._latest.clear()
         self._notes.clear()
@@ -163,7 +165,7 @@ class Page:
 
 
 def _verdict_message(check: MaskCheck, recorder: Recorder) -> Dict[str, Any]:
-    """Return the message that tells how a trace keeps within its mask."""
+    """Return the message with the result of a mask check."""
     verdict = check.update(recorder)
     limits = [check.mask.lower, check.mask.upper]
     text = check.words(recorder)

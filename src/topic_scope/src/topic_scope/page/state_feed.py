@@ -1,4 +1,4 @@
-"""The states that a page shows over time, as messages to it."""
+"""Messages with the states that a page shows over time."""
 
 import math
 import time
@@ -9,28 +9,28 @@ from topic_scope.page.view import LATE_S, LiveView
 from topic_scope.sampling.recorder import Recorder
 from topic_scope.timing.nanoseconds import NS, to_ns
 
-#: Time between two messages [s].
+#: Period of messages [s].
 _STATES_S = 0.1
-#: Most spans of a trace that are sent one by one.
+#: Most spans of a trace that are sent individually.
 _SPANS = 400
 
 
 class StateFeed:
-    """Makes the messages about the states of one page."""
+    """Producer of the state messages of one page."""
 
     def __init__(self) -> None:
         self._made_at = 0.0
         self._made_of: Any = None
 
     def update(self, recorder: Recorder, view: LiveView, now: float) -> Optional[Dict[str, Any]]:
-        """Return what is to be shown; None where it is not time yet, or the same as before.
+        """Return the next message; None if it is not due yet, or has not changed.
 
-        :param recorder: has the samples
-        :param view: what the page shows
-        :param now: the time up to which samples are there [s]
+        :param recorder: recorder of the samples
+        :param view: view of the page
+        :param now: time up to which samples are complete [s]
         """
         names = view.states
-        # Not by the time of the samples, which may stand, or be set.
+        # By the monotonic clock: the time of the samples may stop, or be set.
         if not names or time.monotonic() < self._made_at + _STATES_S:
             return None
         start, end = view.span(now)
@@ -66,6 +66,6 @@ def _spans_of(
     return {
         "texts": [trace.states.texts[number] for number in used],
         "spans": rows,
-        # What was before the first sample is not known.
+        # The state before the first sample is unknown.
         "earlier": bool(spans) and spans[0].start == int(times[0]),
     }

@@ -1,17 +1,17 @@
 # Pure: knows no ROS.
-"""Variation of the measurements of traces since a page requested it."""
+"""Statistics over time of the measurements of traces."""
 
 import math
 from typing import Any, Dict, Iterable, Mapping, Tuple
 
-#: What is a number, but no figure.
+#: Numbers in the table that are not measurements.
 _NO_FIGURES = ("silent", "nan")
 
 
 class Variation:
-    """Count, mean, standard deviation, least and greatest of numbers that come one by one.
+    """Running count, mean, standard deviation, minimum and maximum.
 
-    By the recurrence of Welford (1962), which loses no digits where numbers vary little.
+    Uses the recurrence of Welford (1962), which loses no digits if numbers vary little.
     """
 
     def __init__(self) -> None:
@@ -40,10 +40,10 @@ class Variation:
 
 
 class StatisticsHistory:
-    """Variation of the measurements of one page.
+    """Statistics over time of the measurements of one page.
 
-    A figure counts once for each span of time that it was measured in: on a page that stands still
-    nothing is added, nor is what cannot be measured.
+    A measurement counts once for each time span: on a paused page nothing is added, nor is a
+    quantity that cannot be measured.
     """
 
     def __init__(self) -> None:
@@ -59,21 +59,21 @@ class StatisticsHistory:
     def count(
         self, number: int, span: Tuple[float, float], traces: Mapping[str, Dict[str, Any]]
     ) -> None:
-        """Count what was measured, and tell of each trace how its figures have varied.
+        """Add measurements, and add the statistics over time to each trace.
 
-        :param number: of the request; another number restarts the count, 0 ends it
-        :param span: of which time the figures are [s]
-        :param traces: what is told of each trace by its name; gets ``over_time``
+        :param number: number of the request; another number restarts the count, 0 ends it
+        :param span: time span of the measurements [s]
+        :param traces: measurements of each trace by name; ``over_time`` is added
         """
         if number != self._number:
             self._number, self._span, self._variations = number, (math.nan, math.nan), {}
         if not number:
             return
         is_new, self._span = span != self._span, span
-        for name, told in traces.items():
+        for name, figures in traces.items():
             is_to_count = is_new or name not in self._variations
             variations = self._variations.setdefault(name, {})
-            for key, value in told.items() if is_to_count else ():
+            for key, value in figures.items() if is_to_count else ():
                 if isinstance(value, float) and key not in _NO_FIGURES and math.isfinite(value):
                     variations.setdefault(key, Variation()).add(value)
-            told["over_time"] = {key: one.summary for key, one in variations.items()}
+            figures["over_time"] = {key: one.summary for key, one in variations.items()}

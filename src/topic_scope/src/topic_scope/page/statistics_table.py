@@ -1,4 +1,4 @@
-"""Statistics of a page's traces, as its table shows them."""
+"""Message with the statistics of a page's traces."""
 
 import math
 from typing import Any, Dict, Optional, Sequence, Tuple
@@ -16,7 +16,7 @@ from topic_scope.sampling.computed_trace import Recorded
 from topic_scope.sampling.recorder import Recorder
 from topic_scope.timing.nanoseconds import to_ns
 
-#: Least time without a sample after which a page says so [s].
+#: Least silence of a trace that a page reports [s].
 SILENT_S = 1.0
 
 
@@ -28,13 +28,13 @@ def statistics_of(
     backoff: FrequencyBackoff,
     now: float,
 ) -> Dict[str, Any]:
-    """Return the message that tells a page what is measured of its traces.
+    """Return the message with the measurements of a page's traces.
 
-    :param recorder: knows the traces
-    :param read: returns their samples
-    :param view: what the page shows
-    :param wanted: what it wants to be measured
-    :param retries: knows what had no frequency
+    :param recorder: recorder of the traces
+    :param read: reader of their samples
+    :param view: view of the page
+    :param wanted: the requested measurements
+    :param retries: traces that had no frequency
     :param now: the time [s]
     """
     span = wanted.span(now) or view.span(now)
@@ -47,10 +47,10 @@ def statistics_of(
 
 
 def left_out(count: int, most: int) -> str:
-    """Return the sentence about traces that are not shown, as there are too many.
+    """Return the text about traces that are not shown because there are too many.
 
-    :param count: how many there are
-    :param most: how many a page shows
+    :param count: number of traces
+    :param most: most traces of a page
     """
     return f"a page shows at most {most} traces: the rest of {count} are left out"
 
@@ -58,9 +58,9 @@ def left_out(count: int, most: int) -> str:
 def warn_of(recorder: Recorder, names: Sequence[str], most: int) -> None:
     """Log the problems of fields.
 
-    :param recorder: has the samples
-    :param names: of the fields
-    :param most: how many a page shows
+    :param recorder: recorder of the samples
+    :param names: names of the fields
+    :param most: most traces of a page
     """
     for name in names[:most]:
         problem = recorder.problem(name)
@@ -79,46 +79,46 @@ def _measured(
     backoff: FrequencyBackoff,
     now: float,
 ) -> Dict[str, Any]:
-    told: Dict[str, Any] = {"problem": recorder.problem(name)}
+    result: Dict[str, Any] = {"problem": recorder.problem(name)}
     trace = recorder.trace(name)
     if trace is None:
-        return told
+        return result
     samples = read(name, *span)
-    told.update(_origin_of(trace))
-    told["jumps"] = trace.jumps
+    result.update(_origin_of(trace))
+    result["jumps"] = trace.jumps
     if wanted.latency:
         late = trace.latency(*span)
-        told["latency"] = float(numpy.median(late)) if len(late) else None
-        told["latency_max"] = float(late.max()) if len(late) else None
-    told.update(measure(*samples))
+        result["latency"] = float(numpy.median(late)) if len(late) else None
+        result["latency_max"] = float(late.max()) if len(late) else None
+    result.update(measure(*samples))
     known = backoff.known(name)
     found = waveform.measure_waveform(*samples, trace.longest_step, wanted.shapes, known)
     backoff.keep(name, found["frequency"])
     if wanted.against:
         reference, longest = read(wanted.against, *span), recorder.longest_step(wanted.against)
         found["phase"] = waveform.phase(samples, reference, longest)
-    told.update({key: figure.value for key, figure in found.items()})
-    told["uncertainty"] = {
+    result.update({key: figure.value for key, figure in found.items()})
+    result["uncertainty"] = {
         key: figure.uncertainty for key, figure in found.items() if figure.value is not None
     }
-    told["unmeasurable"] = {key: figure.reason for key, figure in found.items() if figure.reason}
+    result["unmeasurable"] = {key: figure.reason for key, figure in found.items() if figure.reason}
     if wanted.latency and trace.stream.no_latency:
-        told["unmeasurable"]["latency"] = trace.stream.no_latency
-    told["silent"] = _silence(trace, now)
-    if not len(samples[0]) and told["silent"] is None and told["problem"] is None:
-        told["problem"] = _why_empty(trace, span)
-    return told
+        result["unmeasurable"]["latency"] = trace.stream.no_latency
+    result["silent"] = _silence(trace, now)
+    if not len(samples[0]) and result["silent"] is None and result["problem"] is None:
+        result["problem"] = _why_empty(trace, span)
+    return result
 
 
 def _state_of(recorder: Recorder, name: str, now: float) -> Dict[str, Any]:
-    """Return what is told of a state: the latest one, and no figures."""
-    told: Dict[str, Any] = {"problem": recorder.problem(name), "state": None}
+    """Return the latest state of a trace, without measurements."""
+    result: Dict[str, Any] = {"problem": recorder.problem(name), "state": None}
     trace = recorder.trace(name)
     if trace is None or trace.states is None:
-        return told
+        return result
     numbers = trace.rows(to_ns(-math.inf), to_ns(now))[1]
-    told["state"] = trace.states.text(float(numbers[-1])) if len(numbers) else None
-    return {**told, **_origin_of(trace), "silent": _silence(trace, now)}
+    result["state"] = trace.states.text(float(numbers[-1])) if len(numbers) else None
+    return {**result, **_origin_of(trace), "silent": _silence(trace, now)}
 
 
 def _origin_of(trace: Recorded) -> Dict[str, Any]:
@@ -128,15 +128,15 @@ def _origin_of(trace: Recorded) -> Dict[str, Any]:
 
 
 def _silence(trace: Recorded, now: float) -> Optional[float]:
-    """Return for how long nothing has come where that is unusual [s]; else None."""
-    # By reception: what is late is not silent.
+    """Return the time since the last message if it is unusually long [s]; otherwise None."""
+    # By time of receipt: a trace with late stamps is not silent.
     quiet, usual = trace.silence(now), trace.longest_step
     silent = quiet is not None and quiet > max(usual if math.isfinite(usual) else 0.0, SILENT_S)
     return quiet if silent else None
 
 
 def _why_empty(trace: Recorded, span: Tuple[float, float]) -> Optional[str]:
-    """Return why a trace has no sample in a span of time; None if it has none at all."""
+    """Return why a trace has no sample in a time span; None if it has no samples."""
     whole, start, end = trace.span, *span
     if whole is None:
         return None

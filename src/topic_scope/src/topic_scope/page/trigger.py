@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Find the moments at which a trace crosses a level, and tell a page of them."""
+"""Trigger of a page: search for level crossings of a trace."""
 
 import math
 from typing import Any, Callable, Dict, Optional, Tuple
@@ -9,11 +9,11 @@ import numpy
 from topic_scope.analysis.ring import Samples
 from topic_scope.protocol.requests import Trigger
 
-#: How long after the last crossing it is said that none comes [s].
+#: Time after the last crossing until the trigger is reported as waiting [s].
 _QUIET_S = 0.5
-#: The mode auto shows the last one this much longer at least, so that slow ones do not flicker [s].
+#: Least time that the mode auto holds the last crossing, so that slow signals do not flicker [s].
 _AUTO_S = 1.5
-#: Least time from one crossing to the next that is told [s].
+#: Least time between reported crossings [s].
 _SHORTEST_S = 1.0 / 30.0
 
 
@@ -25,17 +25,17 @@ def crossings(
     hysteresis: float = 0.0,
     longest: float = math.inf,
 ) -> numpy.ndarray:
-    """Return when a trace crosses a level, on the straight line between two samples.
+    """Return the times at which a trace crosses a level, interpolated between samples.
 
-    Where there is no such line it is crossed when the second one comes.
+    In a gap, the level is crossed at the second sample.
 
     :param times: ascending [s]
-    :param values: the samples; what is not finite is left out
+    :param values: the samples; non-finite values are ignored
     :param level: the level; a sample on it has arrived on the far side
-    :param rising: whether it is crossed upwards
-    :param hysteresis: how far on the near side the trace has to be before
-    :param longest: how far apart samples of one line may be [s]
-    :returns: the moments [s]
+    :param rising: whether the level is crossed upwards
+    :param hysteresis: distance on the near side that the trace must reach before a crossing
+    :param longest: longest time between connected samples [s]
+    :returns: the times [s]
     """
     return _crossings(times, values, level, rising, hysteresis, longest, False)[0]
 
@@ -62,7 +62,7 @@ def _crossings(
     before = numpy.concatenate([[-1 if is_ready else 1], side[sure]])
     arrived = sure[(before[:-1] < 0) & (before[1:] > 0)]
     arrived = arrived[arrived > 0]
-    # Halved, so that a step from one end of the range of floats to the other does not overflow.
+    # Halved, so that a step over the full range of floats does not overflow.
     low, high = height[arrived - 1] / 2, height[arrived] / 2
     apart = times[arrived] - times[arrived - 1]
     part = numpy.where(apart > longest, 1.0, low / (low - high))
@@ -71,15 +71,15 @@ def _crossings(
 
 
 class TriggerWatch:
-    """Waits for crossings on behalf of a page.
+    """Trigger of one page.
 
-    In the modes normal and auto it tells of one, lets the page show it within its span of time, and
-    waits for the next. In the mode single it tells of the first only.
+    In the modes normal and auto it reports a crossing, waits until the page has shown it, and then
+    searches for the next. In the mode single it reports the first crossing only.
 
-    :param request: what to wait for
-    :param now: the time from which on it counts [s]
+    :param request: the requested trigger
+    :param now: only later crossings count [s]
 
-    :ivar request: what to wait for
+    :ivar request: the requested trigger
     """
 
     def __init__(self, request: Trigger, now: float) -> None:
@@ -90,7 +90,7 @@ class TriggerWatch:
         self._is_ready = False
         self._state = "off" if request.mode == "off" else "armed"
         self._time: Optional[float] = None
-        self._told: Optional[Dict[str, Any]] = None
+        self._sent: Optional[Dict[str, Any]] = None
 
     def update(
         self,
@@ -99,13 +99,13 @@ class TriggerWatch:
         source: Callable[[str, float, float], Samples],
         longest_step: Callable[[str], float] = lambda _field: math.inf,
     ) -> Optional[Dict[str, Any]]:
-        """Search what has come for crossings.
+        """Search new samples for crossings.
 
-        :param now: time up to which all samples are there [s]
-        :param window: span of time that the page shows [s]
-        :param source: where the samples are
-        :param longest_step: tells how far apart samples of one line may be [s]
-        :returns: what to tell the page, None if it knows that
+        :param now: time up to which samples are complete [s]
+        :param window: time span of the page [s]
+        :param source: reader of the samples
+        :param longest_step: returns the longest time between connected samples [s]
+        :returns: the message for the page; None if it has not changed
         """
         if self._is_waiting:
             field = self.request.field
@@ -113,7 +113,7 @@ class TriggerWatch:
                 self._found_at = now
             if self._state == "triggered" and self.request.mode != "single":
                 is_auto = self.request.mode == "auto"
-                shown_until = max(self._hold_until, self._found_at)  # it may have come late
+                shown_until = max(self._hold_until, self._found_at)  # it may have been found late
                 if now > shown_until + (max(window, _AUTO_S) if is_auto else _QUIET_S):
                     self._state, self._time = "armed", None
         message = {
@@ -122,9 +122,9 @@ class TriggerWatch:
             "state": self._state,
             "time": self._time,
         }
-        if message == self._told:
+        if message == self._sent:
             return None
-        self._told = message
+        self._sent = message
         return message
 
     @property
@@ -132,11 +132,11 @@ class TriggerWatch:
         return self.request.mode in ("normal", "auto") or self._state == "armed"
 
     def _search(self, samples: Samples, longest: float, window: float) -> bool:
-        """Return whether there is a crossing that counts."""
+        """Return whether there is a valid crossing."""
         times, values = samples
         if not len(times):
             return False
-        self._seen = float(times[-1])  # again with the next look, as the one before its first
+        self._seen = float(times[-1])  # read again next time, as the sample before the first
         wanted = self.request
         how = (wanted.level, wanted.rising, wanted.hysteresis, longest, self._is_ready)
         found, self._is_ready = _crossings(times, values, *how)

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""View of one page: the bins that it has, and those that it needs next."""
+"""View of one page: the bins that it has received, and the bins to send next."""
 
 import math
 from typing import (
@@ -20,65 +20,65 @@ from topic_scope.formulas.names import is_state
 from topic_scope.protocol.requests import View
 from topic_scope.protocol.scaling import ReadSamples
 
-#: Returns how far apart samples of one line of a field may be [s].
+#: Returns the longest time between connected samples of a field [s].
 GapLimit = Callable[[str], float]
 
-#: For how long after its end a page that is paused goes on as before, as samples come late [s]; and
-#: how often it then looks for those that are later.
+#: Time after its end for which a paused page is still updated, because samples may be late [s]; and
+#: how often it is checked for later samples after that.
 LATE_S = 1.0
 
 
 class LiveView:
-    """The frames of one page.
+    """Frames of one page.
 
-    :param view: the span of time that is shown
+    :param view: the time span to show
     """
 
     def __init__(self, view: View) -> None:
         self.fields: Sequence[str] = ()
         self._hidden: FrozenSet[str] = frozenset()
         self._view = view
-        #: First bin that the page does not have in full; None where it has none.
+        #: First bin that the page does not have completely; None if it has no bins.
         self._open: Optional[int] = None
         self._complete = False
-        #: How often samples have come when all were thought to be there.
+        #: How often samples arrived after the view was complete.
         self.later = 0
         self._frame_at = 0.0
-        #: Tells whether the value of a field holds until the next one comes.
+        #: Returns whether a field is stepped: its value holds until the next sample.
         self.stepped: Callable[[str], bool] = lambda _field: False
-        #: What was shown since the page stands still, from start to end [s]; None while it moves.
+        #: Time span shown since the page was paused [s]; None while it moves.
         self.pinned: Optional[Tuple[float, float]] = None
         self._pin()
 
     def show(self, view: View) -> None:
-        """Show another span of time."""
+        """Set the time span."""
         self._view = view
         self._pin()
         self.restart()
 
     def select(self, fields: Sequence[str]) -> None:
-        """Show other fields."""
+        """Set the fields."""
         self.fields = fields
         self.restart()
 
     def hide(self, fields: Collection[str]) -> None:
-        """Send nothing of some fields; what was hidden before and is not now is sent in full."""
+        """Set the hidden fields, which are not sent; unhidden fields are sent completely."""
         if self._hidden.difference(fields) & set(self.fields):
             self.restart()
         self._hidden = frozenset(fields)
 
     @property
     def shown(self) -> List[str]:
-        """The fields of numbers that are not hidden."""
+        """The visible numeric fields."""
         return [one for one in self.fields if one not in self._hidden and not is_state(one)]
 
     @property
     def states(self) -> List[str]:
-        """The states that are not hidden."""
+        """The visible states."""
         return [one for one in self.fields if one not in self._hidden and is_state(one)]
 
     def restart(self) -> None:
-        """Send all that is to be seen with the next frame."""
+        """Send all visible bins with the next frame."""
         self._open = None
         self._complete = False
 
@@ -93,7 +93,7 @@ class LiveView:
         return self._view.width
 
     def span(self, now: float) -> Tuple[float, float]:
-        """Return start and end of what is shown [s]."""
+        """Return start and end of the visible span [s]."""
         end = now if self._view.end is None else self._view.end
         return end - self._view.window, end
 
@@ -112,13 +112,13 @@ class LiveView:
         changed_since: Callable[[float], float],
         longest_step: GapLimit = lambda _field: math.inf,
     ) -> Optional[Dict[str, Any]]:
-        """Return what the page does not have yet.
+        """Return the bins that the page does not have yet.
 
-        :param now: time up to which what was received is there [s]
-        :param read: returns samples
-        :param changed_since: tells from when on there are others than at an earlier time [s]
-        :param longest_step: tells where a line ends
-        :returns: the frame, None where nothing has come
+        :param now: time up to which samples are complete [s]
+        :param read: reader of the samples
+        :param changed_since: returns the start of changes since an earlier time [s]
+        :param longest_step: returns the longest time between connected samples [s]
+        :returns: the frame; None if there are no new samples
         """
         stands_still = now == self._frame_at and self._open is not None
         if stands_still or (self._complete and now < self._frame_at + LATE_S):
@@ -141,7 +141,7 @@ class LiveView:
         shown = self.shown
         longest, samples, ends = [longest_step(field) for field in shown], [], {}
         for field, step in zip(shown, longest):
-            # A little more than the bins, whose edges are rounded otherwise.
+            # Slightly more than the bins, whose edges are rounded differently.
             begin = (first - 0.5) * width - (step if math.isfinite(step) else 0.0)
             samples.append(read(field, begin, (last + 1.5) * width))
             if self.stepped(field):
@@ -150,8 +150,8 @@ class LiveView:
         if samples:
             found = all_bins(samples, first, count, width, longest)
             traces = {field: as_json(row) for field, row in zip(shown, found.extremes)}
-            told = zip(shown, found.places.tolist(), (found.places >= 0).any(axis=1).tolist())
-            places = {field: row for field, row, is_told in told if is_told}
+            placed = zip(shown, found.places.tolist(), (found.places >= 0).any(axis=1).tolist())
+            places = {field: row for field, row, has_places in placed if has_places}
             dense = (found.counts > FEW).any(axis=1).nonzero()[0].tolist()
             counts = {shown[row]: found.counts[row].tolist() for row in dense}
         self._open = max(last, first)
@@ -170,15 +170,15 @@ class LiveView:
 
 
 def default_view(window: float) -> View:
-    """Return what is shown to a page that has not said what it wants.
+    """Return the view of a page that has not requested one.
 
-    :param window: span of time [s]
+    :param window: time span [s]
     """
     return View(window, 1000, None)
 
 
 def pinned(views: Iterable[LiveView]) -> Dict[str, Tuple[float, float]]:
-    """Return what stands still on some pages: begin and end by name of the field [s]."""
+    """Return the spans of paused pages: start and end by name of the field [s]."""
     spans: Dict[str, Tuple[float, float]] = {}
     for view in views:
         if view.pinned is not None:

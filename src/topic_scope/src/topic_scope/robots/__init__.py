@@ -1,1 +1,1 @@
-"""Robots seen from above, and driven."""
+"""Robot view from above, and driving of robots."""

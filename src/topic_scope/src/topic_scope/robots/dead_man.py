@@ -3,10 +3,10 @@
 
 from typing import NamedTuple, Optional
 
-#: How long a command counts [s]: a page repeats it well before.
+#: Timeout of a command [s]; a page repeats it well before.
 HOLD_S = 0.2
-#: How much the shortest way of a page's messages is taken to have grown, in s for each s: more
-#: than any two clocks drift apart.
+#: Assumed growth of the shortest delay of a page's messages [s/s]: larger than the relative drift
+#: of any two clocks.
 _LEAK = 1e-3
 
 
@@ -25,11 +25,10 @@ STOP = Velocity(0.0, 0.0)
 
 
 class DeadMan:
-    """Decides what a robot is told, and when; times are s on the monotonic clock.
+    """Dead man's switch of one robot; times are s on the monotonic clock.
 
-    A command counts for HOLD_S. Then one zero is due, and silence: the topic is free for others.
-    A command that was under way for longer than that is from a time that is over, as when a link
-    has stalled, and is left out.
+    A command is valid for HOLD_S. Then a single zero is published, and the topic is free for
+    others. A command that was delayed for longer, e.g. by a stalled link, is outdated and ignored.
     """
 
     def __init__(self) -> None:
@@ -39,16 +38,16 @@ class DeadMan:
 
     @property
     def until(self) -> Optional[float]:
-        """Time at which a zero is due; None while the robot stands."""
+        """Time at which to publish the zero; None while the robot is stopped."""
         return self._until
 
     def accept(self, velocity: Velocity, sent: float, now: float) -> Optional[Velocity]:
-        """Take a command.
+        """Process a command.
 
-        :param velocity: what the robot is to do
-        :param sent: when it was sent, by the sender's clock [s]
+        :param velocity: the commanded velocity
+        :param sent: time of sending, by the sender's clock [s]
         :param now: the time [s]
-        :returns: what to tell the robot now, None for nothing
+        :returns: the velocity to publish now; None for none
         """
         late = self._lateness(sent, now) > HOLD_S
         if velocity == STOP:
@@ -59,7 +58,7 @@ class DeadMan:
         return velocity
 
     def expire(self, now: float) -> Optional[Velocity]:
-        """Return the zero if it is due, None otherwise.
+        """Return the zero if the command has timed out; None otherwise.
 
         :param now: the time [s]
         """
@@ -69,12 +68,12 @@ class DeadMan:
         return STOP
 
     def stop(self) -> Optional[Velocity]:
-        """Return the zero if the robot was told to move, None otherwise."""
+        """Return the zero if the robot was commanded to move; None otherwise."""
         was_moving, self._until = self._until is not None, None
         return STOP if was_moving else None
 
     def _lateness(self, sent: float, now: float) -> float:
-        """Return how much longer a message was under way than the quickest [s]."""
+        """Return the delay of a message in excess of the shortest delay [s]."""
         way = now - sent
         if self._shortest is None:
             self._shortest = way

@@ -1,4 +1,4 @@
-"""Drive session of one robot: commands are published at once, and time out."""
+"""Drive session of one robot: commands are published immediately, and time out."""
 
 import threading
 import time
@@ -9,24 +9,24 @@ from geometry_msgs.msg import Twist, TwistStamped
 
 from topic_scope.robots.dead_man import DeadMan, Velocity
 
-#: The types of commands that a robot may take.
+#: Supported types of velocity commands.
 TYPES = {"geometry_msgs/Twist": Twist, "geometry_msgs/TwistStamped": TwistStamped}
-#: How long the last message may take to leave [s]: what waits is lost with its publisher.
+#: Time for the last message to be sent [s]: queued messages are lost with their publisher.
 _LEAVING_S = 0.5
 
 
 class DriveSession:
-    """Publishes commands for one robot.
+    """Publisher of the commands of one robot.
 
-    It has a thread of its own, so that the robot stops in time whatever else the scope is doing.
+    Uses a separate thread, so that the robot stops in time whatever the scope is doing.
 
-    :param topic: where the robot takes commands
-    :param datatype: what it takes, one of TYPES
+    :param topic: topic of the robot's commands
+    :param datatype: their type, one of TYPES
     """
 
     def __init__(self, topic: str, datatype: str) -> None:
         self.datatype = datatype
-        # With a queue, a subscriber that does not read blocks no other, and gets the newest one.
+        # With a queue, a stalled subscriber does not block others, and gets the newest command.
         self._publisher = rospy.Publisher(topic, TYPES[datatype], queue_size=1)
         self._dead_man = DeadMan()
         self._wake = threading.Condition()
@@ -36,22 +36,22 @@ class DriveSession:
     def drive(self, velocity: Velocity, sent: float) -> bool:
         """Publish a velocity.
 
-        :param velocity: for a short time, or until the next one
-        :param sent: when the page has sent it, by its clock [s]
-        :returns: whether it was told; False for a command that came too late
+        :param velocity: valid for a short time, or until the next command
+        :param sent: when the page sent it, by its clock [s]
+        :returns: whether it was published; False for a command that arrived too late
         """
         with self._wake:
-            if self._is_closed:  # nothing comes after the last zero
+            if self._is_closed:  # nothing is published after the last zero
                 return False
-            told = self._dead_man.accept(velocity, sent, time.monotonic())
-            self._publish(told)
+            command = self._dead_man.accept(velocity, sent, time.monotonic())
+            self._publish(command)
             self._wake.notify()
-        return told is not None
+        return command is not None
 
     def close(self) -> bool:
         """Stop the robot if this session has moved it, and unregister the publisher.
 
-        :returns: whether it was
+        :returns: whether it was moving
         """
         with self._wake:
             zero = self._dead_man.stop()
@@ -80,5 +80,5 @@ class DriveSession:
             message.header.stamp = rospy.Time.now()
         try:
             self._publisher.publish(message)
-        except rospy.ROSException:  # the scope has ended
+        except rospy.ROSException:  # the scope is shutting down
             pass

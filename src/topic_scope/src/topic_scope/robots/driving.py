@@ -19,16 +19,16 @@ from topic_scope.robots.dead_man import Velocity
 from topic_scope.robots.drive_session import DriveSession
 
 _GOAL = PoseStamped._type
-#: Longest wait for a subscriber of goals to connect [s].
+#: Timeout for a subscriber of goals to connect [s].
 _CONNECTING_S = 3.0
-#: Time in which a zero leaves when the scope ends [s]; a busy machine needs some.
+#: Time for a zero to be sent at shutdown [s]; a busy machine needs it.
 _LAST_S = 0.5
 
 
 class Driving:
-    """Assigns robots to the pages that drive them; used in the web thread only.
+    """Assignment of robots to the pages that drive them; used in the web thread only.
 
-    :param node: the scope's
+    :param node: node of the scope
     :param worker: runs calls that wait for nodes
     """
 
@@ -50,7 +50,7 @@ class Driving:
         self._types = {topic: state.types.get(topic, "*") for topic in self._subscribers}
 
     def targets(self) -> Dict[str, Any]:
-        """Return the topics on which robots take commands and goals."""
+        """Return the topics of robots' commands and goals."""
         pairs = sorted(self._types.items())
         return {
             "type": "targets",
@@ -61,13 +61,13 @@ class Driving:
     # --- Commands ----------------------------------------------------------------------------
 
     def steer(self, page: Page, topic: str) -> None:
-        """Start a drive session for a page; it ends that of another page for the same robot.
+        """Start a drive session for a page; ends the session of another page for the same robot.
 
-        :param topic: where the robot takes commands; empty to give the wheel back
+        :param topic: topic of the robot's commands; empty to stop driving
         :raises ValueError: if the topic has no subscriber
         """
         if topic and self._wanted.get(page) == topic:
-            return  # a second click, before there is an answer
+            return  # a second click before the reply
         self.leave(page)
         if not topic:
             return
@@ -78,7 +78,9 @@ class Driving:
         self._wanted[page] = topic
 
     def _on_session(self, page: Page, topic: str, made: Any) -> None:
-        is_wanted = self._wanted.get(page) == topic  # or it has gone, or wants another one by now
+        is_wanted = (
+            self._wanted.get(page) == topic
+        )  # the page may have left, or chosen another robot
         if is_wanted:
             del self._wanted[page]
         if isinstance(made, Exception):
@@ -91,21 +93,21 @@ class Driving:
             if former is not page:
                 former.put_once({"type": "error", "text": f"another page drives on {topic} now"})
             self._sessions[topic] = (page, made)
-            if self._is_over:  # that one was not there yet when all were closed
+            if self._is_over:  # created after all sessions were closed
                 made.close()
             page.put(_steering(topic, made.datatype))
 
     def leave(self, page: Page) -> None:
-        """End all drive sessions of a page; robots that it moved stop."""
+        """End all drive sessions of a page; its robots stop."""
         self._wanted.pop(page, None)
         for topic in [topic for topic, (owner, _) in self._sessions.items() if owner is page]:
             self._sessions.pop(topic)[1].close()
             page.put(_steering("", ""))
 
     def drive(self, page: Page, request: Drive) -> None:
-        """Move the robot that a page steers.
+        """Move the robot that a page drives.
 
-        :raises ValueError: if it steers none, or this has come too late
+        :raises ValueError: if the page drives no robot, or the command arrived too late
         """
         velocity = Velocity(request.speed, request.turn)
         sessions = [one for owner, one in self._sessions.values() if owner is page]
@@ -118,7 +120,7 @@ class Driving:
             )
 
     def _stop_all(self) -> None:
-        # For good: pages go on sending commands to the web thread until the process ends.
+        # Permanent: pages send commands until the process ends.
         self._is_over = True
         if any([one.close() for _, one in list(self._sessions.values())]):
             time.sleep(_LAST_S)
@@ -126,7 +128,7 @@ class Driving:
     # --- Goals -------------------------------------------------------------------------------
 
     def send(self, page: Page, request: Goal) -> None:
-        """Send a robot to a place.
+        """Publish a goal.
 
         :raises ValueError: if the topic has no subscriber
         """
@@ -158,7 +160,7 @@ class Driving:
         publisher.publish(message)
 
     def rest(self) -> None:
-        """Unregister all publishers of goals: no page shows robots."""
+        """Unregister all publishers of goals, when no page shows robots."""
         for topic in list(self._goals):
             end = self._goals.pop(topic).unregister
             self._worker.run(("goal", topic), end, lambda _: None)
@@ -166,7 +168,7 @@ class Driving:
     # --- Both --------------------------------------------------------------------------------
 
     def _asked(self, topic: str, known: Any) -> Callable[[], Optional[str]]:
-        """Return a job that asks the subscribers of a topic for their type.
+        """Return a job that queries the type of a topic's subscribers.
 
         :raises ValueError: if the topic has no subscriber
         """

@@ -8,9 +8,9 @@ Vector = Tuple[float, float, float]
 #: x, y, z, w.
 Quaternion = Tuple[float, float, float, float]
 
-#: Longest chain of frames that is followed; a ring has no end.
+#: Longest chain of frames to follow; a cycle would have no end.
 _DEPTH = 100
-#: Most frames that are remembered.
+#: Most frames that are stored.
 _FRAMES = 5000
 
 
@@ -25,9 +25,9 @@ class Transform(NamedTuple):
     rotation: Quaternion
 
     def then(self, inner: "Transform") -> "Transform":
-        """Return where something is that is known from here.
+        """Return the composition with an inner transform.
 
-        :param inner: where it is in the frame that stands here
+        :param inner: a pose in the frame of this transform
         """
         turned = _turned(self.rotation, inner.position)
         x, y, z = (a + b for a, b in zip(self.position, turned))
@@ -35,12 +35,12 @@ class Transform(NamedTuple):
 
     @property
     def heading(self) -> float:
-        """The angle of its x axis seen from above [rad]."""
+        """Angle of its x axis, seen from above [rad]."""
         x, y, z, w = self.rotation
         return math.atan2(2.0 * (w * z + x * y), 1.0 - 2.0 * (y * y + z * z))
 
     def flat(self) -> List[float]:
-        """Return it as seen from above: what a canvas takes as a transformation."""
+        """Return the projection from above, as a transformation of a canvas."""
         along, across = (
             _turned(self.rotation, axis) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
         )
@@ -53,11 +53,11 @@ IDENTITY = Transform((0.0, 0.0, 0.0), (0.0, 0.0, 0.0, 1.0))
 def transform_of(
     position: Mapping[str, float], rotation: Mapping[str, float]
 ) -> Optional[Transform]:
-    """Return the transform that a message holds.
+    """Return the transform in a message.
 
     :param position: its x, y, z
-    :param rotation: its x, y, z, w; all zero, if unset, is the identity
-    :returns: the transform, None if something in it is not finite
+    :param rotation: its x, y, z, w; all zero (unset) is the identity
+    :returns: the transform; None if a value is not finite
     """
     place = tuple(float(position[name]) for name in "xyz")
     turn = tuple(float(rotation[name]) for name in "xyzw")
@@ -71,8 +71,8 @@ def transform_of(
 class Place(NamedTuple):
     """Pose of a frame in the root of its tree.
 
-    :param root: the frame that all the others hang on
-    :param transform: where it is in there
+    :param root: root frame of the tree
+    :param transform: pose in the root
     """
 
     root: str
@@ -80,21 +80,21 @@ class Place(NamedTuple):
 
 
 class Frames:
-    """Knows where each frame was told to be last."""
+    """Latest transforms of all frames."""
 
     def __init__(self) -> None:
-        #: Of each frame by topic, the latest last: the frame that it is in, and where.
+        #: For each frame by topic, the latest last: its parent frame and transform.
         self._parents: Dict[str, Dict[str, Tuple[str, Transform]]] = {}
-        #: Of each frame the topic that has told of it, the frame that it is in, and where.
+        #: For each frame: the topic of its odometry, its parent frame and transform.
         self._guesses: Dict[str, Tuple[str, str, Transform]] = {}
 
     def keep(self, topics: Container[str]) -> None:
         """Drop the transforms of all other topics."""
         parents = {
-            child: {source: place for source, place in told.items() if source in topics}
-            for child, told in self._parents.items()
+            child: {topic: place for topic, place in sources.items() if topic in topics}
+            for child, sources in self._parents.items()
         }
-        self._parents = {child: told for child, told in parents.items() if told}
+        self._parents = {child: sources for child, sources in parents.items() if sources}
         self._guesses = {
             child: guess for child, guess in self._guesses.items() if guess[0] in topics
         }
@@ -106,14 +106,14 @@ class Frames:
         """
         child = bare(child)
         if len(self._parents) < _FRAMES or child in self._parents:
-            told = self._parents.setdefault(child, {})
-            told.pop(source, None)
-            told[source] = (bare(parent), transform)
+            sources = self._parents.setdefault(child, {})
+            sources.pop(source, None)
+            sources[source] = (bare(parent), transform)
 
     def set_odometry(self, source: str, parent: str, child: str, transform: Transform) -> None:
-        """Set the transform of an odometry; one of ``/tf`` for the child takes precedence.
+        """Set the transform of an odometry; a transform of ``/tf`` takes precedence.
 
-        :param source: its topic; where two tell of one robot, the first by name counts
+        :param source: its topic; of two odometries of one robot, the first by name is used
         """
         child = bare(child)
         known = self._guesses.get(child)
@@ -139,7 +139,7 @@ class Frames:
 
 
 def bare(frame: str) -> str:
-    """Return a frame's name without the slash that it had before tf2."""
+    """Return a frame's name without the leading slash of tf1."""
     return frame.lstrip("/")
 
 

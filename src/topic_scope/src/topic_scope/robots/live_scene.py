@@ -1,4 +1,4 @@
-"""The robots of a graph: shown on pages that want them, and driven by these."""
+"""Robots of a live graph, shown and driven by pages."""
 
 from typing import Callable, Optional
 
@@ -15,14 +15,14 @@ from topic_scope.robots.driving import Driving
 
 
 class LiveScene:
-    """Shows and drives robots; topics are subscribed to only while a page shows them.
+    """Robot view and driving; topics are subscribed to only while a page shows them.
 
-    All methods belong to the web thread.
+    All methods are for the web thread.
 
-    :param node: the scope's
-    :param deliver: hands a function to that thread
+    :param node: node of the scope
+    :param deliver: runs a function in the web thread
 
-    :ivar driving: what drives robots
+    :ivar driving: driving of robots
     """
 
     def __init__(self, node: NodeScope, deliver: Callable[[Callable[[], None]], None]) -> None:

@@ -1,15 +1,15 @@
 # Pure: knows no ROS.
-"""Markers as a page draws them: visualization_msgs/Marker and MarkerArray, seen from above."""
+"""Markers for pages, from visualization_msgs/Marker and MarkerArray, seen from above."""
 
 import math
 from typing import Any, Dict, List, Optional, Tuple
 
 from topic_scope.robots.frames import transform_of
 
-#: Most markers of a topic, and most points of one.
+#: Most markers of a topic, and most points of a marker.
 _MARKERS, _POINTS = 2000, 20000
 _DELETE, _DELETE_ALL = 2, 3
-#: What visualization_msgs/Marker calls types, and what a page calls them.
+#: Types of visualization_msgs/Marker, and their names on a page.
 _KINDS = {
     0: "arrow",
     1: "box",
@@ -27,17 +27,17 @@ Item = Dict[str, Any]
 
 
 class Markers:
-    """The markers of one topic, which come and go one by one."""
+    """Current markers of one topic."""
 
     def __init__(self) -> None:
-        #: Each with the time at which it is over [s].
+        #: Each with its expiry time [s].
         self._items: Dict[Tuple[str, int], Tuple[Item, float]] = {}
 
     def add_message(self, message: Dict[str, Any], now: float) -> None:
         """Add a message.
 
         :param message: a MarkerArray, or a Marker
-        :param now: when it came [s]
+        :param now: time of receipt [s]
         """
         for marker in message.get("markers", [message]):
             key = (marker["ns"], marker["id"])
@@ -52,9 +52,9 @@ class Markers:
                     self._items[key] = (item, now + lasts)
 
     def items(self, now: float) -> List[Item]:
-        """Return the markers that are there, each with its frame and its transform in there.
+        """Return the current markers, each with its frame and its transform in it.
 
-        :param now: the time [s]; what is over by then is forgotten
+        :param now: the time [s]; expired markers are dropped
         """
         self._items = {key: one for key, one in self._items.items() if now < one[1]}
         return [item for item, _ in self._items.values()]
@@ -80,5 +80,5 @@ def _item(marker: Dict[str, Any]) -> Optional[Item]:
 
 
 def finite(value: float) -> float:
-    """Return a length as a page takes it, to 0.1 mm; 0 for what is not finite."""
+    """Return a length rounded to 0.1 mm; 0 if it is not finite."""
     return round(value, 4) if abs(value) < 1e7 else 0.0

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Scene of robots and their world, made of messages, in their common root frame."""
+"""Scene of robots and obstacles from messages, in their common root frame."""
 
 import math
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
@@ -10,24 +10,24 @@ from topic_scope.messages.definitions import Array, Record, Scalar, Text
 from topic_scope.robots.frames import Frames, Place, Transform, bare, transform_of
 from topic_scope.robots.markers import Markers, finite
 
-#: The types that are looked at wherever they are on the graph.
+#: Types that are shown from all topics of the graph.
 ODOMETRY, SCAN, PATH = "nav_msgs/Odometry", "sensor_msgs/LaserScan", "nav_msgs/Path"
 GOAL = "geometry_msgs/PoseStamped"
 MARKERS = ("visualization_msgs/MarkerArray", "visualization_msgs/Marker")
 TRANSFORMS = ("tf2_msgs/TFMessage", "tf/tfMessage")
-#: Of these each message counts, of the others the last one.
+#: Types whose messages are all processed; of others, only the latest.
 CUMULATIVE = (*MARKERS, *TRANSFORMS)
 TYPES = (ODOMETRY, SCAN, PATH, GOAL, *MARKERS, *TRANSFORMS)
 
-#: A robot that has said nothing for so long counts as silent [s].
+#: Time without messages after which a robot is silent [s].
 SILENT_S = 1.0
-#: Most rays of a scan and points of a path that a page is told.
+#: Most rays of a scan, and most points of a path, that are sent to a page.
 _RAYS, _POINTS = 2000, 5000
 
 Message = Dict[str, Any]
 
 
-class _Said(NamedTuple):
+class _Latest(NamedTuple):
     """Latest message of a topic.
 
     :param message: the message
@@ -55,40 +55,40 @@ class Scene:
 
     def __init__(self) -> None:
         self._frames = Frames()
-        self._odometry: Dict[str, _Said] = {}
-        self._scans: Dict[str, _Said] = {}
+        self._odometry: Dict[str, _Latest] = {}
+        self._scans: Dict[str, _Latest] = {}
         self._paths: Dict[str, Message] = {}
         self._goals: Dict[str, Message] = {}
         self._markers: Dict[str, Markers] = {}
-        self._statuses: Dict[str, _Said] = {}
+        self._statuses: Dict[str, _Latest] = {}
 
     def keep(self, topics: Mapping[str, str]) -> None:
         """Drop all other topics.
 
-        :param topics: those that there are, and their types
+        :param topics: the existing topics and their types
         """
         remembered: Tuple[Dict[str, Any], ...] = (
             *(self._odometry, self._scans, self._paths),
             *(self._goals, self._markers, self._statuses),
         )
-        for said in remembered:
-            for topic in set(said) - set(topics):
-                del said[topic]
+        for messages in remembered:
+            for topic in set(messages) - set(topics):
+                del messages[topic]
         self._frames.keep(topics)
 
     def add_message(self, topic: str, datatype: str, message: Message, now: float) -> None:
         """Add a message.
 
-        :param topic: where it came
-        :param datatype: its type; one that is not in TYPES says how a robot is
+        :param topic: its topic
+        :param datatype: its type; a type that is not in TYPES is a robot status
         :param message: as :class:`.MessageReader` reads it
-        :param now: when it came [s]
+        :param now: time of receipt [s]
         """
         if datatype == ODOMETRY:
             self._add_odometry(topic, message, now)
         elif datatype == SCAN:
             seen = {"frame": message["header"]["frame_id"], "rays": _rays(message)}
-            self._scans[topic] = _Said(seen, now)
+            self._scans[topic] = _Latest(seen, now)
         elif datatype == PATH:
             self._paths[topic] = _points(message)
         elif datatype == GOAL:
@@ -98,7 +98,7 @@ class Scene:
         elif datatype in TRANSFORMS:
             self._add_transforms(topic, message)
         else:
-            self._statuses[topic] = _Said(_status(message), now)
+            self._statuses[topic] = _Latest(_status(message), now)
 
     def _add_odometry(self, topic: str, message: Message, now: float) -> None:
         pose, twist = message["pose"]["pose"], message["twist"]["twist"]
@@ -108,8 +108,8 @@ class Scene:
         frame = message["header"]["frame_id"]
         speeds = {"speed": finite(twist["linear"]["x"]), "turn": finite(twist["angular"]["z"])}
         body = message["child_frame_id"]
-        said = {"frame": frame, "body": bare(body), "transform": transform, **speeds}
-        self._odometry[topic] = _Said(said, now)
+        odometry = {"frame": frame, "body": bare(body), "transform": transform, **speeds}
+        self._odometry[topic] = _Latest(odometry, now)
         self._frames.set_odometry(topic, frame, body, transform)
 
     def _add_goal(self, topic: str, message: Message) -> None:
@@ -133,37 +133,39 @@ class Scene:
 
         :param now: the time [s]
         """
-        robots = [self._robot(topic, *said, now) for topic, said in sorted(self._odometry.items())]
+        robots = [
+            self._robot(topic, *latest, now) for topic, latest in sorted(self._odometry.items())
+        ]
         scans = [
-            self._scan(topic, said.message)
-            for topic, said in sorted(self._scans.items())
-            if now - said.when < SILENT_S
+            self._scan(topic, latest.message)
+            for topic, latest in sorted(self._scans.items())
+            if now - latest.when < SILENT_S
         ]
         return {"type": "robots", "robots": robots, "scans": [one for one in scans if one]}
 
-    def _robot(self, topic: str, said: Message, when: float, now: float) -> Message:
-        place = self._placed(said["frame"], said["transform"])
+    def _robot(self, topic: str, odometry: Message, when: float, now: float) -> Message:
+        place = self._placed(odometry["frame"], odometry["transform"])
         return {
             "topic": topic,
             "frame": place.root,
-            "body": said["body"],
+            "body": odometry["body"],
             "x": finite(place.transform.position[0]),
             "y": finite(place.transform.position[1]),
             "heading": finite(place.transform.heading),
-            "speed": said["speed"],
-            "turn": said["turn"],
+            "speed": odometry["speed"],
+            "turn": odometry["turn"],
             "silent": now - when > SILENT_S,
         }
 
     def _scan(self, topic: str, scan: Message) -> Optional[Message]:
         place = self._frames.place(scan["frame"]).transform
-        if not self._frames.knows(scan["frame"]):  # then it is where its namespace's robot is
+        if not self._frames.knows(scan["frame"]):  # assume the pose of the robot in its namespace
             space = topic.rpartition("/")[0]
             near = [name for name in self._odometry if name.rpartition("/")[0] == space]
             if not near:
                 return None
-            said = self._odometry[near[0]].message
-            place = self._placed(said["frame"], said["transform"]).transform
+            odometry = self._odometry[near[0]].message
+            place = self._placed(odometry["frame"], odometry["transform"]).transform
         return {"topic": topic, "at": _numbers(place.flat()), **scan["rays"]}
 
     def _placed(self, frame: str, transform: Transform) -> Place:
@@ -203,9 +205,9 @@ class Scene:
         :param now: the time [s]
         """
         robots = []
-        for topic, (said, when) in self._statuses.items():
+        for topic, (status, when) in self._statuses.items():
             age = round(now - when, 1) if now - when > SILENT_S else None
-            robots.append({"topic": topic, **said, "age": age})
+            robots.append({"topic": topic, **status, "age": age})
         return {"type": "fleet", "robots": sorted(robots, key=lambda one: str(one["name"]))}
 
 
@@ -215,7 +217,7 @@ def _rays(scan: Message) -> Message:
     with numpy.errstate(invalid="ignore"):
         fine = (ranges >= scan["range_min"]) & (ranges <= scan["range_max"]) & (ranges < 1e6)
     first, step = float(scan["angle_min"]), float(scan["angle_increment"]) * every
-    # In mm, 0 where nothing is seen: short to write.
+    # In mm, 0 without an echo: short in JSON.
     numbers = numpy.where(fine & math.isfinite(first + step), numpy.rint(ranges * 1e3), 0.0)
     bounded = {"first": _or_zero(first), "step": _or_zero(step)}
     return {**bounded, "ranges": numbers.astype(int).tolist()}

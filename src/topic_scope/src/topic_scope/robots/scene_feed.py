@@ -12,20 +12,20 @@ from topic_scope.sampling.message_source import Batch, MessageSource
 from topic_scope.robots import scene
 from topic_scope.timing.nanoseconds import NS
 
-#: Time between two looks at what has come [s]; and how many go by till things that stand are told.
+#: Update period [s]; and number of updates between messages about static parts.
 PERIOD_S, _SLOWLY = 0.05, 5
 _LOG_PERIOD_S = 60.0
 
 
 class SceneFeed:
-    """Makes the robot view; messages are wanted only while a page shows it.
+    """Producer of the robot view; subscribes only while a page shows it.
 
-    All methods belong to the web thread.
+    All methods are for the web thread.
 
-    :param source: where messages come in
-    :param layouts: knows them
+    :param source: source of messages
+    :param layouts: layouts of the messages
 
-    :ivar pages: those that show it
+    :ivar pages: pages that show it
     """
 
     def __init__(self, source: MessageSource, layouts: Layouts) -> None:
@@ -35,7 +35,7 @@ class SceneFeed:
         self._scene = scene.Scene()
         self._topics: Mapping[str, str] = {}
         self.pages: Set[Page] = set()
-        self._told: Dict[str, Dict[str, Any]] = {}
+        self._sent: Dict[str, Dict[str, Any]] = {}
         self._ticks = 0
         self._throttle = Throttle(_LOG_PERIOD_S)
 
@@ -62,7 +62,7 @@ class SceneFeed:
         return scene.is_status(self._layouts.installed(datatype))
 
     def update(self) -> None:
-        """Take what has come, and tell pages; to be called every PERIOD_S."""
+        """Process new messages, and update pages; to be called every PERIOD_S."""
         if not self.pages:
             return
         now = self._source.clock.now()
@@ -103,19 +103,19 @@ class SceneFeed:
 
     def send_to_pages(self, message: Dict[str, Any]) -> None:
         """Send a message to all pages that show robots, if it has changed."""
-        if self._told.get(message["type"]) != message:
-            self._told[message["type"]] = message
+        if self._sent.get(message["type"]) != message:
+            self._sent[message["type"]] = message
             for page in self.pages:
                 page.put(message)
 
     def enter(self, page: Page) -> None:
         """Start to show robots on a page."""
         self.pages.add(page)
-        for message in self._told.values():
+        for message in self._sent.values():
             page.put(message)
 
     def leave(self, page: Page) -> None:
         """Stop showing robots on a page."""
         self.pages.discard(page)
         if not self.pages:
-            self._told.clear()  # it is old when the next one comes
+            self._sent.clear()  # outdated when the next page enters

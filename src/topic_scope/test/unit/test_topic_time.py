@@ -117,7 +117,7 @@ def test_a_stamp_far_ahead_stands_at_reception_and_is_named(
     shown = topic.shown()
     assert abs(shown.times - received).max() <= 1 * MS
     if index:
-        assert topic.time.outliers.refused == 1
+        assert topic.time.outliers.rejected == 1
         assert topic.time.outliers.text.startswith("1 stamp up to 600 s ahead: shown at reception")
 
 
@@ -311,7 +311,7 @@ def test_topics_of_a_replay_at_another_speed_differ_by_their_stamps(speed: float
         behind.append(now - int(stamps[done[0] - 1]) - topics[0].time.clock.offset)
         if topics[1].time.has_stamps:
             assert topics[0].time.clock is topics[1].time.clock
-    assert all(topic.time.outliers.refused == 0 for topic in topics)
+    assert all(topic.time.outliers.rejected == 0 for topic in topics)
     # The latest sample stands near the present, as far as batches and the tolerance let it.
     settled = numpy.abs(numpy.array(behind[len(behind) // 2 :])) / NS
     assert settled.max() < 0.25 + 0.05 * speed

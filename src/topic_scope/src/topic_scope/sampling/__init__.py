@@ -1,1 +1,1 @@
-"""Samples of topics, recorded in memory."""
+"""Recording of topics' samples in memory."""

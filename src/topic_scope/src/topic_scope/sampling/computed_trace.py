@@ -16,14 +16,14 @@ from topic_scope.timing.nanoseconds import NS, ROUNDED_NS, shifted, to_ns, to_se
 
 
 class ComputedTrace:
-    """A trace that is computed of others, to be asked as one that is recorded is.
+    """Trace computed from others, with the interface of a recorded trace.
 
-    It has a value at each sample of the first of them, with the others on the straight line between
-    two of their samples; so it ends where one of them has ended so far, and follows when more
-    comes. No value is computed where samples that it needs were dropped.
+    It has a value at each sample of the first trace, with the others interpolated linearly between
+    their samples; so it ends where the shortest of them ends so far, and continues when more
+    arrives. No value is computed if required samples were dropped.
 
-    :param formula: how it is computed
-    :param traces: what it is computed of, by the names in the formula
+    :param formula: its formula
+    :param traces: its operands, by the names in the formula
     """
 
     def __init__(self, formula: Formula, traces: Mapping[str, Trace]) -> None:
@@ -40,7 +40,7 @@ class ComputedTrace:
 
     @property
     def states(self) -> None:
-        """None: a formula makes numbers."""
+        """None: a formula computes numbers."""
         return None
 
     @property
@@ -50,12 +50,12 @@ class ComputedTrace:
 
     @property
     def correction(self) -> Optional[str]:
-        """Correction of the stamps and values of a trace that it is computed of, as text."""
+        """Correction of the stamps and values of an operand, as text."""
         return next((trace.correction for trace in self._traces if trace.correction), None)
 
     @property
     def jumps(self) -> Optional[str]:
-        """Why it jumps, in words; None where it need not."""
+        """Why the trace may jump, as text; None if it does not."""
         by_receipt = any(trace.stream.path is None for trace in self._traces)
         if self._is_derivative and by_receipt:
             return JUMPS
@@ -67,7 +67,7 @@ class ComputedTrace:
         return signal.times / NS, signal.values
 
     def rows(self, start: int, end: int) -> Rows:
-        """Return the samples of a time span, its ends included [ns]; received as the first's."""
+        """Return the samples of a time span, its ends included [ns]."""
         times, values, received, _ = self.signal(start, end)
         return times, values, received
 
@@ -77,12 +77,12 @@ class ComputedTrace:
         return found.between(max(start, self.whole_from), min(end, self.last))
 
     def latency(self, start: float, end: float) -> numpy.ndarray:
-        """Return how long after they were taken samples were received [s]: the first trace's."""
+        """Return the latencies of the first trace, from stamp to receipt [s]."""
         return self._first.latency(start, end)
 
     @property
     def span(self) -> Optional[Tuple[float, float]]:
-        """The times between which it may have samples [s]; None where it has none."""
+        """Time span that may contain samples [s]; None without samples."""
         spans = [trace.span for trace in self._traces]
         if spans[0] is None or None in spans:
             return None
@@ -92,27 +92,27 @@ class ComputedTrace:
 
     @property
     def longest_step(self) -> float:
-        """Longest step between samples of one line [s]."""
+        """Longest time between connected samples [s]."""
         return self._first.longest_step
 
     @property
     def until(self) -> float:
-        """Up to when it is known [s]; minus infinity where it is not at all."""
+        """Time up to which it is known [s]; minus infinity if it is unknown."""
         return to_seconds(self.last)
 
     @property
     def last(self) -> int:
-        """The same [ns]; the first time that there is where it is not known at all."""
+        """The same [ns]; the earliest time if it is unknown."""
         return self._tree.until(self._operands)
 
     @property
     def lookaround(self) -> Tuple[float, float]:
-        """From how long before a time to how long after it samples count [s]."""
+        """How far before and after a time samples affect the value [s]."""
         return self._tree.lookaround(self._operands)
 
     @property
     def problem(self) -> Optional[str]:
-        """Why there is nothing of it before long, in words; None where there is."""
+        """Why the trace cannot have samples, as text; None if it can."""
         kept = min(trace.ring.history for trace in self._traces)
         back, ahead = self._back, self._ahead
         if back + ahead <= kept:
@@ -124,12 +124,12 @@ class ComputedTrace:
 
     @property
     def whole_from(self) -> int:
-        """After when all that counts for it is there [ns]."""
+        """Time from which on all required samples are in memory [ns]."""
         return shifted(max(trace.whole_from for trace in self._traces), to_ns(self._back))
 
     @property
     def _back(self) -> float:
-        """From how long before a time samples count [s]; 0 where too little is known to tell."""
+        """How far before a time samples affect the value [s]; 0 if unknown."""
         back = self.lookaround[0]
         return max(back, 0.0) if math.isfinite(back) else 0.0
 
@@ -140,10 +140,10 @@ class ComputedTrace:
         return max(ahead, 0.0) if math.isfinite(ahead) else 0.0
 
     def silence(self, now: float) -> Optional[float]:
-        """Return the time since the last reception of the quietest of them [s]; None if unknown."""
+        """Return the time since the last receipt of the quietest operand [s]; None if unknown."""
         quiet = [trace.silence(now) for trace in self._traces]
         return None if None in quiet else max(one for one in quiet if one is not None)
 
 
-#: What is recorded, or made of what is.
+#: Recorded or computed trace.
 Recorded = Union[Trace, ComputedTrace]

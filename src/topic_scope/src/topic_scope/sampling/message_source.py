@@ -3,17 +3,17 @@
 
 from typing import Collection, Iterable, List, Mapping, MutableSequence, NamedTuple, Protocol
 
-#: Time between two messages of a topic that the clock does not tell apart [ns]: a page's numbers
-#: do.
+#: Assumed time between two messages of a topic with equal times [ns]: the resolution of a page's
+#: numbers.
 TICK_NS = 500
 
 
 class Batch(NamedTuple):
-    """Messages that came over one connection.
+    """Messages of one connection.
 
-    :param header: what the publisher has said of them
-    :param times: when they came [ns]: no two of a topic at the same time
-    :param messages: as they came
+    :param header: connection header of the publisher
+    :param times: times of receipt [ns], unique in a topic
+    :param messages: serialized messages
     """
 
     header: Mapping[str, str]
@@ -25,14 +25,14 @@ class Clock(Protocol):
     """Clock of the times of messages."""
 
     def now(self) -> float:
-        """Return the time up to which all messages are there [s] since the epoch."""
+        """Return the time up to which all messages have arrived [s] since the epoch."""
 
 
 class Subscription(Protocol):
     """Queue of the messages of one topic."""
 
     def drain(self) -> Iterable[Batch]:
-        """Return what has come since the last call, oldest first."""
+        """Return the messages since the last call, oldest first."""
 
 
 class MessageSource(Protocol):
@@ -44,13 +44,13 @@ class MessageSource(Protocol):
 
     @property
     def has_ended(self) -> bool:
-        """Whether no more messages will come by its clock."""
+        """Whether no further messages will arrive."""
 
     def want(self, topics: Collection[str], is_more: bool = False) -> None:
-        """Request the messages of these topics, from now on or a little later.
+        """Request the messages of these topics, from about now on.
 
         :param topics: their names
-        :param is_more: whether more is read of them than before
+        :param is_more: whether additional fields of them are read
         """
 
     def subscriptions(self) -> Mapping[str, Subscription]:

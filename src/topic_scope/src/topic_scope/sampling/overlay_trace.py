@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Traces of an overlaid bag, complete from the start, and movable in time."""
+"""Traces of an overlaid bag: complete, and shiftable in time."""
 
 import math
 from typing import Mapping, Optional, Protocol, Sequence
@@ -26,23 +26,23 @@ class Overlay(Protocol):
 
     @property
     def layouts(self) -> Mapping[str, Record]:
-        """The layouts of its messages, by the names of its topics."""
+        """Layouts of its messages by topic."""
 
     @property
     def arrays(self) -> Mapping[str, Arrays]:
-        """The arrays in its messages, by the names of its topics."""
+        """Arrays in its messages by topic."""
 
     def trace(self, topic: str, path: Path, timestamp: str, function: str) -> "OverlayTrace":
-        """Return one of its traces, which has its samples later; see :class:`OverlayTrace`."""
+        """Return one of its traces, which is filled later; see :class:`OverlayTrace`."""
 
 
 class OverlayStream(Stream):
-    """Gives a trace of an overlay its topic and its place in time.
+    """Topic and time offset of an overlay's traces.
 
     :param topic: the topic
-    :param timestamp: name of the time
-    :param path: where that stands in the messages
-    :param overlay: what it is a part of
+    :param timestamp: name of the timestamp source
+    :param path: path of the timestamp in the messages
+    :param overlay: the overlay
     """
 
     def __init__(self, topic: str, timestamp: str, path: Optional[Path], overlay: Overlay) -> None:
@@ -53,7 +53,7 @@ class OverlayStream(Stream):
 
     @property
     def offset(self) -> int:
-        """Start of the overlay [ns]: its samples count from there."""
+        """Start of the overlay [ns], the zero of its samples."""
         return self._overlay.place_ns
 
     @property
@@ -68,13 +68,13 @@ class OverlayStream(Stream):
 
 
 class OverlayTrace(Trace):
-    """The samples of a field, from its first to its last one.
+    """All samples of a field of an overlay.
 
-    :param stream: gives it its place
-    :param path: where the field stands in a message
-    :param function: name of what is computed of it
+    :param stream: its topic and time offset
+    :param path: path of the field in a message
+    :param function: name of the function applied to it
 
-    :ivar problem: why there are no samples, in words; None where there are
+    :ivar problem: why there are no samples; None if there are
     """
 
     def __init__(self, stream: OverlayStream, path: Path, function: str) -> None:
@@ -89,12 +89,12 @@ class OverlayTrace(Trace):
         correction: Optional[str],
         states: Optional[Sequence[str]] = None,
     ) -> None:
-        """Take all samples.
+        """Set all samples.
 
-        :param times: ascending, s from the begin of the overlay on
-        :param values: NaN where a line ends
-        :param correction: how the times were moved, in words
-        :param states: texts whose numbers the values are; None for numbers
+        :param times: ascending, s since the start of the overlay
+        :param values: NaN at the end of a line
+        :param correction: description of shifted times
+        :param states: texts of the state numbers in ``values``; None for numbers
         """
         if states is not None:
             self.states = StateTable(states)
@@ -105,17 +105,17 @@ class OverlayTrace(Trace):
         self.problem = None if numpy.isfinite(values).any() else _NOTHING
 
     def pin(self, start: float, end: float) -> None:
-        """Do nothing: all samples are kept anyway."""
+        """Do nothing: all samples are kept."""
 
     def latency(self, start: float, end: float) -> numpy.ndarray:
-        """Return nothing: what it was recorded by is another clock."""
+        """Return an empty array: the recorder's clock is not the scope's."""
         return numpy.empty(0)
 
     def silence(self, now: float) -> Optional[float]:
-        """Return 0: it waits for nothing; None where there is no sample."""
+        """Return 0, because no messages are expected; None without samples."""
         return 0.0 if len(self.ring) else None
 
     def rows(self, start: int, end: int) -> Rows:
-        """As of :class:`.Trace`; received when they were recorded."""
+        """As of :class:`.Trace`; the receipt times are the times of recording."""
         times, values, _ = super().rows(start, end)
         return times, values, times

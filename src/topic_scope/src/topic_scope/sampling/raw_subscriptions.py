@@ -12,8 +12,8 @@ from nodekit import Subscription, Throttle
 from topic_scope.sampling.message_source import TICK_NS, Batch
 from topic_scope.timing.nanoseconds import NS
 
-#: Most bytes that messages of a topic take while they wait to be read; what comes beyond that is
-#: lost, with a warning.
+#: Most bytes of queued messages of a topic; further messages are lost, with a
+#: warning.
 WAITING = 32 * 1024 * 1024
 _WARN_EVERY_S = 10.0
 _REFUSED_EVERY_S = 60.0
@@ -21,10 +21,10 @@ _READINGS = 5
 
 
 class SteadyClock:
-    """Seconds since the epoch that never step, whatever is done to the clock of the machine."""
+    """Clock of seconds since the epoch that never steps, even if the system clock is set."""
 
     def __init__(self) -> None:
-        # What comes between two readings makes the difference smaller, never larger.
+        # A delay between the two readings makes the difference smaller, never larger.
         self._offset = max(time.time_ns() - time.monotonic_ns() for _ in range(_READINGS))
 
     def now(self) -> float:
@@ -37,27 +37,27 @@ class SteadyClock:
 
 
 class RawSubscription:
-    """Keeps the messages of one topic as they come, until they are read.
+    """Subscription that queues the serialized messages of one topic.
 
     :param topic: its name
-    :param clock: tells when they come
+    :param clock: clock of the times of receipt
     """
 
     def __init__(self, topic: str, clock: SteadyClock) -> None:
         self.topic = topic
         self._clock = clock
         self._lock = threading.Lock()
-        #: Without the objects of messages and times: they would take three times as much.
+        #: Serialized: message and time objects would take three times the memory.
         self._waiting: List[Batch] = []
         self._bytes = 0
         self._throttle = Throttle(_WARN_EVERY_S)
         self._latest = 0
         self._subscription = Subscription(topic, rospy.AnyMsg, self._on_messages)
         self._subscription.open()
-        self._subscription.receive_latched()  # another one may have the topic already
+        self._subscription.receive_latched()  # the process may already subscribe to the topic
 
     def _on_messages(self, messages: List[Any], _may_wait: bool) -> None:
-        # The time is taken under the lock: what comes after drain() is never older than that.
+        # The time is read under the lock: messages after drain() are never older than that.
         with self._lock:
             for message in messages:
                 if self._bytes > WAITING:
@@ -73,20 +73,20 @@ class RawSubscription:
                 self._bytes += sys.getsizeof(message._buff)
 
     def drain(self) -> List[Batch]:
-        """Return what has come since the last call, oldest first."""
+        """Return the messages since the last call, oldest first."""
         with self._lock:
             waiting, self._waiting, self._bytes = self._waiting, [], 0
         return waiting
 
     def close(self) -> None:
-        """Subscribe no longer."""
+        """Unsubscribe."""
         self._subscription.close()
 
 
 class RawSubscriptions:
-    """The subscriptions of a node whose messages are kept as they come; a MessageSource.
+    """Subscriptions of a node that queue serialized messages; a MessageSource.
 
-    :param clock: tells when messages come
+    :param clock: clock of the times of receipt
     """
 
     def __init__(self, clock: SteadyClock) -> None:
@@ -112,7 +112,7 @@ class RawSubscriptions:
                 made = RawSubscription(topic, self.clock)
             except (
                 rospy.ROSException
-            ) as error:  # as of /clock, to which rospy subscribes in simulated time
+            ) as error:  # e.g. for /clock, to which rospy subscribes in simulated time
                 if self._throttle.is_due(topic):
                     rospy.logwarn("no samples: %s", error)
                 continue
@@ -127,5 +127,5 @@ class RawSubscriptions:
         return set(self._wanted) != set(self._open)
 
     def subscriptions(self) -> Mapping[str, RawSubscription]:
-        """Return the subscriptions that are open now, by topic."""
+        """Return the open subscriptions, by topic."""
         return self._open

@@ -21,11 +21,11 @@ from topic_scope.sampling.traces import Stream, Trace
 from topic_scope.timing.clocks import Clocks
 from topic_scope.timing.nanoseconds import NS, to_ns
 
-#: Most fields that are listed, and most topics that are subscribed to for one message alone.
+#: Most listed fields, and most topics that are subscribed to for a single message.
 LISTED, UNKNOWN = 5000, 50
-#: Most traces that are recorded; beyond that, those that no page shows are dropped.
+#: Most recorded traces; if there are more, traces that no page shows are dropped.
 TRACES = 1024
-#: How many updates are remembered for pages that have not had a frame since.
+#: Number of updates that are stored for pages that have not had a frame since.
 _UPDATES = 400
 
 _LOGS = ("rosgraph_msgs/Log", "rosgraph_msgs/TopicStatistics")
@@ -34,11 +34,11 @@ _NOTHING: Samples = (numpy.empty(0), numpy.empty(0))
 
 
 class Choice(NamedTuple):
-    """A field that can be chosen.
+    """Field offered for selection.
 
     :param field: its name
     :param datatype: its type, e.g. ``float32``
-    :param topic: the topic that it is of
+    :param topic: its topic
     """
 
     field: str
@@ -47,14 +47,14 @@ class Choice(NamedTuple):
 
 
 class Recorder:
-    """Keeps the recent samples of the fields that are wanted.
+    """Recorder of the recent samples of the requested fields.
 
-    All methods belong to one thread.
+    All methods are for one thread.
 
-    :param source: where the messages come in
-    :param layouts: knows the messages
-    :param history: how long samples are kept, and a field that no page shows [s]
-    :param overlays: what is laid over that: its topics are among those that there are
+    :param source: source of the messages
+    :param layouts: layouts of the messages
+    :param history: how long samples, and fields that no page shows, are kept [s]
+    :param overlays: the overlaid bags, whose topics are added to those of the source
     """
 
     def __init__(
@@ -70,26 +70,26 @@ class Recorder:
         self._types: Mapping[str, str] = {}
         self._laid = {topic: overlay for overlay in overlays for topic in overlay.layouts}
         self._arrays = {topic: one.arrays[topic] for topic, one in self._laid.items()}
-        #: The latest message of each topic that is subscribed to: a latched one comes only once.
+        #: The latest message of each subscribed topic: a latched message arrives only once.
         self._latest: Dict[str, Tuple[Record, Batch]] = {}
         self._choices: Dict[Tuple[str, str, bool], List[Choice]] = {}
         self._traces: Dict[str, Trace] = {}
         self._streams: Dict[Tuple[str, str], Stream] = {}
         self._clocks = Clocks()
-        #: Up to when what is computed and looked at was known at the latest update [s].
+        #: Time up to which each shown formula was known at the latest update [s].
         self._known: Dict[str, float] = {}
-        #: When the latest updates were, and the time of the earliest sample that each brought [s].
+        #: Times of the latest updates, and of the earliest sample that each added [s].
         self._updates: Deque[Tuple[float, float]] = deque(maxlen=_UPDATES)
 
     def set_topics(self, types: Mapping[str, str]) -> None:
-        """Update the topics, and the type of each."""
+        """Update the topics and their types."""
         self._types = types
         kept = {*types, *(topic for topic, _ in self._streams)}
         self._arrays = {topic: one for topic, one in self._arrays.items() if topic in kept}
 
     def choices(self) -> List[Choice]:
-        """List the fields that can be chosen now."""
-        # A topic that no page shows is not listed again: that would cost more than all else.
+        """List the available fields."""
+        # Only shown topics are listed again: listing all would dominate the cost.
         known, self._choices = self._choices, {}
         recorded = {stream.topic for stream in self._streams.values()}
         for topic, datatype in sorted(self._types.items(), key=_rank):
@@ -115,7 +115,7 @@ class Recorder:
         return list(dict.fromkeys(choices))
 
     def _unknown_topics(self) -> List[str]:
-        """List topics whose first message tells their type, or the names of their elements."""
+        """List topics whose type, or names of elements, require a first message."""
         unknown = []
         for topic in self._types:
             layout = self._layout_of(topic)
@@ -124,16 +124,16 @@ class Recorder:
         return unknown[:UNKNOWN]
 
     def _layout_of(self, topic: str) -> Optional[Record]:
-        """Return the layout of the messages of a topic that there is, if it is known."""
+        """Return the layout of the messages of an existing topic; None if unknown."""
         laid = self._laid.get(topic)
         return laid.layouts[topic] if laid else self._layouts.installed(self._types[topic])
 
     def expand(self, name: str) -> List[str]:
-        """Return the names of all numeric fields that a name stands for.
+        """Return the names of all numeric fields that a name denotes.
 
-        :param name: of a field, of a part of a message or of a topic, or of what is computed
-        :returns: the name itself, as long as its topic is not known
-        :raises FieldError: if it is not a name, or its topic has no such field
+        :param name: name of a field, of a part of a message or of a topic, or a formula
+        :returns: the name itself while its topic is unknown
+        :raises FieldError: if the name is invalid, or its topic does not have the field
         """
         problem = problem_of(name)
         if problem:
@@ -153,15 +153,15 @@ class Recorder:
         arrays = self._arrays.get(topic, Arrays())
         found = [field.path for field in fields.resolve(layout, text, arrays, function)]
         typed = fields.to_path(text)
-        if found != [typed]:  # what stands for a part has the names that are listed
+        if found != [typed]:  # for a part of a message, use the listed names
             found = [one for path in found for one in arrays.remembered(path, len(typed))]
         names = [fields.name_of(topic, path, self._types) for path in dict.fromkeys(found)]
         return [one + name[len(bare) :] for one in names]
 
     def want(self, names: Collection[str], now: float) -> None:
-        """Record these fields; those that were wanted before stay for the time of the history.
+        """Record these fields; earlier fields are kept for the time of the history.
 
-        :param names: names that :meth:`expand` has returned, or refused: of these there is nothing
+        :param names: names that :meth:`expand` has returned or rejected; the latter have no samples
         :param now: the time [s]
         """
         wanted = {part for name in names for part in terms(name)}
@@ -193,14 +193,14 @@ class Recorder:
         self._known = dict.fromkeys(self._known, -math.inf)
 
     def pin(self, spans: Mapping[str, Tuple[float, float]]) -> None:
-        """Keep the samples of fields for as long as these spans are named.
+        """Keep the samples of fields in these spans until the next call.
 
         :param spans: start and end by name of the field [s]
         """
         pinned: Dict[str, Tuple[float, float]] = {}
         for name, (start, end) in spans.items():
             trace = self.trace(name)
-            # What lies between two samples needs both.
+            # Interpolation needs the samples on both sides.
             back, ahead = trace.lookaround if isinstance(trace, ComputedTrace) else (0.0, 0.0)
             for part in terms(name):
                 before = pinned.get(part, (start, end))
@@ -212,7 +212,7 @@ class Recorder:
         bare, function, timestamp = fields.parted(name)
         place = fields.split(bare, self._types)
         if problem_of(name) or place is None or not (place[1] or function):
-            return  # it is not a name, or its topic is not there yet
+            return  # the name is invalid, or its topic does not exist yet
         path = fields.to_path(place[1])
         if place[0] in self._laid:
             laid = self._laid[place[0]]
@@ -225,9 +225,9 @@ class Recorder:
             stream.add(*self._latest[place[0]])
 
     def update(self) -> float:
-        """Take in what has come.
+        """Read new messages from the source.
 
-        :returns: the time up to which all samples are there [s]
+        :returns: the time up to which samples are complete [s]
         """
         now = self._source.clock.now()
         earliest, changes = now, self._clocks.changes
@@ -250,17 +250,17 @@ class Recorder:
         moment = to_ns(math.inf if self._source.has_ended else now)
         for stream in self._streams.values():
             earliest = min(earliest, stream.release(moment))
-        if self._clocks.changes != changes:  # all of its topics have moved
+        if self._clocks.changes != changes:  # all topics of the clock have shifted
             earliest = -math.inf
         for name, known in self._known.items():
             trace = self.trace(name)
             if not isinstance(trace, ComputedTrace):
                 continue
-            if earliest < known:  # what came late counts for what was before it as well
+            if earliest < known:  # late samples also affect earlier values
                 earliest -= max(trace.lookaround[1], 0.0)
             until = min(trace.until, now)
             if until > known:
-                # What was there of the first trace is known only now.
+                # Earlier samples of the first trace have become known only now.
                 earliest = min(earliest, known)
                 self._known[name] = until
         self._updates.append((now, earliest))
@@ -272,9 +272,9 @@ class Recorder:
         return self._updates[-1][0] if self._updates else -math.inf
 
     def changed_since(self, moment: float) -> float:
-        """Return the time from which on samples may differ from what they were [s].
+        """Return the time from which on samples may have changed [s].
 
-        :param moment: what an :meth:`update` returned; all samples later than that are new
+        :param moment: a time that :meth:`update` returned; all later samples are new
         """
         if not self._updates or moment < self._updates[0][0]:
             return -math.inf
@@ -282,21 +282,21 @@ class Recorder:
         return min([moment, *(earliest for _, earliest in new)])
 
     def samples(self, name: str, start: float, end: float) -> Samples:
-        """Return the samples of a field, or of what is computed, from one time to another [s]."""
+        """Return the samples of a field or a formula in a time span [s]."""
         trace = self.trace(name)
         return trace.samples(start, end) if trace else _NOTHING
 
     def longest_step(self, name: str) -> float:
-        """Return how far apart samples of one line of a field may be [s]."""
+        """Return the longest time between connected samples of a field [s]."""
         trace = self._traces.get(terms(name)[0])
         return trace.longest_step if trace else math.inf
 
     def problem(self, name: str) -> Optional[str]:
-        """Return why there is nothing of a field, in words; None where nothing is known."""
+        """Return why a field has no samples, as text; None if no reason is known."""
         if formula_of(name) is None:
             return problem_of(name) or self._problem_of_term(name)
-        told = [(part, self._problem_of_term(part)) for part in terms(name)]
-        found = next((f"{part}: {text}" for part, text in told if text), None)
+        problems = [(part, self._problem_of_term(part)) for part in terms(name)]
+        found = next((f"{part}: {text}" for part, text in problems if text), None)
         trace = self.trace(name)
         return trace.problem if found is None and isinstance(trace, ComputedTrace) else found
 
@@ -319,7 +319,7 @@ class Recorder:
         return None
 
     def trace(self, name: str) -> Optional[Recorded]:
-        """Return what is recorded of a field, or computed of several; None where nothing is."""
+        """Return the recorded or computed trace of a name; None without one."""
         formula = formula_of(name)
         if formula is None:
             return self._traces.get(name)
@@ -329,6 +329,6 @@ class Recorder:
 
 
 def _rank(item: Tuple[str, str]) -> Tuple[bool, str]:
-    """Return what topics are sorted by: what nodes tell of themselves comes last."""
+    """Return the sort key of topics: log and status topics of nodes are last."""
     topic, datatype = item
     return datatype.startswith("dynamic_reconfigure/") or datatype in _LOGS, topic

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""The samples of fields, by the times of their messages."""
+"""Traces: samples of fields, placed at the times of their messages."""
 
 import math
 from typing import List, Optional, Tuple, Union
@@ -17,22 +17,22 @@ from topic_scope.timing.clocks import ELSEWHERE_NS, Clocks
 from topic_scope.timing.nanoseconds import NS, ROUNDED_NS, shifted, to_ns
 from topic_scope.timing.topic_time import Placed, TopicTime
 
-#: How many samples tell what is usual between them.
+#: Number of samples that determine the usual interval.
 _USUAL = 200
-#: Why a derivative jumps.
+#: Why a derivative may jump.
 JUMPS = "timed by reception: the derivative jumps where messages come early or late"
 #: Why there is no latency.
 _NO_LATENCY = "the stamps are of another clock: no latency by the scope's"
 
 
 class Stream:
-    """Traces of one topic that go by one time.
+    """Traces of one topic with the same timestamp source.
 
     :param topic: the topic
-    :param timestamp: name of the time; see :func:`.timestamp_source.path_of`
+    :param timestamp: name of the timestamp source; see :func:`.timestamp_source.path_of`
     :param clocks: the clocks of all topics
 
-    :ivar traces: those that are recorded
+    :ivar traces: the recorded traces
     """
 
     def __init__(self, topic: str, timestamp: str, clocks: Optional[Clocks] = None) -> None:
@@ -45,12 +45,12 @@ class Stream:
         self._decoder: Optional[Decoder] = None
         self._latest: Optional[Tuple[List[bytes], numpy.ndarray, numpy.ndarray]] = None
         self._time = TopicTime(self._clocks)
-        #: Messages that wait for others that agree with their stamps, and their stamps.
+        #: Messages that wait for others to confirm their stamps, and their stamps.
         self._waiting: Optional[Tuple[Batch, numpy.ndarray]] = None
 
     @property
     def offset(self) -> int:
-        """Offset from the times in the rings to those of the scope [ns]."""
+        """Offset from the times in the rings to the scope's clock [ns]."""
         return self._time.clock.offset
 
     @property
@@ -60,36 +60,36 @@ class Stream:
 
     @property
     def timestamp(self) -> str:
-        """The name of the time that is in use."""
+        """Name of the timestamp source in use."""
         return timestamp_source.name_of(self.path)
 
     @property
     def correction(self) -> Optional[str]:
-        """Correction of the stamps and those that others contradict, as text; None without any."""
+        """Correction of the stamps, and contradicted stamps, as text; None without any."""
         return timestamp_source.oddities(self._path, self._time)
 
     @property
     def no_latency(self) -> Optional[str]:
-        """Why there is no latency, in words; None where there is."""
+        """Why there is no latency, as text; None if there is."""
         return _NO_LATENCY if self.path and abs(self.offset) > ELSEWHERE_NS else None
 
     def record(self, path: fields.Path, history: float, function: str = "") -> "Trace":
-        """Record one more field; see :class:`Trace`."""
+        """Record an additional field; see :class:`Trace`."""
         trace = Trace(self, path, history, function)
         if self._layout is not None:
             trace.read_as(self._layout)
-        if self._latest is not None:  # there may be no other, where it is latched
+        if self._latest is not None:  # the only message of a latched topic
             messages, times, received = self._latest
             trace.add(messages, times, received, int(times[-1]))
         self.traces.append(trace)
         return trace
 
     def add(self, layout: Record, batch: Batch) -> float:
-        """Take some messages.
+        """Add messages.
 
         :param layout: their layout
         :param batch: the messages
-        :returns: the time of the earliest one [s]; infinity where all of them wait for others
+        :returns: the time of the earliest message [s]; infinity if all of them wait for others
         """
         if layout is not self._layout:
             self._read_as(layout)
@@ -105,7 +105,7 @@ class Stream:
         return self._place(batch, own, False)
 
     def release(self, now: int) -> float:
-        """Place messages that have waited in vain for others that agree with them.
+        """Place messages that have waited too long for others to confirm their stamps.
 
         :param now: the time [ns]
         :returns: as :meth:`add`
@@ -145,10 +145,10 @@ class Stream:
         self._layout, self._latest = layout, None
         try:
             path = timestamp_source.path_of(self._timestamp, layout)
-        except fields.FieldError:  # the topic has got another type
+        except fields.FieldError:  # the type of the topic has changed
             path = None
         if path != self._path:
-            for trace in self.traces:  # what is there goes by the scope's clock from now on
+            for trace in self.traces:  # existing samples use the scope's clock from now on
                 trace.move(self.offset)
             named = self._timestamp if path is not None else timestamp_source.RECEIVED
             self._time = timestamp_source.topic_time(self._clocks, named, layout)
@@ -159,16 +159,16 @@ class Stream:
 
 
 class Trace:
-    """The samples of one field.
+    """Recorded samples of one field.
 
-    :param stream: where they come from
-    :param path: where the field stands in a message
+    :param stream: stream of its topic
+    :param path: path of the field in a message
     :param history: how long samples are kept [s]
-    :param function: name of what is computed of it, see :mod:`.derived`; empty for nothing
+    :param function: name of the function applied to it, see :mod:`.derived`; empty for none
 
     :ivar ring: the samples, by the own clock of their messages
     :ivar used_at: when a page last showed it [s]
-    :ivar states: the texts whose numbers the samples are; None for a trace of numbers
+    :ivar states: texts of the state numbers; None for a numeric trace
     """
 
     def __init__(
@@ -184,7 +184,7 @@ class Trace:
         self._new = 0
         self._function = derived.make(function)
         self._is_derivative = function == derived.DERIVATIVE
-        #: Where a message has no element of that name it is about others: no gap, but no sample.
+        #: Whether the path names an element: messages without it have no sample, and make no gap.
         self._is_named = any(isinstance(part, fields.Key) for part in path)
         self._paths = [path + part for part in derived.parts(function)]
         self.states = StateTable() if function == derived.STATE else None
@@ -200,16 +200,16 @@ class Trace:
 
     @property
     def stream(self) -> Stream:
-        """Stream that the samples come from."""
+        """Stream of the samples."""
         return self._stream
 
     @property
     def jumps(self) -> Optional[str]:
-        """Why it jumps, in words; None where it need not."""
+        """Why the trace may jump, as text; None if it does not."""
         return JUMPS if self._is_derivative and self.stream.path is None else None
 
     def read_as(self, layout: Record) -> None:
-        """Read messages of this layout from now on; nothing, where it has no such field."""
+        """Read messages of this layout from now on, if it has the field."""
         if self.states is not None:
             self._decoders = list(filter(None, [state_decoder_of(layout, self.path, self.states)]))
         else:
@@ -219,12 +219,12 @@ class Trace:
     def add(
         self, messages: List[bytes], times: numpy.ndarray, received: numpy.ndarray, newest: int
     ) -> None:
-        """Take the samples of some messages.
+        """Add the samples of messages.
 
         :param messages: the messages
         :param times: when they were taken, by their own clock [ns]
         :param received: when they were received [ns]
-        :param newest: the latest time that is believed [ns]
+        :param newest: the latest plausible time [ns]
         """
         if len(self._decoders) == len(self._paths):
             rows = numpy.array([decoder.decode(messages) for decoder in self._decoders])
@@ -234,7 +234,7 @@ class Trace:
                 there = [all(one.has(data) for one in self._decoders) for data in messages]
                 rows, times, received = rows[:, there], times[there], received[there]
             times, values = self._function(times, rows, self.longest_step)
-            late = len(received) - len(values)  # what is computed of two begins with the second
+            late = len(received) - len(values)  # a value of two samples starts at the second
             self.ring.append(times, values, received[late:], newest)
             self._new += len(values)
             if self._new > _USUAL // 2 or len(self.ring) < _USUAL:
@@ -257,10 +257,10 @@ class Trace:
         return times + offset, values, received
 
     def latency(self, start: float, end: float) -> numpy.ndarray:
-        """Return how long after they were taken the samples of a time span were received [s].
+        """Return the latencies in a time span, from stamp to receipt [s].
 
-        :returns: by the clocks as they are, with no correction; nothing for times of receipt, and
-            for stamps that count from elsewhere
+        :returns: by the uncorrected clocks; empty for times of receipt, and
+            for stamps that do not count from the epoch
         """
         if self.stream.path is None or self.stream.no_latency:
             return numpy.empty(0)
@@ -269,7 +269,7 @@ class Trace:
         return (received - times + self._offset_at(first, last)) / NS
 
     def pin(self, start: float, end: float) -> None:
-        """Keep the samples of a time span, and no others, when their time is over [s]."""
+        """Keep the samples of a time span beyond the history [s]."""
         span = (to_ns(start), to_ns(end)) if start <= end else NOWHERE
         if span != self._pinned:
             if self._pinned == NOWHERE:
@@ -280,9 +280,9 @@ class Trace:
             self.ring.pin(*span)
 
     def move(self, by: int) -> None:
-        """Move all samples by their own clock, which was set; they stay where they are here.
+        """Shift all samples after their clock was set; they are still shown at the same times.
 
-        :param by: how far [ns]
+        :param by: the shift [ns]
         """
         self.ring.move(by)
         self._pinned_offset -= by
@@ -298,7 +298,7 @@ class Trace:
 
     @property
     def longest_step(self) -> float:
-        """Longest step between samples of one line [s], from the latest samples."""
+        """Longest time between connected samples [s], from the latest samples."""
         if self._longest_step is None:
             latest = self.ring.latest(_USUAL)
             self._longest_step = timestamp_source.longest_step(self.stream.path, latest)
@@ -306,22 +306,22 @@ class Trace:
 
     @property
     def whole_from(self) -> int:
-        """Time after which no sample is missing [ns]; the least one if none was forgotten."""
+        """Time after which no sample is missing [ns]; the earliest time if none was dropped."""
         if not self.ring.has_forgotten or len(self.ring) < 2:
             return to_ns(-math.inf)
         first, second = self.ring.between(to_ns(-math.inf), to_ns(math.inf))[0][:2].tolist()
-        # The last one that was forgotten: as far before the first as that is before the next one,
-        # unless there is a gap between these.
+        # Estimated time of the last dropped sample: as far before the first as that is before the
+        # second, unless there is a gap between these.
         return int(first - min(second - first, to_ns(self.longest_step))) + self.stream.offset
 
     @property
     def last(self) -> int:
-        """Time of the last sample [ns]; the first time that there is without one."""
+        """Time of the last sample [ns]; the earliest time without samples."""
         latest = self.ring.latest(1)
         return int(latest[0]) + self.stream.offset if len(latest) else to_ns(-math.inf)
 
     def silence(self, now: float) -> Optional[float]:
-        """Return for how long nothing has been received [s]; None where there is no sample.
+        """Return the time since the last receipt [s]; None without samples.
 
         :param now: the time [s]
         """
@@ -329,26 +329,26 @@ class Trace:
         return None if last is None else now - last / NS
 
     def _offset_at(self, start: int, end: int) -> int:
-        """Return what is to be added to the own times of a time span to get the scope's [ns]."""
+        """Return the offset from the stamps of a time span to the scope's clock [ns]."""
         if self._pinned[0] <= (start + end) // 2 <= self._pinned[1]:
-            # The clocks may have gone apart since, as where a simulation is slower.
+            # The clocks may have drifted apart since, e.g. in a slow simulation.
             return self._pinned_offset
         return self.stream.offset
 
 
 def decoder_of(layout: Record, path: fields.Path) -> Optional[Decoder]:
-    """Return what reads a place in messages; None where they have no such place."""
+    """Return the decoder of a path; None if the messages do not have it."""
     try:
         return Decoder(layout, path)
-    except fields.FieldError:  # the topic has got another type
+    except fields.FieldError:  # the type of the topic has changed
         return None
 
 
 def state_decoder_of(
     layout: Record, path: fields.Path, table: StateTable
 ) -> Optional[StateDecoder]:
-    """Return what reads a state in messages; None where they have none at this place."""
+    """Return the decoder of a state; None if the messages do not have it."""
     try:
         return StateDecoder(layout, path, table)
-    except fields.FieldError:  # the topic has got another type
+    except fields.FieldError:  # the type of the topic has changed
         return None

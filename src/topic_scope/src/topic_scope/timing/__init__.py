@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""Times of samples: the clock that stamps follow, and one offset for each clock."""
+"""Times of samples: the clocks of stamps, and their offsets."""

@@ -1,8 +1,8 @@
 # Pure: knows no ROS.
-"""The clocks that stamps follow: one offset for each, whatever the topics.
+"""Clocks of stamps, each with one offset for all of its topics.
 
-Stamps of one clock, such as that of a simulation, of a bag that is replayed or of another machine,
-are moved together, so that the times between topics are exactly those between their stamps.
+Stamps of one clock, such as the clock of a simulation, of a replayed bag or of another machine, are
+shifted together, so that the times between topics are exactly the times between their stamps.
 """
 
 from typing import List, Optional
@@ -13,26 +13,26 @@ import numpy
 from topic_scope.timing.lag import RECENT_NS, TOLERANCE_NS, Lag, median
 from topic_scope.timing.nanoseconds import NS
 
-#: Stamps within this at first are by the scope's clock, and are kept as they are [ns].
+#: Stamps that initially differ by less are by the scope's clock, and are not shifted [ns].
 SAME_CLOCK_NS = NS // 2
-#: Stamps further away than this are not late, but count from elsewhere [ns].
+#: Stamps that differ by more are not late, but have another zero [ns].
 ELSEWHERE_NS = 3600 * NS
-#: Two clocks that are far from the scope's are the same where they are this near one another: a
-#: part of that distance, but no more than so much [ns].
+#: Two clocks far from the scope's clock are the same if they differ by less than this: a part of
+#: their distance from the scope's clock, up to a limit [ns].
 _SAME_PART, _SAME_MOST_NS = 100, 60 * NS
-#: Counts of seconds with a zero of their own are by one clock where they share values that were
+#: Counts of seconds with an unknown zero are by one clock if they share values that were
 #: received within this [ns].
 _COPIED_NS = NS // 20
 
 
 class Clock:
-    """A clock that the stamps of some topics follow.
+    """Clock of the stamps of some topics.
 
-    :param is_scope: whether it is the scope's own clock, by which nothing is moved
-    :param is_stamp: whether it counts stamps; else numbers with a zero of their own
-    :param begin: the first reception [ns]
+    :param is_scope: whether it is the scope's own clock, which has no offset
+    :param is_stamp: whether its times are stamps; otherwise numbers with an unknown zero
+    :param begin: first time of receipt [ns]
 
-    :ivar offset: what is added to its times to get the scope's [ns]
+    :ivar offset: added to its times to get the scope's [ns]
     :ivar members: the lags of its topics
     """
 
@@ -43,12 +43,12 @@ class Clock:
         self._begin = begin
 
     def follow(self, now: int, until: Optional[int] = None) -> bool:
-        """Set the offset to the usual lag of the topics that have sent messages of late.
+        """Set the offset to the usual lag of the recently active topics.
 
-        The lower one of two middles counts: a topic that is delivered late says less of the clock.
+        Uses the lower median: a topic that is delivered late is less informative.
 
-        :param now: the latest reception [ns]
-        :param until: how long after the first reception the offset may change [ns]; None for ever
+        :param now: latest time of receipt [ns]
+        :param until: how long after the first receipt the offset may change [ns]; None forever
         :returns: whether the offset has changed
         """
         if self.is_scope or (until is not None and now > self._begin + until):
@@ -61,32 +61,32 @@ class Clock:
         return True
 
     def expected(self, now: int) -> int:
-        """Return the offset at a time of reception [ns], as its latest topic shows it."""
+        """Return the offset at a time of receipt [ns], from its most recent topic."""
         latest = max(self.members, key=lambda one: one.received, default=None)
         if latest is None or not latest.drift:
             return self.offset
         return self.offset + latest.expected(now) - latest.expected(latest.received)
 
     def is_active(self, now: int) -> bool:
-        """Return whether one of its topics has sent a message of late.
+        """Return whether one of its topics was active recently.
 
-        :param now: the latest reception [ns]
+        :param now: latest time of receipt [ns]
         """
         return any(one.received >= now - RECENT_NS for one in self.members)
 
     def has_stamp_of(self, own: numpy.ndarray) -> bool:
-        """Return whether one of its topics has shown one of these times [ns] of late."""
+        """Return whether one of its topics recently had one of these stamps [ns]."""
         return any(bool(numpy.isin(own, one.stamps()).any()) for one in self.members)
 
 
 class Clocks:
-    """The clocks of all topics of a recorder, or of a bag.
+    """Clocks of all topics of a recorder or a bag.
 
-    :param until: how long after its first stamp the offset of a clock may change [ns]; None for
-        ever, as where samples are drawn while they come
+    :param until: how long after its first stamp the offset of a clock may change [ns]; None
+        forever, for live traces
 
     :ivar scope: the scope's own clock
-    :ivar changes: how often an offset, or the clock of a topic, has changed
+    :ivar changes: number of changes of an offset, or of a topic's clock
     """
 
     def __init__(self, until: Optional[int] = None) -> None:
@@ -103,13 +103,13 @@ class Clocks:
         is_exact: bool,
         left: Optional[Clock] = None,
     ) -> Clock:
-        """Return the clock that some stamps of a topic follow, a new one where none fits.
+        """Return the clock of some stamps of a topic, a new clock if none fits.
 
         :param own: the stamps [ns]
         :param received: when their messages were received [ns]
-        :param is_stamp: whether they are stamps; else numbers with a zero of their own
-        :param is_exact: whether stamps keep their times if they count from the epoch at all
-        :param left: a clock that they do not follow any more
+        :param is_stamp: whether they are stamps; otherwise numbers with an unknown zero
+        :param is_exact: whether stamps that count from the epoch are not shifted
+        :param left: the previous clock, which they no longer follow
         """
         apart, now = median(received - own), int(received[-1])
         if is_stamp and abs(apart) < (ELSEWHERE_NS if is_exact else SAME_CLOCK_NS):
@@ -132,14 +132,14 @@ class Clocks:
         return made
 
     def follow(self, clock: Clock, now: int) -> None:
-        """Set the offset of a clock to what its topics show.
+        """Update the offset of a clock from its topics.
 
-        :param now: the latest reception [ns]
+        :param now: latest time of receipt [ns]
         """
         self.changes += clock.follow(now, self._until)
 
 
 def _same_within(apart: int, is_active: bool) -> int:
-    """Return how near one another two topics of one clock are at least [ns]."""
+    """Return the largest difference of two topics of one clock [ns]."""
     most = min(abs(apart) // _SAME_PART, _SAME_MOST_NS) if is_active else 0
     return max(SAME_CLOCK_NS, most)

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Usual time from the stamps of one topic to the reception of its messages."""
+"""Usual time from the stamps of one topic to the receipt of its messages."""
 
 from collections import deque
 from typing import Deque, Tuple
@@ -8,24 +8,24 @@ import numpy
 
 from topic_scope.timing.nanoseconds import NS
 
-#: How much of what was received counts for the median [ns].
+#: Time window of the median [ns].
 RECENT_NS = 2 * NS
-#: The lag is estimated again if it has changed by more than this [ns]: at first, and when enough
-#: has been received. From then on a trace does not move for a machine that is busy.
+#: The lag is estimated again if it has changed by more than this [ns]: initially, and once settled.
+#: After that, load on the machine does not shift a trace.
 TOLERANCE_NS, SETTLED_NS = 2 * NS // 1000, NS // 10
-#: Most samples of a batch that count for the median, so that an update costs the same at any rate.
+#: Most samples of a batch in the median, so that the cost of an update does not depend on the rate.
 _SAMPLES = 64
 
 
 class Lag:
-    """Median of receptions minus stamps in the last seconds, and how it drifts.
+    """Recent median of times of receipt minus stamps, and its drift.
 
-    It drifts where a simulation or a replay is faster or slower than the scope's clock.
+    It drifts if a simulation or a replay is faster or slower than the scope's clock.
 
-    :ivar usual: the median, at the latest reception [ns]
+    :ivar usual: the median, at the latest time of receipt [ns]
     :ivar drift: its change per second [s/s]
-    :ivar received: the latest reception [ns]
-    :ivar is_settled: whether enough was received
+    :ivar received: latest time of receipt [ns]
+    :ivar is_settled: whether enough messages have been received
     """
 
     def __init__(self) -> None:
@@ -39,11 +39,11 @@ class Lag:
         self._recent: Deque[Tuple[numpy.ndarray, numpy.ndarray]] = deque()
 
     def expected(self, received: int) -> int:
-        """Return the usual difference at a time of reception [ns]."""
+        """Return the usual difference at a time of receipt [ns]."""
         return self.usual + round(self.drift * (received - self._at))
 
     def expected_of(self, received: numpy.ndarray) -> numpy.ndarray:
-        """Return the usual difference at each time of reception [ns]."""
+        """Return the usual difference at each time of receipt [ns]."""
         if not self.drift:
             return numpy.full(len(received), self.usual, numpy.int64)
         drifted = numpy.rint(self.drift * (received - self._at)).astype(numpy.int64)
@@ -62,7 +62,7 @@ class Lag:
     def add(self, received: numpy.ndarray, differences: numpy.ndarray) -> bool:
         """Add messages.
 
-        :param received: their times of reception, ascending [ns]
+        :param received: their times of receipt, ascending [ns]
         :param differences: these minus their stamps [ns]
         :returns: whether the usual difference has changed
         """
@@ -74,7 +74,7 @@ class Lag:
         settles = not self.is_settled and self.received >= self._settles_at
         is_near = numpy.abs(differences - self.usual).max() <= self._tolerance
         if is_near and not settles and not self.drift:
-            return False  # nothing contradicts what is known: the median would take the time
+            return False  # the estimate still fits: save the time for the median
         before = self.usual
         self._estimate()
         if settles:
@@ -88,7 +88,7 @@ class Lag:
         half = len(times) // 2
         self._at, self.drift = self.received, 0.0
         if half:
-            # A line through the middles of both halves: no few outliers bend it.
+            # A line through the medians of both halves is robust against outliers.
             early, late = median(differences[:half]), median(differences[half:])
             apart = median(times[half:]) - median(times[:half])
             if abs(late - early) > SETTLED_NS and apart > 0:
@@ -100,6 +100,6 @@ class Lag:
 
 
 def median(values: numpy.ndarray) -> int:
-    """Return the lower median of whole numbers, without rounding them."""
+    """Return the lower median of integers, without rounding."""
     middle = (len(values) - 1) // 2
     return int(numpy.partition(values, middle)[middle])

@@ -7,11 +7,11 @@ import numpy
 
 #: Nanoseconds in a second.
 NS = 10**9
-#: More than the rounding of a time since the epoch as a float [ns].
+#: Larger than the rounding of a time since the epoch as a float [ns].
 ROUNDED_NS = 250
-#: No time: what a message without a valid stamp has in place of one.
+#: Placeholder for a message without a valid stamp.
 NO_TIME = -(1 << 62)
-#: The largest time that counts as one [s]: 64 bits hold differences of these in nanoseconds.
+#: Largest valid time [s]: differences in nanoseconds fit in 64 bits.
 LARGEST_S = 4.3e9
 _ENDS = int(LARGEST_S) * NS
 
@@ -19,21 +19,21 @@ _ENDS = int(LARGEST_S) * NS
 def to_ns(seconds: float) -> int:
     """Return a time in whole nanoseconds.
 
-    :param seconds: the time [s]; infinity for the first or the last time that there is
+    :param seconds: the time [s]; infinity for the earliest or the latest time
     """
     if abs(seconds) >= LARGEST_S:
         return _ENDS if seconds > 0 else -_ENDS
-    whole = math.floor(seconds)  # the rest alone keeps all digits that the number has
+    whole = math.floor(seconds)  # the fraction is converted separately, to keep all digits
     return whole * NS + round((seconds - whole) * NS)
 
 
 def to_seconds(nanoseconds: int) -> float:
-    """Return a time in seconds, infinite where :func:`to_ns` has met infinity."""
+    """Return a time in seconds; reverses :func:`to_ns`, including infinity."""
     return nanoseconds / NS if abs(nanoseconds) < _ENDS else math.copysign(math.inf, nanoseconds)
 
 
 def shifted(nanoseconds: int, by: int) -> int:
-    """Return a time some nanoseconds later, infinite where it or the shift is."""
+    """Return a time shifted by nanoseconds; infinite if the time or the shift is."""
     for one in (nanoseconds, by):
         if abs(one) >= _ENDS:
             return _ENDS if one > 0 else -_ENDS
@@ -43,9 +43,9 @@ def shifted(nanoseconds: int, by: int) -> int:
 def array_to_ns(seconds: numpy.ndarray) -> numpy.ndarray:
     """Return times in whole nanoseconds.
 
-    :param seconds: the times [s]; those that are invalid, or too large, become :data:`NO_TIME`
+    :param seconds: the times [s]; invalid or too large times become :data:`NO_TIME`
     """
-    valid = numpy.abs(seconds) <= LARGEST_S  # which NaN is not
+    valid = numpy.abs(seconds) <= LARGEST_S  # false for NaN
     whole = numpy.floor(numpy.where(valid, seconds, 0.0))
     rest = numpy.rint((numpy.where(valid, seconds, 0.0) - whole) * NS)
     times = whole.astype(numpy.int64) * NS + rest.astype(numpy.int64)

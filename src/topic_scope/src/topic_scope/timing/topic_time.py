@@ -1,8 +1,8 @@
 # Pure: knows no ROS.
-"""Times of the messages of one topic, by the clock that their stamps follow.
+"""Times of the messages of one topic, by the clock of their stamps.
 
-A sample stands at its stamp, however late or early its message comes. What a single message says
-changes nothing for the others: a clock was set only where the messages after it agree.
+A sample is placed at its stamp, however late or early its message arrives. A single message does
+not affect the others: a clock has been set only if the following messages confirm it.
 """
 
 from typing import List, NamedTuple, Optional, Tuple
@@ -13,31 +13,31 @@ from topic_scope.timing.clocks import ELSEWHERE_NS, SAME_CLOCK_NS, Clock, Clocks
 from topic_scope.timing.lag import SETTLED_NS, Lag, median
 from topic_scope.timing.nanoseconds import NO_TIME, NS
 
-#: A stamp so far before those that came earlier is late, or its clock was set back [ns].
+#: A stamp that is older than earlier stamps by this is late, or its clock was set back [ns].
 BACK_NS = NS // 2
-#: A stamp further ahead than this is not believed unless others agree: it stands at reception [ns].
+#: A stamp further ahead is rejected unless others confirm it: the sample is placed at receipt [ns].
 AHEAD_NS = 10 * NS
-#: How many messages agree that a clock was set, and how long they take to come [ns]: a queue that
-#: is emptied brings many late messages at once.
+#: Messages that confirm that a clock was set, and the least time between them [ns]: a queue that
+#: is emptied delivers many late messages together.
 AGREE, AGREE_NS = 3, NS // 5
-#: How long a message waits for others that agree with it [ns], or so many usual steps.
+#: How long a message waits for others to confirm it [ns, usual intervals].
 _PATIENCE_NS, _PATIENCE_STEPS = NS, 4
-#: A simulation or a replay is no faster than this; and so many messages that contradict all before
-#: them count, whatever they say.
+#: Highest speed of a simulation or a replay; and number of messages after which those that contradict
+#: all earlier ones are accepted.
 _FASTEST, _STUBBORN = 20, 10
-#: An estimate of the lag takes in at most so much of what was received at once [ns].
+#: Longest part of received messages that enters an estimate of the lag together [ns].
 _PART_NS = NS
 
 
 class Placed(NamedTuple):
-    """Messages of a topic that follow one clock.
+    """Messages of a topic, placed by one clock.
 
     :param clock: the clock
-    :param times: when they were made, by that clock [ns]
-    :param newest: the latest of these that is believed [ns]; what is older than that by more than
-        samples are kept is forgotten
-    :param moved: how far the times of earlier messages move by this clock [ns], so that they stay
-        where they are shown, and their line ends; 0 where it goes on
+    :param times: their timestamps, by that clock [ns]
+    :param newest: the latest plausible timestamp [ns]; the history of samples counts from
+        there
+    :param moved: shift of the times of earlier messages by this clock [ns], so that they are
+        shown at the same times, and their line ends; 0 if the line continues
     """
 
     clock: Clock
@@ -49,44 +49,44 @@ class Placed(NamedTuple):
 class Outliers(NamedTuple):
     """Stamps of a topic that others contradict.
 
-    :param late: how many came after much later stamps
-    :param latest: how late the worst was [ns]
-    :param early: how many were ahead of the usual, and stand at their stamps
-    :param refused: how many were too far away to be believed, and stand at reception
-    :param furthest: how far ahead the worst of these was; below 0, behind [ns]
+    :param late: number of stamps that arrived after much later stamps
+    :param latest: largest delay of these [ns]
+    :param early: number of stamps ahead of the usual lag, placed at their stamps
+    :param rejected: number of implausible stamps, placed at receipt
+    :param furthest: largest lead of these; negative if behind [ns]
     """
 
     late: int = 0
     latest: int = 0
     early: int = 0
-    refused: int = 0
+    rejected: int = 0
     furthest: int = 0
 
     @property
     def text(self) -> str:
-        """Their counts in words; empty without any."""
+        """Their counts as text; empty without any."""
         words = []
         if self.late:
             words.append(f"{_count(self.late)} up to {self.latest / NS:.2f} s late")
         if self.early:
             words.append(f"{_count(self.early)} early")
-        if self.refused:
+        if self.rejected:
             side = "ahead" if self.furthest > 0 else "behind"
             far = f"up to {abs(self.furthest) / NS:.6g} s {side}"
-            words.append(f"{_count(self.refused)} {far}: shown at reception")
+            words.append(f"{_count(self.rejected)} {far}: shown at reception")
         return "; ".join(words)
 
 
 class TopicTime:
-    """Places the messages of a topic in time.
+    """Placement of the messages of a topic in time.
 
-    :param clocks: those of all topics
-    :param is_stamp: whether messages have stamps; else numbers with a zero of their own
-    :param is_exact: whether stamps that count from the epoch keep their times
+    :param clocks: clocks of all topics
+    :param is_stamp: whether messages have stamps; otherwise numbers with an unknown zero
+    :param is_exact: whether stamps that count from the epoch are not shifted
 
-    :ivar clock: the clock that the stamps follow
-    :ivar has_stamps: whether any message had one; else the time of receipt counts
-    :ivar outliers: what was contradicted by others
+    :ivar clock: the clock of the stamps
+    :ivar has_stamps: whether any message had a stamp; otherwise the time of receipt is used
+    :ivar outliers: contradicted stamps
     """
 
     def __init__(self, clocks: Clocks, is_stamp: bool = True, is_exact: bool = False) -> None:
@@ -101,7 +101,7 @@ class TopicTime:
 
     @property
     def patience(self) -> int:
-        """Time that messages wait for others which agree with them, before they are final [ns]."""
+        """Time that messages wait for others to confirm them [ns]."""
         return max(_PATIENCE_NS, _PATIENCE_STEPS * self._step)
 
     def place(
@@ -112,8 +112,8 @@ class TopicTime:
         :param own: their stamps [ns], or NO_TIME
         :param received: when they were received, ascending [ns]
         :param is_final: whether they do not wait for others
-        :returns: their times in parts. Messages at the end that are in none wait for others, and
-            belong before those of the next call
+        :returns: their times in parts. Messages at the end that are in no part wait for others, and
+            must precede the messages of the next call
         """
         placed: List[Placed] = []
         start = stop = 0
@@ -152,7 +152,7 @@ class TopicTime:
         return placed
 
     def _is_usual(self, own: numpy.ndarray, received: numpy.ndarray) -> bool:
-        """Return whether all stamps are in order and as expected: most are, and need no more."""
+        """Return whether all stamps are in order and as expected: the fast path."""
         if not self.has_stamps:
             return bool((own == NO_TIME).all())
         ahead = own - received
@@ -166,9 +166,9 @@ class TopicTime:
         )
 
     def _expected(self, received: numpy.ndarray) -> numpy.ndarray:
-        """Return how far behind their reception stamps are at least [ns].
+        """Return the least expected lag of stamps [ns].
 
-        By the scope's own clock a stamp is not early where it is less late than others.
+        By the scope's own clock, a stamp with less lag than others is not early.
         """
         usual = self._lag.expected_of(received)
         return numpy.minimum(usual, 0) if self.clock.is_scope else usual
@@ -176,7 +176,7 @@ class TopicTime:
     def _contradicted(
         self, own: numpy.ndarray, received: numpy.ndarray
     ) -> Tuple[numpy.ndarray, numpy.ndarray]:
-        """Return which stamps contradict those before, and which are just early."""
+        """Return masks of stamps that contradict earlier ones, and of early stamps."""
         ahead = own - received + self._expected(received)
         rate = max(1.0, 1.0 - self._lag.drift)
         is_early = ahead > BACK_NS * rate
@@ -188,9 +188,9 @@ class TopicTime:
         return is_odd, is_early & there
 
     def _agreeing(self, own: numpy.ndarray, received: numpy.ndarray, is_last: bool) -> int:
-        """Return how many messages agree that their clock was set; 0 where they do not.
+        """Return the number of messages that confirm that their clock was set; 0 if they do not.
 
-        :param is_last: whether none will follow them
+        :param is_last: whether no messages will follow
         """
         there = (own != NO_TIME).nonzero()[0]
         if len(there) >= AGREE:
@@ -216,14 +216,14 @@ class TopicTime:
             self.has_stamps = True
             self._attach(own[there], received[there])
             if self._is_exact and self.clock.is_scope and self._lag.usual < -AHEAD_NS:
-                self._lag.begin(0, int(received[0]))  # to be believed only where others agree
+                self._lag.begin(0, int(received[0]))  # accepted only if others confirm it
 
     def _attach(
         self, own: numpy.ndarray, received: numpy.ndarray, left: Optional[Clock] = None
     ) -> None:
-        """Follow the clock that some stamps fit.
+        """Switch to the clock of some stamps.
 
-        :param left: the clock that they do not follow any more
+        :param left: the previous clock, which they no longer follow
         """
         before = self.clock.offset
         self.clock.members.discard(self._lag)
@@ -235,7 +235,7 @@ class TopicTime:
         self._clocks.changes += 1
 
     def _jump(self, own: numpy.ndarray, received: numpy.ndarray) -> None:
-        """Follow another clock, or the same one where it was set."""
+        """Switch to another clock, or to the same clock after it was set."""
         there = own != NO_TIME
         self.clock.members.discard(self._lag)
         self._lag, self._newest = Lag(), NO_TIME
@@ -248,10 +248,10 @@ class TopicTime:
         early: int,
         is_early: Optional[numpy.ndarray] = None,
     ) -> Placed:
-        """Place messages at their stamps, or at reception where they have none.
+        """Place messages at their stamps, or at receipt without a stamp.
 
-        :param early: how many are ahead of the usual
-        :param is_early: which are, if any
+        :param early: number of early stamps
+        :param is_early: mask of the early stamps, if any
         """
         self._alone = 0
         moved, self._moved = self._moved, 0
@@ -272,36 +272,36 @@ class TopicTime:
         return Placed(self.clock, times, self._newest, moved)
 
     def _learn(self, stamps: numpy.ndarray, received: numpy.ndarray) -> None:
-        """Take messages into account for what is usual."""
+        """Update the usual lag with messages."""
         lag = self._lag
         self._step = (int(received[-1]) - (lag.received or int(received[0]))) // len(stamps)
         was_settled = lag.is_settled
         has_changed = lag.add(received, received - stamps)
-        # Others of its clock that kept it where it was may be silent by now.
+        # Other topics of the clock, which determined its offset, may be silent by now.
         if not has_changed and abs(lag.usual - self.clock.offset) <= SETTLED_NS:
             return
         if lag.is_settled and not was_settled and not lag.drift:
             if abs(lag.usual - self._attached_at) > SAME_CLOCK_NS:
-                # The first messages were no example of the others.
+                # The first messages were not typical.
                 self._attach(stamps, received)
                 self._moved = 0
         self._clocks.follow(self.clock, lag.received)
 
     def _placed_alone(self, own: numpy.ndarray, received: numpy.ndarray) -> Placed:
-        """Place messages that no others agree with: at their stamps, if these can be believed."""
+        """Place messages that no others confirm, at their stamps if these are plausible."""
         self._alone += len(own)
         there = own != NO_TIME
         ahead = own - received + self._expected(received)
-        is_refused = there & ((ahead > AHEAD_NS) | (ahead < -ELSEWHERE_NS))
-        is_late = there & ~is_refused
+        is_rejected = there & ((ahead > AHEAD_NS) | (ahead < -ELSEWHERE_NS))
+        is_late = there & ~is_rejected
         before = self.outliers
-        refused = ahead[is_refused]
-        furthest = [before.furthest, *refused.tolist()]
+        rejected = ahead[is_rejected]
+        furthest = [before.furthest, *rejected.tolist()]
         late = int((-ahead[is_late]).max(initial=0))
         self.outliers = before._replace(
             late=before.late + int(is_late.sum()),
             latest=max(before.latest, late),
-            refused=before.refused + len(refused),
+            rejected=before.rejected + len(rejected),
             furthest=max(furthest, key=abs),
         )
         times = numpy.where(is_late, own, received - self.clock.offset)
@@ -309,7 +309,7 @@ class TopicTime:
 
 
 def _leading(truths: numpy.ndarray) -> int:
-    """Return how many truth values at the begin are true."""
+    """Return the number of leading true values."""
     others = (~truths).nonzero()[0]
     return int(others[0]) if len(others) else len(truths)
 

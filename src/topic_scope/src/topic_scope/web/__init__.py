@@ -1,1 +1,1 @@
-"""The web server, and what it serves: a live graph or a bag."""
+"""Web server, and its data sources: a live graph or a bag."""

@@ -1,9 +1,9 @@
 # Pure: knows no ROS.
-"""Access rules: reject requests that another site has made a browser send.
+"""Access rules: reject cross-site requests.
 
 A page of another site can open a WebSocket to this machine, and by pointing its own name to
-127.0.0.1 (DNS rebinding) it can even pass for the same site. So both headers are looked at: the
-name that the browser believes to talk to, and where the page came from.
+127.0.0.1 (DNS rebinding) it can even pass for the same site. So both headers are checked: the host
+name that the browser requested, and the origin of the page.
 """
 
 import ipaddress
@@ -14,11 +14,11 @@ from typing import Collection, List, Optional
 def names_of(short: str, full: str, address: str) -> List[str]:
     """Return the names of this machine.
 
-    :param short: its name
-    :param full: its name with that of its domain
-    :param address: address or name that the pages are served at
-    :returns: these, ``localhost``, and the name that others in the same network find it by without
-        a name server, https://www.rfc-editor.org/rfc/rfc6762
+    :param short: host name
+    :param full: host name with domain
+    :param address: address or name to listen on
+    :returns: these, ``localhost``, and the mDNS name,
+        https://www.rfc-editor.org/rfc/rfc6762
     """
     local = short.partition(".")[0] + ".local"
     return [name.lower() for name in ("localhost", short, full, address, local)]
@@ -28,7 +28,7 @@ def is_known_name(host: str, names: Collection[str]) -> bool:
     """Return whether a request was meant for this machine.
 
     :param host: its header ``Host``
-    :param names: what this machine is called; every address is fine
+    :param names: names of this machine; all addresses are accepted
     """
     name = _name_of("//" + host)
     if name is None:
@@ -43,7 +43,7 @@ def is_known_name(host: str, names: Collection[str]) -> bool:
 def is_same_origin(origin: Optional[str], host: str) -> bool:
     """Return whether a request comes from a page that was served here.
 
-    :param origin: its header ``Origin``; browsers always send it, other programs need not
+    :param origin: its header ``Origin``; browsers always send it, other programs may not
     :param host: its header ``Host``
     """
     if origin is None:

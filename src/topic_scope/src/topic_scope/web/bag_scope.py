@@ -1,4 +1,4 @@
-"""Oscilloscope that shows a bag, without a node and without a master."""
+"""Oscilloscope that shows a bag, without a node or a master."""
 
 import asyncio
 import logging
@@ -21,13 +21,13 @@ from topic_scope.web.scope_session import ScopeSession
 
 
 def run(options: Options, sockets: List[socket.socket], over: Sequence[BagOverlay]) -> NoReturn:
-    """Show a bag until SIGINT, SIGTERM or SIGHUP, then end the process.
+    """Show a bag until SIGINT, SIGTERM or SIGHUP, then exit.
 
-    The exit status is 0 then, and 1 where the bag cannot be read.
+    The exit status is 0, or 1 if the bag cannot be read.
 
     :param options: the command line, which names a bag
-    :param sockets: where to serve
-    :param over: the bags that are laid over it
+    :param sockets: sockets to serve
+    :param over: the bags to overlay
     """
     _log_to_terminal()
     try:
@@ -47,13 +47,13 @@ def run(options: Options, sockets: List[socket.socket], over: Sequence[BagOverla
     except BagError as error:
         sys.exit(f"scope.py: {error}")
     except KeyboardInterrupt:
-        pass  # Ctrl-C before the signals were taken over
+        pass  # Ctrl-C before the signal handlers were installed
     end(0)
 
 
 def _log_to_terminal() -> None:
-    """Log to the terminal what a node would log by rosout."""
-    rospy.rostime.set_rostime_initialized(True)  # what is logged now and then asks for the time
+    """Log to the terminal in place of rosout."""
+    rospy.rostime.set_rostime_initialized(True)  # throttled logging reads the time
     handler = logging.StreamHandler()
     handler.setFormatter(logging.Formatter("[%(levelname)s] %(message)s"))
     logger = logging.getLogger("rosout")

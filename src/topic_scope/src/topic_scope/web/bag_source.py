@@ -1,4 +1,4 @@
-"""Data source that plays a bag, by the bag's clock in place of the computer's."""
+"""Data source that plays a bag by the bag's clock."""
 
 import os
 from typing import Any, Dict, List
@@ -16,19 +16,19 @@ from topic_scope.protocol.requests import Handler
 from topic_scope.robots.scene_feed import PERIOD_S, SceneFeed
 from topic_scope.web.data_source import Pages
 
-#: Time between two updates of how far it is [s].
+#: Period of progress updates [s].
 _PERIOD_S = 0.025
 
 
 class BagSource:
-    """Contents of a bag; a bag has no nodes, so no graph and no parameters.
+    """Data source of a bag; it has no nodes, hence no graph and no parameters.
 
-    Robots are shown by the clock of the bag, as they were then.
+    Robots are shown by the clock of the bag.
 
     :param path: the file
-    :param history: how much of what came before the clock is shown [s]
-    :param window: span of time that is shown at first [s]: where the clock begins
-    :raises BagError: if it cannot be read, or holds nothing
+    :param history: history before the clock to show [s]
+    :param window: initial time span [s], at whose end the clock starts
+    :raises BagError: if it cannot be read, or has no messages
     """
 
     def __init__(self, path: str, history: float, window: float) -> None:
@@ -77,7 +77,7 @@ class BagSource:
         if self._is_loading and not self.source.is_loading:
             self._is_loading = False
             self._server.resume()
-            self._server.on_topics(self._types)  # messages may have told names of their elements
+            self._server.on_topics(self._types)  # messages may contain new names of elements
             self.refresh()
         while self.source.problems:
             text = self.source.problems.popleft()

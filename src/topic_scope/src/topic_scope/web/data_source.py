@@ -9,13 +9,13 @@ from topic_scope.sampling.message_source import MessageSource
 
 
 class Pages(Protocol):
-    """Scope session, as its data source sees it.
+    """Interface of a scope session for its data source.
 
-    All methods belong to the web thread.
+    All methods are for the web thread.
     """
 
     def pages(self) -> List[Page]:
-        """Return the pages that are open."""
+        """Return the open pages."""
 
     def send_to_pages(self, message: Dict[str, Any], *about: str) -> None:
         """Send to all pages; a later message of this type and subject replaces it."""
@@ -35,7 +35,7 @@ class DataSource(Protocol):
 
     @property
     def source(self) -> MessageSource:
-        """The messages."""
+        """Source of the messages."""
 
     @property
     def begin(self) -> float:
@@ -43,10 +43,10 @@ class DataSource(Protocol):
 
     @property
     def layouts(self) -> Layouts:
-        """Layouts of their types."""
+        """Layouts of the messages."""
 
     def start(self, server: Pages) -> None:
-        """Start, and report to the session from now on."""
+        """Start reporting to the session."""
 
     def hello(self) -> Dict[str, Any]:
         """Return the fields that this source adds to a page's hello message."""
@@ -58,7 +58,7 @@ class DataSource(Protocol):
         """Return the handlers of requests that are not about a page's traces."""
 
     def refresh(self) -> None:
-        """Check at once for newly requested topics."""
+        """Check immediately for newly requested topics."""
 
     def leave(self, page: Page) -> None:
         """Remove a page."""

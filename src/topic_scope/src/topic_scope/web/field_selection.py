@@ -1,4 +1,4 @@
-"""Fields that the pages show: from the names that users type to the traces that are recorded."""
+"""Resolution of the names that pages show to recorded traces."""
 
 from typing import Callable, List, Optional, Sequence
 
@@ -12,14 +12,14 @@ from topic_scope.web.overlay_loader import OverlayLoader
 
 
 class FieldSelection:
-    """Resolves the names of fields, and keeps the recorder in step with what the pages show.
+    """Fields of all pages: resolves names, and requests the fields from the recorder.
 
-    :param names: names of the command line, shown by pages that have chosen nothing
-    :param recorder: records the samples
-    :param overlays: reads the samples of overlaid bags
+    :param names: names of the command line, shown by pages without a selection
+    :param recorder: recorder of the samples
+    :param overlays: loader of overlaid bags
     :param pages: returns the open pages
 
-    :ivar initial: fields that the names of the command line stand for now
+    :ivar initial: fields that the names of the command line currently denote
     """
 
     def __init__(
@@ -38,9 +38,9 @@ class FieldSelection:
         return self.initial != before
 
     def expand(self, names: Sequence[str], page: Optional[Page] = None) -> List[str]:
-        """Return the fields that names stand for, at most as many as a page shows.
+        """Return the fields that names denote, up to the limit of a page.
 
-        :param page: gets a message about names that cannot be shown
+        :param page: receives a message about names that cannot be shown
         """
         found = self._expand_all(names, page)
         if page is not None:
@@ -48,7 +48,7 @@ class FieldSelection:
         return found[:TRACES]
 
     def _expand_all(self, names: Sequence[str], page: Optional[Page] = None) -> List[str]:
-        """Return the fields that names stand for; an unknown name stays as it is."""
+        """Return the fields that names denote; unknown names are returned unchanged."""
         found: List[str] = []
         for name in names:
             try:
@@ -60,7 +60,7 @@ class FieldSelection:
         return found
 
     def select(self, page: Page) -> None:
-        """Show on a page the fields that its names stand for now."""
+        """Show on a page the fields that its names currently denote."""
         names = self.initial if page.chosen is None else self.expand(page.chosen)
         if list(names) != list(page.view.fields):
             page.view.select(list(names))
@@ -81,7 +81,7 @@ class FieldSelection:
         self._recorder.pin(pinned(page.view for page in self._pages()))
 
     def report_too_many(self, page: Page) -> None:
-        """Tell a page if the command line names more fields than a page shows."""
+        """Notify a page if the command line names more fields than a page shows."""
         self._report_left_out(page, len(self._expand_all(self._names)))
 
     def log_problems(self) -> None:

@@ -1,4 +1,4 @@
-"""Periodic messages to the pages: frames with new samples, and signs of life."""
+"""Periodic messages to the pages: frames with new samples, and heartbeats."""
 
 import time
 import traceback
@@ -12,22 +12,22 @@ from topic_scope.page.state import Page
 from topic_scope.sampling.recorder import Recorder
 from topic_scope.web.handlers import PageSocket
 
-#: Time between two frames [s].
+#: Period of frames [s].
 FRAME_S = 0.025
-#: Time between two measurements of the traces [s]: they cost as much as a dozen frames.
+#: Period of measurements [s], which cost as much as a dozen frames.
 STATISTICS_S = 0.33
-#: Time between two signs of life [s]; after 10 s without one, a page closes its connection.
+#: Period of heartbeats [s]; after 10 s without one, a page closes its connection.
 ALIVE_S = 1.0
 _LOG_PERIOD_S = 10.0
 
 
 class FrameSender:
-    """Sends each page its frames; runs in the web thread.
+    """Sender of the pages' frames; runs in the web thread.
 
-    :param recorder: has the samples
+    :param recorder: recorder of the samples
     :param sockets: connections of the pages; the list may change
 
-    :ivar has_samples: whether frames are sent; otherwise pages get only other messages
+    :ivar has_samples: whether to send frames; otherwise pages receive only other messages
     """
 
     def __init__(self, recorder: Recorder, sockets: List[PageSocket]) -> None:
@@ -42,7 +42,7 @@ class FrameSender:
         tornado.ioloop.PeriodicCallback(self.send_alive, ALIVE_S * 1e3).start()
 
     def send_alive(self) -> None:
-        """Send a sign of life to each page that is ready."""
+        """Send a heartbeat to each page that is ready."""
         for connection in self._sockets:
             if connection.is_ready:
                 connection.send([{"type": "alive"}])
@@ -62,15 +62,15 @@ class FrameSender:
                     self._send_frame(connection, connection.page, now)
                 elif connection.is_ready:
                     connection.send(connection.page.pop_messages())
-            except Exception:  # of any kind: the frames of other pages must not stop
+            except Exception:  # the frames of other pages must not stop
                 if self._throttle.is_due():
                     rospy.logerr("no frame: %s", traceback.format_exc())
 
     def _send_frame(self, connection: PageSocket, page: Page, now: float) -> None:
         page.watch(self._recorder, now)
         began, used = time.monotonic(), time.thread_time()
-        if connection.is_ready and page.is_due(began):  # the next frame holds what this one would
+        if connection.is_ready and page.is_due(began):  # the next frame includes a skipped one
             measures, page.is_to_measure = page.is_to_measure, False
             connection.send(page.frame(self._recorder, now, measures))
-            # Processor time: what other processes use is not the page's cost.
+            # CPU time: the load of other processes is not the page's cost.
             page.took(began, began + time.thread_time() - used)

@@ -26,16 +26,16 @@ from topic_scope.web import access
 DYGRAPHS = "/usr/share/javascript/dygraphs"
 #: Most pages at a time.
 PAGES = 32
-#: Why a connection is ended where there are as many: try again later.
+#: WebSocket close code if there are more: try again later.
 TRY_AGAIN = 1013
-#: What the system keeps for a page that does not read [bytes]; it would let it grow to megabytes.
+#: Send buffer of a page that does not read [bytes]; by default it may grow to megabytes.
 _SEND_BUFFER = 256 * 1024
 
 
 class ScopeHolder:
-    """Holder of the scope that pages show, which is replaced once the master answers.
+    """Holder of the current scope, which is replaced once the master answers.
 
-    :ivar scope: has ``sockets``, ``open``, ``close``, ``handle`` and ``export``
+    :ivar scope: object with ``sockets``, ``open``, ``close``, ``handle`` and ``export``
     """
 
     def __init__(self, scope: Any) -> None:
@@ -43,7 +43,7 @@ class ScopeHolder:
 
 
 def bind(options: Options) -> List[socket.socket]:
-    """Return the sockets to serve at.
+    """Return the listening sockets.
 
     :raises OSError: if the address is not one of this machine's, or the ports are taken
     """
@@ -65,7 +65,7 @@ def _check_host(handler: tornado.web.RequestHandler) -> None:
 
 
 def set_strict_headers(handler: tornado.web.RequestHandler) -> None:
-    """Set headers that keep a page from loading other sites' content, and from being framed."""
+    """Set headers that forbid loading other sites' content and framing."""
     handler.set_header("X-Content-Type-Options", "nosniff")
     handler.set_header("Cache-Control", "no-cache")
     handler.set_header(
@@ -81,7 +81,7 @@ def _plain(host: str) -> str:
 
 
 class StaticFiles(tornado.web.StaticFileHandler):
-    """Handler for the files of one folder; paths outside of it are rejected."""
+    """Handler of the files of one folder; rejects paths outside of it."""
 
     def prepare(self) -> None:
         _check_host(self)
@@ -91,9 +91,9 @@ class StaticFiles(tornado.web.StaticFileHandler):
 
 
 class CsvData(tornado.web.RequestHandler):
-    """Handler for samples as CSV.
+    """Handler of CSV exports.
 
-    :param holder: has what has them
+    :param holder: holder of the current scope
     """
 
     def initialize(self, holder: ScopeHolder) -> None:
@@ -106,7 +106,7 @@ class CsvData(tornado.web.RequestHandler):
         set_strict_headers(self)
 
     async def get(self) -> None:
-        """Send all samples of some fields in a time span."""
+        """Send the samples of fields in a time span."""
         query: Dict[str, Any] = {
             name: self.get_argument(name) for name in ("start", "end") if self.get_arguments(name)
         }
@@ -121,13 +121,13 @@ class CsvData(tornado.web.RequestHandler):
                 self.write(text)
                 await self.flush()
         except tornado.iostream.StreamClosedError:
-            pass  # the page does not want the rest
+            pass  # the page has closed the connection
 
 
 class PageSocket(tornado.websocket.WebSocketHandler):
     """WebSocket of one page.
 
-    :param holder: has what the page is about
+    :param holder: holder of the current scope
     """
 
     def initialize(self, holder: ScopeHolder) -> None:
@@ -146,13 +146,13 @@ class PageSocket(tornado.websocket.WebSocketHandler):
         if stream is not None and stream.socket is not None:
             stream.socket.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _SEND_BUFFER)
         self.set_nodelay(True)
-        if len(self._holder.scope.sockets) >= PAGES:  # a browser shows no other answer than this
+        if len(self._holder.scope.sockets) >= PAGES:  # browsers show only the close reason
             self.close(TRY_AGAIN, f"{PAGES} pages of this scope are open already: close one")
             return
         self.enter()
 
     def enter(self) -> None:
-        """Attach the page to the present scope."""
+        """Attach the page to the current scope."""
         self.page = self._holder.scope.open(self)
 
     def on_message(self, message: Any) -> None:
@@ -181,9 +181,9 @@ class PageSocket(tornado.websocket.WebSocketHandler):
 def application(holder: ScopeHolder, folder: str, names: List[str]) -> tornado.web.Application:
     """Return the web application.
 
-    :param holder: has what pages are about
-    :param folder: where the page's files are
-    :param names: what this machine is called
+    :param holder: holder of the current scope
+    :param folder: folder of the page's files
+    :param names: names of this machine
     """
     return tornado.web.Application(
         [
@@ -201,13 +201,13 @@ def application(holder: ScopeHolder, folder: str, names: List[str]) -> tornado.w
 
 
 def serve(options: Options, sockets: List[socket.socket], holder: ScopeHolder) -> None:
-    """Serve pages from now on, in the loop of the thread that calls this.
+    """Start serving pages, in the event loop of the calling thread.
 
     :param options: the command line
-    :param sockets: where to serve
-    :param holder: what pages show
+    :param sockets: listening sockets
+    :param holder: holder of the current scope
     """
-    # roslib asks the program rospack, which a Ctrl-C at that moment ends as well.
+    # roslib runs rospack, which a Ctrl-C at that moment would end as well.
     folder = os.path.join(rospkg.RosPack().get_path("topic_scope"), "www")
     names = access.names_of(socket.gethostname(), socket.getfqdn(), options.address)
     server = tornado.httpserver.HTTPServer(
@@ -217,7 +217,7 @@ def serve(options: Options, sockets: List[socket.socket], holder: ScopeHolder) -
 
 
 def open_browser(url: str) -> None:
-    """Open a page, where there is a display and a browser; waits for it."""
-    # Without a display the module would take one that runs in the terminal.
+    """Open a page, if there is a display and a browser; waits for the browser."""
+    # Without a display the module would start a browser in the terminal.
     if os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY"):
         webbrowser.open(url)

@@ -1,4 +1,4 @@
-"""The web server, in a thread of its own: it is there before the graph is, and stays."""
+"""HTTP server of the pages, in a separate thread; it starts before the master answers."""
 
 import asyncio
 import socket
@@ -18,18 +18,18 @@ from topic_scope.web.scope_session import ScopeSession
 
 
 def master_message(text: str) -> Dict[str, Any]:
-    """Return the message that tells a page of the master.
+    """Return the message about the state of the master.
 
-    :param text: what is wrong, in words; empty where it answers
+    :param text: the problem; empty if the master answers
     """
     return {"type": "master", "text": text}
 
 
 class PlaceholderScope:
-    """Stands where the server will be.
+    """Placeholder until the scope session exists.
 
-    :param uri: where the master is to be
-    :param window: span of time that a page sees at first [s]
+    :param uri: URI of the master
+    :param window: initial time span of a page [s]
     """
 
     def __init__(self, uri: str, window: float) -> None:
@@ -55,18 +55,18 @@ class PlaceholderScope:
             self.sockets.remove(connection)
 
     def handle(self, page: Page, _text: Any) -> None:
-        """Ignore a request: what a page wants it says again to the server."""
+        """Ignore a request: a page repeats its requests to the scope session."""
 
     async def export(self, names: Sequence[str], start: float, end: float) -> AsyncIterator[str]:
-        """Return the file's first row alone: there are no samples."""
+        """Return only the header row: there are no samples."""
         yield header("time", "received", *names)
 
 
 class HttpServer:
-    """Serves pages; they wait until there is something to show.
+    """HTTP server of the pages; they wait until there is a scope session.
 
-    :param options: the command line, with the port that is served at
-    :param sockets: where to serve
+    :param options: the command line, with the port in use
+    :param sockets: listening sockets
     """
 
     def __init__(self, options: Options, sockets: List[socket.socket]) -> None:
@@ -82,10 +82,10 @@ class HttpServer:
         threading.Thread(target=self._look_for_master, daemon=True).start()
 
     def show(self, make: Callable[[], ScopeSession]) -> None:
-        """Show something from now on.
+        """Replace the placeholder by a scope session.
 
-        :param make: makes it, in the web thread
-        :raises Exception: what that raises
+        :param make: creates it, in the web thread
+        :raises Exception: as raised by ``make``
         """
         made = threading.Event()
 

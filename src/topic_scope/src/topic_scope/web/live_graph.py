@@ -21,10 +21,10 @@ from topic_scope.web.http_server import master_message
 
 
 class LiveGraph:
-    """Data source with everything on the ROS graph.
+    """Data source of a live ROS graph.
 
-    :param node: the scope's
-    :param is_readonly: whether pages may change nothing
+    :param node: node of the scope
+    :param is_readonly: whether pages must not change anything
     """
 
     def __init__(self, node: NodeScope, is_readonly: bool) -> None:
@@ -33,10 +33,10 @@ class LiveGraph:
         self.layouts = Layouts()
         self._node, self._is_readonly = node, is_readonly
         self._watch = MasterWatch(self.source, self.layouts)
-        self._trouble = ""  # what is wrong with the master, in words
+        self._trouble = ""  # problem of the master, as text
 
     def start(self, server: Pages) -> None:
-        """Start to poll the graph."""
+        """Start polling the graph."""
         deliver: Callable[..., None] = tornado.ioloop.IOLoop.current().add_callback
         self._server = server
         self._controls = PanelManager(deliver, server.send_to_pages)
@@ -66,7 +66,7 @@ class LiveGraph:
         self._robots.on_state(state)
 
     def refresh(self) -> None:
-        """Poll the graph at once."""
+        """Poll the graph immediately."""
         self._watch.refresh()
 
     # --- Pages -------------------------------------------------------------------------------
@@ -115,8 +115,8 @@ class LiveGraph:
     ) -> Handler:
         """Return a handler that rejects its requests on a read-only scope.
 
-        :param check: as of a handler
-        :param change: does it; raises ValueError if that cannot be done
+        :param check: as for :class:`.Handler`
+        :param change: executes the request; raises ValueError if that is impossible
         """
 
         def handle(page: Page, wanted: Any) -> None:

@@ -1,4 +1,4 @@
-"""Loader of overlaid bags: reads them outside the web thread, and moves them in time."""
+"""Loader of overlaid bags: reads them outside the web thread, and shifts them in time."""
 
 import os
 from typing import Any, Callable, Dict, List, Sequence, Tuple
@@ -21,7 +21,7 @@ from topic_scope.sampling.overlay_trace import OverlayTrace
 def open_overlays(options: Options) -> List[BagOverlay]:
     """Open the bags that a command line names.
 
-    :raises BagError: if one cannot be read
+    :raises BagError: if a bag cannot be read
     """
     bags = [BagOverlay(one.path, one.name, one.offset) for one in options.over]
     for bag in bags:
@@ -31,13 +31,13 @@ def open_overlays(options: Options) -> List[BagOverlay]:
 
 
 class OverlayLoader:
-    """Reads the requested traces of bags, and moves the bags in time; for all pages alike.
+    """Loader of the requested traces of bags, and of their shifts; shared by all pages.
 
-    All methods belong to the web thread.
+    All methods are for the web thread.
 
     :param bags: the bags
-    :param deliver: hands a function to that thread
-    :param on_change: called after some of their traces have come, or have moved
+    :param deliver: runs a function in the web thread
+    :param on_change: called after traces were loaded or shifted
     """
 
     def __init__(
@@ -52,7 +52,7 @@ class OverlayLoader:
 
     @property
     def types(self) -> Dict[str, str]:
-        """The types of their topics."""
+        """Types of their topics."""
         return {topic: kind for bag in self._bags.values() for topic, kind in bag.types.items()}
 
     def begin_at(self, time: float) -> None:
@@ -62,7 +62,7 @@ class OverlayLoader:
 
     def message(self) -> Dict[str, Any]:
         """Return the message that describes the bags to a page."""
-        told = [
+        bags = [
             {
                 "name": bag.name,
                 "file": os.path.basename(bag.path),
@@ -72,10 +72,10 @@ class OverlayLoader:
             }
             for bag in self._bags.values()
         ]
-        return {"type": "overlays", "bags": told}
+        return {"type": "overlays", "bags": bags}
 
     def read_wanted(self) -> None:
-        """Start to read the traces without samples; a bag that is being read follows later."""
+        """Start reading the traces without samples; a busy bag is read again later."""
         for bag in self._bags.values():
             self._read(bag)
 
@@ -106,9 +106,9 @@ class OverlayLoader:
         self._read(bag)
 
     def lay(self, page: Page, wanted: OverlayRequest) -> None:
-        """Lay a bag elsewhere.
+        """Shift a bag.
 
-        :raises RequestError: if there is no such bag, or nothing to align it at
+        :raises RequestError: if there is no such bag, or no trigger to align it with
         """
         bag = self._bags.get(wanted.name)
         if bag is None:
@@ -123,7 +123,7 @@ class OverlayLoader:
         self._on_change()
 
     def _align(self, bag: BagOverlay, page: Page, time: float) -> None:
-        """Lay a bag where its first crossing is at a time, as soon as it is read."""
+        """Shift a bag so that its first crossing is at a time, as soon as it is read."""
         trigger = page.trigger.request
         if trigger.mode == "off":
             raise RequestError("overlay: there is no trigger to align a bag at")
@@ -147,7 +147,7 @@ class OverlayLoader:
 
 
 def _crossings(series: Series, page: Page, trigger: Trigger, longest: float) -> numpy.ndarray:
-    """Return when a line of a bag would trigger a page, scaled as the page wants that trace [s]."""
+    """Return the times at which a line of a bag, scaled as on the page, triggers it [s]."""
     samples = numpy.array(series.times), numpy.array(series.values)
     times, values = page.scaling.scaled(lambda *_: samples)(trigger.field, 0.0, 0.0)
     longest = 0.0 if page.scaling.is_stepped(trigger.field) else longest

@@ -1,4 +1,4 @@
-"""Session of a scope: its open pages and the data source that they show; in the web thread."""
+"""Session of a scope: its open pages and their data source; in the web thread."""
 
 from typing import Any, AsyncIterator, Dict, List, Mapping, Sequence
 
@@ -23,11 +23,11 @@ WARN_AFTER_S = 5.0
 
 
 class ScopeSession:
-    """Connects the pages with a data source.
+    """Connection of the pages with a data source.
 
     :param options: the command line
-    :param source: the graph or the bag that is shown
-    :param bags: bags that are overlaid on it
+    :param source: the shown graph or bag
+    :param bags: bags to overlay on it
     """
 
     def __init__(
@@ -53,7 +53,7 @@ class ScopeSession:
     # --- From the data source ----------------------------------------------------------------
 
     def on_topics(self, types: Mapping[str, str]) -> None:
-        """Update the fields that can be chosen, and those that are shown.
+        """Update the available fields, and the shown fields.
 
         :param types: type of each topic
         """
@@ -91,12 +91,12 @@ class ScopeSession:
     # --- From pages --------------------------------------------------------------------------
 
     def open(self, connection: PageSocket) -> Page:
-        """Add a page; it is welcomed as soon as the topics are known."""
+        """Add a page; it receives its hello once the topics are known."""
         page = Page(self._options.window)
         self.sockets.append(connection)
         if self._knows_topics:
             self._welcome(page)
-        else:  # until then it only learns whether the master answers
+        else:  # until then it receives only the state of the master
             for message in self._source.messages():
                 if message["type"] == "master":
                     page.put(message)
@@ -172,7 +172,7 @@ class ScopeSession:
 
 
 def choices_message(choices: Sequence[Choice], types: Mapping[str, str]) -> Dict[str, Any]:
-    """Return the message that lists the fields to choose from.
+    """Return the message with the available fields.
 
     :param choices: the fields
     :param types: type of each topic

@@ -18,12 +18,12 @@ from topic_scope.web.overlay_loader import OverlayLoader
 
 
 class TraceRequests:
-    """Handlers of the requests that change what a page shows of its traces.
+    """Handlers of the requests about a page's traces.
 
-    :param recorder: records the samples
+    :param recorder: recorder of the samples
     :param selection: the fields of all pages
     :param overlays: the overlaid bags
-    :param refresh: makes the data source check at once for new fields
+    :param refresh: makes the data source check immediately for new fields
     """
 
     def __init__(
@@ -61,14 +61,18 @@ class TraceRequests:
 
     def _check_formula(self, page: Page, typed: formula_request.FormulaText) -> None:
         """Send a page the name of a formula as a trace, or the problem with the formula."""
-        told: Dict[str, Any] = {"type": "formula", "text": typed.text, "functions": list(FUNCTIONS)}
-        told.update(name="", problem=None)
+        reply: Dict[str, Any] = {
+            "type": "formula",
+            "text": typed.text,
+            "functions": list(FUNCTIONS),
+        }
+        reply.update(name="", problem=None)
         try:
-            (told["name"],) = self._recorder.expand(with_letters(typed.text, typed.traces))
-            told["problem"] = self._recorder.problem(told["name"])
+            (reply["name"],) = self._recorder.expand(with_letters(typed.text, typed.traces))
+            reply["problem"] = self._recorder.problem(reply["name"])
         except FieldError as error:
-            told["problem"] = str(error)
-        page.put(told)
+            reply["problem"] = str(error)
+        page.put(reply)
 
     def _show_view(self, page: Page, view: requests.View) -> None:
         page.view.show(view)

@@ -22,8 +22,8 @@ AHEAD_NS = 10 * NS
 AGREE, AGREE_NS = 3, NS // 5
 #: How long a message waits for others to confirm it [ns, usual intervals].
 _PATIENCE_NS, _PATIENCE_STEPS = NS, 4
-#: Highest speed of a simulation or a replay; and number of messages after which those that contradict
-#: all earlier ones are accepted.
+#: Highest speed of a simulation or a replay; and number of messages in a row that contradict all
+#: earlier ones after which they are accepted.
 _FASTEST, _STUBBORN = 20, 10
 #: Longest part of received messages that enters an estimate of the lag together [ns].
 _PART_NS = NS

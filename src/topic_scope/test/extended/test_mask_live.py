@@ -73,4 +73,4 @@ class MaskLive(unittest.TestCase):
     def test_what_is_not_there_is_no_pass(self) -> None:
         nothing = self.check("--seconds", "1", "--around", "/missing/data")
         self.assertEqual(nothing.returncode, 2, nothing)
-        self.assertIn("no sample could be checked: there is no such topic yet", nothing.stderr)
+        self.assertIn("no sample could be checked: the topic does not exist yet", nothing.stderr)

@@ -296,7 +296,7 @@ class Plots(PageTest):
     def test_a_field_that_is_not_there_stays_and_says_so(self) -> None:
         expected = {
             "/signal/nothing": "there is no nothing in basic_comms/signal_msg",
-            "/later/data[7]": "there is no such topic yet",
+            "/later/data[7]": "the topic does not exist yet",
         }
         for name in expected:
             self.browser.keys("a", name)

@@ -61,7 +61,7 @@ def test_what_was_heard_long_ago_counts_no_longer() -> None:
     assert named(arrays, 1) == ["position[arm]", "position[leg]"]
     arrays.add_message(LAYOUT, with_joints("leg"), 40.0)
     assert named(arrays, 1) == ["position[leg]"]
-    with pytest.raises(FieldError, match="no element of position is called arm now, but leg"):
+    with pytest.raises(FieldError, match="no element of position is named arm now, but leg"):
         arrays.check(LAYOUT, to_path("position[arm]"))
     for number in range(1000):
         arrays.add_message(LAYOUT, with_joints(f"n{number}"), 40.0)
@@ -81,7 +81,7 @@ def test_what_is_not_in_the_latest_message_is_said() -> None:
     arrays.check(LAYOUT, to_path("position[leg]"))
     arrays.check(LAYOUT, to_path("position[1]"))
     for text, sentence in (
-        ("position[tail]", "no element of position is called tail now, but arm, leg"),
+        ("position[tail]", "no element of position is named tail now, but arm, leg"),
         ("position[2]", "position has 2 elements now"),
         ("velocity[0]", "velocity has 0 elements now"),
     ):

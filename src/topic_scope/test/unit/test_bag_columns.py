@@ -70,24 +70,24 @@ def test_elements_have_their_names_unless_an_index_was_asked_for() -> None:
     [
         (
             "/signal/signal_z",
-            "there is no signal_z in basic_comms/signal_msg; nearest to it: /signal/signal_y",
+            "there is no signal_z in basic_comms/signal_msg; similar names: /signal/signal_y",
         ),
-        ("/sginal/signal_y", "there is no such topic; nearest to it: /signal/signal_y"),
-        ("/signal_y", "there is no such topic; nearest to it: /signal/signal_y"),
+        ("/sginal/signal_y", "no such topic; similar names: /signal/signal_y"),
+        ("/signal_y", "no such topic; similar names: /signal/signal_y"),
         (
             "/robot/arm/dat",
-            "there is no dat in std_msgs/Float64MultiArray; nearest to it: /robot/arm/d",
+            "there is no dat in std_msgs/Float64MultiArray; similar names: /robot/arm/d",
         ),
         (
             "/robot/arm/xyz",
-            "there is no xyz in std_msgs/Float64MultiArray; nearest to it: /robot/arm/",
+            "there is no xyz in std_msgs/Float64MultiArray; similar names: /robot/arm/",
         ),
         (
             "/words",
             "there is no number in std_msgs/String; "
-            "there are numbers in /robot/arm, /robot/header, /signal, …",
+            "topics with numbers: /robot/arm, /robot/header, /signal, …",
         ),
-        ("/qqq/zzz", "there is no such topic; there are numbers in /robot/arm, /robot/header, /s"),
+        ("/qqq/zzz", "no such topic; topics with numbers: /robot/arm, /robot/header, /s"),
     ],
 )
 def test_unknown_field_is_refused_with_those_near_to_it(name: str, text: str) -> None:
@@ -97,7 +97,7 @@ def test_unknown_field_is_refused_with_those_near_to_it(name: str, text: str) ->
 
 
 def test_bag_without_any_number() -> None:
-    with pytest.raises(FieldError, match="there are no numbers at all"):
+    with pytest.raises(FieldError, match="the bag has no numbers"):
         choose(["/words/date"], first_messages({"/words": String()}))
 
 
@@ -119,5 +119,5 @@ def test_a_difference_is_a_line_of_two_numbers() -> None:
 
 @pytest.mark.parametrize("name", ["/signal-/switch/data", "/switch/data-/signal/time_x:signal_y"])
 def test_a_difference_of_several_fields_is_refused(name: str) -> None:
-    with pytest.raises(FieldError, match="one of these names stands for several"):
+    with pytest.raises(FieldError, match="one of these names denotes several"):
         choose_lines([name], MESSAGES)

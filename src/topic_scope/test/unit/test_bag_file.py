@@ -228,7 +228,7 @@ def test_compressed_bag_with_wrong_bytes(tmp_path: Path) -> None:
     content = path.read_bytes()
     place = content.index(b"BZh") + 20
     path.write_bytes(content[:place] + b"\xff" * 64 + content[place + 64 :])
-    assert "x.bag is broken (" in refusal(path)
+    assert "x.bag is damaged (" in refusal(path)
 
 
 @settings(max_examples=30)

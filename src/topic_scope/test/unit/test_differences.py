@@ -64,12 +64,12 @@ def test_each_name_is_one_field() -> None:
     assert made.expand(NAME) == [NAME]
     assert made.expand("/s/signal_y@time_x-/a") == ["/s/signal_y@time_x-/a/data"]
     assert made.expand("/later/x-/a/data") == ["/later/x-/a/data"]
-    with pytest.raises(FieldError, match="stands for several"):
+    with pytest.raises(FieldError, match="denotes several"):
         made.expand("/a/data-/s")
     assert (
         made.problem("/a/data-/b/nothing") == "/b/nothing: there is no nothing in std_msgs/Float64"
     )
-    assert made.problem("/later/x-/a/data") == "/later/x: there is no such topic yet"
+    assert made.problem("/later/x-/a/data") == "/later/x: the topic does not exist yet"
     assert made.problem(NAME) is None and made.problem("/a/data") is None
 
 

@@ -236,7 +236,7 @@ def test_a_failure_is_saved_before_it_is_forgotten(
     [
         (
             ["/a", "--around", "/later"],
-            "mask: no sample could be checked: there is no such topic yet",
+            "mask: no sample could be checked: the topic does not exist yet",
         ),
         (["/a", "--around", "=/b +"], "mask: unexpected end of the formula"),
         (["/a", "--around", "=delay(/b, 9)", "--time", "595"], "reach over 604 s: at most 600"),

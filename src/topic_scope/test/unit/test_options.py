@@ -117,10 +117,10 @@ def test_bags_are_laid_over_by_the_names_of_their_files_or_others(tmp_path: Path
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (["--over", "a/run.bag", "--over", "b/run.bag"], "two bags are called run"),
-        (["--over", "run.bag:2nd"], "'2nd' is no name for a bag"),
-        (["--over", "run.bag:"], "'' is no name for a bag"),
-        (["--offset", "1"], "1 times --offset for 0 times --over"),
+        (["--over", "a/run.bag", "--over", "b/run.bag"], "two bags are named run"),
+        (["--over", "run.bag:2nd"], "'2nd' is not a valid bag name"),
+        (["--over", "run.bag:"], "'' is not a valid bag name"),
+        (["--offset", "1"], "1 --offset for 0 --over; give one for each"),
         (["--over", "run.bag", "--offset", "soon"], "'soon' is not a time in s"),
         (["--over", "run.bag", "--offset", "nan"], "'nan' is not a time in s"),
     ],

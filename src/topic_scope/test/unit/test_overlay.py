@@ -104,9 +104,9 @@ def test_what_it_lacks_is_said_in_words(overlay: BagOverlay) -> None:
     names = ("/old/x/data", "/old/x/nothing", "/old/a/data[1]", "/old/a/data[7]")
     made = recording(overlay, *names)
     assert made.problem("/old/x/data") is None and made.problem("/old/a/data[1]") is None
-    assert made.problem("/old/a/data[7]") == "the bag has no number there"
+    assert made.problem("/old/a/data[7]") == "the bag does not have this number"
     assert "there is no nothing in" in str(made.problem("/old/x/nothing"))
-    assert made.problem("/old/y/data") == "there is no such topic yet"
+    assert made.problem("/old/y/data") == "the topic does not exist yet"
     waiting = Recorder(mock.Mock(), Layouts(), 10.0, [overlay])
     waiting.set_topics(overlay.types)
     waiting.want(["/old/x/data"], NOW)

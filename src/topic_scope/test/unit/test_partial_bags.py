@@ -112,7 +112,7 @@ def test_broken_chunk_costs_its_own_messages(tmp_path: Path, run: Any, number: i
     path = write_with_a_broken_chunk(tmp_path / "x.bag", number)
     status, said, written = run(path, "/x")
     assert status == 1 and said.count("\n") == 1
-    assert said.startswith(f"plot_bag: {path} is broken (") and "rosbag reindex" in said
+    assert said.startswith(f"plot_bag: {path} is damaged (") and "rosbag reindex" in said
     values = [float(row.split(",")[1]) for row in written.splitlines()[1:]]
     lost = sorted(set(range(40)) - set(values))
     assert 0 < len(lost) < 20 and (lost[0] == 0) == (number == 0)
@@ -139,7 +139,7 @@ def test_topic_whose_chunks_are_all_broken_is_a_fault(tmp_path: Path, run: Any) 
     path.write_bytes(bytes(content))
     with BagFile(str(path)) as bag:
         assert list(first_messages(bag)) == ["/x"]
-        assert "is broken (" in bag.faults["/lost"]
+        assert "is damaged (" in bag.faults["/lost"]
     assert run(str(path), "/x")[0] == 0
 
 

@@ -86,13 +86,13 @@ def test_pictures(bag: str, monkeypatch: "pytest.MonkeyPatch", name: str, begin:
         (["/x/data", "-o", "out.csv", "--end", "-1"], "'-1' is not a time"),
         (
             ["/x/date", "-o", "out.csv"],
-            "plot_bag: /x/date: there is no date in std_msgs/Float64; nearest to it: /x/data",
+            "plot_bag: /x/date: there is no date in std_msgs/Float64; similar names: /x/data",
         ),
         (["/x//data", "-o", "out.csv"], "plot_bag: "),
         (["/x/data", "-o", "no/out.csv"], "plot_bag: no/out.csv: No such file or directory"),
         (
             ["/x/data", "-o", "out.csv", "--start", "4"],
-            "plot_bag: nothing of /x was recorded in this time; the bag is 3.000 s long",
+            "plot_bag: no message of /x in this time; the bag is 3.000 s long",
         ),
         (
             ["/x/data", "-o", "out.png", "--start", "2", "--end", "1"],
@@ -102,7 +102,7 @@ def test_pictures(bag: str, monkeypatch: "pytest.MonkeyPatch", name: str, begin:
         (["/a/data[3]", "-o", "out.csv", "--end", "1"], "data has 2 elements at most"),
         (["/a/layout/dim[0]/size", "-o", "out.png"], "layout/dim has 0 elements at most"),
         (["/a/data[x]", "-o", "out.csv"], "the elements of data have no names"),
-        (["/j/position[tail]", "-o", "out.csv"], "no element of position is called tail"),
+        (["/j/position[tail]", "-o", "out.csv"], "no element of position is named tail"),
     ],
 )
 def test_refusals(
@@ -131,7 +131,7 @@ def test_more_lines_than_can_be_told_apart_are_refused(
     path = write_bag(tmp_path / "x.bag", [("/a", message, 0), ("/a", message, 10**9)])
     names = [f"/a/data[{index}]" for index in range(41)]
     error = failure(monkeypatch, capsys, path, *names, "-o", "out.png")
-    assert error.startswith("plot_bag: 41 lines are too many: at most 40 can be told apart")
+    assert error.startswith("plot_bag: too many lines (41, at most 40)")
     call(monkeypatch, path, *names, "-o", "out.csv")
     call(monkeypatch, path, *names[:40], "-o", "out.png")
 
@@ -273,7 +273,7 @@ def test_what_is_wrong_with_a_formula_is_said(
     assert failure(monkeypatch, capsys, bag, "=/x +", "-o", "out.csv") == (
         "plot_bag: unexpected end of the formula\n"
     )
-    assert "nearest to it: /x/data" in failure(monkeypatch, capsys, bag, "=/x/datum", "-o", "o.csv")
+    assert "similar names: /x/data" in failure(monkeypatch, capsys, bag, "=/x/datum", "-o", "o.csv")
 
 
 def ramp(path: Path, start: float) -> str:
@@ -321,7 +321,7 @@ def test_bags_are_aligned_where_a_field_rises_through_a_level(
     said = failure(monkeypatch, capsys, *aligned, "high", "-o", "o.png")
     assert said == "plot_bag: --align: 'high' is not a level\n"
     said = failure(monkeypatch, capsys, new, "/x", "--over", old, "-o", "o.csv")
-    assert said == "plot_bag: a .csv is of one bag: --over and --align are for pictures\n"
+    assert said == "plot_bag: --over and --align do not apply to a .csv, which holds one bag\n"
     assert "no.bag: No such file" in failure(
         monkeypatch, capsys, new, "/x", "--over", "no.bag", "-o", "o.png"
     )

@@ -168,7 +168,7 @@ def test_what_waits_is_bounded_and_takes_a_hundred_bytes_each(
     (batch,) = subscription.drain()
     assert 10000 < len(batch.messages) < 30000
     text, *values = log.call_args[0]
-    assert f"{TOPIC} comes too fast" in text % tuple(values)
+    assert f"{TOPIC} is too fast" in text % tuple(values)
 
 
 def test_a_topic_that_is_heard_as_another_type_keeps_no_other_out(

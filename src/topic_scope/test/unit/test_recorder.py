@@ -292,7 +292,7 @@ def test_says_in_words_what_is_wrong_with_a_field() -> None:
         "/a/nothing": "there is no nothing in std_msgs/Float32",
         "/b/data[2]": None,
         "/b/data[3]": "data has 3 elements now",
-        "/d/later": "there is no such topic yet",
+        "/d/later": "the topic does not exist yet",
         "/a/data.yaw": "there is no quaternion in data",
     }
     # Another type: the same field is not there any more.

@@ -109,7 +109,7 @@ def test_missing_field_of_command_line_is_logged(
     finally:
         asyncio.set_event_loop(None)
         loop.close()
-    log.assert_called_once_with("/later/x: there is no such topic yet")
+    log.assert_called_once_with("/later/x: the topic does not exist yet")
 
 
 def test_frame_error_of_one_page_does_not_stop_the_others(session: ScopeSession) -> None:

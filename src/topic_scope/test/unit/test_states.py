@@ -328,7 +328,7 @@ def test_alignment_by_a_state_is_refused(
     bag: str, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     said = failure(monkeypatch, capsys, bag, "/x", "--align", "/mode/data", "1", "-o", "a.png")
-    assert f"{MODE} is a state: it rises through no level" in said
+    assert f"{MODE} is a state, which cannot rise through a level" in said
 
 
 def test_state_of_an_overlaid_bag_has_its_texts(bag: str) -> None:

@@ -48,7 +48,7 @@ class Recorder:
     """Knows what is wrong with one field."""
 
     def problem(self, name: str) -> Optional[str]:
-        return "there is no such topic yet" if name == "/b" else None
+        return "the topic does not exist yet" if name == "/b" else None
 
 
 def test_what_is_wrong_and_what_is_left_out_is_said(monkeypatch: "pytest.MonkeyPatch") -> None:
@@ -56,7 +56,7 @@ def test_what_is_wrong_and_what_is_left_out_is_said(monkeypatch: "pytest.MonkeyP
     monkeypatch.setattr("rospy.logwarn", said.append)
     recorder: "Recorder" = Recorder()
     warn_of(recorder, ["/a", "/b"], 2)  # type: ignore[arg-type]
-    assert said == ["/b: there is no such topic yet"]
+    assert said == ["/b: the topic does not exist yet"]
     said.clear()
     warn_of(recorder, ["/a", "/a", "/b"], 2)  # type: ignore[arg-type]
     assert said == ["a page shows at most 2 traces: the rest of 3 are left out"]

@@ -100,7 +100,7 @@ def test_a_phase_is_told_though_samples_are_missing() -> None:
 def test_no_phase_without_a_wave() -> None:
     wave, flat = (TIMES, numpy.sin(9.0 * TIMES)), (TIMES, numpy.ones(len(TIMES)))
     reasons = [phase(*pair).reason for pair in ((wave, flat), (flat, wave))]
-    assert reasons[0] == "the reference has no frequency: it does not change"
+    assert reasons[0] == "the reference has no frequency: the trace is constant"
     assert reasons[1] == "no component at the frequency of the reference"
     assert phase((TIMES[:2], TIMES[:2]), wave).reason == "too few samples"
 

@@ -46,10 +46,10 @@ _ALIKE_REST = 0.5
 #: Least number of samples in a period for that test.
 _DENSE = 8
 
-STANDS = unmeasurable("it does not change")
+STANDS = unmeasurable("the trace is constant")
 TOO_SHORT = unmeasurable("fewer than two periods in the span")
-DRIFTS = unmeasurable("its mean drifts too much")
-NOT_ENOUGH = unmeasurable("not periodic enough: a part of it repeats itself otherwise")
+DRIFTS = unmeasurable("the mean drifts too much")
+NOT_ENOUGH = unmeasurable("not periodic: a part of the trace has another period")
 NO_PERIOD = unmeasurable("not periodic: noise, or no steady frequency")
 
 

@@ -30,8 +30,8 @@ _LOWEST = 3
 #: or this many times the median line.
 _SHAPE, _ABOVE_NOISE = 0.1, 5.0
 #: Reasons for peaks without a measurement.
-TOO_FEW = "too few periods or samples of one"
-NOT_SINGLE = "not a single line: several sines, or one that changes"
+TOO_FEW = "too few periods, or samples per period"
+NOT_SINGLE = "not a single line: several sines, or a changing sine"
 #: Uncertainty of a peak's frequency [lines].
 SURE = 0.5
 

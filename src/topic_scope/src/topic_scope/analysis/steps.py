@@ -33,7 +33,7 @@ _LEVELS, _REPEATED = 4, 0.5
 #: Largest contribution of noise to a value, in standard deviations.
 _SURELY = 3.5
 
-NOISE = "the noise on it is too large"
+NOISE = "too much noise"
 
 
 class Step(NamedTuple):
@@ -217,16 +217,16 @@ def _why_none(step: Step, sigma: float) -> str:
     """Return why a trace is not a step; an empty string for a step."""
     values, height = step.values, step.height
     if height <= _ABOVE * sigma or height < _OF_RANGE * float(values.max() - values.min()):
-        return "it does not end at another level than it begins at"
+        return "initial and final level are equal"
     band = SETTLED * height + step.doubt
     if (numpy.abs(values[:_REST] - step.low) > band).any():
         return "the step begins before the span"
     arrived = int(numpy.argmax(values >= step.low + HIGH * height - step.doubt))
     if (values[arrived:] < step.low + LOW * height).any():
-        return "it goes back to where it begins"
+        return "the trace returns to its initial level"
     begin, end = _first_away(step, band), _last_away(step, band)
     if float(step.times[-1]) - end < _RESTS * (end - begin):
-        return "it does not rest at the end of the span for long enough"
+        return "the final level is not held for long enough"
     return ""
 
 

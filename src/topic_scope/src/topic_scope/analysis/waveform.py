@@ -95,7 +95,7 @@ def _shapes(
         }
     wave = waves.wave_of(times, values, hertz) if hertz.value is not None else None
     if wave is None:
-        why = hertz.reason or "there is not one whole period without a gap"
+        why = hertz.reason or "no whole period without a gap"
         return dict.fromkeys(SHAPES, unmeasurable(f"no step: {step}; no wave: {why}"))
     mean, rms = waves.cycle_figures(times, values, wave, hertz)
     return {

@@ -61,7 +61,7 @@ class ColumnReader:
         self._was_there = not any(isinstance(part, (int, Key)) for part in column.path)
         #: Longest array seen, and the text for a missing field.
         self._longest = -1
-        self._missing = "it is not there"
+        self._missing = "not in any message"
         self._cut_off = 0
 
     @property

@@ -118,7 +118,7 @@ def _columns(name: str, first_messages: Mapping[str, FirstMessage]) -> List[Colu
     parts = split(bare, first_messages)
     try:
         if parts is None:
-            raise FieldError("there is no such topic")
+            raise FieldError("no such topic")
         topic, rest = parts
         layout, data = first_messages[topic]
         path_of(timestamp, layout)
@@ -145,7 +145,7 @@ def _field(topic: str, path: Path, topics: Collection[str]) -> str:
 def _hint(name: str, known: List[str], topics: Collection[str]) -> str:
     """Return suggestions for an unknown name."""
     if not known:
-        return "there are no numbers at all"
+        return "the bag has no numbers"
     place = split(name, topics)
     own = [other for other in known if place and _topic(other, topics) == place[0]]
     near = sorted(
@@ -153,10 +153,10 @@ def _hint(name: str, known: List[str], topics: Collection[str]) -> str:
         key=lambda other: (other not in own, -_likeness(name, other)),
     )
     if near or own:
-        return f"nearest to it: {', '.join((near or own)[:_HINTS])}"
+        return f"similar names: {', '.join((near or own)[:_HINTS])}"
     with_numbers = sorted({_topic(other, topics) for other in known})
     more = ", …" if len(with_numbers) > _HINTS else ""
-    return f"there are numbers in {', '.join(with_numbers[:_HINTS])}{more}"
+    return f"topics with numbers: {', '.join(with_numbers[:_HINTS])}{more}"
 
 
 def _topic(name: str, topics: Collection[str]) -> str:

@@ -72,7 +72,7 @@ class BagFile(Recording):
         self._file.seek(len(_MAGIC))
         fields, length = self._record("file")
         if "encryptor" in fields and fields["encryptor"]:
-            raise BagError(f"{self.path} is encrypted; this makes a plain one: rosbag decrypt")
+            raise BagError(f"{self.path} is encrypted; decrypt it by: rosbag decrypt")
         if _number(fields, "index_pos", _U64) == 0:
             raise BagError(
                 f"{self.path} has no index because its recording was cut off; make one: "
@@ -170,7 +170,7 @@ class BagFile(Recording):
         :param error: the cause
         """
         reason = str(error) or type(error).__name__
-        text = "%s is broken (%s); this saves what can be saved: rosbag reindex %s"
+        text = "%s is damaged (%s); recover its messages by: rosbag reindex %s"
         return BagError(text % (self.path, reason, self.path))
 
     def _read_chunk(self, position: int, wanted: Collection[int]) -> List[Part]:

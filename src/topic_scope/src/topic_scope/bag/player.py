@@ -61,7 +61,7 @@ class SideSubscriptions:
             self.clock.lacks_past = True
 
     def subscriptions(self) -> Mapping[str, Subscription]:
-        """Return what the messages come out of, by topic."""
+        """Return the subscriptions by topic."""
         return self.active
 
 
@@ -181,7 +181,7 @@ class BagPlayer:
         self.lacks_past = self.lacks_past or is_more
 
     def subscriptions(self) -> Mapping[str, Subscription]:
-        """Return what the messages come out of, by topic."""
+        """Return the subscriptions by topic."""
         return self._subscriptions
 
     def now(self) -> float:

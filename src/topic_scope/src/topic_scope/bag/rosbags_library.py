@@ -75,7 +75,7 @@ def _run(command: List[str], limit: float) -> None:
     except subprocess.TimeoutExpired:
         raise Unavailable(f"not finished within {limit:g} s") from None
     except subprocess.CalledProcessError as error:
-        lines = error.stdout.decode("utf-8", "replace").splitlines() or ["it wrote nothing"]
+        lines = error.stdout.decode("utf-8", "replace").splitlines() or ["no output"]
         errors = [line for line in lines if "error" in line.lower()] or lines[-1:]
         raise Unavailable(errors[-1].strip()) from None
     except OSError as error:

@@ -206,7 +206,7 @@ def crossing(series: Series, level: float) -> float:
     :raises FieldError: if it never does, or is a state
     """
     if series.states is not None:
-        raise FieldError(f"{series.name} is a state: it rises through no level")
+        raise FieldError(f"{series.name} is a state, which cannot rise through a level")
     times, values = numpy.array(series.times), numpy.array(series.values)
     rising = numpy.flatnonzero((values[:-1] < level) & (values[1:] >= level))
     if not len(rising):

@@ -83,7 +83,7 @@ class TraceChecker:
     def _one_of(self, name: str) -> str:
         names = self._recorder.expand(name)
         if len(names) != 1:
-            raise FieldError(f"{name} stands for {len(names)} fields: name one of them")
+            raise FieldError(f"{name} denotes {len(names)} fields; name one of them")
         return names[0]
 
     def update(self) -> bool:
@@ -131,9 +131,7 @@ class TraceChecker:
             return OUTSIDE
         if verdict.inside == 0:
             said = [self._recorder.problem(one) for one in self._names()]
-            why = next(
-                (text for text in said if text), "the reference is known at none of the samples"
-            )
+            why = next((text for text in said if text), "the reference is unknown at all samples")
             print(f"mask: no sample could be checked: {why}", file=sys.stderr)
             return NOT_CHECKED
         if ended is not None:
@@ -215,7 +213,7 @@ def check_live(arguments: argparse.Namespace) -> int:
         if start == math.inf and checker.start(now):
             start, until = now, time.monotonic() + arguments.seconds
     status = checker.finish()
-    rospy.signal_shutdown("the verdict is there")
+    rospy.signal_shutdown("the check has ended")
     return status
 
 
@@ -242,19 +240,23 @@ def _fail(text: str) -> NoReturn:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="mask",
-        description="Check whether a trace keeps within limits around another one.",
+        description="Check whether a trace stays within limits around another trace.",
         epilog="Exit status: 0 if all samples are inside, 1 if one is outside, 2 if none could be "
-        "checked or too few were, the reference ended early, or the command is wrong.",
+        "checked or too few were, the reference ended early, or the command is invalid.",
     )
     parser.add_argument("field", metavar="FIELD", help="trace to check: a field or a formula")
     parser.add_argument(
-        "--around", metavar="REFERENCE", required=True, help="the trace that the limits are around"
+        "--around", metavar="REFERENCE", required=True, help="trace at the centre of the limits"
     )
     parser.add_argument(
-        "--value", metavar="V", type=_value, default=0.0, help="how far above and below it they are"
+        "--value",
+        metavar="V",
+        type=_value,
+        default=0.0,
+        help="distance of the limits above and below it",
     )
     parser.add_argument(
-        "--time", metavar="S", type=_time, default=0.0, help="how far before and after it, s"
+        "--time", metavar="S", type=_time, default=0.0, help="distance before and after it, s"
     )
     parser.add_argument(
         "--seconds",
@@ -265,19 +267,19 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument("--bag", metavar="FILE.bag", help="check a recording; needs no master")
     parser.add_argument(
-        "--all", action="store_true", help="go on behind the first sample that is outside"
+        "--all", action="store_true", help="continue after the first sample outside"
     )
     parser.add_argument(
         "--unchecked",
         metavar="PERCENT",
         type=_percent,
         default=_UNCHECKED,
-        help="most samples that may stay unchecked if the trace is to pass, %% (%(default)g)",
+        help="most unchecked samples of a pass, %% (%(default)g)",
     )
     parser.add_argument(
         "--save",
         metavar="FILE.csv",
-        help="where to write trace, reference and limits, from 2 s before the first one outside",
+        help="file for trace, reference and limits, from 2 s before the first sample outside",
     )
     return parser
 

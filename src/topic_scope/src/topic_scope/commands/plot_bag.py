@@ -66,12 +66,12 @@ def _fail(text: str) -> None:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="plot_bag",
-        description="Plot numbers that a bag holds, or write them to a CSV file.",
+        description="Plot numbers of a bag, or write them to a CSV file.",
         epilog="A field is /topic/field, /topic/x:y:z for several, /topic/array[3], a topic for "
-        "all its numbers, or '=/topic/x - 2*/other/y' for what a formula computes. Exit status: 1 "
+        "all its numbers, or '=/topic/x - 2*/other/y' for a formula. Exit status: 1 "
         "if something was left out that cannot be read, 2 if nothing was written.",
     )
-    parser.add_argument("bag", metavar="FILE.bag", help="what rosbag record has recorded")
+    parser.add_argument("bag", metavar="FILE.bag", help="bag to read")
     parser.add_argument("fields", metavar="FIELD", nargs="+", help="what to plot")
     parser.add_argument(
         "-o",
@@ -85,20 +85,20 @@ def _parser() -> argparse.ArgumentParser:
         metavar="S",
         type=_nanoseconds,
         default=0,
-        help="leave out what came before, in s from the start of the bag",
+        help="start of the time range, in s from the start of the bag",
     )
     parser.add_argument(
         "--end",
         metavar="S",
         type=_nanoseconds,
-        help="leave out what came later, in s from the start of the bag",
+        help="end of the time range, in s from the start of the bag",
     )
     parser.add_argument(
         "--over",
         metavar="OTHER.bag",
         action="append",
         default=[],
-        help="draw the same fields of another bag over them; may be repeated",
+        help="overlay the same fields of another bag; may be repeated",
     )
     parser.add_argument(
         "--offset",
@@ -106,13 +106,13 @@ def _parser() -> argparse.ArgumentParser:
         type=_offset,
         action="append",
         default=[],
-        help="how much later to draw the other bag, s; one for each --over, in their order",
+        help="shift of the other bag, s; one for each --over, in their order",
     )
     parser.add_argument(
         "--align",
         metavar=("FIELD", "LEVEL"),
         nargs=2,
-        help="let the time of each bag begin where this field first rises through this level",
+        help="start the time of each bag where this field first rises through this level",
     )
     return parser
 
@@ -168,7 +168,7 @@ def _write(arguments: argparse.Namespace) -> List[str]:
 
 def _write_numbers(file: TextIO, arguments: argparse.Namespace) -> List[str]:
     if arguments.over or arguments.align:
-        raise FieldError("a .csv is of one bag: --over and --align are for pictures")
+        raise FieldError("--over and --align do not apply to a .csv, which holds one bag")
     with open_bag(arguments.bag) as bag:
         lines, readers = chosen(bag, first_messages(bag), arguments.fields)
         messages = _in_range(bag, readers, arguments.start, arguments.end)
@@ -197,8 +197,7 @@ def _draw(path: str, arguments: argparse.Namespace) -> List[str]:
         drawn += [moved(one, by, one.name + called) for one in lines]
     if len(drawn) > LINES:
         raise FieldError(
-            f"{len(drawn)} lines are too many: at most {LINES} can be told apart; "
-            "name fewer fields, or write a .csv"
+            f"too many lines ({len(drawn)}, at most {LINES}); name fewer fields, or write a .csv"
         )
     save(draw(drawn), path, _format(arguments.output))
     for one in drawn:
@@ -243,7 +242,7 @@ def _in_range(
     if is_empty and bag.lost:
         raise BagError(bag.lost[0])
     if is_empty:
-        text = "nothing of %s was recorded in this time; the bag is %.3f s long"
+        text = "no message of %s in this time; the bag is %.3f s long"
         raise BagError(text % (", ".join(topics), bag.length / 1e9))
     for reader in readers:
         reader.check()

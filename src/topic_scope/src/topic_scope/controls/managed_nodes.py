@@ -71,7 +71,7 @@ class ManagedNodes:
         self, node: str, label: str, answer: Callable[[Dict[str, Any]], None], result: Any
     ) -> None:
         if result is not True:
-            why = f": {result}" if isinstance(result, Exception) else "; its log says why"
+            why = f": {result}" if isinstance(result, Exception) else "; see its log"
             answer({"type": "error", "text": f"{node} did not {label}{why}"})
         self._ask_state(node)
 

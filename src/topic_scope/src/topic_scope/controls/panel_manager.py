@@ -170,7 +170,7 @@ class PanelManager:
             if service in panel.services:
                 services.call(self._worker, service, panel.services[service], data, answer)
                 return
-        raise ValueError(f"there is no service {service} to call")
+        raise ValueError(f"no service {service} to call")
 
     def change_state(self, node: str, label: str, answer: Answer) -> None:
         """Request a transition of a managed node.

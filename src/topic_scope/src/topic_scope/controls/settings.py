@@ -65,7 +65,7 @@ class Settings:
         #: By node and parameter: the newest value to send; and rejected values, which may be
         #: accepted together with other values.
         self._waiting: Dict[str, Dict[str, Asked]] = {}
-        self._refused: Dict[str, Dict[str, Any]] = {}
+        self._rejected: Dict[str, Dict[str, Any]] = {}
 
     def set(self, panel: Panel, name: str, value: Any, answer: Answer) -> None:
         """Set a parameter; if the value is rejected, the page receives the reason.
@@ -80,7 +80,7 @@ class Settings:
         except ParameterError as error:
             _refuse(panel, name, value, str(error), answer)
             return
-        self._refused.get(panel.node, {}).pop(name, None)
+        self._rejected.get(panel.node, {}).pop(name, None)
         self._waiting.setdefault(panel.node, {})[name] = Asked(panel, checked, answer)
         self._send(panel.node)
 
@@ -89,7 +89,7 @@ class Settings:
 
         :param node: its name
         """
-        self._refused.pop(node, None)
+        self._rejected.pop(node, None)
 
     def _send(self, node: str) -> None:
         """Send the waiting values; values set meanwhile are sent afterwards."""
@@ -97,14 +97,14 @@ class Settings:
         if asked is None:
             return
         wanted = {name: to_wire(ask.value) for name, ask in asked.items()}
-        work = partial(self._try, node, wanted, dict(self._refused.get(node, {})))
+        work = partial(self._try, node, wanted, dict(self._rejected.get(node, {})))
         if self._worker.run(("change", node), work, partial(self._on_answer, node, asked)):
             del self._waiting[node]
 
-    def _try(self, node: str, wanted: Mapping[str, Any], refused: Mapping[str, Any]) -> Changed:
+    def _try(self, node: str, wanted: Mapping[str, Any], rejected: Mapping[str, Any]) -> Changed:
         """Change values together with those rejected before, or without them if that fails."""
-        answer = self._change(node, {**refused, **wanted})
-        if refused and not answer.success:
+        answer = self._change(node, {**rejected, **wanted})
+        if rejected and not answer.success:
             answer = self._change(node, wanted)
         return answer
 
@@ -115,14 +115,14 @@ class Settings:
         panel = next(iter(asked.values())).panel
         self._send_values(panel, panel.follow(result.values))
         self._read_again(panel.node)  # another client's change may be newer than this reply
-        refused = self._refused.setdefault(node, {})
+        rejected = self._rejected.setdefault(node, {})
         if result.success:
-            for name in [name for name in refused if refused[name] == result.values.get(name)]:
-                del refused[name]
+            for name in [name for name in rejected if rejected[name] == result.values.get(name)]:
+                del rejected[name]
             return
         for name, ask in asked.items():
             if name not in self._waiting.get(node, {}):
-                refused[name] = to_wire(ask.value)
+                rejected[name] = to_wire(ask.value)
                 _refuse(panel, name, ask.value, result.message, ask.answer, kept=True)
 
 
@@ -135,6 +135,6 @@ def _refuse(
     panel: Panel, name: str, value: Any, text: str, answer: Answer, kept: bool = False
 ) -> None:
     """Send a page the reason for a rejection, and whether the value will be tried again."""
-    refused = {"type": "refused", "node": panel.node, "name": name, "value": to_wire(value)}
-    answer({**refused, "text": text, "kept": kept})
+    message = {"type": "refused", "node": panel.node, "name": name, "value": to_wire(value)}
+    answer({**message, "text": text, "kept": kept})
     answer(value_message(panel, name))

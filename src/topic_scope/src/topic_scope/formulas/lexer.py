@@ -52,7 +52,7 @@ def tokens_of(text: str) -> List[Token]:
         if depth < 0:
             raise FormulaError('unmatched ")"')
         if depth > BRACKETS:
-            raise FormulaError(f"brackets may be nested {BRACKETS} deep")
+            raise FormulaError(f"brackets are nested too deeply (at most {BRACKETS})")
         tokens.append(token)
         place += len(token.text)
         is_function = token.kind == "name" and text[place:].lstrip(" ").startswith("(")

@@ -89,7 +89,9 @@ def expand_with(name: str, resolve: Callable[[str], List[str]]) -> List[str]:
     sides = [_one(resolve(part)) for part in difference.groups()]
     for side in sides:
         if not fields.FIELD.fullmatch(side):
-            raise FieldError(f'{side}: here a topic with a hyphen stands in quotes: "/a-b"/field')
+            raise FieldError(
+                f'{side}: a topic with a hyphen needs quotes in a formula: "/a-b"/field'
+            )
     return ["-".join(sides)]
 
 
@@ -108,7 +110,7 @@ def with_letters(text: str, traces: Sequence[str]) -> str:
     tokens: List[Token] = []
     for token in tokens_of(text.lstrip()[1:]):
         if token.kind == "name" and len(token.text) == 1 and token.text not in letters:
-            raise FormulaError(f"there is no trace {token.text}: {_known(traces)}")
+            raise FormulaError(f"no trace {token.text}: {_known(traces)}")
         is_letter = token.kind == "name" and token.text in letters
         tokens += letters[token.text] if is_letter else [token]
     return _MARK + text_of(tokens)
@@ -123,7 +125,7 @@ def _known(traces: Sequence[str]) -> str:
 
 def _one(names: List[str]) -> str:
     if len(names) != 1:
-        raise FieldError("a formula takes single fields, and one of these names stands for several")
+        raise FieldError("a formula takes single fields, but one of these names denotes several")
     if fields.parted(names[0])[1] == STATE:
         raise FieldError(f"{names[0]} is a state: formulas and differences take numbers")
     return names[0]

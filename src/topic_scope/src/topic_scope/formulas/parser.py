@@ -176,7 +176,7 @@ class _Reader:
         :raises FormulaError: if the node is not allowed
         """
         if depth > DEPTH:
-            raise FormulaError(f"operations may be nested {DEPTH} deep")
+            raise FormulaError(f"operations are nested too deeply (at most {DEPTH})")
         if isinstance(parsed, ast.Constant) and type(parsed.value) in (int, float):
             value = parsed.value
             return _number(lambda: float(value))
@@ -191,7 +191,7 @@ class _Reader:
             return self._call(parsed.func.id, [self.node(one, depth + 1) for one in parsed.args])
         if isinstance(parsed, ast.Tuple):
             raise FormulaError(
-                "a comma stands only between the arguments of a function; a number has a point"
+                "unexpected comma; it separates arguments of a function, decimals need a point"
             )
         raise FormulaError("invalid formula")
 
@@ -206,7 +206,7 @@ class _Reader:
 
     def _call(self, name: str, arguments: List[Node]) -> Node:
         if name not in FUNCTIONS:
-            raise FormulaError(f"there is no function {name}; there are {', '.join(FUNCTIONS)}")
+            raise FormulaError(f"unknown function {name}; known are {', '.join(FUNCTIONS)}")
         count = 1 if name in _OF_ONE or name == "derivative" else 2
         if len(arguments) != count:
             raise FormulaError(f"{name} takes {count} argument{'s' * (count > 1)}")
@@ -222,7 +222,9 @@ class _Reader:
             return Derivative(of)
         make, tokens, low, high = _OVER_TIME[name]
         if not isinstance(others[0], Number) or not low <= others[0].value <= high:
-            raise FormulaError(f"{name}: the second must be {tokens}, from {low:g} to {high:g}")
+            raise FormulaError(
+                f"{name}: the second argument must be {tokens}, from {low:g} to {high:g}"
+            )
         return make(of, others[0].value)
 
 

@@ -134,7 +134,7 @@ def missing_text(place: Path, key: Key) -> str:
     """Return the error text for an array without an element of a name or value."""
     if key.field:
         return f"no element of {to_text(place)} has the {key.field} {key.value}"
-    return f"no element of {to_text(place)} is called {key}"
+    return f"no element of {to_text(place)} is named {key}"
 
 
 def first_missing(layout: Record, path: Path, data: bytes) -> Tuple[Path, Union[str, int, None]]:

@@ -24,7 +24,7 @@ def formula_text_of(request: Dict[str, Any]) -> FormulaText:
     """Return the formula to check."""
     text = request.get("text")
     if not isinstance(text, str) or not is_formula(text):
-        raise RequestError("formula: text must be a text that begins with =")
+        raise RequestError("formula: the text must begin with =")
     return FormulaText(text, fields_of(request.get("traces")))
 
 

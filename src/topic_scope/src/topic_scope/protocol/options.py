@@ -122,13 +122,13 @@ def parse(arguments: Sequence[str]) -> Options:
     except RequestError as error:
         parser.error(str(error))
     if len(read.below) >= PLOTS:
-        parser.error(f"{len(read.below)} times --below: there are at most {PLOTS} plots")
+        parser.error(f"too many --below ({len(read.below)}); there are at most {PLOTS} plots")
     names = [one.name for one in read.over]
     for name in names:
         if names.count(name) > 1:
-            parser.error(f"two bags are called {name}: give one another name, --over FILE.bag:NAME")
+            parser.error(f"two bags are named {name}; rename one: --over FILE.bag:NAME")
     if len(read.offset) > len(names):
-        parser.error(f"{len(read.offset)} times --offset for {len(names)} times --over")
+        parser.error(f"{len(read.offset)} --offset for {len(names)} --over; give one for each")
     offsets = read.offset + [0.0] * len(names)
     return Options(
         tuple(plots),
@@ -164,7 +164,7 @@ def _parser() -> argparse.ArgumentParser:
         nargs="*",
         metavar="FIELD",
         help="what to show at first: /topic/field, /topic/x:y, /topic/array[3], a topic for all of"
-        " its fields, or '=/topic/x - 2*/other/y' for what a formula computes; any other can be"
+        " its fields, or '=/topic/x - 2*/other/y' for a formula; any other field can be"
         " chosen on the page",
     )
     parser.add_argument(
@@ -173,7 +173,7 @@ def _parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="FIELD",
-        help="show these in a plot of their own, below the others; may be repeated",
+        help="show these in a separate plot below the others; may be repeated",
     )
     parser.add_argument(
         "--port", type=_port, default=DEFAULT_PORT, help="port to listen on (%(default)s)"
@@ -201,24 +201,22 @@ def _parser() -> argparse.ArgumentParser:
         type=_seconds,
         default=10.0,
         metavar="S",
-        help="span of time that is shown at first, in s (%(default)s)",
+        help="time span to show at start, in s (%(default)s)",
     )
     parser.add_argument(
         "--setup",
         type=_setup,
         metavar="FILE",
-        help="show what was saved on the page: traces, axes, trigger, cursors",
+        help="set-up saved on the page: traces, axes, trigger, cursors",
     )
-    parser.add_argument(
-        "--bag", metavar="FILE", help="show what rosbag record has recorded; needs no master"
-    )
+    parser.add_argument("--bag", metavar="FILE", help="show a bag; needs no master")
     parser.add_argument(
         "--over",
         type=_over,
         action="append",
         default=[],
         metavar="FILE[:NAME]",
-        help="lay a bag over what is shown: its /signal/x is /NAME/signal/x, by default with the"
+        help="overlay a bag: its /signal/x is /NAME/signal/x, by default with the"
         " name of the file; may be repeated",
     )
     parser.add_argument(
@@ -227,10 +225,10 @@ def _parser() -> argparse.ArgumentParser:
         action="append",
         default=[],
         metavar="S",
-        help="how much later to lay it, in s; one for each --over, in their order",
+        help="shift of the bag, in s; one for each --over, in their order",
     )
     parser.add_argument(
-        "--open-browser", action="store_true", help="open the page where there is a browser"
+        "--open-browser", action="store_true", help="open the page in a browser, if there is one"
     )
     return parser
 
@@ -277,7 +275,7 @@ def _over(text: str) -> OverlayOption:
         path, name = text, _name_of(text)
     if not re.match(r"[A-Za-z]\w*\Z", name, re.ASCII):
         raise argparse.ArgumentTypeError(
-            f"{name!r} is no name for a bag: a letter first, then letters, digits and _"
+            f"{name!r} is not a valid bag name; use a letter, then letters, digits and _"
         )
     return OverlayOption(path, name)
 

@@ -37,5 +37,5 @@ def overlay_of(request: Dict[str, Any]) -> OverlayRequest:
         )
     )
     if begin is not None and trigger is not None:
-        raise RequestError("overlay: a bag has one begin, so begin and trigger exclude each other")
+        raise RequestError("overlay: give begin or trigger, not both")
     return OverlayRequest(name_of(request, _KIND, "name"), offset, begin, trigger)

@@ -246,10 +246,10 @@ class Set(NamedTuple):
 def set_of(request: Dict[str, Any]) -> Set:
     """Return the parameter to set, and its value."""
     if "value" not in request:
-        raise RequestError("set: there is no value")
+        raise RequestError("set: missing value")
     value = request["value"]
     if not isinstance(value, (bool, int, float, str)):
-        raise RequestError("set: the value must be a number, a text or a truth value")
+        raise RequestError("set: the value must be a number, a string or a Boolean")
     return Set(name_of(request, "set", "node"), name_of(request, "set", "name"), value)
 
 

@@ -115,8 +115,8 @@ class Driving:
             raise ValueError("this page drives no robot: take the wheel first")
         if not all([one.drive(velocity, request.sent) for one in sessions]):
             raise ValueError(
-                "a command came too late and was ignored: the link is slow; "
-                "if that goes on, take the wheel again"
+                "a command arrived too late and was ignored: the link is slow; "
+                "if this continues, take the wheel again"
             )
 
     def _stop_all(self) -> None:

@@ -14,7 +14,7 @@ from topic_scope.messages.states import StateTable
 from topic_scope.sampling.traces import Stream, Trace
 from topic_scope.timing.nanoseconds import array_to_ns
 
-_READING, _NOTHING = "the bag is being read", "the bag has no number there"
+_READING, _NOTHING = "the bag is being read", "the bag does not have this number"
 
 
 class Overlay(Protocol):

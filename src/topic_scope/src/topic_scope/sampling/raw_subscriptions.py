@@ -62,7 +62,7 @@ class RawSubscription:
             for message in messages:
                 if self._bytes > WAITING:
                     if self._throttle.is_due():
-                        rospy.logwarn("%s comes too fast: messages are lost", self.topic)
+                        rospy.logwarn("%s is too fast: messages are lost", self.topic)
                     return
                 header = message._connection_header
                 if not self._waiting or self._waiting[-1].header is not header:

@@ -304,7 +304,7 @@ class Recorder:
         place = fields.split(fields.parted(name)[0], self._types)
         if place is None:
             trace = self._traces.get(name)
-            return None if trace is not None and trace.span else "there is no such topic yet"
+            return None if trace is not None and trace.span else "the topic does not exist yet"
         layout, trace = self._layout_of(place[0]), self._traces.get(name)
         try:
             self.expand(name)

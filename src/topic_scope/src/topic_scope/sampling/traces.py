@@ -22,7 +22,7 @@ _USUAL = 200
 #: Why a derivative may jump.
 JUMPS = "timed by reception: the derivative jumps where messages come early or late"
 #: Why there is no latency.
-_NO_LATENCY = "the stamps are of another clock: no latency by the scope's"
+_NO_LATENCY = "the stamps are of another clock: no latency"
 
 
 class Stream:

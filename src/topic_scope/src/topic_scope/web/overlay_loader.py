@@ -113,7 +113,7 @@ class OverlayLoader:
         bag = self._bags.get(wanted.name)
         if bag is None:
             known = ", ".join(self._bags) or "none: the option --over of the scope names some"
-            raise RequestError(f"overlay: there is no bag {wanted.name}; there are {known}")
+            raise RequestError(f"overlay: no bag {wanted.name}; there are {known}")
         if wanted.trigger is not None:
             self._align(bag, page, wanted.trigger)
         if wanted.offset is not None:
@@ -126,7 +126,7 @@ class OverlayLoader:
         """Shift a bag so that its first crossing is at a time, as soon as it is read."""
         trigger = page.trigger.request
         if trigger.mode == "off":
-            raise RequestError("overlay: there is no trigger to align a bag at")
+            raise RequestError("overlay: no trigger to align a bag with")
         name = bag.name_in_bag(trigger.field)
 
         def move(found: Any) -> None:

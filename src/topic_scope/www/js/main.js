@@ -1,4 +1,4 @@
-/** Puts the page together. */
+/** Entry point: connects the parts of the page. */
 
 import { Connection } from "./base/connection.js";
 import { byId, setPressed } from "./base/dom.js";
@@ -88,7 +88,7 @@ const handlers = {
     mask.onHello();
   },
   fields: ({ fields, types }) => state.set({ available: fields, types }),
-  selected: ({ fields }) => state.set({ fields }), // what a topic alone stands for
+  selected: ({ fields }) => state.set({ fields }), // the fields of a topic
   frame: (frame) => {
     sweep.onFrame(frame);
     screen.refresh();
@@ -105,7 +105,7 @@ const handlers = {
     describe(traces);
   },
   trigger: (message) => {
-    if (message.number !== state.values.trigger.number) return; // of before the latest change
+    if (message.number !== state.values.trigger.number) return; // from before the latest change
     trigger.showStatus(message.state);
     sweep.onTrigger(message);
   },
@@ -147,7 +147,7 @@ state.on(["view"], ({ view: shown }) => {
     setPressed(byId(`show-${name}`), name === shown);
   }
 });
-// Before the field is filled with its former number again.
+// In the capture phase, before the field is restored to its previous number.
 document.addEventListener("change", ({ target }) => {
   const problem = target.inputMode === "decimal" ? ambiguity(target.value) : "";
   if (problem) notify(problem);

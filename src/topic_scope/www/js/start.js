@@ -1,17 +1,17 @@
 /**
- * Loads the page again if a part of it has not come: a browser gives up what it is loading when a
- * network of its computer comes or goes, and nothing else of the page would run. It is not a
- * module, as modules are what may be missing.
+ * Reloads the page if a part of it failed to load: a browser aborts downloads when a
+ * network interface changes, and the rest of the page would not run. It is not a
+ * module, because modules may be missing.
  */
 
 {
   const FIRST_WAIT_MS = 500;
-  const MOST_TRIES = 6; // after that the wait grows no more
+  const MOST_TRIES = 6; // after that the wait does not grow further
   const KEY = "tries";
   const tries = Math.min(Number(sessionStorage.getItem(KEY)) || 0, MOST_TRIES);
   let isMissing = false;
 
-  /** Load the page again, as soon as the server answers. */
+  /** Reload the page as soon as the server answers. */
   const loadAgain = () => {
     fetch(window.location.href, { method: "HEAD" }).then(
       () => window.location.reload(),
@@ -24,7 +24,7 @@
     isMissing = true;
     sessionStorage.setItem(KEY, tries + 1);
     setTimeout(loadAgain, FIRST_WAIT_MS * 2 ** tries);
-  }, true); // on its way down: it goes to the element alone
+  }, true); // capture phase: error events of elements do not bubble
 
   window.addEventListener("load", () => {
     if (!isMissing) sessionStorage.removeItem(KEY);

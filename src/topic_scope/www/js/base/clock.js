@@ -1,4 +1,4 @@
-/** The time of day: of this computer's zone, which is said. */
+/** Time of day in this computer's time zone, with the name of the zone. */
 
 import { niceStep } from "./numbers.js";
 
@@ -14,7 +14,7 @@ const ahead = (time) => -60 * new Date(time * 1000).getTimezoneOffset();
 /**
  * Write the time of day.
  * @param {number} time since the epoch [s]
- * @param {number} step what is to be told apart [s]
+ * @param {number} step resolution [s]
  * @returns {string}
  */
 export function clockText(time, step) {
@@ -22,7 +22,7 @@ export function clockText(time, step) {
   const units = Math.round((time + ahead(time)) * 10 ** places);
   const seconds = Math.floor(units / 10 ** places);
   const rest = places ? `.${String(units - seconds * 10 ** places).padStart(places, "0")}` : "";
-  const ofDay = ((seconds % DAY) + DAY) % DAY; // also west of Greenwich in the first hours, as in a simulation
+  const ofDay = ((seconds % DAY) + DAY) % DAY; // seconds may be negative west of Greenwich in a simulation
   return `${two(ofDay / 3600)}:${two((ofDay / 60) % 60)}:${two(ofDay % 60)}${rest}`;
 }
 
@@ -37,7 +37,7 @@ export function dateText(time) {
 }
 
 /**
- * Name the zone by how far it is ahead of UTC.
+ * Return the time zone as an offset from UTC.
  * @param {number} time since the epoch [s]
  * @returns {string}
  */
@@ -50,7 +50,7 @@ export function zoneText(time) {
  * List round times of day.
  * @param {number} from since the epoch [s]
  * @param {number} to since the epoch [s]
- * @param {number} most how many at most
+ * @param {number} most maximum number
  * @returns {{v: number, label: string}[]}
  */
 export function clockTicks(from, to, most) {

@@ -2,19 +2,19 @@
 
 const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 5000;
-// A server says something at once, and then each second: one that does not is not a scope. On a slow link a large
-// message may take longer, so the page waits longer each time that it was cut off.
+// The server sends a message immediately, and then each second; otherwise it is not a scope. On a slow link a large
+// message may take longer, so the page waits longer after each lost connection.
 const SILENT_MS = 10000;
 const LONGEST_SILENT_MS = 60000;
 
-/** Sends and receives objects; connects again after a loss, each time after a longer wait. */
+/** Connection that sends and receives objects; reconnects after a loss, with increasing delays. */
 export class Connection {
   /**
    * @param {string} url of the WebSocket
    * @param {function(Object): void} onMessage takes each message of the server
    * @param {function("connecting"|"connected"|"lost", number, string): void} onChange takes the
-   *   new state, and for "lost" the wait until the next attempt [ms], and what the server said, if
-   *   it did
+   *   new state, and for "lost" the wait until the next attempt [ms], and the server's reason,
+   *   if any
    */
   constructor(url, onMessage, onChange) {
     this.url = url;
@@ -27,7 +27,7 @@ export class Connection {
     this.expectsMore = false;
   }
 
-  /** Connect, now. */
+  /** Connect now. */
   connect() {
     clearTimeout(this.timer);
     this.onChange("connecting", 0, "");
@@ -41,7 +41,7 @@ export class Connection {
       this.timer = setTimeout(() => this.giveUp(), this.patience);
     };
     expect();
-    let isWelcome = false; // a server that has no place for this page closes without a message
+    let isWelcome = false; // a server with too many pages closes the connection without a message
     socket.addEventListener("message", (event) => {
       if (socket !== this.socket) return;
       if (!isWelcome) {
@@ -63,7 +63,7 @@ export class Connection {
     this.expectsMore = true;
   }
 
-  /** Take a connection over which nothing comes for lost: the browser may notice that much later. */
+  /** Treat a silent connection as lost: the browser may notice the loss much later. */
   giveUp() {
     const former = this.socket;
     this.socket = null;
@@ -74,7 +74,7 @@ export class Connection {
 
   retryLater(reason) {
     clearTimeout(this.timer);
-    const wait = this.wait * (1 + Math.random() / 4); // not all pages of a class at once
+    const wait = this.wait * (1 + Math.random() / 4); // so that many pages do not reconnect together
     this.wait = Math.min(this.wait * 2, LONGEST_WAIT_MS);
     this.timer = setTimeout(() => this.connect(), wait);
     this.onChange("lost", wait, reason);

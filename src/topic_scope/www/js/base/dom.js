@@ -1,4 +1,4 @@
-/** Short ways to find, make and change elements, and to save files. */
+/** Helpers to find, create and change elements, and to save files. */
 
 import { partsOf } from "./names.js";
 
@@ -33,7 +33,7 @@ export function make(tag, attributes = {}, ...children) {
 }
 
 /**
- * Make the text of a name, which a narrow place breaks between its parts alone.
+ * Make the text of a name, with line breaks only between its parts.
  * @param {string} name
  * @returns {HTMLSpanElement}
  */
@@ -53,7 +53,7 @@ export function draw(tag, attributes = {}, ...children) {
 }
 
 /**
- * Set the text of an element, and touch the document only where it differs.
+ * Set the text of an element, if it differs.
  * @param {Element} element
  * @param {string} text
  */
@@ -62,7 +62,7 @@ export function setText(element, text) {
 }
 
 /**
- * Set what is said of an element beside it, and touch the document only where that differs.
+ * Set the tooltip of an element, if it differs.
  * @param {HTMLElement} element
  * @param {string} text
  */

@@ -4,10 +4,10 @@ import { byId, make } from "./dom.js";
 
 /**
  * @typedef {Object} Key
- * @property {string[]} keys as KeyboardEvent.key has them, "Shift+" before where it is held
- * @property {string} shown what the list shows
+ * @property {string[]} keys values of KeyboardEvent.key, with the prefix "Shift+" if it is held
+ * @property {string} shown text in the list
  * @property {string} help
- * @property {?function(): void} act null: the browser or a control does it
+ * @property {?function(): void} act null: handled by the browser or a control
  */
 
 /** Whether a key is for the page: pressed alone, and unused by the control with the focus. */
@@ -18,7 +18,7 @@ export const isForPage = (event) =>
 function isTaken(event) {
   const target = event.target;
   if (document.querySelector("dialog[open]")) return true;
-  // A field of a dialog that was just closed has the focus until the next frame is drawn.
+  // A field of a dialog that was just closed keeps the focus until the next frame.
   if (target.closest("dialog")) return false;
   if (target.matches("input:not([type=checkbox]):not([type=range]), select, textarea")) return true;
   if (target.matches("input[type=range]")) return /^(Arrow|Home|End|Page)/.test(event.key);

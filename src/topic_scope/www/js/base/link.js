@@ -3,11 +3,11 @@
 import { byId, setText } from "./dom.js";
 
 const NOTICE_MS = 8000;
-const PROTOCOL = 1; // the server has the same number: a page of another version would misread it
+const PROTOCOL = 1; // must match the server's version
 let leaving = null;
 let isOutdated = false;
 
-/** Show a message above all else; an empty one hides it. */
+/** Show a banner; an empty message hides it. */
 function warn(text, canRetry) {
   byId("banner").hidden = !text;
   byId("reconnect").hidden = !canRetry;
@@ -18,7 +18,7 @@ function warn(text, canRetry) {
  * Show the state of the connection.
  * @param {"connecting"|"connected"|"lost"} state
  * @param {number} wait until the next attempt [ms]
- * @param {string} reason what the server said when it ended the connection, if it did
+ * @param {string} reason the server's reason for closing the connection, if any
  */
 export function showLink(state, wait, reason) {
   const link = byId("link");
@@ -44,7 +44,7 @@ export function isReadable(message) {
 }
 
 /**
- * Show what is wrong with the ROS master, for as long as it is.
+ * Show or hide the problem of the ROS master.
  * @param {{text: string}} message
  */
 export function showMaster({ text }) {
@@ -52,7 +52,7 @@ export function showMaster({ text }) {
 }
 
 /**
- * Show a sentence at the foot of the page for a while.
+ * Show a notice at the foot of the page for a limited time.
  * @param {string} text
  */
 export function notify(text) {

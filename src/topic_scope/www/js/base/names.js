@@ -1,4 +1,4 @@
-/** Names on the graph: their namespaces, their order, and how they are searched for. */
+/** Names on the graph: namespaces, sorting and search. */
 
 const { compare } = new Intl.Collator("en", { numeric: true });
 
@@ -6,11 +6,11 @@ const { compare } = new Intl.Collator("en", { numeric: true });
 export const namespaceOf = (name) => name.slice(0, Math.max(0, name.lastIndexOf("/")));
 
 /**
- * Compare two names, part by part, so that what is in a namespace stands together, and as people
- * count: group2 before group10.
+ * Compare two names part by part, so that namespaces are grouped, in natural order:
+ * group2 before group10.
  * @param {string} a
  * @param {string} b
- * @returns {number} below 0 where a comes first
+ * @returns {number} negative if a comes first
  */
 export function byName(a, b) {
   const [one, other] = [a.split("/"), b.split("/")];
@@ -21,7 +21,7 @@ export function byName(a, b) {
 }
 
 /**
- * Split a name where it may go on in the next line: before a slash, bracket, point or @, and after "_".
+ * Split a name where a line may break: before a slash, bracket, point or @, and after "_".
  * @param {string} name
  * @returns {string[]}
  */

@@ -1,4 +1,4 @@
-/** Numbers: round steps, ticks, and how they are written. */
+/** Numbers: rounding, ticks and formatting. */
 
 /**
  * Round up to 1, 2 or 5 times a power of ten.
@@ -13,7 +13,7 @@ export function niceStep(value) {
 }
 
 /**
- * Write a number of an axis, with as many places as its step needs.
+ * Format a number of an axis, with the decimals that its step needs.
  * @param {number} value
  * @param {number} step distance of the ticks
  * @returns {string}
@@ -29,7 +29,7 @@ export function tickText(value, step) {
 }
 
 /**
- * Round to what a screen can tell apart.
+ * Round to the resolution of a screen.
  * @param {number} value
  * @param {number} span from one end of the axis to the other
  * @returns {number}
@@ -43,7 +43,7 @@ export function rounded(value, span) {
  * List round places between two bounds.
  * @param {number} low
  * @param {number} high
- * @param {number} most how many at most
+ * @param {number} most maximum number
  * @returns {{v: number, label: string}[]} as dygraphs takes them
  */
 export function ticks(low, high, most) {
@@ -57,8 +57,8 @@ export function ticks(low, high, most) {
 }
 
 /**
- * Write a measured number with some significant digits, and with more where its trace varies by
- * less than these show.
+ * Format a measured number with some significant digits, and with more if its trace varies by
+ * less than their resolution.
  * @param {?number} value
  * @param {number} [digits]
  * @param {?number} [spread] from the least to the greatest value of the trace
@@ -69,17 +69,17 @@ export function figure(value, digits = 5, spread = null) {
   const size = Math.abs(value);
   if (spread > 0 && spread < size * 10 ** (3 - digits)) {
     const places = 2 - Math.floor(Math.log10(spread));
-    const most = 15 - Math.floor(Math.log10(size)); // what a float holds
+    const most = 15 - Math.floor(Math.log10(size)); // precision of a float
     return minus(value.toFixed(Math.max(0, Math.min(places, most, 15))));
   }
   if (size !== 0 && (size >= 1e7 || size < 1e-4)) return minus(value.toExponential(digits - 2));
-  const order = Math.floor(Math.log10(size)) + 1; // how many digits are before the point
+  const order = Math.floor(Math.log10(size)) + 1; // number of digits before the point
   const before = size === 0 || size >= 0.01 ? Math.max(order, 1) : order + 2;
   return minus(value.toFixed(Math.max(0, digits - before)));
 }
 
 /**
- * Write what is read of a line: one value, or the least and the greatest one of a pixel.
+ * Format a reading of a line: one value, or the minimum and maximum of a pixel.
  * @param {?{low: number, high: number, count: ?number}} reading
  * @param {?number} spread as of {@link figure}
  * @returns {string} a dash without a value
@@ -92,8 +92,8 @@ export function readingText(reading, spread) {
 }
 
 /**
- * Write a measured number and its uncertainty: two significant digits of this decide the digits of
- * both.
+ * Format a measured number and its uncertainty: two significant digits of the uncertainty decide the
+ * decimals of both.
  * @param {?number} value
  * @param {number} uncertainty in the same unit; 0 for an exact number
  * @returns {{value: string, uncertainty: string}} the latter is empty for an exact number
@@ -103,7 +103,7 @@ export function measuredText(value, uncertainty) {
     return { value: figure(value), uncertainty: "" };
   }
   const [, exponent] = uncertainty.toExponential(1).split("e");
-  const places = 1 - Number(exponent); // behind the point
+  const places = 1 - Number(exponent); // after the point
   const largest = Math.max(Math.abs(value), uncertainty);
   if (largest >= 1e7 || places > 9) {
     const digits = (number) => Math.floor(Math.log10(Math.abs(number) || uncertainty)) + places;
@@ -117,9 +117,9 @@ export function measuredText(value, uncertainty) {
 }
 
 /**
- * Write a value as a person would type it.
+ * Format a value as a user would type it.
  * @param {number} value
- * @param {number} [digits] how many at most
+ * @param {number} [digits] maximum number
  * @returns {string}
  */
 export function typed(value, digits = 12) {
@@ -127,7 +127,7 @@ export function typed(value, digits = 12) {
 }
 
 /**
- * Write a bound in few characters.
+ * Format a bound in few characters.
  * @param {number} value
  * @returns {string}
  */
@@ -138,8 +138,8 @@ export function short(value) {
 }
 
 /**
- * Read a number that a person typed.
- * @param {string} text with a decimal point; a comma may be that, or stand between thousands
+ * Parse a number that a user typed.
+ * @param {string} text with a decimal point; a comma would be ambiguous
  * @returns {?number} null for no text, NaN for something else
  */
 export function readNumber(text) {
@@ -149,28 +149,28 @@ export function readNumber(text) {
 
 /**
  * Explain why a number with a comma is rejected.
- * @param {string} text that a person typed
- * @returns {string} a sentence; empty where there is no comma
+ * @param {string} text typed text
+ * @returns {string} a sentence; empty without a comma
  */
 export const ambiguity = (text) => (text.includes(",")
-  ? `${text.trim()} can be read in two ways: write numbers without commas, such as 1000 or 2.5.` : "");
+  ? `${text.trim()} is ambiguous: write numbers without commas, such as 1000 or 2.5.` : "");
 
-/** The nearest number that is not out of two bounds. */
+/** Clamp a number to two bounds. */
 export const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
 
 const minus = (text) => text.replace(/^-/, "−");
 
 const SHRINK_AFTER_S = 2.5;
 
-/** A range that holds all values, with round ends; it grows at once and shrinks only later. */
+/** Automatic range with round ends; it grows immediately and shrinks with a delay. */
 export class AutoRange {
   constructor() {
     this.range = null;
-    this.roomy = null; // since when the values have needed much less
+    this.roomy = null; // time since when the values have needed much less
   }
 
   /**
-   * @param {number} low smallest value, may be infinite for none
+   * @param {number} low smallest value; infinite without values
    * @param {number} high largest value
    * @param {number} now s
    * @returns {[number, number]}

@@ -1,15 +1,15 @@
-/** The wheel, and two fingers that stretch a part of the page and move it. */
+/** Mouse wheel and pinch gestures. */
 
 import { clamp } from "./numbers.js";
 
 const ZOOM_PER_PIXEL = 0.0015;
-const LINE = 33; // pixels that a wheel turns which counts in lines
-const MOST = 300; // pixels of one event that count
+const LINE = 33; // pixels per line, for wheels that report lines
+const MOST = 300; // largest accepted movement of one event, pixels
 
 /**
- * Find how far a wheel zooms.
+ * Return the zoom factor of a wheel event.
  * @param {WheelEvent} event
- * @param {number} [turned] what it has turned by, if not downwards
+ * @param {number} [turned] its movement, if not vertical
  * @returns {number} above 1: farther away
  */
 export function wheelFactor({ deltaMode, deltaY }, turned = deltaY) {
@@ -21,15 +21,15 @@ export function wheelFactor({ deltaMode, deltaY }, turned = deltaY) {
  * Call a function while two fingers are on an element; other listeners do not get these events.
  * @param {HTMLElement} element
  * @param {function({factor: number, x: number, y: number, across: number, upright: boolean}): void}
- *   stretch factor: how much farther the fingers are apart than before; x, y: the middle between
- *   them on the screen; across: how far that has moved to the right [pixels]; upright: whether they
- *   began one above the other
+ *   stretch factor: ratio of the fingers' distance to the previous distance; x, y: the middle between
+ *   them on the screen; across: its movement to the right [pixels]; upright: whether they
+ *   started one above the other
  */
 export function startTwoFingers(element, stretch) {
-  const fingers = new Map(); // id of the pointer -> where it is
+  const fingers = new Map(); // id of the pointer -> its position
   let upright = false;
 
-  /** The middle between both, and how far they are apart. */
+  /** Middle and distance of both fingers. */
   function pair() {
     const [a, b] = [...fingers.values()];
     return { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, wide: Math.abs(a.x - b.x), high: Math.abs(a.y - b.y) };

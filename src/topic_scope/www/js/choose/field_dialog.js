@@ -6,18 +6,18 @@ import { isFormula } from "../state/traces.js";
 import { found, isUseful } from "./field_list.js";
 import { FormulaEntry } from "./formula.js";
 
-const MOST = 500; // listed at once; the search finds the rest
-const OPEN = 40; // up to so many fields, all topics are open
-const TRACES = 32; // as the server has it
-const AT_ONCE = 6; // of a topic with more fields than so many the user chooses
+const MOST = 500; // listed fields; the search finds the rest
+const OPEN = 40; // up to this number of fields, all topics are open
+const TRACES = 32; // must match the server
+const AT_ONCE = 6; // if a topic has more fields, the user chooses
 const TYPED = "as typed";
 const FORMULA = "formula";
 const FUNCTIONS = ["derivative", "difference", "unwrap"];
-const FIELD = "/[\\w/[\\]-]+(\\.[a-z]+)?(@[\\w/[\\]]+)?"; // with what is derived, and its timestamp source
-const NAME = new RegExp(`^${FIELD}(-${FIELD})?$`); // of one, or of the difference of two
+const FIELD = "/[\\w/[\\]-]+(\\.[a-z]+)?(@[\\w/[\\]]+)?"; // with function and timestamp source
+const NAME = new RegExp(`^${FIELD}(-${FIELD})?$`); // a field, or the difference of two
 
 /**
- * Plot a topic: its fields, or those that the user chooses where there are many.
+ * Plot a topic: its fields, or a choice of the user if there are many.
  * @param {import("../state/store.js").State} state
  * @param {function(string): void} openChooser with a text to search for
  * @param {string} topic
@@ -40,7 +40,7 @@ export function plotTopic(state, openChooser, topic) {
  * @param {import("../state/store.js").State} state
  * @param {function(Object): void} send sends a request
  * @returns {{open: function(string=): void, onFormula: function(Object): void}} opens it, with a
- *   text to search for; takes what the server says of a formula
+ *   text to search for; takes the server's reply about a formula
  */
 export function startChooser(state, send) {
   const dialog = byId("chooser");
@@ -91,7 +91,7 @@ export function startChooser(state, send) {
 
   const formula = new FormulaEntry(state, send, () => fill());
 
-  /** Show a formula in place of what a search would find. */
+  /** Show a formula in place of search results. */
   function fillFormula(text) {
     formula.ask(text);
     const { name, problem: words } = formula.answer || {};
@@ -122,7 +122,7 @@ export function startChooser(state, send) {
       (left < 0 ? `, the first ${MOST} are listed` : "") + (hidden ? `, ${hidden} more on hidden topics` : ""));
   }
 
-  /** What the arrow keys go through: topics, and the fields of those that are open. */
+  /** Elements for the arrow keys: topics, and the fields of open topics. */
   const stops = () => [...list.querySelectorAll("summary, label input")]
     .filter((element) => element.matches("summary") || !element.closest("details:not([open])"));
 

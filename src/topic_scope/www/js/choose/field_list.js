@@ -1,4 +1,4 @@
-/** List of the fields to choose from: by topic, the useful ones first. */
+/** List of the fields to choose from: by topic, the most useful fields first. */
 
 import { byName, searchFor } from "../base/names.js";
 
@@ -22,7 +22,7 @@ export const isHidden = (datatype) => HIDDEN.test(datatype);
  */
 export const isUseful = ({ field, topic }) => !FORMAL.test(field.slice(topic.length + 1));
 
-/** What a choice becomes where a word has an element that is not listed: /scan/ranges[0] with [200]. */
+/** Replace the index of a field by an unlisted index in the search: /scan/ranges[0] with [200]. */
 function withElements(choice, words) {
   const wanted = words.flatMap((word) => word.match(ELEMENT) || []);
   if (!wanted.length) return choice;
@@ -32,13 +32,13 @@ function withElements(choice, words) {
 }
 
 /**
- * Find what fits some words.
+ * Find the fields that match some words.
  * @param {{field: string, datatype: string, topic: string}[]} available
  * @param {Object<string, string>} types of the topics
- * @param {string} text words, each to be in a name or a type
+ * @param {string} text words, each of which must be in a name or a type
  * @param {boolean} all with hidden topics
  * @returns {{groups: {topic: string, datatype: string, fields: Object[]}[], count: number, hidden: number}}
- *   count: how many fields are listed, hidden: how many more there are on hidden topics
+ *   count: number of listed fields, hidden: number of further fields on hidden topics
  */
 export function found(available, types, text, all) {
   const { words, fits } = searchFor(text);
@@ -58,7 +58,7 @@ export function found(available, types, text, all) {
   const listed = [...groups].map(([topic, fields]) => ({
     topic,
     datatype: types[topic] || "",
-    fields: fields.sort((a, b) => rank(a) - rank(b)), // else as in the message
+    fields: fields.sort((a, b) => rank(a) - rank(b)), // otherwise in the order of the message
   })).sort((a, b) => isHidden(a.datatype) - isHidden(b.datatype) || byName(a.topic, b.topic));
   return { groups: listed, count: seen.size - hidden, hidden };
 }

@@ -4,7 +4,7 @@ import { make } from "../base/dom.js";
 
 const LETTERS = "abcdefghijklmnopqrstuvwxyz";
 
-/** Keeps what the server has said of the formula that is being typed. */
+/** Server's check of the formula that is being typed. */
 export class FormulaEntry {
   /**
    * @param {import("../state/store.js").State} state
@@ -20,7 +20,7 @@ export class FormulaEntry {
   }
 
   /**
-   * Ask the server about a formula, if it has not been asked yet.
+   * Ask the server to check a formula, unless it already has.
    * @param {string} text with its =
    */
   ask(text) {

@@ -40,8 +40,8 @@ export class Legend {
     this.cursors = cursors;
     this.rows = new Map();
     this.references = new Map(); // reference -> its row
-    this.spreads = new Map(); // field -> from its least to its greatest value
-    this.measured = {}; // what was measured last, by field
+    this.spreads = new Map(); // field -> its peak-to-peak value
+    this.measured = {}; // latest measurements, by field
     this.body = byId("legend");
     this.table = this.body.parentElement;
     this.room = this.table.parentElement;
@@ -80,12 +80,12 @@ export class Legend {
       [one, referenceRow(this.state, one, this.columns)]));
     const all = [...this.rows.values(), ...this.references.values()];
     this.body.replaceChildren(...all.map((row) => row.element));
-    this.showStats(this.measured); // or buttons move under the pointer when the next figures come
+    this.showStats(this.measured); // otherwise the next figures would move buttons under the pointer
     this.fit();
     if (focused) this.body.querySelector(`[data-control="${CSS.escape(focused)}"]`)?.focus();
   }
 
-  /** Place measurements below the names if a row has no room for all. */
+  /** Place measurements below the names if a row is too narrow for them. */
   fit() {
     this.room.classList.remove("stacked");
     this.room.classList.toggle("stacked", this.isTooWide);
@@ -162,7 +162,7 @@ export class Legend {
   }
 
   /**
-   * Show what the server measured in the visible window.
+   * Show the server's measurements.
    * @param {Object<string, Object<string, ?number>>} traces
    */
   showStats(traces) {
@@ -170,17 +170,17 @@ export class Legend {
     for (const [field, { element, name, cells, timestamp, badge }] of this.rows) {
       const measured = traces[field] || {};
       element.classList.toggle("gone", Boolean(measured.problem));
-      name.colSpan = measured.problem ? 4 + this.columns.length : 1; // the words take the room
+      name.colSpan = measured.problem ? 4 + this.columns.length : 1; // the text takes the whole row
       if (measured.topic) timestamp.show(measured.topic, measured.timestamp);
       setText(badge, missing(measured));
       badge.hidden = !badge.textContent;
       const largest = Math.max(Math.abs(measured.min), Math.abs(measured.max));
-      // Of a mean that should be 0, only the rounding of the sum is left.
+      // A mean of 0 shows only the rounding of the sum.
       const mean = Math.abs(measured.mean) < largest * 1e-9 ? 0 : measured.mean;
       this.spreads.set(field, measured.vpp);
       for (const [key] of this.figures) {
-        const told = key === "mean" && largest ? { ...measured, mean } : measured;
-        setText(cells.get(key), figureText(told, key));
+        const figures = key === "mean" && largest ? { ...measured, mean } : measured;
+        setText(cells.get(key), figureText(figures, key));
         setTitle(cells.get(key), certainty(measured, key));
       }
     }

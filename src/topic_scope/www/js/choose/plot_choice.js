@@ -3,9 +3,9 @@
 import { byId, make, options } from "../base/dom.js";
 import { choose, chosenOf, plotCount, PLOTS } from "../state/traces.js";
 
-const FAR = 6; // pixels that a pointer moves before it drags
+const FAR = 6; // pixels of movement that start a drag
 
-/** The number of a plot that is still to be made; null where a trace needs or can have none. */
+/** Number for a new plot; null if a trace cannot have one. */
 function nextPlot(values, field) {
   const { plot } = chosenOf(values, field);
   const isAlone = !values.fields.some((other) => other !== field && chosenOf(values, other).plot === plot);
@@ -34,19 +34,19 @@ export function plotChoice(state, field) {
 }
 
 /**
- * Let a trace be dragged to another plot, or to a new one.
- * @param {HTMLElement} handle what is dragged
+ * Make a trace draggable to another plot, or to a new one.
+ * @param {HTMLElement} handle the element to drag
  * @param {import("../state/store.js").State} state
  * @param {string} field
  */
 export function startDrag(handle, state, field) {
-  let from = null; // where the pointer went down
+  let from = null; // position where the pointer was pressed
   let isDragging = false;
 
   const stage = byId("stage");
   const room = byId("new-plot");
 
-  /** The number of the plot under the pointer, null beside all. */
+  /** Number of the plot under the pointer; null outside of all plots. */
   function target({ clientX: x, clientY: y }) {
     const isIn = (element) => {
       const box = element.getBoundingClientRect();
@@ -67,11 +67,11 @@ export function startDrag(handle, state, field) {
   }
 
   handle.addEventListener("pointerdown", (event) => {
-    // A finger moves the table; it has the list in the row.
+    // A finger scrolls the table; touch users have the list in the row.
     if (event.button !== 0 || event.pointerType === "touch" || state.values.chart.kind !== "time") return;
     from = event;
     handle.setPointerCapture(event.pointerId);
-    // At the document, as the row may be rebuilt meanwhile.
+    // On the document, because the row may be rebuilt meanwhile.
     document.addEventListener("lostpointercapture", end, { once: true });
   });
   handle.addEventListener("pointermove", (event) => {

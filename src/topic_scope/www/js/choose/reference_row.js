@@ -1,4 +1,4 @@
-/** The row of a reference in the table: what was measured when it was kept, and where it is drawn. */
+/** Row of a reference in the table: its measurements when it was kept, and its position. */
 
 import { make, nameText } from "../base/dom.js";
 import { readNumber, typed } from "../base/numbers.js";
@@ -26,7 +26,7 @@ export function referenceRow(state, reference, columns) {
       change: () => {
         const value = readNumber(input.value) ?? NaN;
         if (Math.abs(value) <= LARGEST) moveReference(state, name, { [key]: value });
-        else input.value = typed(reference[key]); // what is not a number is replaced by the former one
+        else input.value = typed(reference[key]); // invalid: restore the previous number
       },
     });
     return input;

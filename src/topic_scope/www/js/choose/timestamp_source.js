@@ -30,7 +30,7 @@ export function sourcesOf(available, topic) {
 }
 
 /**
- * Give a trace another timestamp source; all else of it stays.
+ * Set the timestamp source of a trace, keeping its other settings.
  * @param {import("../state/store.js").State} state
  * @param {string} name
  * @param {string} source empty to leave it to the scope

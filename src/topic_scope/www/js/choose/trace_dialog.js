@@ -15,7 +15,7 @@ const keep = byId("trace-keep");
 /**
  * Make the dialog work.
  * @param {import("../state/store.js").State} state
- * @param {function(string): void} keepAsIs keeps a trace as it is, to be compared
+ * @param {function(string): void} keepAsIs keeps a trace as a reference
  * @returns {function(string): void} opens it for a field
  */
 export function startTraceDialog(state, keepAsIs) {
@@ -48,7 +48,7 @@ export function startTraceDialog(state, keepAsIs) {
     input.addEventListener("change", () => {
       const number = readNumber(input.value) ?? NaN;
       if (Math.abs(number) <= LARGEST) choose(state, field, { [name]: number });
-      fill(); // what is not a number is replaced by the former one
+      fill(); // invalid: restore the previous number
     });
   }
   return (name) => {

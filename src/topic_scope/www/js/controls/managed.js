@@ -1,9 +1,9 @@
-/** Managed nodes: their states, and buttons for the transitions that are allowed. */
+/** Managed nodes: their states, and buttons for the allowed transitions. */
 
 import { byId, make, nameText } from "../base/dom.js";
 
 /**
- * Make what shows a row for each managed node, above the panels.
+ * Make the list of managed nodes above the panels.
  * @param {import("../state/store.js").State} state
  * @param {function(Object): void} send takes messages for the server
  * @returns {function({nodes: {node: string, state: string, transitions: string[]}[]}): void}

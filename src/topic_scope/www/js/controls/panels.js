@@ -1,10 +1,10 @@
-/** A panel for each node that describes its parameters or can be enabled and reset. */
+/** Panels of the nodes that describe their parameters or can be enabled and reset. */
 
 import { byId, make, nameText, setText } from "../base/dom.js";
 import { byName, searchFor } from "../base/names.js";
 import { Parameter } from "./parameter.js";
 
-const CALLS = { // what the buttons of a service say, and what they send
+const CALLS = { // texts of the buttons of a service, and their data
   SetBool: [["on", true], ["off", false]],
   Trigger: [["call", null]],
 };
@@ -13,7 +13,7 @@ const WELL_KNOWN = {
   reset: [["Reset", null]],
 };
 
-/** Shows the panels and sends what is done with them. */
+/** Panels of all nodes. */
 export class Panels {
   /**
    * @param {import("../state/store.js").State} state
@@ -23,16 +23,16 @@ export class Panels {
     this.state = state;
     this.send = send;
     this.parameters = new Map(); // "node name" -> Parameter
-    this.answers = new Map(); // service -> where its answer is shown
+    this.answers = new Map(); // service -> element of its answer
     this.shown = new Map(); // node -> {shape, element}
     this.closed = new Set();
-    this.statuses = {}; // node -> what it reports, such as running or idle
+    this.statuses = {}; // node -> its status, such as running or idle
     this.filter = byId("filter");
     this.filter.addEventListener("input", () => this.applyFilter());
   }
 
   /**
-   * Show other panels. One that is the same but for its values stays, with what is typed there.
+   * Update the panels. A panel that differs only in values is kept, with the text typed there.
    * @param {Object[]} panels as the server sends them
    */
   show(panels) {
@@ -117,7 +117,7 @@ export class Panels {
       : null;
   }
 
-  /** Buttons of a service, after its name where they do not speak for themselves. */
+  /** Buttons of a service, after its name unless they are self-explanatory. */
   service(node, { name, kind }) {
     const short = name.split("/").pop();
     const own = name === `${node}/${short}`.replace("//", "/");
@@ -138,7 +138,7 @@ export class Panels {
   }
 
   /**
-   * Show the value in force of a parameter.
+   * Show the current value of a parameter.
    * @param {{node: string, name: string, value: *}} message
    */
   onValue({ node, name, value }) {

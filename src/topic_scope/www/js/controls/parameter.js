@@ -1,4 +1,4 @@
-/** One parameter of a node: its control, what it means, and why a value was refused. */
+/** Parameter of a node: its control, its help, and the reason for a rejected value. */
 
 import { make, nameText, options, setText } from "../base/dom.js";
 import { readNumber, short, typed } from "../base/numbers.js";
@@ -7,12 +7,12 @@ import { allowed, isPoor, travel } from "./slider.js";
 const EVERY_MS = 60; // between two sets while a slider moves
 const ANSWER_MS = 1000; // from a set to its value in force, at most
 
-/** Shows a parameter and lets it be changed. */
+/** Row of a parameter on a panel. */
 export class Parameter {
   /**
    * @param {Object} parameter as the server describes it
    * @param {boolean} readonly
-   * @param {function(*): void} set takes a value that the user wants
+   * @param {function(*): void} set sends a value
    */
   constructor(parameter, readonly, set) {
     this.parameter = parameter;
@@ -22,7 +22,7 @@ export class Parameter {
     this.lastSent = -Infinity;
     this.later = null;
     this.settled = null;
-    this.refused = false; // whether what is typed is not in force
+    this.refused = false; // whether the typed value was rejected
     this.numeric = parameter.kind === "float" || parameter.kind === "int";
     this.refusal = make("p", { class: "refusal", role: "alert", hidden: true });
     this.control = readonly ? make("output", { class: "value" }) : this.makeControl();
@@ -85,7 +85,7 @@ export class Parameter {
 
   wantTyped(text) {
     const number = this.numeric ? readNumber(text) : null;
-    // What is not a number goes to the node as it is: the node says what it allows.
+    // Text that is not a number is sent unchanged: the node replies with the valid range.
     this.want(this.numeric && Number.isFinite(number) ? number : text);
   }
 
@@ -116,22 +116,22 @@ export class Parameter {
     this.element.classList.remove("refused");
   }
 
-  /** Go back to the value in force. */
+  /** Restore the value in force. */
   giveUp() {
-    if (this.refused) this.send(this.inForce); // or what was refused is tried again with another one
+    if (this.refused) this.send(this.inForce); // otherwise the rejected value is retried with the next change
     this.show();
   }
 
   /**
-   * Show the value in force. If more was wanted meanwhile, it is the answer to what was wanted
-   * before, and the control does not go back to it.
+   * Show the value in force. If other values were set meanwhile, it is the answer to an earlier
+   * one, and the control does not return to it.
    * @param {*} value
    */
   update(value) {
     const isNews = value !== this.inForce;
     this.inForce = value;
     clearTimeout(this.settled);
-    if (this.refused && (!isNews || document.activeElement === this.control)) return; // to be mended
+    if (this.refused && (!isNews || document.activeElement === this.control)) return; // the user is correcting it
     if (isNews) this.clear();
     const wait = value === this.sent ? 0 : this.lastSent + ANSWER_MS - performance.now();
     if (wait > 0) this.settled = setTimeout(() => this.update(this.inForce), wait);
@@ -139,10 +139,10 @@ export class Parameter {
   }
 
   /**
-   * Show why a value was refused. What was typed stays to be corrected; all else goes back to the value
+   * Show why a value was rejected. Typed text is kept for correction; other controls return to the value
    * in force.
    * @param {string} text
-   * @param {boolean} kept whether it is tried once more with the next value of the node
+   * @param {boolean} kept whether it is retried with the next value of the node
    */
   refuse(text, kept) {
     const isText = this.control.matches("input[type=text]");

@@ -1,9 +1,9 @@
-/** The travel of a slider: a part of the allowed range that suits the value. */
+/** Range of a slider: the part of the allowed range that suits the value. */
 
 import { niceStep, short } from "../base/numbers.js";
 
-const WIDEST = 40; // times the value: a wider range is shown in part
-const DEFAULT_END = 10; // where there is neither a bound nor a value
+const WIDEST = 40; // multiple of the value; of a wider range only a part is shown
+const DEFAULT_END = 10; // without a bound or a value
 
 /**
  * Choose the ends and the step of a slider.
@@ -46,7 +46,7 @@ export function isPoor(ends, wanted, value) {
 /**
  * Describe the allowed range.
  * @param {Object} parameter as the server describes it
- * @returns {string} empty where everything is
+ * @returns {string} empty if unlimited
  */
 export function allowed({ minimum, maximum, above, below }) {
   const has = (bound) => bound !== null && bound !== undefined;

@@ -7,7 +7,7 @@ const GAP_Y = 18;
 const PADDING = 16; // in the frame of a namespace
 const TITLE = 16; // of a namespace
 const MARGIN = 20;
-const STOP = 6; // height of what a way needs to pass
+const STOP = 6; // height of the space for a passing edge
 
 /** Distance of a backward edge below the items that it connects [pixels]. */
 export const BACK = 40;
@@ -30,7 +30,7 @@ export const BACK = 40;
  */
 
 /**
- * Find for each item the longest way from a source; ways back are left out.
+ * Return for each item the longest path from a source, without backward edges.
  * @param {Item[]} items
  * @param {{from: string, to: string}[]} edges
  * @returns {Map<string, number>}
@@ -38,13 +38,13 @@ export const BACK = 40;
 export function layersOf(items, edges) {
   const next = new Map(items.map(({ id }) => [id, []]));
   for (const { from, to } of edges) if (next.has(from) && next.has(to)) next.get(from).push(to);
-  const order = []; // each before all that follow it, but for ways back
-  const seen = new Map(); // id -> false while on the way, true when done
+  const order = []; // topological order, without backward edges
+  const seen = new Map(); // id -> false while on the current path, true when done
   const visit = (id) => {
     seen.set(id, false);
     next.set(id, next.get(id).filter((other) => {
       if (!seen.has(other)) visit(other);
-      return seen.get(other); // false: it is on the way that led here
+      return seen.get(other); // false: it is on the current path
     }));
     seen.set(id, true);
     order.unshift(id);
@@ -62,9 +62,9 @@ export function layersOf(items, edges) {
 }
 
 /**
- * Split ways that lead past layers: a stop in each of these keeps room for the way.
+ * Split edges across several layers: a stop in each layer reserves space for the edge.
  * @returns {{stops: Item[], steps: {from: string, to: string}[], routes: Map<string, string[]>}}
- *   routes: the stops of each way that has some, by "from to"
+ *   routes: the stops of each such edge, by "from to"
  */
 function splitLongWays(items, edges, layers) {
   const groupOf = new Map(items.map(({ id, group }) => [id, group]));
@@ -87,7 +87,7 @@ function splitLongWays(items, edges, layers) {
   return { stops, steps, routes };
 }
 
-/** Order the items of each layer by where their neighbours are, a few times to and fro. */
+/** Order the items of each layer by the positions of their neighbours, in several sweeps. */
 function arrange(columns, edges) {
   const near = new Map();
   for (const { from, to } of edges) {
@@ -120,7 +120,7 @@ const isWithin = (inner, outer) => inner === outer || inner.startsWith(`${outer}
  * @returns {{places: Map<string, Place>, routes: Map<string, Place[]>,
  *   groups: {name: string, x: number, y: number, width: number, height: number}[],
  *   width: number, height: number}} x and y are the middles of items, and corners of groups;
- *   routes has what a way leads past, by "from to"
+ *   routes: the stops of edges, by "from to"
  */
 export function layOut(items, edges) {
   const layers = layersOf(items, edges);
@@ -144,7 +144,7 @@ export function layOut(items, edges) {
   const groups = [];
   const names = [...new Set(items.map(({ group }) => group))].sort(byName);
   let y = MARGIN;
-  const open = []; // frames that the band is in, outermost first
+  const open = []; // enclosing frames of the band, outermost first
   const close = (name) => {
     while (open.length && !(name && isWithin(name, open[open.length - 1].name))) {
       y += PADDING;
@@ -173,7 +173,7 @@ export function layOut(items, edges) {
   return { places, routes: placed, groups: groups.reverse(), width: right + MARGIN, height: y + MARGIN };
 }
 
-/** Place the columns of a band, each in its vertical middle. */
+/** Place the columns of a band, vertically centred. */
 function placeBand(columns, middles, widths, top, places) {
   const heightOf = (column) => column.reduce((sum, item) => sum + item.height + GAP_Y, -GAP_Y);
   const height = Math.max(0, ...columns.map(heightOf));

@@ -21,28 +21,28 @@ function itemsOf(graph, all) {
   const topics = graph.topics.filter(({ name }) => all || heard.has(name) || !ownerOf(name))
     .sort((a, b) => byName(a.name, b.name)).map(({ name, datatype }) => {
       const owner = ownerOf(name);
-      const group = owner?.group ?? namespaceOf(name); // private ones are beside their node
+      const group = owner?.group ?? namespaceOf(name); // private topics are grouped with their node
       const text = owner ? `~${name.slice(owner.name.length + 1)}` : name.slice(group.length + 1);
       const width = 20 + Math.max(CHARACTER * text.length, 6 * datatype.length);
       return { id: `t${name}`, kind: "topic", name, group, datatype, text, width, height: 38 };
     });
   const known = new Set([...nodes, ...topics].map(({ id }) => id));
-  const ways = new Map(); // each once, though a topic has several ways through it
+  const links = new Map(); // each edge once, although several connections of a topic share it
   for (const { from, to, topic, rate } of graph.edges) {
     for (const [a, b] of [[`n${from}`, `t${topic}`], [`t${topic}`, `n${to}`]]) {
-      if (known.has(a) && known.has(b)) ways.set(`${a} ${b}`, { from: a, to: b, rate });
+      if (known.has(a) && known.has(b)) links.set(`${a} ${b}`, { from: a, to: b, rate });
     }
   }
-  return { items: [...nodes, ...topics], ways: [...ways.values()] };
+  return { items: [...nodes, ...topics], links: [...links.values()] };
 }
 
-/** The lowest edge of all that is between two items in their namespace. */
+/** Lower edge of all items between two items. */
 function floorBetween(a, b, others) {
   const between = others.filter(({ x }) => x >= Math.min(a.x, b.x) && x <= Math.max(a.x, b.x));
   return Math.max(...between.map(({ y, height }) => y + height / 2));
 }
 
-/** A smooth way forward, level within columns and bent between them. */
+/** Path of a forward edge, straight within columns and curved between them. */
 function pathForward(stops) {
   let text = "";
   stops.forEach((stop, place) => {
@@ -61,11 +61,11 @@ function pathForward(stops) {
   return text;
 }
 
-/** A way back, below all that is between. */
+/** Path of a backward edge, below all items in between. */
 function pathBack(a, b, others) {
   const y1 = a.y + a.height / 2;
   const y2 = b.y + b.height / 2;
-  // A curve of this kind goes down three quarters of the way to its handles.
+  // A cubic Bézier curve reaches three quarters of the distance to its control points.
   const low = floorBetween(a, b, others) + BACK;
   return `M${a.x} ${y1} C${a.x} ${low} ${b.x} ${low} ${b.x} ${y2}`;
 }
@@ -122,31 +122,31 @@ export class Graph {
    */
   show(graph) {
     this.latest = graph;
-    const { items, ways } = itemsOf(graph, this.all.checked);
-    const shape = JSON.stringify([items, ways.map(({ from, to }) => [from, to])]);
-    if (shape !== this.drawn) this.draw(items, ways);
+    const { items, links } = itemsOf(graph, this.all.checked);
+    const shape = JSON.stringify([items, links.map(({ from, to }) => [from, to])]);
+    if (shape !== this.drawn) this.draw(items, links);
     this.drawn = shape;
     byId("graph-empty").hidden = items.length > 0;
-    for (const { from, to, rate } of ways) {
+    for (const { from, to, rate } of links) {
       const text = this.rates.get(`${from} ${to}`);
       setText(text, rate === null ? "" : `${rate ? figure(rate, rate < 10 ? 2 : 3) : 0} Hz`);
     }
   }
 
-  draw(items, ways) {
-    const { places, routes, groups, width, height } = layOut(items, ways);
+  draw(items, links) {
+    const { places, routes, groups, width, height } = layOut(items, links);
     this.rates.clear();
     const arrow = draw("marker", {
       id: "arrow", viewBox: "0 0 8 8", refX: 7, refY: 4, markerWidth: 7, markerHeight: 7, orient: "auto",
     }, draw("path", { d: "M0 0.5 L8 4 L0 7.5 z" }));
     const groupOf = new Map(items.map(({ id, group }) => [id, group]));
-    const edges = ways.map(({ from, to }) => {
+    const edges = links.map(({ from, to }) => {
       const [a, b] = [places.get(from), places.get(to)];
       const others = items.filter(({ group }) => group === groupOf.get(from) || group === groupOf.get(to))
         .map(({ id }) => places.get(id));
       const forward = b.x > a.x;
       const stops = [a, ...(routes.get(`${from} ${to}`) || []), b];
-      const next = stops[1]; // the rate stands in the first gap
+      const next = stops[1]; // the rate is shown in the first gap
       const middle = { x: (a.x + a.column / 2 + next.x - next.column / 2) / 2, y: (a.y + next.y) / 2 - 8 };
       const text = draw("text", forward ? middle : { x: a.x, y: a.y + a.height / 2 + 12 });
       this.rates.set(`${from} ${to}`, text);

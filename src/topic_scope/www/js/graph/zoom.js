@@ -6,12 +6,12 @@ import { searchFor } from "../base/names.js";
 import { clamp } from "../base/numbers.js";
 import { startTwoFingers } from "../base/pointers.js";
 
-const LARGEST = 1.4; // times its size, to fit
+const LARGEST = 1.4; // largest scale when fitting
 const LIMITS = [0.05, 6];
 const CLOSER = 1.25;
 const ZOOM_PER_PIXEL = 0.003;
 
-/** Zooms the sheet that the graph is on. */
+/** Zoom and search of the graph. */
 export class GraphZoom {
   /**
    * @param {SVGElement} sheet
@@ -22,7 +22,7 @@ export class GraphZoom {
     this.frame = sheet.parentElement;
     this.state = state;
     this.size = { width: 0, height: 0 };
-    this.scale = null; // pixels for one of the graph; null to fit
+    this.scale = null; // screen pixels per pixel of the graph; null to fit
     this.search = byId("graph-search");
     byId("graph-fit").addEventListener("click", () => this.fit());
     byId("graph-closer").addEventListener("click", () => this.zoom(CLOSER));
@@ -32,7 +32,7 @@ export class GraphZoom {
       if (event.key === "Enter") this.next();
     });
     this.frame.addEventListener("wheel", (event) => {
-      if (!event.ctrlKey) return; // else it scrolls
+      if (!event.ctrlKey) return; // otherwise it scrolls
       event.preventDefault();
       this.zoom(Math.exp(-event.deltaY * ZOOM_PER_PIXEL), event.clientX, event.clientY);
     }, { passive: false });
@@ -53,7 +53,7 @@ export class GraphZoom {
     this.find();
   }
 
-  /** The scale at which all of it can be seen. */
+  /** Scale that fits the whole graph. */
   get fitting() {
     const { clientWidth, clientHeight } = this.frame;
     const { width, height } = this.size;
@@ -68,14 +68,14 @@ export class GraphZoom {
     this.sheet.style.height = `${scale * height}px`;
   }
 
-  /** Show all of it. */
+  /** Show the whole graph. */
   fit() {
     this.scale = null;
     this.place();
   }
 
   /**
-   * Zoom around a place on the screen, the middle where none is given.
+   * Zoom around a point on the screen, by default the middle.
    * @param {number} factor above 1: closer
    * @param {number} [x]
    * @param {number} [y]
@@ -105,7 +105,7 @@ export class GraphZoom {
     acts[event.key]();
   }
 
-  /** Mark what has all the words that are searched for. */
+  /** Mark the nodes and topics that match the search. */
   find() {
     const { words, fits } = searchFor(this.search.value);
     const all = [...this.sheet.querySelectorAll(".node, .topic")];
@@ -117,7 +117,7 @@ export class GraphZoom {
     if (this.found.length) this.next();
   }
 
-  /** Bring the next one that was found into view. */
+  /** Scroll to the next match. */
   next() {
     if (!this.found.length) return;
     this.turn = (this.turn + 1) % this.found.length;

@@ -5,7 +5,7 @@ import { byId, make, setPressed, setText } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
 import { Handle } from "../plot/handle.js";
 
-/** Shows two lines that can be moved, and the time between them. */
+/** Two movable vertical lines, and the time between them. */
 export class Cursors {
   /**
    * @param {HTMLElement} overlay of the plot
@@ -16,7 +16,7 @@ export class Cursors {
     this.state = state;
     this.plot = plot;
     this.lastAxis = null; // left edge, length and reference of the axis when last drawn
-    this.own = null; // the cursors as they were set for an axis that was shown; a set-up has others
+    this.own = null; // the cursors as set on a visible axis; null for cursors of a set-up
     this.readout = make("output", { class: "readout", hidden: true });
     overlay.append(this.readout);
     this.handles = ["a", "b"].map((key) => [key, new Handle(overlay, {
@@ -69,7 +69,7 @@ export class Cursors {
       `Δt ${figure(apart)} s   1/Δt ${figure(apart ? 1 / Math.abs(apart) : null)} Hz`);
   }
 
-  /** Stay where they are on the screen when the axis begins to count from something else. */
+  /** Keep their positions on the screen when the reference of the axis changes. */
   stay(from, to) {
     const { cursors, trigger } = this.state.values;
     const before = this.lastAxis;
@@ -78,7 +78,7 @@ export class Cursors {
     this.lastAxis = { from, length: to - from, reference };
     if (!cursors || !shown) return;
     if (cursors !== this.own) {
-      // Of a set-up, they are by the axis of its trigger, also where that has not come yet.
+      // Cursors of a set-up refer to the axis of its trigger, even before it fires.
       if (trigger.mode === "off" || reference !== shown.to) this.own = cursors;
       return;
     }
@@ -89,9 +89,9 @@ export class Cursors {
   }
 
   /**
-   * Find what a trace is at both cursors.
+   * Return the readings of a trace at both cursors.
    * @param {string} field
-   * @returns {?{a: ?Reading, b: ?Reading, difference: ?Reading}} null where there are no cursors
+   * @returns {?{a: ?Reading, b: ?Reading, difference: ?Reading}} null without cursors
    */
   valuesOf(field) {
     const { shown } = this.plot;
@@ -99,9 +99,9 @@ export class Cursors {
   }
 
   /**
-   * Find what something is at both cursors.
-   * @param {function(number): ?Reading} valueAt gives what it is at a time on the axis
-   * @returns {?{a: ?Reading, b: ?Reading, difference: ?Reading}} null where there are no cursors
+   * Return the readings of a function of time at both cursors.
+   * @param {function(number): ?Reading} valueAt returns the reading at a time on the axis
+   * @returns {?{a: ?Reading, b: ?Reading, difference: ?Reading}} null without cursors
    */
   valuesBy(valueAt) {
     const { cursors } = this.state.values;

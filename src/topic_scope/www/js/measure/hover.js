@@ -9,18 +9,18 @@ import { scaledText } from "../state/traces.js";
 
 const BESIDE = 12; // pixels from the pointer
 
-/** A line below the pointer, and what the traces are there. */
+/** Line at the pointer, with the values of the traces. */
 export class Hover {
   /**
    * @param {HTMLElement} stage
    * @param {HTMLElement} overlay of the plot
    * @param {import("../state/store.js").State} state
    * @param {import("../plot/stack.js").Plots} plot
-   * @param {function(string): number} spreadOf from the least to the greatest value of a trace
+   * @param {function(string): number} spreadOf returns the peak-to-peak value of a trace
    */
   constructor(stage, overlay, state, plot, spreadOf) {
     Object.assign(this, { overlay, state, plot, spreadOf });
-    this.part = null; // of the plot's width, from the left
+    this.part = null; // position as a fraction of the plot's width
     this.line = make("i", { class: "hover-line", hidden: true });
     this.box = make("div", { class: "hover", hidden: true });
     overlay.append(this.line, this.box);
@@ -37,7 +37,7 @@ export class Hover {
   onMove(event) {
     const { left, width, top, height } = this.overlay.getBoundingClientRect();
     const part = (event.clientX - left) / width;
-    const bands = byId("bands").getBoundingClientRect(); // of no height without states
+    const bands = byId("bands").getBoundingClientRect(); // height 0 without states
     const bottom = Math.max(top + height, bands.bottom);
     const isIn = part >= 0 && part <= 1 && event.clientY >= top && event.clientY <= bottom;
     this.part = isIn && !event.buttons && event.pointerType !== "touch" ? part : null;
@@ -68,7 +68,7 @@ export class Hover {
     this.box.style.right = isRight ? beside : "auto";
   }
 
-  /** The state at a time, since when, and until when. */
+  /** Text of the state at a time, with its start and end. */
   stateText(field, time, shown) {
     const span = spanAt(spansOf(shown.buffer.states, field), time);
     if (!span) return "–";

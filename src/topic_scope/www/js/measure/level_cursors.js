@@ -6,7 +6,7 @@ import { numbersOf } from "../state/states.js";
 import { labelOf } from "../state/traces.js";
 import { Handle } from "../plot/handle.js";
 
-/** Shows two lines that can be moved, and how far apart they are. */
+/** Two movable horizontal lines, and their distance. */
 export class LevelCursors {
   /**
    * @param {HTMLElement} overlay of the plot

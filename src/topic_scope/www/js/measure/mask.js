@@ -1,4 +1,4 @@
-/** A mask: limits around a reference trace, how many samples keep within, and what stops at the first that does not. */
+/** Mask test: limits around a reference trace, sample counts, and the stop at the first failure. */
 
 import { byId, download, options, setText } from "../base/dom.js";
 import { notify } from "../base/link.js";
@@ -11,7 +11,7 @@ const begin = byId("mask-begin");
 const verdict = byId("mask-verdict");
 const end = byId("mask-end");
 
-/** Save what is around a failure, at full resolution. */
+/** Save the samples around a failure, at full resolution. */
 async function save(fields, from, to) {
   const query = new URLSearchParams(fields.map((field) => ["field", field]));
   query.append("start", from);
@@ -32,8 +32,8 @@ async function save(fields, from, to) {
  */
 export function startMask(state, send) {
   let field = "";
-  let asked = null; // the request in force
-  let isDrawn = false; // whether its limits were: who removes one does not get it back
+  let asked = null; // the current request
+  let isDrawn = false; // whether its limits were shown once: a limit that the user removes is not added again
   let hasStopped = false;
 
   function showOrHide() {
@@ -49,7 +49,7 @@ export function startMask(state, send) {
     showOrHide();
   }
 
-  /** Pause, with the failure in view, and save what led to it. */
+  /** Pause with the failure in view, and save its samples. */
   function stopAt(first, names) {
     const { window } = state.values;
     state.set({ end: first + window / 4 });

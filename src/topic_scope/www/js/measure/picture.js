@@ -1,17 +1,17 @@
-/** A picture of what is visible, for a report: the plot, its cursors, and what is measured. */
+/** Picture for a report: the plot, its cursors and measurements. */
 
 import { clockText, zoneText } from "../base/clock.js";
 import { make, themeColour } from "../base/dom.js";
 
-const RATIO = 2; // pixels of the picture for one of the page, at least
+const RATIO = 2; // least number of picture pixels per page pixel
 const LINE = 17; // height of a line of text, pixels
 const COLUMN = 70; // width of a figure
 const EDGE = 12;
-const SWATCH = 30; // width of the sample of a line, and the space behind it
+const SWATCH = 30; // width of a line sample, and the space after it
 
 const TURNED = { "dygraph-ylabel": -1, "dygraph-y2label": 1 }; // titles, quarter turns
 
-/** Do something while all is drawn with more pixels than the screen has. */
+/** Call a function while the plots are drawn at a higher resolution than the screen. */
 function sharply(drawn, ratio, act) {
   const own = Object.getOwnPropertyDescriptor(window, "devicePixelRatio");
   Object.defineProperty(window, "devicePixelRatio", { value: ratio, configurable: true });
@@ -24,7 +24,7 @@ function sharply(drawn, ratio, act) {
   }
 }
 
-/** Write the labels that dygraphs has put beside its canvas. */
+/** Draw the labels that dygraphs places beside its canvas. */
 function drawLabels(context, box, element) {
   for (const label of element.querySelectorAll(".dygraph-axis-label, .dygraph-label")) {
     const place = label.getBoundingClientRect();
@@ -43,7 +43,7 @@ function drawLabels(context, box, element) {
   }
 }
 
-/** Draw the lines that lie over the plot: cursors, and the level of the trigger. */
+/** Draw the lines over the plot: cursors, and the trigger level. */
 function drawHandles(context, box, overlay) {
   const area = overlay.getBoundingClientRect();
   context.textBaseline = "middle";
@@ -68,9 +68,9 @@ function drawHandles(context, box, overlay) {
 }
 
 /**
- * Break a name into lines that are no wider than something, behind a slash where there is one.
+ * Break a name into lines of limited width, after a slash if possible.
  * @param {string} name
- * @param {number} most width
+ * @param {number} most largest width
  * @param {function(string): number} widthOf
  * @returns {string[]}
  */
@@ -86,7 +86,7 @@ export function wrapped(name, most, widthOf) {
   return lines;
 }
 
-/** Content of the page's table: its heads, and the measurements of each trace. */
+/** Contents of the page's table: heads, and measurements of each trace. */
 function tableOf(fields) {
   const cells = (row) => [...row.querySelectorAll("[data-cell]")].map((cell) => cell.textContent);
   const rows = [...document.querySelectorAll("#legend tr")].filter((row) => fields.includes(row.dataset.field));
@@ -94,7 +94,7 @@ function tableOf(fields) {
   return { heads, rows: rows.map((row) => ({ field: row.dataset.field, figures: cells(row) })) };
 }
 
-/** Break what cursors tell where it has gaps, and where that is not enough, as a name. */
+/** Break the readout of the cursors at its gaps, and otherwise like a name. */
 function fitted(text, most, widthOf) {
   const lines = [];
   for (const part of text.split(/\s{3,}/)) {
@@ -106,8 +106,8 @@ function fitted(text, most, widthOf) {
 }
 
 /**
- * What is written below the plot: a legend with figures, the readout of the cursors, the date.
- * Figures that have no room beside the others are below them, with the names once more.
+ * Return the text below the plot: a legend with figures, the readout of the cursors, the date.
+ * Figures that do not fit beside the others are placed below them, with the names repeated.
  */
 function below(context, fields, width, texts, labelOf) {
   const widthOf = (text) => context.measureText(text).width;
@@ -175,8 +175,8 @@ function drawBelow(context, { blocks, notes, columns }, top, width, { colourOf, 
  * @param {import("../plot/stack.js").Plots|import("../plot/canvas_chart.js").Chart} drawn
  * @param {string[]} fields that are shown
  * @param {{colourOf: function(string): string, dashOf: function(string): number[],
- *   labelOf: function(string): string, notes: string[]}} style of fields, and what else is said
- * @param {number} until the right edge of what is shown, since the epoch [s]
+ *   labelOf: function(string): string, notes: string[]}} style of fields, and additional notes
+ * @param {number} until the right edge of the view, since the epoch [s]
  * @returns {HTMLCanvasElement}
  */
 export function picture(drawn, fields, style, until) {

@@ -1,12 +1,12 @@
-/** Choice of measurements: which ones, of which span of time, against which trace. */
+/** Choice of measurements, of their time span, and of the reference trace. */
 
 import { byId, make, options } from "../base/dom.js";
 import { figure, measuredText } from "../base/numbers.js";
 import { numbersOf } from "../state/states.js";
 
-const LONGEST = 20; // letters of a state in the table; the pointer tells all of it
+const LONGEST = 20; // letters of a state in the table; its tooltip has the whole text
 
-/** Keys of the figures, their heads in the table, and what they are. */
+/** Keys of the figures, their heads in the table, and descriptions. */
 export const FIGURES = [
   ["rate", "rate, Hz", "samples per second"],
   ["value", "value", "the latest value"],
@@ -27,7 +27,7 @@ export const FIGURES = [
   ["latency", "latency, s", "latency: from the stamp to reception, median"],
   ["latency_max", "latency max, s", "greatest latency"],
 ];
-/** Those that are written with the digits that the spread of the trace needs. */
+/** Figures whose digits depend on the spread of the trace. */
 export const VALUES = ["value", "min", "max", "mean", "rms", "cycle_mean", "cycle_rms"];
 
 const SHAPES = ["rise", "overshoot", "settling", "duty", "cycle_mean", "cycle_rms"];
@@ -36,9 +36,9 @@ const SOON_MS = 100; // while a cursor is dragged, nothing is sent more often
 
 /**
  * Describe the uncertainty of a measurement, or why it is missing.
- * @param {Object} measured what is measured of a trace
+ * @param {Object} measured measurements of a trace
  * @param {string} key of the figure
- * @returns {string} empty for what is exact, or not there
+ * @returns {string} empty for an exact or missing figure
  */
 export function certainty(measured, key) {
   if (measured.state !== undefined) return key === "value" ? measured.state : "not measurable: a state has no numbers";
@@ -52,8 +52,8 @@ export function certainty(measured, key) {
 const shortened = (text) => (text.length > LONGEST ? `${text.slice(0, LONGEST)}…` : text);
 
 /**
- * Write a figure with the digits that its uncertainty needs, or the spread of its trace.
- * @param {Object} measured what is measured of a trace
+ * Format a figure with the digits that its uncertainty, or the spread of its trace, requires.
+ * @param {Object} measured measurements of a trace
  * @param {string} key of the figure
  * @returns {string}
  */
@@ -63,13 +63,13 @@ export function figureText(measured, key) {
   return figure(measured[key], 5, VALUES.includes(key) ? measured.vpp : null);
 }
 
-/** The figures that are to be seen, in their order. */
+/** The visible figures, in order. */
 export const shownFigures = ({ measures }) => FIGURES.filter(([key]) => measures.figures.includes(key));
 
 /**
- * Make the request for what the server is to measure.
+ * Make the request for measurements.
  * @param {Object} values of the state
- * @param {?number} reference what the cursors count from, since the epoch [s]; null: the present
+ * @param {?number} reference zero of the cursors' times, since the epoch [s]; null: the present
  * @returns {Object} the request
  */
 export function wantedMeasures({ measures, cursors, fields }, reference) {
@@ -87,7 +87,7 @@ export function wantedMeasures({ measures, cursors, fields }, reference) {
 }
 
 /**
- * Make the dialog work, and keep the server in step with it.
+ * Set up the dialog, and send its changes to the server.
  * @param {import("../state/store.js").State} state
  * @param {import("../state/sweep.js").Sweep} sweep
  * @param {import("../plot/stack.js").Plots} plot

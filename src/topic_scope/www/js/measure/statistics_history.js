@@ -1,4 +1,4 @@
-/** Table of the variation of the traces' measurements. */
+/** Table of the statistics over time of measurements. */
 
 import { byId, make, setText } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
@@ -8,9 +8,9 @@ import { shownFigures } from "./statistics.js";
 const COLUMNS = ["mean", "sigma", "min", "max", "count"];
 
 /**
- * Keep the table in step with what is measured.
+ * Set up the table.
  * @param {import("../state/store.js").State} state
- * @returns {function(Object<string, Object>): void} takes what is measured of the traces
+ * @returns {function(Object<string, Object>): void} takes the measurements of the traces
  */
 export function startOverTime(state) {
   const section = byId("over-time");

@@ -8,10 +8,10 @@ import { certainty, figureText } from "./statistics.js";
 const KINDS = { time: "plot over time", spectrum: "spectrum", xy: "XY plot" };
 
 /**
- * Describe what a plot shows.
+ * Describe a plot in words.
  * @param {Object} values of the state
  * @param {string[]} fields that are shown
- * @param {Object<string, Object>} traces what is measured of them
+ * @param {Object<string, Object>} traces their measurements
  * @returns {string}
  */
 export function inWords(values, fields, traces) {
@@ -35,9 +35,9 @@ export function inWords(values, fields, traces) {
 }
 
 /**
- * Keep the words in step with the plot.
+ * Set up the text alternative.
  * @param {import("../state/store.js").State} state
- * @returns {function(Object<string, Object>): void} takes what is measured of the traces
+ * @returns {function(Object<string, Object>): void} takes the measurements of the traces
  */
 export function startAlternative(state) {
   const plot = byId("plot");

@@ -14,7 +14,7 @@ const MORE = [
   ["trigger-position", "position", 100, 100], // in %
 ];
 
-/** Shows and changes the trigger. */
+/** Trigger controls. */
 export class Trigger {
   /**
    * @param {HTMLElement} overlay of the plot
@@ -56,7 +56,7 @@ export class Trigger {
     this.show();
   }
 
-  /** The dialog with what else there is to a trigger. */
+  /** Set up the dialog with the other settings of the trigger. */
   startDialog() {
     const fill = () => {
       for (const [id, name, scale] of MORE) byId(id).value = typed(this.state.values.trigger[name] * scale);
@@ -94,7 +94,7 @@ export class Trigger {
     this.state.setTrigger(trigger, again ? { end: null, reference: null } : {});
   }
 
-  /** Bring the level to the middle between the least and the greatest value that are visible. */
+  /** Set the level to the middle of the visible minimum and maximum. */
   halve() {
     const { trigger } = this.state.values;
     const fields = numbersOf(this.state.values.fields);
@@ -127,7 +127,7 @@ export class Trigger {
   }
 
   /**
-   * Show what the server says of the trigger.
+   * Show the server's state of the trigger.
    * @param {"off"|"armed"|"triggered"} text
    */
   showStatus(text) {
@@ -142,7 +142,7 @@ export class Trigger {
     const [, high] = this.plot.range(axis);
     const place = shown ? this.plot.placeOf(axis, trigger.level) : null;
     this.line.place(place, trigger.level, figure(trigger.level));
-    // Where the level is outside of the view an arrow says where.
+    // An arrow points to a level outside of the view.
     this.arrow.hidden = !shown || place !== null;
     if (this.arrow.hidden) return;
     const isAbove = trigger.level > high;

@@ -5,21 +5,21 @@ import { notify } from "../base/link.js";
 import { readNumber, typed } from "../base/numbers.js";
 
 /**
- * Make the bar of the bags work.
+ * Set up the bar of the bags.
  * @param {import("../state/view.js").View} view
  * @param {import("../state/sweep.js").Sweep} sweep
  * @param {function(Object): void} send sends a request
  * @returns {function({bags: {name: string, file: string, begin: number, offset: number,
- *   length: number}[]}): void} shows what the server says of them
+ *   length: number}[]}): void} shows the server's message about them
  */
 export function startOverlays(view, sweep, send) {
   const bar = byId("overlays");
   const rows = new Map(); // name -> its controls
 
-  /** Lay a bag where its first crossing is at the trigger, and look at that. */
+  /** Align a bag's first crossing with the trigger, and show it. */
   function align(name) {
     if (view.state.values.trigger.mode === "off") notify("Choose a trigger first: the bag is aligned at its level.");
-    else if (!sweep.held) notify("Nothing has triggered yet that the bag could be aligned at.");
+    else if (!sweep.held) notify("Nothing has triggered yet: there is no time to align the bag with.");
     else {
       const { time } = sweep.held;
       view.pause();
@@ -32,7 +32,7 @@ export function startOverlays(view, sweep, send) {
       inputmode: "decimal",
       size: 7,
       "aria-label": `offset of ${name}, s`,
-      title: "how much later the bag is laid, s",
+      title: "shift of the bag, s",
       change: () => {
         const number = readNumber(offset.value);
         if (Number.isFinite(number)) send({ type: "overlay", name, offset: number });
@@ -45,9 +45,9 @@ export function startOverlays(view, sweep, send) {
     const element = make("div", { class: "group", role: "group", "aria-label": `bag ${name}` },
       make("strong", { title: `${file}, ${typed(length, 4)} s` }, name),
       make("label", { class: "field" }, "offset", offset, "s"),
-      button("Align at the trigger", "lay the bag where it first crosses the level of the trigger",
+      button("Align at the trigger", "shift the bag so that it first crosses the trigger level at the trigger",
         () => align(name)),
-      button("Begin at the left edge", "lay the begin of the bag where the plot begins",
+      button("Begin at the left edge", "shift the start of the bag to the left edge of the plot",
         () => send({ type: "overlay", name, begin: sweep.shown.from })));
     return { element, offset, laid: 0 };
   }
@@ -56,7 +56,7 @@ export function startOverlays(view, sweep, send) {
     bar.hidden = !bags.length;
     const names = bags.map(({ name }) => name);
     for (const name of [...rows.keys()].filter((one) => !names.includes(one))) {
-      rows.get(name).element.remove(); // another scope is there now
+      rows.get(name).element.remove(); // the page is connected to another scope now
       rows.delete(name);
     }
     for (const bag of bags) {

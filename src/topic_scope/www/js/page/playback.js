@@ -10,13 +10,13 @@ const EVERY_MS = 250; // between two updates of the position
 
 const optionOf = (speed) => [speed, `${typed(speed)} ×`];
 
-/** The bar of a bag, and how its clock goes together with what the page shows. */
+/** Playback bar of a bag; synchronises its clock with the view. */
 export class Playback {
   /**
    * @param {import("../state/store.js").State} state
    * @param {import("../state/sweep.js").Sweep} sweep
    * @param {function(Object): void} send
-   * @param {function(): void} onJump is called after its clock has jumped
+   * @param {function(): void} onJump called after its clock has jumped
    */
   constructor(state, sweep, send, onJump) {
     this.state = state;
@@ -24,9 +24,9 @@ export class Playback {
     this.onJump = onJump;
     this.send = (changes) => send({ type: "playback", ...changes });
     this.bag = null;
-    this.latest = null; // how it plays, as the server said last
+    this.latest = null; // latest playback state of the server
     this.follows = false; // whether the view follows a jump of the clock
-    this.picked = null; // where the slider was moved to, and the clock is not yet, s
+    this.picked = null; // slider position that the clock has not reached yet, s
     this.place = byId("playback-place");
     this.speed = byId("playback-speed");
     this.speed.append(...options(SPEEDS.map(optionOf)));
@@ -49,9 +49,9 @@ export class Playback {
   }
 
   /**
-   * Learn whether a bag is shown, and which.
+   * Handle the server's hello, which names the bag, if any.
    * @param {{bag: ?{name: string, start: number, end: number}}} message
-   * @param {boolean} fresh whether the page shows what the scope suggests
+   * @param {boolean} fresh whether the page shows the scope's defaults
    */
   onHello({ bag = null }, fresh) {
     this.bag = bag;

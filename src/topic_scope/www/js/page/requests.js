@@ -5,7 +5,7 @@ import { scalingOf } from "../state/traces.js";
 
 const EVERY_MS = 50; // between two views while the wheel turns
 
-/** Keeps the server in step with the state. */
+/** Sender of requests when the state changes. */
 export class Requests {
   /**
    * @param {import("../state/store.js").State} state
@@ -18,10 +18,10 @@ export class Requests {
     this.setup = setup;
     this.plot = plot;
     this.connection = connection;
-    this.welcome = false; // whether the server has said hello once
-    this.picked = false; // whether the user has picked fields; else the server decides
+    this.welcome = false; // whether a hello has been received
+    this.picked = false; // whether the user has chosen fields; otherwise the server decides
     this.greeting = false;
-    this.sent = {}; // kind -> what was sent last
+    this.sent = {}; // type -> latest request
     this.timer = null;
     this.chart = { type: "chart", kind: "time" };
     state.on(["fields"], () => {
@@ -40,8 +40,8 @@ export class Requests {
   }
 
   /**
-   * At first, take what the server suggests; after a loss, restore what the user had. The server
-   * says hello again when it finds more of the fields it was started for.
+   * Take the server's defaults on the first connection; after a loss, restore the user's choices. The server
+   * sends another hello when it finds more of the fields of its command line.
    * @param {{readonly: boolean, history: number, fields: string[], defaults: {window: number},
    *   setup: ?Object}} message
    */
@@ -66,9 +66,9 @@ export class Requests {
   }
 
   /**
-   * Send a message, if it says something new.
+   * Send a message, if it differs from the latest of its type.
    * @param {Object} message
-   * @param {boolean} [isDefault] whether it says what a server begins with
+   * @param {boolean} [isDefault] whether it is the server's initial state
    */
   send(message, isDefault = false) {
     const text = JSON.stringify(message);
@@ -101,7 +101,7 @@ export class Requests {
   sendView() {
     clearTimeout(this.timer);
     this.timer = null;
-    if (this.state.values.view !== "scope") return; // the plot has no size then
+    if (this.state.values.view !== "scope") return; // the hidden plot does not have a size
     const { window, end } = this.state.values;
     const width = clamp(Math.round(this.plot.area.w), 50, 4000);
     this.send({ type: "view", window, width, end });
@@ -112,13 +112,13 @@ export class Requests {
     this.send({ type: "trigger", ...trigger }, trigger.mode === "off");
   }
 
-  /** @param {Object} message what is to be made in place of a plot over time */
+  /** @param {Object} message the requested chart */
   sendChart(message) {
     this.chart = message;
     this.send(message, message.kind === "time");
   }
 
-  /** @param {Object} message what is to be measured */
+  /** @param {Object} message the requested measurements */
   sendMeasure(message) {
     const { shapes, latency, against, start, over_time: overTime } = message;
     this.send(message, !shapes && !latency && !against && start === null && !overTime);

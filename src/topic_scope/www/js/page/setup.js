@@ -7,7 +7,7 @@ import { TRIGGER_EDGES, TRIGGER_MODES } from "../state/store.js";
 import { isTraces, readTraces, writeTraces } from "../state/traces.js";
 import { isChart } from "../plot/kinds.js";
 
-const LATER_MS = 300; // while something is dragged the address stays as it is
+const LATER_MS = 300; // delay of address updates, e.g. during a drag
 const COLOUR = /^#[0-9a-f]{6}$/i;
 const VIEWS = ["scope", "graph", "robots"];
 const VERTICAL = /^y2?(\.[2-8])?$/; // axes of the plots
@@ -57,7 +57,7 @@ const PARTS = {
 };
 
 /**
- * Write what a page is set up to show.
+ * Return the set-up of a page.
  * @param {Object} values of the state
  * @returns {Object} for JSON
  */
@@ -67,10 +67,10 @@ export function written(values) {
 }
 
 /**
- * Read what {@link written} has written; what is not there stays as it is.
+ * Parse the output of {@link written}; missing parts stay unchanged.
  * @param {Object} setup
  * @returns {Object} values for the state
- * @throws {Error} if it cannot be; the text says which part
+ * @throws {Error} if it is invalid; the text names the part
  */
 export function read(setup) {
   if (typeof setup !== "object" || setup === null) throw new Error("a set-up must be a JSON object");
@@ -84,26 +84,26 @@ export function read(setup) {
   }));
 }
 
-/** Keeps the address in step with the state, and the state with an address or a file. */
+/** Synchronises the address with the state, and loads set-ups. */
 export class Setup {
   /**
    * @param {import("../state/store.js").State} state
    */
   constructor(state) {
     this.state = state;
-    this.given = null; // as the scope gives it, by its command line
+    this.given = null; // the scope's set-up, from its command line
     this.timer = null;
-    this.chosen = false; // whether the address says what to show
+    this.chosen = false; // whether the address contains a set-up
     state.on(Object.keys(PARTS), () => this.keepSoon());
     byId("setup-save").addEventListener("click", () => this.save());
     byId("setup-load").addEventListener("change", (event) => this.load(event.target));
-    // An address that is pasted where the page is open loads nothing: it differs at its end alone.
-    // By then, keepSoon may have written over it.
+    // Pasting an address into an open page does not reload it: only the fragment differs.
+    // keepSoon may have overwritten it by then.
     window.addEventListener("hashchange", ({ newURL }) => this.restoreAddress(new URL(newURL).hash));
   }
 
   /**
-   * Show what an address says.
+   * Apply the set-up of an address.
    * @param {string} hash its part from "#" on
    */
   restoreAddress(hash) {
@@ -114,7 +114,7 @@ export class Setup {
     this.chosen = this.restore(text);
   }
 
-  /** Remember what the scope shows by itself: an address need not say that. */
+  /** Store the scope's defaults, which an address omits. */
   rememberGiven() {
     const shown = written(this.state.values);
     const given = this.given ? { ...JSON.parse(this.given), fields: shown.fields } : shown;
@@ -123,9 +123,9 @@ export class Setup {
   }
 
   /**
-   * Show what a text says.
+   * Apply a set-up in JSON.
    * @param {string} text as {@link written}, in JSON
-   * @returns {boolean} whether there was something to be shown
+   * @returns {boolean} whether the text is a valid set-up
    */
   restore(text) {
     if (!text) return false;
@@ -139,7 +139,7 @@ export class Setup {
   }
 
   /**
-   * Show what a set-up says.
+   * Apply a set-up.
    * @param {Object} setup
    */
   apply(setup) {

@@ -1,4 +1,4 @@
-/** The bar above the plot. */
+/** Tool bar above the plot. */
 
 import { byId, download, options, setPressed } from "../base/dom.js";
 import { typed } from "../base/numbers.js";
@@ -14,20 +14,20 @@ const WINDOWS = [0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 6
 const windowText = (window) => (window < 1 ? `${typed(window * 1000)} ms` : `${typed(window)} s`);
 
 /**
- * The address of the samples that are visible, at full resolution.
+ * Return the URL of the visible samples, at full resolution.
  * @param {string[]} fields
  * @param {{from: number, to: number}} shown since the epoch [s]
  * @returns {string}
  */
 function csvAddress(fields, { from, to }) {
   const query = new URLSearchParams(fields.map((field) => ["field", field]));
-  query.append("start", Math.max(0, from)); // which is before all time as long as there is no sample
+  query.append("start", Math.max(0, from)); // negative without samples
   query.append("end", to);
   return `/data.csv?${query}`;
 }
 
 /**
- * Make the bar work.
+ * Set up the bar.
  * @param {import("../state/store.js").State} state
  * @param {import("../state/view.js").View} view
  * @param {import("../plot/stack.js").Plots} plot
@@ -78,7 +78,7 @@ export function startTools(state, view, plot, sweep, open, chart) {
     byId("scope-view").classList.toggle("wide", !shown);
     setPressed(panels, shown);
   });
-  if (matchMedia(NARROW).matches) state.set({ panels: false }); // at first, the room is for the plot
+  if (matchMedia(NARROW).matches) state.set({ panels: false }); // initially, leave the space to the plot
 
   const csv = byId("csv");
   const address = () => { csv.href = csvAddress(state.shown, sweep.shown); };

@@ -6,7 +6,7 @@ import { axisName, axisOf, axisParts, plotCount } from "../state/traces.js";
 
 const SIDES = { x: "time", y: "left", y2: "right" };
 
-/** Title of an axis; one of the first plot by its side alone. */
+/** Name of an axis; axes of the first plot are named by side only. */
 function called(name) {
   const [side, plot] = axisParts(name);
   return `${SIDES[side]} axis${plot === 1 ? "" : ` of plot ${plot}`}`;
@@ -33,7 +33,7 @@ export function startAxes(state) {
     return input;
   }
 
-  /** A field for a number; "act" takes what was typed, null for nothing. */
+  /** Field for a number; "act" takes the number, null for an empty field. */
   function numberField(label, value, act) {
     const input = make("input", {
       type: "text",

@@ -1,4 +1,4 @@
-/** The states below the plots: a band for each, coloured by text. */
+/** Bands of states below the plots, coloured by text. */
 
 import { byId, make, themeColour } from "../base/dom.js";
 import { paletteColour } from "../state/colours.js";
@@ -8,7 +8,7 @@ const ROW = 38; // height of a band and its name, pixels
 const NAME = 15;
 const MARGIN = 4; // between a text and the ends of its span
 
-/** Draws the states that are shown, over the time axis of the plots. */
+/** Bands of the visible states, over the time axis of the plots. */
 export class Bands {
   /**
    * @param {HTMLElement} element
@@ -24,12 +24,12 @@ export class Bands {
     this.fit();
   }
 
-  /** The states that are shown. */
+  /** The visible states. */
   get fields() {
     return this.state.values.chart.kind === "time" ? this.state.shown.filter(isState) : [];
   }
 
-  /** Take the room that is needed. */
+  /** Set the height to the number of states. */
   fit() {
     const height = ROW * this.fields.length;
     this.element.hidden = !height;
@@ -65,7 +65,7 @@ export class Bands {
       context.fillStyle = span.isSeveral ? themeColour("grid") : paletteColour(this.state, placeOf(span.text));
       context.fillRect(start, top, Math.max(end - start, 1), height);
       context.fillStyle = span.isSeveral ? themeColour("text") : themeColour("screen");
-      context.fillRect(start, top, Math.min(1, (end - start) / 2), height); // two may have one colour
+      context.fillRect(start, top, Math.min(1, (end - start) / 2), height); // neighbours may share a colour
       if (context.measureText(span.text).width + 2 * MARGIN < end - start) {
         context.fillText(span.text, start + MARGIN, top + height / 2);
       }

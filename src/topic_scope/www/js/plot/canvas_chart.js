@@ -1,4 +1,4 @@
-/** Draws lines over any axis, such as spectra and paths; over time there is the plot. */
+/** Chart of lines over any axis, such as spectra and XY plots; traces over time use dygraphs. */
 
 import { make, themeColour } from "../base/dom.js";
 import { AutoRange, figure, ticks } from "../base/numbers.js";
@@ -54,12 +54,12 @@ export class Chart {
     this.auto = { x: new AutoRange(), y: new AutoRange() };
   }
 
-  /** Draw the same once more. */
+  /** Redraw. */
   redraw() {
     if (this.shown) this.draw(this.shown);
   }
 
-  /** As the plot has it, for a picture. */
+  /** Interface of the plot, for pictures. */
   get canvases() {
     return [this.canvas];
   }
@@ -67,7 +67,7 @@ export class Chart {
   /**
    * Draw.
    * @param {{lines: Line[], titles: {x: string, y: string}, isEqual: boolean, exact: boolean}} shown
-   *   isEqual: as long to the right as upwards; exact: the axis to the right ends with the lines
+   *   isEqual: equal scales of both axes; exact: the horizontal axis ends with the lines
    */
   draw(shown) {
     this.shown = shown;
@@ -180,7 +180,7 @@ export class Chart {
     }
   }
 
-  /** Show where the pointer is. */
+  /** Show the position of the pointer. */
   showPlace(event) {
     if (!this.ranges) return;
     const box = this.element.getBoundingClientRect();

@@ -1,4 +1,4 @@
-/** Draws what a sweep shows with dygraphs, and knows where on the screen a value is. */
+/** Plot of a sweep, drawn by dygraphs. */
 
 import { clockTicks, dateText, zoneText } from "../base/clock.js";
 import { make, themeColour } from "../base/dom.js";
@@ -13,18 +13,18 @@ import { drawReferences } from "./reference_lines.js";
 const PIXELS_PER_TICK = { x: 90, y: 46 };
 const LABEL_WIDTH = 58;
 const LETTER = 7; // pixels, of a label
-const TICK_PIXELS = 6; // that dygraphs leaves beside labels
-const RIGHT_GAP = 6; // pixels, where there is no axis
-const BELOW = 22; // pixels below a plot that has no time axis, for the lowest number beside it
-const SPARSE_PIXELS = 9; // samples at least so far apart are marked
+const TICK_PIXELS = 6; // gap of dygraphs beside labels
+const RIGHT_GAP = 6; // pixels, without an axis
+const BELOW = 22; // pixels below a plot without a time axis, for the lowest label of its axis
+const SPARSE_PIXELS = 9; // samples at least this far apart are marked
 
-// That of Debian 13 says with each drawing that samples lie outside of what is shown, but that is
-// what a plot is moved and magnified for. It draws by itself too, where its size has changed.
+// dygraphs of Debian 13 warns at each drawing that samples are outside of the view, which is normal
+// for a zoomed plot. It also redraws by itself when its size has changed.
 const OUTSIDE = /^\d+ points out of [XY] bounds:/;
 const { warn } = console;
 console.warn = (...words) => OUTSIDE.test(words[0]) || warn.apply(console, words);
 
-/** One plot: those of the traces that are in it. */
+/** One plot, with its traces. */
 export class Plot {
   /**
    * @param {HTMLElement} parent of its element
@@ -36,13 +36,13 @@ export class Plot {
     this.state = state;
     this.number = number;
     this.colourOf = colourOf;
-    this.fields = []; // that are shown here
-    this.rows = []; // used again with each drawing
+    this.fields = []; // its visible fields
+    this.rows = []; // reused by each drawing
     this.earlier = new EarlierSweeps();
     this.element = make("div", { class: "pane" });
     parent.append(this.element);
     this.forgetRanges();
-    this.shown = null; // what was drawn last
+    this.shown = null; // latest drawn sweep
     const axis = (name) => ({
       ticker: (low, high, pixels) =>
         (name === "y" && this.onlyRight ? [] : ticks(low, high, pixels / PIXELS_PER_TICK.y)),
@@ -74,12 +74,12 @@ export class Plot {
     this.observer.observe(this.element);
   }
 
-  /** Fill the room that there is. */
+  /** Fill the available space. */
   resize() {
     this.graph.resize();
   }
 
-  /** Draw the same once more, which dygraphs does only where its size has changed. */
+  /** Redraw, which dygraphs does only if its size has changed. */
   redraw() {
     const { style, clientWidth } = this.element;
     const { width } = style;
@@ -89,7 +89,7 @@ export class Plot {
     this.resize();
   }
 
-  /** Go away. */
+  /** Remove the plot. */
   remove() {
     this.observer.disconnect();
     this.graph.destroy();
@@ -108,7 +108,7 @@ export class Plot {
   }
 
   /**
-   * Find how the vertical axes go, before drawing.
+   * Compute the ranges of the vertical axes, before drawing.
    * @param {{buffer: import("../state/buffer.js").TraceBuffer,
    *   earlier: Map<string, import("../state/persistence.js").Line>[], reference: number, from: number,
    *   to: number}} shown
@@ -128,9 +128,9 @@ export class Plot {
   }
 
   /**
-   * Draw what {@link prepare} was given.
+   * Draw the sweep of {@link prepare}.
    * @param {?{y: number, y2: number}} widths of the labels of both axes, for all plots to have the
-   *   same edges; 0 where there is no axis; null for one plot alone
+   *   same edges; 0 without an axis; null for a single plot
    */
   draw(widths) {
     const { shown, fields, onlyRight, ranges } = this;
@@ -141,10 +141,10 @@ export class Plot {
       file: shown.buffer.rows(fields.length ? fields : [" "], shown.reference, this.rows),
       labels: ["time", ...(fields.length ? fields : [" "])],
       series: this.series(fields, shown.buffer),
-      // A tick at the very end would be left out.
+      // dygraphs omits a tick at the very end.
       dateWindow: [shown.from - shown.reference, shown.to - shown.reference + 1e-9],
       axes: {
-        // An axis without a trace has no numbers: the grid is that of the other one.
+        // An axis without traces has no labels: use the grid of the other axis.
         y: {
           valueRange: ranges.y,
           drawAxis: !onlyRight || (widths !== null && widths.y > 0),
@@ -173,9 +173,9 @@ export class Plot {
   }
 
   /**
-   * Erase all that is drawn, also beside the plot. By itself dygraphs erases only where it is about
-   * to draw: of an area that was larger before, as a title or wider numbers have come, an axis would
-   * stay. What it has cut the canvas to has to go as well: at broken pixels that erases by halves.
+   * Erase everything, also beside the plot. dygraphs itself erases only the area that it is about to
+   * draw: an axis of a previously larger area would remain, e.g. after a title or wider labels were added.
+   * Its clipping is reset, too: at fractional pixels it erases only partly.
    */
   erase() {
     for (const canvas of this.canvases) {
@@ -186,7 +186,7 @@ export class Plot {
     }
   }
 
-  /** Draw what is behind the traces. */
+  /** Draw the layers behind the traces. */
   drawBehind(context, area, graph) {
     const { earlier = [] } = this.shown || {};
     const { references, right } = this.state.values;
@@ -215,7 +215,7 @@ export class Plot {
     return series;
   }
 
-  /** Round times, by the clock or from what the axis counts from; written below the lowest plot. */
+  /** Ticks of the time axis, by the clock or relative to its reference; labelled below the lowest plot. */
   timeTicks(low, high, pixels) {
     const most = pixels / PIXELS_PER_TICK.x;
     const { reference } = this.shown || { reference: 0 };
@@ -232,7 +232,7 @@ export class Plot {
     return `${title === "time, s" ? "time" : title},${day} ${zoneText(to)}`;
   }
 
-  /** Width of the numbers of an axis: wider if they need many digits. */
+  /** Width of the labels of an axis: wider if they have many digits. */
   labelWidth([low, high]) {
     const labels = ticks(low, high, this.area.h / PIXELS_PER_TICK.y).map(({ label }) => label.length);
     return Math.max(LABEL_WIDTH, LETTER * Math.max(0, ...labels));
@@ -254,9 +254,9 @@ export class Plot {
   }
 
   /**
-   * Find where a pointer is.
+   * Return the position of a pointer.
    * @param {PointerEvent} event
-   * @returns {{across: number, up: number}} parts of the area, from the left and from below
+   * @returns {{across: number, up: number}} fractions of the area, from the left and from below
    */
   at(event) {
     const { left, top } = this.element.getBoundingClientRect();
@@ -274,7 +274,7 @@ export class Plot {
     return ranges[axis === "y2" ? ranges.length - 1 : 0];
   }
 
-  /** The ends of the time axis, as it counts [s]. */
+  /** Ends of the time axis, relative to its reference [s]. */
   get times() {
     return this.graph.xAxisRange();
   }

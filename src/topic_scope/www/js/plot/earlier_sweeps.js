@@ -1,15 +1,15 @@
 /**
- * Draws the sweeps that stay visible behind the latest one, paler the older they are.
+ * Persistence: earlier sweeps behind the latest one, paler the older they are.
  *
- * There may be a million points. A path through so many takes seconds, so pixels are set one by one.
+ * There may be a million points. A canvas path of that size takes seconds, so pixels are set individually.
  */
 
 const FAINTEST = 0.15; // of the colour
 const BOLDEST = 0.6;
 
 /**
- * Widen the extent of traces so that their earlier sweeps have room as well.
- * @param {[number, number]} extent the least and the greatest value of the latest sweep
+ * Extend the range of traces to include their earlier sweeps.
+ * @param {[number, number]} extent minimum and maximum of the latest sweep
  * @param {Map<string, import("../state/persistence.js").Line>[]} sweeps
  * @param {string[]} fields
  * @param {number} from on the time axis [s]
@@ -22,7 +22,7 @@ export function widened([low, high], sweeps, fields, from, to) {
       for (let place = 0; place < points.length; place += 2) {
         if (points[place] < from || points[place] > to) continue;
         const value = points[place + 1];
-        if (value < low) low = value; // never true of NaN
+        if (value < low) low = value; // never true for NaN
         if (value > high) high = value;
       }
     }
@@ -43,11 +43,11 @@ export class EarlierSweeps {
    * @param {Map<string, import("../state/persistence.js").Line>[]} sweeps the oldest first
    * @param {string[]} fields
    * @param {{colourOf: function(string): string, across: function(number): number,
-   *   up: function(string, number): number}} plot the colour of a field, #rrggbb; where a time is, and
-   *   where a value of a field is
+   *   up: function(string, number): number}} plot colour of a field, #rrggbb; position of a time, and
+   *   of a field's value
    */
   draw(context, area, sweeps, fields, { colourOf, across, up }) {
-    const ratio = context.getTransform().a; // pixels of the screen in one of the page
+    const ratio = context.getTransform().a; // screen pixels per page pixel
     const [width, height] = [Math.round(area.w * ratio), Math.round(area.h * ratio)];
     if (width < 1 || height < 1) return;
     const image = new ImageData(width, height);
@@ -69,14 +69,14 @@ export class EarlierSweeps {
   }
 }
 
-/** A colour as an image holds it: red first. */
+/** Colour as bytes of an image: red first. */
 function pixelOf(colour, bold) {
   const [red, green, blue] = [1, 3, 5].map((place) => parseInt(colour.slice(place, place + 2), 16));
   return ((Math.round(255 * bold) << 24) | (blue << 16) | (green << 8) | red) >>> 0;
 }
 
 function drawTrace(raster, { points, steps }, [left, perSecond], [top, perUnit], pixel) {
-  let x = NaN; // where the line is; nowhere at first, and where it has ended
+  let x = NaN; // position of the line; NaN initially, and after its end
   let y = NaN;
   for (let place = 0; place < points.length; place += 2) {
     const nextX = left + points[place] * perSecond;
@@ -88,7 +88,7 @@ function drawTrace(raster, { points, steps }, [left, perSecond], [top, perUnit],
   }
 }
 
-/** Set the pixels of a straight line that goes to the right, or straight up or down, two pixels wide. */
+/** Set the pixels of a line to the right, up or down, two pixels wide. */
 function drawLine({ pixels, width, height }, x, y, nextX, nextY, pixel) {
   const slope = nextX > x ? (nextY - y) / (nextX - x) : 0;
   const last = Math.min(width - 1, Math.floor(nextX));

@@ -4,8 +4,8 @@ import { startTwoFingers, wheelFactor } from "../base/pointers.js";
 import { axisName, axisParts, verticals } from "../state/traces.js";
 
 /**
- * Find which axis a pointer is over.
- * @returns {string} "x", or the name of a vertical one, see traces.js
+ * Return the axis under a pointer.
+ * @returns {string} "x", or the name of a vertical axis, see traces.js
  */
 function axisUnder(plots, event) {
   const plot = plots.under(event);
@@ -17,7 +17,7 @@ function axisUnder(plots, event) {
 
 /**
  * Zoom by the wheel, move by dragging, reset by a double click; over a vertical axis, or with
- * the shift key, vertically. Two fingers zoom, vertically where they are one above the other.
+ * the shift key, vertically. Two fingers zoom, vertically if they are one above the other.
  * @param {HTMLElement} stage
  * @param {import("./stack.js").Plots} plots
  * @param {import("../state/view.js").View} view
@@ -25,7 +25,7 @@ function axisUnder(plots, event) {
 export function startGestures(stage, plots, view) {
   stage.addEventListener("wheel", (event) => {
     event.preventDefault();
-    const factor = wheelFactor(event, event.deltaY || event.deltaX); // with shift, some systems turn it
+    const factor = wheelFactor(event, event.deltaY || event.deltaX); // with shift, some systems swap the axes
     const axis = axisUnder(plots, event);
     const { across, up } = plots.under(event).at(event);
     if (axis === "x") view.zoomX(factor, across);

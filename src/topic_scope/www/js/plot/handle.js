@@ -1,4 +1,4 @@
-/** A line over the plot that can be dragged, or moved with the arrow keys. */
+/** Line over the plot that can be dragged, or moved with the arrow keys. */
 
 import { make } from "../base/dom.js";
 import { clamp } from "../base/numbers.js";
@@ -12,8 +12,8 @@ export class Handle {
    * @param {HTMLElement} overlay
    * @param {{kind: "cursor"|"level"|"level-cursor", name: string, label: string,
    *   move: function(number): void}} options kind: cursor is a vertical line, the others are
-   *   horizontal; name: for those who cannot see it; label: what stands on it; move: takes the new
-   *   place, 0 to 1 from the left or from below
+   *   horizontal; name: for screen readers; label: its text; move: takes the new
+   *   position, 0 to 1 from the left or from below
    */
   constructor(overlay, options) {
     this.overlay = overlay;
@@ -42,10 +42,10 @@ export class Handle {
   }
 
   /**
-   * Put the line somewhere.
+   * Set the position of the line.
    * @param {?number} part 0 to 1 from the left or from below; null, or outside: hidden
    * @param {number} value
-   * @param {string} text the same for people
+   * @param {string} text the value as text
    */
   place(part, value, text) {
     this.element.hidden = part === null || !(part >= -1e-6 && part <= 1 + 1e-6);

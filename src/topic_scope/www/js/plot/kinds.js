@@ -1,4 +1,4 @@
-/** The kinds of plot besides that over time: spectra, and one trace over another. */
+/** Charts other than traces over time: spectra, and XY plots. */
 
 import { byId, make, options } from "../base/dom.js";
 import { figure, measuredText } from "../base/numbers.js";
@@ -9,19 +9,19 @@ import { Chart } from "./canvas_chart.js";
 export const KINDS = [["time", "over time"], ["spectrum", "spectrum"], ["xy", "XY"]];
 const WINDOWS = ["hann", "flattop", "blackman", "rectangular"];
 const AVERAGES = [1, 2, 4, 8, 16, 32];
-const FLOOR_DB = 120; // below the largest line nothing is drawn
+const FLOOR_DB = 120; // range of a spectrum below its largest line
 
 /** Whether a chart of a set-up is valid. */
 export const isChart = ({ kind, x, window, scale, averages, equal }) =>
   KINDS.some(([name]) => name === kind) && typeof x === "string" && WINDOWS.includes(window) &&
   ["dB", "linear"].includes(scale) && AVERAGES.includes(averages) && typeof equal === "boolean";
 
-/** The field that goes to the right: the chosen one while it is there. */
+/** The horizontal field: the chosen one, if it is shown. */
 const rightOf = ({ chart, fields }) =>
   (numbersOf(fields).includes(chart.x) ? chart.x : numbersOf(fields)[0] || "");
 
 /**
- * Make the request for what the server is to compute.
+ * Make the request for a chart.
  * @param {Object} values of the state
  * @returns {Object} the request
  */
@@ -40,9 +40,9 @@ function peakText(frequency, uncertainty, reason, level) {
 }
 
 /**
- * Make what is to be drawn of spectra.
+ * Return the lines of spectra.
  * @param {Object<string, Object>} traces as the server sends them
- * @param {string[]} fields that are shown
+ * @param {string[]} fields the visible fields
  * @param {string} scale dB or linear
  */
 export function spectra(traces, fields, scale) {
@@ -68,7 +68,7 @@ export function spectra(traces, fields, scale) {
 }
 
 /**
- * Make the switch and the kinds of plot work.
+ * Set up the choice of charts.
  * @param {import("../state/store.js").State} state
  * @param {import("../page/requests.js").Requests} requests
  * @param {function(string): string} colourOf
@@ -112,7 +112,7 @@ export function startCharts(state, requests, colourOf) {
     }
   }
 
-  let latest = null; // what the server has sent for the request
+  let latest = null; // the server's latest chart for the request
   const draw = { spectrum: drawSpectra, xy: drawXy };
 
   function drawSpectra({ traces }) {
@@ -126,7 +126,7 @@ export function startCharts(state, requests, colourOf) {
     chart.draw({ lines, titles: { x, y }, isEqual: state.values.chart.equal, exact: false });
   }
 
-  /** Draw what has come: a chart that stands still comes once. */
+  /** Draw the latest chart; the server sends an unchanged chart only once. */
   function redraw() {
     if (latest) draw[latest.type](latest);
     else chart.draw({ lines: [], titles: { x: "", y: "" }, isEqual: false, exact: false });

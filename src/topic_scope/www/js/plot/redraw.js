@@ -1,4 +1,4 @@
-/** Draws when there is something new, at most once a frame of the screen. */
+/** Redraws the plots after changes, at most once per screen frame. */
 
 import { byId, setText } from "../base/dom.js";
 import { figure } from "../base/numbers.js";
@@ -7,7 +7,7 @@ const CHANGES = ["fields", "hidden", "right", "colours", "traces", "window", "en
   "references", "theme", "view"];
 
 /**
- * Draw the sweep whenever it or the state changes.
+ * Redraw whenever the sweep or the state changes.
  * @param {import("../state/store.js").State} state
  * @param {import("../state/sweep.js").Sweep} sweep
  * @param {import("./stack.js").Plots} plot
@@ -15,7 +15,7 @@ const CHANGES = ["fields", "hidden", "right", "colours", "traces", "window", "en
  */
 export function startScreen(state, sweep, plot) {
   const overlay = byId("overlay");
-  let frames = []; // when those of the last second were drawn, ms
+  let frames = []; // times of the frames of the last second, ms
   let waiting = false;
 
   function drawNow(now) {

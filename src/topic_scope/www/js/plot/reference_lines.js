@@ -1,4 +1,4 @@
-/** Draws references behind the traces, thin and pale, each with its name where it begins. */
+/** References behind the traces, thin and pale, each with its name at its start. */
 
 const PALE = 0.6; // of the colour
 const LABEL = 11; // height of the name, pixels
@@ -10,8 +10,8 @@ const LABEL = 11; // height of the name, pixels
  * @param {import("../state/references.js").Reference[]} references
  * @param {string[]} fields of the plot
  * @param {{colourOf: function(string): string, across: function(number): number,
- *   up: function(string, number): number}} plot the colour of a field; where a time is, and where a
- *   value of a field is
+ *   up: function(string, number): number}} plot colour of a field; position of a time, and of a
+ *   field's value
  */
 export function drawReferences(context, area, references, fields, { colourOf, across, up }) {
   context.save();
@@ -33,9 +33,9 @@ export function drawReferences(context, area, references, fields, { colourOf, ac
   context.restore();
 }
 
-/** Make the path of a line, and return its first point behind the left edge. */
+/** Make the path of a line, and return its first point after the left edge. */
 function follow(context, { points, steps }, across, up, left) {
-  let before = NaN; // how high the line is; nowhere at first, and where it has ended
+  let before = NaN; // height of the line; NaN initially, and after its end
   let begin = null;
   for (let place = 0; place < points.length; place += 2) {
     const [x, y] = [across(points[place]), up(points[place + 1])];

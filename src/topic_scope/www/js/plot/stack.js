@@ -1,4 +1,4 @@
-/** The plots, one below another, over one time axis; where there is one only, that. */
+/** Stack of plots over a common time axis. */
 
 import { clamp, rounded } from "../base/numbers.js";
 import { numbersOf } from "../state/states.js";
@@ -17,7 +17,7 @@ export class Plots {
     this.state = state;
     this.colourOf = colourOf;
     this.listeners = [];
-    this.shown = null; // what was drawn last
+    this.shown = null; // latest drawn sweep
     this.list = [new Plot(element, state, 1, colourOf)];
     this.isArranged = false;
     state.on(["fields", "hidden", "traces"], () => { this.isArranged = false; });
@@ -42,7 +42,7 @@ export class Plots {
     while (list.length < count) {
       list.push(new Plot(this.element, state, list.length + 1, this.colourOf));
     }
-    if (isOther) list.forEach((plot) => plot.resize()); // the room of each is another one
+    if (isOther) list.forEach((plot) => plot.resize()); // the heights have changed
     for (const plot of list) {
       plot.fields = numbersOf(state.shown).filter((field) => chosenOf(state.values, field).plot === plot.number);
     }
@@ -63,7 +63,7 @@ export class Plots {
     for (const listener of this.listeners) listener();
   }
 
-  /** Draw the same once more. */
+  /** Redraw. */
   redraw() {
     for (const plot of this.list) plot.redraw();
   }
@@ -88,9 +88,9 @@ export class Plots {
   }
 
   /**
-   * Find where a plot is in the area of all.
+   * Return the position of a plot in the area of all plots.
    * @param {string} axis name of one of its axes
-   * @returns {{low: number, high: number}} parts of the height of all, from below
+   * @returns {{low: number, high: number}} fractions of the total height, from below
    */
   spanOf(axis) {
     if (this.list.length === 1) return { low: 0, high: 1 };
@@ -101,7 +101,7 @@ export class Plots {
     return { low: 1 - (top + h) / all.h, high: 1 - top / all.h };
   }
 
-  /** The plot that an axis is of. */
+  /** Plot of an axis. */
   plotOf(axis) {
     return this.list[axisParts(axis)[1] - 1] || this.list[0];
   }
@@ -117,7 +117,7 @@ export class Plots {
   }
 
   /**
-   * Find which vertical axis a field is on.
+   * Return the vertical axis of a field.
    * @param {string} field
    * @returns {string} its name, see traces.js
    */
@@ -136,10 +136,10 @@ export class Plots {
   }
 
   /**
-   * Find where a value is.
-   * @param {string} axis name of the axis that it is on
+   * Return the position of a value.
+   * @param {string} axis name of its axis
    * @param {number} value
-   * @returns {?number} the place in the area of all plots, 0 to 1 from below; null out of its plot
+   * @returns {?number} position in the area of all plots, 0 to 1 from below; null outside of its plot
    */
   placeOf(axis, value) {
     const [low, high] = this.range(axis);
@@ -149,10 +149,10 @@ export class Plots {
   }
 
   /**
-   * Find which value is at a place; out of the plot, the nearest one in it.
+   * Return the value at a position; outside of the plot, the nearest value in it.
    * @param {string} axis name of the axis
-   * @param {number} place in the area of all plots, 0 to 1 from below
-   * @returns {number} with the digits that the screen can tell apart
+   * @param {number} place position in the area of all plots, 0 to 1 from below
+   * @returns {number} rounded to the resolution of the screen
    */
   valueAt(axis, place) {
     const [low, high] = this.range(axis);
@@ -161,7 +161,7 @@ export class Plots {
     return rounded(low + inside * (high - low), high - low);
   }
 
-  /** The ends of the time axis, as it counts [s]. */
+  /** Ends of the time axis, relative to its reference [s]. */
   get times() {
     return this.list[0].times;
   }

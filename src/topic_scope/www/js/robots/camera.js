@@ -2,14 +2,14 @@
 
 import { clamp } from "../base/numbers.js";
 
-const SCALES = [0.5, 20000]; // pixels for a metre
+const SCALES = [0.5, 20000]; // pixels per metre
 
 /** Looks straight down at a place. */
 export class Camera {
   constructor() {
     this.x = 0; // in the middle of the picture, m
     this.y = 0;
-    this.scale = 80; // pixels for a metre
+    this.scale = 80; // pixels per metre
     this.width = 1; // pixels
     this.height = 1;
   }
@@ -34,7 +34,7 @@ export class Camera {
   }
 
   /**
-   * Zoom; what is at a point of the picture stays there.
+   * Zoom around a point of the picture.
    * @param {number} factor above 1: closer
    */
   zoom(factor, across = this.width / 2, down = this.height / 2) {
@@ -52,7 +52,7 @@ export class Camera {
   }
 
   /**
-   * Show all of some places.
+   * Fit places into the picture.
    * @param {[number, number][]} places m
    */
   fit(places) {

@@ -14,7 +14,7 @@ const colour = ([red, green, blue, alpha]) =>
 const pairs = (flat) => Array.from({ length: flat.length / 2 }, (_, index) =>
   [flat[2 * index], flat[2 * index + 1]]);
 
-/** Draws one picture; all sizes are in metres but for lines and texts. */
+/** Drawing of one picture; all sizes except lines and texts are in metres. */
 export class Drawing {
   /**
    * @param {CanvasRenderingContext2D} context
@@ -66,13 +66,13 @@ export class Drawing {
     }
   }
 
-  /** Draw something where a robot is, with x ahead. */
+  /** Draw in the frame of a robot, with x forward. */
   at({ x, y, heading }, draw) {
     const [cos, sin] = [Math.cos(heading), Math.sin(heading)];
     this.inside([cos, sin, -sin, cos, x, y], draw);
   }
 
-  /** Draw something in a frame of its own. */
+  /** Draw in a frame. */
   inside(at, draw) {
     this.context.save();
     this.context.transform(...at);
@@ -104,7 +104,7 @@ export class Drawing {
     return this.context.measureText(text).width;
   }
 
-  /** Text beside a place, upright and of one size. */
+  /** Draw text beside a place, upright and of constant size. */
   text(text, x, y, fill, lower = 0) {
     const { context } = this;
     context.save();
@@ -118,7 +118,7 @@ export class Drawing {
     context.restore();
   }
 
-  /** A marker as visualization_msgs has them. */
+  /** Draw a marker of visualization_msgs. */
   marker({ kind, at, size, points, text, colour: parts }) {
     const { context } = this;
     const [width, height] = size;
@@ -148,7 +148,7 @@ export class Drawing {
     this.inside(at, draws[kind]);
   }
 
-  /** The colour of a marker; what is as dark as the dark page is made lighter. */
+  /** Colour of a marker, lightened if it is as dark as the dark theme. */
   readable(parts) {
     const [red, green, blue, alpha] = parts;
     const isGrey = Math.abs(red - green) + Math.abs(green - blue) < 0.1;
@@ -168,7 +168,7 @@ export class Drawing {
     }));
   }
 
-  /** A robot: a disc with a nose; faint where it is silent, or seen otherwise. */
+  /** Draw a robot: a disc with a nose; faint if it is silent, or another odometry of a robot. */
   robot(robot, fill, isFaint) {
     const { context } = this;
     const radius = Math.max(ROBOT, LEAST * this.pixel);
@@ -186,7 +186,7 @@ export class Drawing {
     context.globalAlpha = 1;
   }
 
-  /** A goal: a cross-hair with an arrow, drawn faint while it is not yet published. */
+  /** Draw a goal: a cross-hair with an arrow, faint until it is published. */
   goal(goal, name, isFaint = false) {
     const { context } = this;
     const size = Math.max(ROBOT, LEAST * this.pixel);

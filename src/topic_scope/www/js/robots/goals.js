@@ -5,12 +5,12 @@ import { readNumber, typed } from "../base/numbers.js";
 
 const DEGREES = 180 / Math.PI;
 
-/** Sets goals, and remembers the last one until another one is published. */
+/** Setting of goals; shows the last goal until another goal is published. */
 export class Goals {
   /**
    * @param {function(Object): void} send takes messages for the server
-   * @param {function(): ?Object} chosen gives the robot that goals are for
-   * @param {function(): void} refresh draws the picture once more
+   * @param {function(): ?Object} chosen returns the robot for the goals
+   * @param {function(): void} refresh redraws the picture
    */
   constructor(send, chosen, refresh) {
     this.send = send;
@@ -54,7 +54,7 @@ export class Goals {
     this.go(x, y, heading === null ? this.completed({ x, y, heading }).heading : heading / DEGREES);
   }
 
-  /** Without a heading of its own, a goal looks away from the robot. */
+  /** Without a given heading, a goal points away from the robot. */
   completed({ x, y, heading }) {
     const robot = this.chosen();
     return { x, y, heading: heading ?? (robot ? Math.atan2(y - robot.y, x - robot.x) : 0) };
@@ -74,14 +74,14 @@ export class Goals {
     setText(byId("goal-state"), `Sent on ${topic}.`);
   }
 
-  /** Goals that are published on the graph replace the one that was sent from here. */
+  /** Published goals replace the goal that was sent from here. */
   onGoals(goals) {
     const text = JSON.stringify(goals);
     if (this.published && text !== this.published) this.mark = null;
     this.published = text;
   }
 
-  /** The goals to be drawn. */
+  /** The goals to draw. */
   shown(goals) {
     return this.mark ? [...goals, { ...this.mark, isFaint: true }] : goals;
   }

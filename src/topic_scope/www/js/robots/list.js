@@ -8,7 +8,7 @@ const DEGREES = 180 / Math.PI;
 /** The name of a robot by its topic: robot1 for /robot1/odom. */
 export const nameOf = (topic) => topic.replace(/^\//, "").replace(/(.)\/odom$/, "$1");
 
-/** Distance of another odometry of a robot from the one that is shown. */
+/** Distance of another odometry of a robot from the shown odometry. */
 function away(robot, { x, y, heading, frame, silent }) {
   if (silent) return "silent";
   if (frame !== robot.frame) return `in the frame ${frame}`;
@@ -36,7 +36,7 @@ export class RobotList {
 
   /**
    * @param {Object[]} robots see odometries.js
-   * @param {string} chosen topic of the one that is chosen
+   * @param {string} chosen topic of the chosen robot
    */
   show(robots, chosen) {
     const topics = robots.map(({ topic }) => topic);

@@ -3,10 +3,10 @@
 const spaceOf = (topic) => topic.slice(0, topic.lastIndexOf("/") + 1);
 
 /**
- * Put the odometries of a robot together: those of one namespace that are about the same frame, such
- * as what its wheels tell and where it really is.
+ * Group the odometries of a robot: odometries of one namespace with the same child frame, such as
+ * wheel odometry and ground truth.
  * @param {Object[]} odometries as the server sends them
- * @returns {Object[]} for each robot the one called odom, or else the first, with the "others"
+ * @returns {Object[]} for each robot the odometry named odom, or else the first, with the "others"
  */
 export function robotsOf(odometries) {
   const robots = new Map();

@@ -2,21 +2,21 @@
 
 import { wheelFactor } from "../base/pointers.js";
 
-const CLICK = 5; // pixels within which a press is not a drag
+const CLICK = 5; // largest movement of a click, pixels
 
 /**
- * Move and zoom a picture, and tell of clicks that set a goal.
+ * Move and zoom a picture, and report clicks that set a goal.
  * @param {HTMLElement} canvas
  * @param {{camera: import("./camera.js").Camera, picksGoal: function(): boolean,
  *   moved: function(): void, aim: function(?{x: number, y: number, heading: ?number}): void,
  *   pick: function({x: number, y: number, heading: ?number}): void,
  *   over: function(number, number): void}} acts moved: the user has moved the picture; aim: a goal
- *   is being drawn out; pick: it is set, with a heading where it was drawn out; over: where the
- *   pointer is [m]
+ *   is being dragged; pick: it is set, with a heading if it was dragged; over: position of the
+ *   pointer [m]
  */
 export function startPointer(canvas, { camera, picksGoal, moved, aim, pick, over }) {
   const pointers = new Map();
-  let start = null; // of a press that sets a goal, in pixels
+  let start = null; // start of a press that sets a goal, in pixels
 
   const at = (event) => {
     const box = canvas.getBoundingClientRect();
@@ -26,7 +26,7 @@ export function startPointer(canvas, { camera, picksGoal, moved, aim, pick, over
     ends.reduce((sum, end) => sum + end[axis], 0) / ends.length);
   const spread = ([a, b]) => (b ? Math.hypot(a[0] - b[0], a[1] - b[1]) : 1);
 
-  /** The goal from where the press began to where the pointer is. */
+  /** Goal from the start of the press to the pointer. */
   const goal = (end) => {
     const [x, y] = camera.toWorld(...start);
     const [across, down] = [end[0] - start[0], end[1] - start[1]];

@@ -16,7 +16,7 @@ const CLOSER = 1.25;
 const STEP = 60; // of the arrow keys, pixels
 const LINE = 15; // height of a name, pixels
 
-/** Shows the robots, and follows what the user does with the picture. */
+/** Robot view, with its controls. */
 export class SceneView {
   /**
    * @param {import("../state/store.js").State} state
@@ -74,13 +74,13 @@ export class SceneView {
     });
   }
 
-  /** A colour of the page; asked once, as the browser takes its time. */
+  /** Colour of the theme; cached, because reading it is slow. */
   style(name) {
     if (!this.styles.has(name)) this.styles.set(name, themeColour(name));
     return this.styles.get(name);
   }
 
-  /** A new connection: nothing is driven. */
+  /** Reset driving after a new connection. */
   onHello() {
     this.wheel.onSteering({ topic: "", datatype: "" });
   }
@@ -125,7 +125,7 @@ export class SceneView {
     return paletteColour(this.state, this.robots.findIndex((robot) => robot.topic === topic));
   }
 
-  /** The robot that goals are for: the one that is followed, the first otherwise. */
+  /** The robot for goals: the followed robot, otherwise the first. */
   get chosen() {
     return this.robots.find(({ topic }) => topic === this.followed) ??
       this.robots.find(({ topic }) => topic.endsWith("/odom")) ?? this.robots[0];
@@ -151,7 +151,7 @@ export class SceneView {
     this.refresh();
   }
 
-  /** Show all that there is. */
+  /** Fit everything into the view. */
   fit() {
     this.touched = false;
     const places = this.robots.map(({ x, y }) => [x, y]);
@@ -172,7 +172,7 @@ export class SceneView {
     this.refresh();
   }
 
-  /** Draw once more, soon. */
+  /** Redraw with the next frame. */
   refresh() {
     if (this.due || this.state.values.view !== "robots") return;
     this.due = true;
@@ -206,7 +206,7 @@ export class SceneView {
     this.names();
   }
 
-  /** Write the names of the robots, one below another where they would cover each other. */
+  /** Draw the names of the robots, one below another if they would overlap. */
   names() {
     const written = [];
     for (const { topic, x, y } of this.robots) {

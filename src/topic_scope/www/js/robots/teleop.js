@@ -1,10 +1,10 @@
-/** Teleoperation: keys, buttons and a joystick, which command only as long as they are held. */
+/** Teleoperation: keys, buttons and a joystick, which command only while they are held. */
 
 import { byId, make, setPressed, setText } from "../base/dom.js";
 import { notify } from "../base/link.js";
 import { clamp, readNumber } from "../base/numbers.js";
 
-const EVERY_MS = 50; // between two commands; the server stops the robot after four that do not come
+const EVERY_MS = 50; // period of commands; the server stops the robot after four missing commands
 const KEYS = { // key -> part of the speed and of the turn
   arrowup: [1, 0], w: [1, 0], arrowdown: [-1, 0], s: [-1, 0],
   arrowleft: [0, 1], a: [0, 1], arrowright: [0, -1], d: [0, -1],
@@ -24,8 +24,8 @@ export class Teleop {
    */
   constructor(send) {
     this.send = send;
-    this.topic = ""; // that is driven now
-    this.held = new Map(); // what is held -> [speed, turn], each from -1 to 1
+    this.topic = ""; // command topic of the driven robot
+    this.held = new Map(); // held key or button -> [speed, turn], each from -1 to 1
     this.timer = null;
     this.button = byId("drive");
     this.select = byId("drive-topic");
@@ -41,7 +41,7 @@ export class Teleop {
     this.onSteering({ topic: "", datatype: "" });
   }
 
-  /** Ask for the wheel. */
+  /** Request the wheel. */
   takeWheel() {
     this.release();
     if (this.select.value) this.send({ type: "steer", topic: this.select.value });
@@ -55,7 +55,7 @@ export class Teleop {
   }
 
   /**
-   * @param {{topic: string, datatype: string}} message what the server says is driven
+   * @param {{topic: string, datatype: string}} message the driven topic
    */
   onSteering({ topic, datatype }) {
     this.topic = topic;
@@ -69,7 +69,7 @@ export class Teleop {
 
   /**
    * A key is pressed.
-   * @returns {boolean} whether it was for the wheel
+   * @returns {boolean} whether it is a driving key
    */
   onKey(event) {
     if (!this.topic) return false;
@@ -81,22 +81,22 @@ export class Teleop {
     return true;
   }
 
-  /** Something is held: command until it is dropped. */
-  hold(what, speed, turn) {
+  /** A key or button is held: send commands until it is released. */
+  hold(control, speed, turn) {
     if (!this.topic) {
       notify("Take the wheel first.");
       return;
     }
-    this.held.set(what, [speed, turn]);
+    this.held.set(control, [speed, turn]);
     if (this.timer === null) {
       this.timer = setInterval(() => this.command(), EVERY_MS);
       this.command();
     }
   }
 
-  /** Something is held no longer. */
-  drop(what) {
-    if (this.held.delete(what) && !this.held.size) this.stop();
+  /** A key or button is released. */
+  drop(control) {
+    if (this.held.delete(control) && !this.held.size) this.stop();
   }
 
   /** Release all keys and buttons. */
@@ -133,14 +133,14 @@ export class Teleop {
   }
 
   padButton(text, name, speed, turn) {
-    const what = `pad ${text}`;
+    const control = `pad ${text}`;
     const down = (event) => {
       if (event.type === "pointerdown") event.target.setPointerCapture(event.pointerId);
-      if (speed || turn) this.hold(what, speed, turn);
+      if (speed || turn) this.hold(control, speed, turn);
       else this.stop();
     };
     const isPress = ({ key, repeat }) => (key === "Enter" || key === " ") && !repeat;
-    const up = () => this.drop(what);
+    const up = () => this.drop(control);
     return make("button", {
       type: "button", "aria-label": name, title: name,
       pointerdown: down, pointerup: up, pointercancel: up, lostpointercapture: up, blur: up,
@@ -149,7 +149,7 @@ export class Teleop {
     }, text);
   }
 
-  /** A stick for thumbs; the buttons do the same for those who cannot use it. */
+  /** Touch joystick; the buttons are its accessible alternative. */
   startJoystick(stick) {
     const move = (event) => {
       const box = stick.getBoundingClientRect();

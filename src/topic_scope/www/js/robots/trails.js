@@ -1,17 +1,17 @@
 /** Trails of the robots since the page was opened. */
 
-const APART = 0.02; // of two points, m
-const JUMP = 0.5; // a robot that is so far from where it was a moment ago was put there, m
+const APART = 0.02; // distance of two points, m
+const JUMP = 0.5; // a larger movement between two messages starts a new line, m
 const MOST = 5000; // points of a robot
 
-/** Keeps a line, or several, for each robot. */
+/** Trails of all robots, each with one or several lines. */
 export class Trails {
   constructor() {
     this.lines = new Map(); // topic -> lines of [x, y]
   }
 
   /**
-   * Add the places of the robots; those that are not among them any more are forgotten.
+   * Add the positions of the robots; trails of other robots are dropped.
    * @param {{topic: string, x: number, y: number}[]} robots
    */
   add(robots) {

@@ -1,8 +1,8 @@
-/** The bins of all traces on their common grid, as frames bring them. */
+/** Buffer of the bins of all traces on their common grid. */
 
 import { isThere, tabulated } from "./rows.js";
 
-/** Find the next bin that holds something, from one on; null where the line ends before. */
+/** Return the next non-empty bin, starting at one; null if the line ends before. */
 function nextFilled(values, from, way) {
   let bin = from;
   while (values[2 * bin] === null) bin += way;
@@ -26,28 +26,28 @@ function onLine(points, time) {
   return Math.abs(time - end) <= Math.abs(next - end) ? value : null;
 }
 
-/** Smallest and largest value of each bin, for a stretch of bins that moves on. */
+/** Minimum and maximum of each bin, for a moving range of bins. */
 export class TraceBuffer {
   constructor() {
     this.bin = 0; // length of a bin, s
     this.first = 0; // index of the first bin
-    this.count = 0; // how many bins there are
+    this.count = 0; // number of bins
     this.now = 0; // time of the last frame, since the epoch, s
     // field -> [min0, max0, min1, max1, …], null where a bin is empty, NaN where a line ends
     this.traces = new Map();
-    this.places = new Map(); // field -> of each of these in which part of its bin it stands, or -1
-    this.counts = new Map(); // field -> how many samples each bin has; 0 where that is not known
-    this.lasts = new Map(); // field -> the last value of each bin, of traces that are drawn in steps
+    this.places = new Map(); // field -> position of each of these in its bin, or -1
+    this.counts = new Map(); // field -> number of samples in each bin; 0 if unknown
+    this.lasts = new Map(); // field -> the last value of each bin, for stepped traces
     this.states = null; // latest message about the states, see states.js
   }
 
   /**
-   * Add what a frame brings.
+   * Add a frame.
    * @param {{now: number, bin: number, reset: boolean, first: number,
    *   traces: Object<string, Array<?number>>, places: ?Object<string, number[]>,
    *   counts: ?Object<string, number[]>,
    *   lasts: ?Object<string, Array<?number>>}} frame
-   * @param {number} span how much of the past is to be kept [s]
+   * @param {number} span history to keep [s]
    */
   apply(frame, span) {
     const fields = Object.keys(frame.traces);
@@ -97,7 +97,7 @@ export class TraceBuffer {
   }
 
   /**
-   * Copy what further frames are to leave alone.
+   * Return a copy that further frames do not change.
    * @param {string[]} [fields] all by default
    * @returns {TraceBuffer}
    */
@@ -111,8 +111,8 @@ export class TraceBuffer {
   /**
    * Tabulate traces for dygraphs, see rows.js.
    * @param {string[]} fields
-   * @param {number} reference what the times count from, since the epoch [s]
-   * @param {Array<Array<?number>>} [rows] of an earlier call, to be used again
+   * @param {number} reference zero of the times, since the epoch [s]
+   * @param {Array<Array<?number>>} [rows] result of an earlier call, to reuse
    * @returns {Array<Array<?number>>} never empty
    */
   rows(fields, reference, rows = []) {
@@ -125,7 +125,7 @@ export class TraceBuffer {
   }
 
   /**
-   * Find the smallest and the largest value of some traces.
+   * Return the minimum and maximum of some traces.
    * @param {string[]} fields
    * @param {number} from since the epoch [s]
    * @param {number} to since the epoch [s]
@@ -149,7 +149,7 @@ export class TraceBuffer {
   }
 
   /**
-   * Find how many bins of a trace hold something.
+   * Return the number of non-empty bins of a trace.
    * @param {string} field
    * @returns {number}
    */
@@ -161,13 +161,13 @@ export class TraceBuffer {
   }
 
   /**
-   * Read a trace at a time, as it is drawn: on the line between two samples, the last value before
-   * in steps, and the least and the greatest value of a bin with more samples than are drawn. A line
-   * that has ended has no value: beside its ends the last sample counts for as long as a step.
+   * Return the value of a trace at a time, as drawn: interpolated between two samples, the last value
+   * of a stepped trace, or the minimum and maximum of a bin with more samples than are drawn. After its
+   * end, a line has no value, except that its last sample is valid for one step.
    * @param {string} field
    * @param {number} time since the epoch [s]
    * @returns {?{low: number, high: number, count: ?number}} low and high are equal for one value,
-   *   else of so many samples; null without a value
+   *   otherwise the range of count samples; null without a value
    */
   at(field, time) {
     const values = this.traces.get(field) || [];
@@ -182,7 +182,7 @@ export class TraceBuffer {
     }
     const before = nextFilled(values, middle - 1, -1);
     const after = nextFilled(values, middle + 1, 1);
-    // Where the line ends, the two last samples of it.
+    // At the end of the line, its last two samples.
     const further = (bin, way) => nextFilled(values, bin + way, way) ?? bin;
     let [start, end] = [before ?? middle, after ?? middle];
     if (before === null && after !== null) end = further(after, 1);
@@ -193,7 +193,7 @@ export class TraceBuffer {
     return one(onLine(points, time));
   }
 
-  /** Return the value that holds in a bin; null where its line has ended. */
+  /** Return the value that holds in a bin; null after the end of its line. */
   heldAt(field, bin) {
     const values = this.traces.get(field) || [];
     const lasts = this.lasts.get(field);

@@ -15,8 +15,8 @@ const slotOf = ({ values }, field) =>
   chosenOf(values, field).slot ?? Math.max(0, values.fields.indexOf(field));
 
 /**
- * Return the colour of a trace, the picked one or that of its slot. With the dash no two traces look
- * alike by themselves, before there are forty.
+ * Return the colour of a trace: chosen, or the colour of its slot. Together with the dash, up to forty
+ * traces differ by default.
  * @param {import("./store.js").State} state
  * @param {string} field
  * @returns {string} #rrggbb
@@ -26,10 +26,10 @@ export function colourOf(state, field) {
 }
 
 /**
- * Return the dash of a trace, the picked one or that of its slot.
+ * Return the dash of a trace: chosen, or the dash of its slot.
  * @param {import("./store.js").State} state
  * @param {string} field
- * @returns {number[]} dashes and gaps in turn [pixels]; none for a line without gaps
+ * @returns {number[]} dashes and gaps in turn [pixels]; empty for a solid line
  */
 export function dashOf(state, field) {
   const { dash } = chosenOf(state.values, field);
@@ -39,10 +39,10 @@ export function dashOf(state, field) {
 }
 
 /**
- * Paint a sample of a trace's line.
+ * Return a sample of a trace's line.
  * @param {import("./store.js").State} state
  * @param {string} field
- * @returns {string} as CSS has it for a background
+ * @returns {string} a CSS background
  */
 export function sampleOf(state, field) {
   const colour = colourOf(state, field);
@@ -55,7 +55,7 @@ export function sampleOf(state, field) {
 }
 
 /**
- * Return a colour by its place.
+ * Return a colour of the palette.
  * @param {import("./store.js").State} state
  * @param {number} place from 0
  * @returns {string} #rrggbb

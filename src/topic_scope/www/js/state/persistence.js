@@ -1,4 +1,4 @@
-/** Persistence: sweeps that the trigger held before the latest one stay visible, so that jitter shows as a band. */
+/** Persistence: earlier triggered sweeps stay visible, so that jitter shows as a band. */
 
 /** Numbers of earlier sweeps that may stay visible. */
 export const KEPT = [0, 4, 8, 16, 32, 64];
@@ -6,14 +6,14 @@ export const KEPT = [0, 4, 8, 16, 32, 64];
 /**
  * @typedef {Object} Line
  * @property {Float64Array} points time from the trigger [s], and value in turn; NaN where the line ends
- * @property {boolean} steps whether a value holds until the next one
+ * @property {boolean} steps whether the trace is stepped
  */
 
 /**
- * Find how a trace goes in a stretch of time.
+ * Return the line of a trace in a time span.
  * @param {import("./buffer.js").TraceBuffer} buffer
  * @param {string} field
- * @param {number} zero what times count from, since the epoch [s]
+ * @param {number} zero zero of the times, since the epoch [s]
  * @param {number} from s from there
  * @param {number} to s from there
  * @returns {Line}
@@ -24,14 +24,14 @@ export function lineOf(buffer, field, zero, from, to) {
   return { points, steps: buffer.lasts.has(field) };
 }
 
-/** Keeps sweeps that are over, the oldest first. */
+/** Completed sweeps, the oldest first. */
 export class Persistence {
   /**
    * @param {import("./store.js").State} state
    */
   constructor(state) {
     this.most = 0;
-    this.sweeps = []; // of each its lines, by field
+    this.sweeps = []; // lines of each sweep, by field
     state.on(["persistence"], ({ persistence }) => {
       this.most = persistence;
       this.forgetOldest();
@@ -39,10 +39,10 @@ export class Persistence {
   }
 
   /**
-   * Keep a sweep that is about to be replaced.
+   * Add a sweep that is about to be replaced.
    * @param {{buffer: import("./buffer.js").TraceBuffer, time: number}} held with the time of its trigger [s]
-   * @param {number} from the first time of it that is shown, s from its trigger
-   * @param {number} to the last one [s]
+   * @param {number} from start of its visible part, s from its trigger
+   * @param {number} to end of its visible part [s]
    */
   keep({ buffer, time }, from, to) {
     if (!this.most) return;
@@ -56,7 +56,7 @@ export class Persistence {
     this.sweeps.splice(0, this.sweeps.length - this.most);
   }
 
-  /** Drop all sweeps: the next ones show other data. */
+  /** Drop all sweeps: the next sweeps show other data. */
   forget() {
     this.sweeps = [];
   }

@@ -4,21 +4,21 @@ import { clockText } from "../base/clock.js";
 import { typed } from "../base/numbers.js";
 import { lineOf } from "./persistence.js";
 
-/** Most references at a time. */
+/** Most references. */
 export const MOST = 8;
 
 /**
  * @typedef {Object} Reference
  * @property {string} name R1, R2 and so on
- * @property {string} field the trace that it was; it has its plot, axis and colour, and goes with it
- * @property {Map<string, string>} figures that the table had of it
+ * @property {string} field its original trace; it has its plot, axis and colour, and is removed with it
+ * @property {Map<string, string>} figures its figures in the table
  * @property {import("./buffer.js").TraceBuffer} buffer
- * @property {number} zero what its times count from, since the epoch [s]
- * @property {number} from where it begins, s from there
- * @property {number} to where it ends, s from there
- * @property {number} later how far it is moved to the right [s]
- * @property {number} offset what is added to its values
- * @property {Map<string, import("./persistence.js").Line>} lines what is drawn, by field
+ * @property {number} zero zero of its times, since the epoch [s]
+ * @property {number} from its start, relative to zero [s]
+ * @property {number} to its end, relative to zero [s]
+ * @property {number} later its shift to the right [s]
+ * @property {number} offset added to its values
+ * @property {Map<string, import("./persistence.js").Line>} lines its lines, by field
  */
 
 function withLine(one) {
@@ -36,15 +36,15 @@ export function startReferences(state) {
   });
 }
 
-/** Whether a trace can be kept: it is shown, and there are not too many. */
+/** Whether a trace can be kept: it is visible, and the limit is not reached. */
 export const canKeep = ({ hidden, references }, field) => !hidden.has(field) && references.length < MOST;
 
 /**
- * Keep a trace as it is.
+ * Keep a trace as a reference.
  * @param {import("./store.js").State} state
  * @param {{buffer: import("./buffer.js").TraceBuffer, reference: number, from: number, to: number}} shown
  * @param {string} field
- * @param {Map<string, string>} figures that the table has of it
+ * @param {Map<string, string>} figures its figures in the table
  */
 export function keepReference(state, { buffer, reference: zero, from, to }, field, figures) {
   const { references } = state.values;
@@ -75,7 +75,7 @@ export function removeReference(state, name) {
 }
 
 /**
- * Find the value of a reference, as it is drawn.
+ * Return the value of a reference, as drawn.
  * @param {Reference} one
  * @param {number} time on the time axis [s]
  * @returns {?{low: number, high: number}} null where it has none
@@ -86,7 +86,7 @@ export function valueOf({ buffer, field, zero, from, to, later, offset }, time) 
   return found && { ...found, low: found.low + offset, high: found.high + offset };
 }
 
-/** Time of a reference: that of its right edge. */
+/** Text with the time of a reference's right edge. */
 export const keptText = ({ zero, to }) => `kept ${clockText(zero + to, 1)}`;
 
 /** Describe a reference for a picture. */

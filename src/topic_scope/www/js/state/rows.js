@@ -1,14 +1,14 @@
 /**
- * The table that dygraphs draws: a row for each moment at which a trace has a value. A bin with one or
- * two samples has them where they stand, to an eighth of its width; one with more has its least and
- * its greatest value at its middle, and of steps the last one, which holds until the next.
+ * Table for dygraphs: a row for each time at which a trace has a value. A bin with one or
+ * two samples has them at their positions, to an eighth of its width; a bin with more has its minimum
+ * and maximum at its middle, and for stepped traces also the last value, which holds until the next.
  */
 
-const PLACES = 8; // in a bin, as the server counts them
-const MIDDLE = PLACES; // the first of the rows at the middle, between those of the places
+const PLACES = 8; // positions in a bin; must match the server
+const MIDDLE = PLACES; // the first of the rows at the middle
 const ROWS = 2 * PLACES + 3;
 
-/** Index of a place among the rows of its bin; two samples may share one. */
+/** Row index of a position in its bin; two samples may share a position. */
 const rowOf = (place, turn) => 2 * place + turn + (place < PLACES / 2 ? 0 : 3);
 
 /** Position of each row in its bin, 0 to 1. */
@@ -30,11 +30,11 @@ const MOST = 3; // values of a trace in a bin
 export const isThere = (value) => value !== null && value !== undefined && !Number.isNaN(value);
 
 /**
- * Find the rows of a trace, so that its line is as short as can be where the order in a bin is not
- * known. Typed arrays, and no calls: with ten traces this goes through half a million bins a second.
+ * Return the rows of a trace, in the order of the shortest line if the order in a bin is
+ * unknown. Uses typed arrays and no calls: ten traces have half a million bins per second.
  * @param {{values: Array<?number>, places: number[], lasts: ?Array<?number>}} trace
  * @param {number} count of bins
- * @returns {{rows: Int8Array, cells: Float64Array}} MOST for each bin, -1 for those that are not there
+ * @returns {{rows: Int8Array, cells: Float64Array}} MOST for each bin, -1 for missing ones
  */
 function laidOut({ values, places, lasts }, count) {
   const rows = new Int8Array(MOST * count).fill(-1);
@@ -50,7 +50,7 @@ function laidOut({ values, places, lasts }, count) {
     let falls = Math.abs(before - high) < Math.abs(before - low);
     if (isPlaced && atLow !== atHigh) falls = atHigh < atLow;
     else if (isPlaced && lasts) falls = lasts[bin] === low;
-    cells[at] = falls ? high : low; // NaN, too, where dygraphs ends a line
+    cells[at] = falls ? high : low; // NaN, too, which ends a line in dygraphs
     rows[at] = isPlaced ? rowOf(falls ? atHigh : atLow, 0) : MIDDLE;
     if (Number.isNaN(low)) continue;
     before = falls ? low : high;
@@ -68,13 +68,13 @@ function laidOut({ values, places, lasts }, count) {
  * Tabulate traces.
  * @param {Array<{values: Array<?number>, places: number[], lasts: ?Array<?number>}>} traces
  * @param {number} count of bins
- * @param {function(number): number} timeAt gives the time at a place, counted in bins from the first
- * @param {Array<Array<?number>>} table of an earlier call, to be used again
+ * @param {function(number): number} timeAt returns the time at a position, in bins from the first
+ * @param {Array<Array<?number>>} table result of an earlier call, to reuse
  * @returns {Array<Array<?number>>} never empty
  */
 export function tabulated(traces, count, timeAt, table) {
   const laid = traces.map((trace) => laidOut(trace, count));
-  const used = new Uint32Array(count); // of each bin the rows that have a value, as bits
+  const used = new Uint32Array(count); // bit mask of the rows with a value, for each bin
   for (const { rows } of laid) {
     for (let index = 0; index < rows.length; index += 1) {
       if (rows[index] >= 0) used[Math.floor(index / MOST)] |= 1 << rows[index];

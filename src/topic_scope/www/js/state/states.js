@@ -1,49 +1,49 @@
 /** Traces that are states: texts over time, as the server sends them. */
 
-const SEVERAL = -1; // place of the text where many states change in a short time
+const SEVERAL = -1; // index of the text for many short states
 
-/** Whether the name of a trace is that of a state. */
+/** Whether a name denotes a state. */
 export const isState = (field) =>
   !field.startsWith("=") && /\.state(@[^@]*)?$/.test(field.replace(/"[^"]*"|\[[^\]]*\]/g, ""));
 
-/** Those of some fields that are numbers. */
+/** Return the numeric fields. */
 export const numbersOf = (fields) => fields.filter((field) => !isState(field));
 
 /**
  * @typedef {Object} Span
  * @property {number} from since the epoch [s]
- * @property {number} to until when this is known [s]
- * @property {boolean} isOpen whether it goes on
+ * @property {number} to its end, or the time up to which it is known [s]
+ * @property {boolean} isOpen whether it continues
  * @property {boolean} isEarlier whether it may have begun before
- * @property {string} text of the state, or how many there are
- * @property {boolean} isSeveral whether these are several
+ * @property {string} text text of the state, or the number of states
+ * @property {boolean} isSeveral whether these are several states
  */
 
 /**
  * Return the spans of a state.
  * @param {?{until: number, traces: Object<string, Object>}} states latest message of the server
  * @param {string} field
- * @returns {Span[]} in the order of time
+ * @returns {Span[]} in time order
  */
 export function spansOf(states, field) {
-  const told = states?.traces[field];
-  if (!told) return [];
-  return told.spans.map(([from, end, place, count], index) => ({
+  const trace = states?.traces[field];
+  if (!trace) return [];
+  return trace.spans.map(([from, end, place, count], index) => ({
     from,
     to: end ?? states.until,
     isOpen: end === null,
-    isEarlier: index === 0 && told.earlier,
-    text: place === SEVERAL ? `${count} states` : told.texts[place],
+    isEarlier: index === 0 && trace.earlier,
+    text: place === SEVERAL ? `${count} states` : trace.texts[place],
     isSeveral: place === SEVERAL,
   }));
 }
 
-/** Return the span at a time; undefined where nothing is known. */
+/** Return the span at a time; undefined if unknown. */
 export const spanAt = (spans, time) =>
   spans.find(({ from, to, isOpen }) => time >= from && (time < to || (isOpen && time === to)));
 
 /**
- * Return the place of a text's colour: always the same one.
+ * Return the palette index of a text's colour, always the same.
  * @param {string} text
  * @returns {number} from 0
  */

@@ -5,8 +5,8 @@ import { axisOf } from "./traces.js";
 /**
  * @typedef {Object} Axis
  * @property {string} title
- * @property {?number} low null: by itself
- * @property {?number} high null: by itself
+ * @property {?number} low null: automatic
+ * @property {?number} high null: automatic
  * @property {boolean} clock of the time axis: whether it shows the time of day
  */
 
@@ -20,29 +20,29 @@ const INITIAL = {
   types: {}, // topic -> its type
   hidden: new Set(),
   right: new Set(), // fields on the right axis
-  colours: new Map(), // field -> colour picked by hand
-  traces: new Map(), // field -> what else is chosen for it, see traces.js
+  colours: new Map(), // field -> chosen colour
+  traces: new Map(), // field -> its other settings, see traces.js
   history: 60,
   baseWindow: 5, // as selected
   window: 5, // as zoomed
   end: null, // right edge, since the epoch; null follows
-  reference: null, // what the time axis counts from; null follows
-  playing: true, // whether the scope's clock goes; that of a bag may stand
+  reference: null, // zero of the time axis; null follows
+  playing: true, // whether the scope's clock runs; a bag's clock may be paused
   trigger: { number: 0, mode: "off", field: "", level: 0, edge: "rising",
-    hysteresis: 0, holdoff: 0, position: 0.5 }, // position: the part of the window before it
-  references: [], // traces kept as they were, see references.js
-  persistence: 0, // how many earlier sweeps of the trigger stay visible
-  axes: { // and "y.2", "y2.2" and so on, of further plots
+    hysteresis: 0, holdoff: 0, position: 0.5 }, // position: the fraction of the window before it
+  references: [], // copies of traces, see references.js
+  persistence: 0, // number of earlier sweeps that stay visible
+  axes: { // and "y.2", "y2.2" and so on, for further plots
     x: { title: "time, s", clock: false },
     y: { title: "", low: null, high: null },
     y2: { title: "", low: null, high: null },
   },
   cursors: null, // {a, b}: time cursors, on the time axis
   levels: null, // {field, c, d}: level cursors, on the axis of this trace
-  // What is plotted: over time; spectrum; xy, over the trace x, "" for the first one.
+  // Chart: time; spectrum; xy, against the trace x, "" for the first.
   chart: { kind: "time", x: "", window: "hann", scale: "dB", averages: 1, equal: false },
-  // Which figures the table has; what phases are against, "" for the first trace; whether they are
-  // of what is between the cursors; the number of the count of how they vary, 0 for none.
+  // Figures of the table; reference of phases, "" for the first trace; whether they are
+  // of the span between the cursors; number of the statistics over time, 0 for none.
   measures: {
     figures: ["rate", "value", "min", "max", "mean", "rms", "frequency"], against: "", between: false,
     overTime: 0,
@@ -54,7 +54,7 @@ const INITIAL = {
   theme: "light",
 };
 
-/** Holds the state and calls listeners when it changes. */
+/** State with listeners to its changes. */
 export class State {
   constructor() {
     /** Read these freely; write them with set. */
@@ -101,10 +101,10 @@ export class State {
   }
 
   /**
-   * Set a part of the trigger, or arm it again as it is. Each time it gets another number: what the
-   * server sends about an older one, which may be under way, is not for this one.
+   * Set a part of the trigger, or arm it again. Each call assigns a new number, so that delayed
+   * messages of the server about an older trigger are ignored.
    * @param {Object} changes
-   * @param {Object} others values to be set with it
+   * @param {Object} others values to set with it
    */
   setTrigger(changes, others = {}) {
     const { trigger } = this.values;
@@ -116,7 +116,7 @@ export class State {
     return this.values.end === null && this.values.playing;
   }
 
-  /** The chosen fields that are shown. */
+  /** The chosen fields that are visible. */
   get shown() {
     return this.values.fields.filter((field) => !this.values.hidden.has(field));
   }

@@ -1,15 +1,15 @@
-/** Shown sweep: the running trace, a paused span, or one held by the trigger. */
+/** Shown sweep: the running trace, a paused span, or a triggered sweep. */
 
 import { TraceBuffer } from "./buffer.js";
 import { Persistence } from "./persistence.js";
 import { scalingOf } from "./traces.js";
 
-const SPARE_S = 0.5; // kept besides the window, as a sweep is complete only when a frame says so
+const SPARE_S = 0.5; // kept beyond the window, because a sweep is complete only after the next frame
 
-/** The part of the window behind the trigger. */
+/** Fraction of the window after the trigger. */
 export const after = ({ position = 0.5 }) => 1 - position;
 
-/** Takes frames and triggers; holds what is to be drawn. */
+/** Receiver of frames and triggers; provides the sweep to draw. */
 export class Sweep {
   /**
    * @param {import("./store.js").State} state
@@ -21,7 +21,7 @@ export class Sweep {
     this.persistence = new Persistence(state);
     this.pending = []; // times of crossings whose sweeps are not complete
     this.armed = "";
-    this.ahead = 0; // of the server's clock over this page's, s
+    this.ahead = 0; // lead of the server's clock over the page's, s
     state.on(["trigger"], ({ trigger }) => {
       const mode = trigger.mode + trigger.field + trigger.edge + trigger.position;
       this.pending = [];
@@ -31,7 +31,7 @@ export class Sweep {
     let scaling = "";
     state.on(["fields", "traces"], (values) => {
       const now = JSON.stringify([values.fields, scalingOf(values)]);
-      if (now !== scaling) this.release(); // what is held is scaled otherwise
+      if (now !== scaling) this.release(); // the held sweep has the old scale
       scaling = now;
     });
   }
@@ -67,13 +67,13 @@ export class Sweep {
     if (message.state === "triggered") this.pending = [...this.pending.slice(-1), message.time];
   }
 
-  /** What the server's clock shows, also while no frames come, since the epoch [s]. */
+  /** Time of the server's clock, also without frames, since the epoch [s]. */
   get now() {
     return this.state.values.playing ? performance.now() / 1000 + this.ahead : this.live.now;
   }
 
   /**
-   * What is to be drawn: bins, earlier sweeps, what times count from, and both edges, since the
+   * The sweep to draw: bins, earlier sweeps, zero of the times, and both edges, since the
    * epoch [s].
    * @returns {{buffer: TraceBuffer, earlier: Map<string, import("./persistence.js").Line>[],
    *   reference: number, from: number, to: number}}

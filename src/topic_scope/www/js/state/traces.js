@@ -1,4 +1,4 @@
-/** Settings of each trace besides its axis and its colour. */
+/** Settings of each trace other than axis and colour. */
 
 import { typed } from "../base/numbers.js";
 import { isState, numbersOf } from "./states.js";
@@ -9,28 +9,28 @@ export const PLOTS = 8;
 /** Ways to draw a trace. */
 export const DRAWN = ["line", "steps"];
 
-/** Largest gain and offset that the scope takes. */
+/** Largest gain and offset; must match the server. */
 export const LARGEST = 1e300;
 
-/** Dashes and gaps of a line by name [pixels]; as many slots as there are colours go with each. */
+/** Dashes and gaps of a line by name [pixels]; each is combined with all colours. */
 export const DASHES = new Map([
   ["solid", []], ["dashed", [9, 4]], ["dotted", [2, 3]], ["dash-dot", [9, 3, 2, 3]],
 ]);
 
 /**
  * @typedef {Object} Chosen
- * @property {number} plot that the trace is in, from 1, the uppermost
- * @property {?number} slot by which it gets a look that no other trace has; null: none yet
- * @property {string} dash name of a dash, "" for that of its slot
- * @property {string} drawn "line", "steps", or "" for what suits the type of the field
- * @property {number} gain what the values are multiplied by
- * @property {number} offset what is added then
+ * @property {number} plot number of its plot, from 1, the uppermost
+ * @property {?number} slot index of its default colour and dash; null: none yet
+ * @property {string} dash name of a dash, "" for the dash of its slot
+ * @property {string} drawn "line", "steps", or "" for the default of the field's type
+ * @property {number} gain factor of its values
+ * @property {number} offset added to the product
  */
 const USUAL = Object.freeze({ plot: 1, slot: null, dash: "", drawn: "", gain: 1, offset: 0 });
 
 const FREE = Object.freeze({ title: "", low: null, high: null });
 
-/** Name of a vertical axis of one of the plots: that of the first one is "y" or "y2". */
+/** Name of a vertical axis of a plot; "y" or "y2" in the first plot. */
 export const axisName = (side, plot) => (plot === 1 ? side : `${side}.${plot}`);
 
 /** Side and plot of the name of a vertical axis. */
@@ -39,7 +39,7 @@ export function axisParts(name) {
   return [side, Number(plot || 1)];
 }
 
-/** A vertical axis, as it is set. */
+/** Settings of a vertical axis. */
 export const axisOf = ({ axes }, name) => axes[name] || FREE;
 
 /** Settings of a trace. */
@@ -49,7 +49,7 @@ export const chosenOf = ({ traces }, field) => traces.get(field) || USUAL;
 export const plotCount = ({ fields, traces }) =>
   Math.max(1, ...numbersOf(fields).map((field) => chosenOf({ traces }, field).plot));
 
-/** Names of the vertical axes that have something to say. */
+/** Names of the vertical axes with settings or traces. */
 export function verticals(values) {
   const names = [];
   for (let plot = 1; plot <= plotCount(values); plot += 1) {
@@ -62,7 +62,7 @@ export function verticals(values) {
 }
 
 /**
- * Choose something for a trace.
+ * Change the settings of a trace.
  * @param {import("./store.js").State} state
  * @param {string} field
  * @param {Partial<Chosen>} changes
@@ -72,7 +72,7 @@ export function choose(state, field, changes) {
   state.set({ traces: new Map([...traces, [field, { ...chosenOf({ traces }, field), ...changes }]]) });
 }
 
-// --- What becomes of it ----------------------------------------------------------------------
+// --- Derived properties ----------------------------------------------------------------------
 
 /** The name of the difference of two traces. */
 export const differenceOf = (field, less) => `${field}-${less}`;
@@ -80,13 +80,13 @@ export const differenceOf = (field, less) => `${field}-${less}`;
 /** Whether a text is a formula. */
 export const isFormula = (text) => text.startsWith("=");
 
-/** Whether a name is that of something computed of several fields: a formula, or a difference. */
+/** Whether a name denotes a computed trace: a formula, or a difference. */
 export const isComputed = (field) => isFormula(field) || field.includes("-/");
 
 const COUNTED = /^(bool|byte|char|u?int\d+)$/;
 const typesOf = new WeakMap(); // list of fields -> types by field
 
-/** Type of a field, as far as it is listed; of all elements of an array it is that of the first. */
+/** Type of a listed field; all elements of an array have the type of the first. */
 function typeOf({ available }, field) {
   if (!typesOf.has(available)) {
     typesOf.set(available, new Map(available.map(({ field: name, datatype }) => [name, datatype])));
@@ -94,7 +94,7 @@ function typeOf({ available }, field) {
   return typesOf.get(available).get(field.replace(/[.@].*/, "").replace(/\[\d+\]/g, "[0]"));
 }
 
-/** Whether the value of a trace holds until the next one: by itself where nothing lies between two. */
+/** Whether a trace is stepped; the default for integers and Booleans. */
 export function isStepped(values, field) {
   const { drawn } = chosenOf(values, field);
   const isValue = !isComputed(field) && !isState(field) && !/\.(derivative|unwrap|yaw)/.test(field);
@@ -119,7 +119,7 @@ export function scalingOf(values) {
  * Describe the scale of a trace.
  * @param {Object} values of the state
  * @param {string} field
- * @returns {string} empty where it is not
+ * @returns {string} empty if it is not scaled
  */
 export function scaledText(values, field) {
   const { gain, offset } = chosenOf(values, field);
@@ -128,16 +128,16 @@ export function scaledText(values, field) {
   return times || plus ? `scaled${times}${plus}`.replace("-", "−") : "";
 }
 
-/** The name of a trace, with what it is scaled by. */
+/** Name of a trace, with its scale. */
 export const labelOf = (values, field) => [field, scaledText(values, field)].filter(Boolean).join(" ");
 
-/** Settings of a new trace: the plot of the topic that it was expanded from. */
+/** Settings of a new trace: in the plot of the topic that it was expanded from. */
 function inherited(traces, field) {
   const whole = [...traces].find(([name]) => field.startsWith(`${name}/`));
   return whole ? { ...USUAL, plot: whole[1].plot } : USUAL;
 }
 
-/** Give each trace the slot that it has, or the first one that is free. */
+/** Assign each trace its slot, or the first free slot. */
 function withSlots(known) {
   const taken = new Set([...known.values()].map(({ slot }) => slot));
   return new Map([...known].map(([field, one]) => {
@@ -149,10 +149,10 @@ function withSlots(known) {
 }
 
 /**
- * Leave no plot empty and no trace without a look, and forget traces that are gone; an axis stays
- * with its plot.
+ * Remove empty plots, assign default styles, and drop removed traces; axes keep
+ * their plots.
  * @param {Object} values of the state
- * @returns {{traces: Map<string, Chosen>, axes: Object}} the values in their place
+ * @returns {{traces: Map<string, Chosen>, axes: Object}} the new values
  */
 export function arranged({ fields, traces, axes }) {
   const known = new Map(fields.map((field) => [field, traces.get(field) || inherited(traces, field)]));
@@ -172,7 +172,7 @@ export function arranged({ fields, traces, axes }) {
 }
 
 /**
- * Keep the plots in order, whatever is chosen.
+ * Rearrange the plots after each change.
  * @param {import("./store.js").State} state rebuilt: later listeners see the plots in order
  */
 export function keepArranged(state) {
@@ -203,7 +203,7 @@ const CHECKS = {
 export const isTraces = (object) => Object.values(object).every((chosen) =>
   Object.entries(chosen).every(([name, value]) => Object.hasOwn(CHECKS, name) && CHECKS[name](value)));
 
-/** Write what is chosen for traces, as far as it is not what it would be by itself. */
+/** Return the settings of traces that differ from their defaults. */
 export function writeTraces(traces) {
   const isPlain = [...traces.values()].every(({ slot }, index) => slot === index);
   const unusual = (chosen) => Object.fromEntries(Object.entries(chosen).filter(([name, value]) =>
@@ -212,6 +212,6 @@ export function writeTraces(traces) {
     .filter(([, chosen]) => Object.keys(chosen).length));
 }
 
-/** Read what {@link writeTraces} has written. */
+/** Parse the output of {@link writeTraces}. */
 export const readTraces = (object) => new Map(
   Object.entries(object).map(([field, chosen]) => [field, { ...USUAL, ...chosen }]));

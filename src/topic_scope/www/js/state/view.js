@@ -1,11 +1,11 @@
-/** Run, pause, zoom and pan: what the wheel, the keys and the buttons do to the view. */
+/** Run, pause, zoom and pan of the view. */
 
 import { clamp } from "../base/numbers.js";
 import { after } from "./sweep.js";
 
 const SHORTEST_S = 0.002;
 
-/** Changes the view; knows what is shown, so that nothing jumps. */
+/** Changes of the view, relative to the visible sweep, so that nothing jumps. */
 export class View {
   /**
    * @param {import("./store.js").State} state
@@ -16,7 +16,7 @@ export class View {
     this.state = state;
     this.sweep = sweep;
     this.plot = plot;
-    this.kept = Infinity; // where what was shown since it stands still begins: the scope keeps that, s
+    this.kept = Infinity; // start of the span shown since the pause, which the scope keeps, s
     state.on(["window", "end"], ({ window, end }) => {
       this.kept = end === null ? Infinity : Math.min(this.kept, end - window);
     });
@@ -29,14 +29,14 @@ export class View {
     this.state.set({ end: to, reference });
   }
 
-  /** Go on; a single trigger is armed again. */
+  /** Resume; a single trigger is armed again. */
   run() {
     this.sweep.release();
     this.state.set({ end: null, reference: null });
     if (this.state.values.trigger.mode === "single") this.state.setTrigger({});
   }
 
-  /** Pause or go on. */
+  /** Pause or resume. */
   toggle() {
     if (this.state.isRunning) this.pause();
     else this.run();
@@ -51,9 +51,9 @@ export class View {
   }
 
   /**
-   * Zoom the time axis around one of its places.
+   * Zoom the time axis around a position.
    * @param {number} factor below 1: closer
-   * @param {number} at 0 at the left edge, 1 at the right one
+   * @param {number} at 0 at the left edge, 1 at the right edge
    */
   zoomX(factor, at) {
     const { window, end, history } = this.state.values;
@@ -65,7 +65,7 @@ export class View {
 
   /**
    * Move the time axis; pauses.
-   * @param {number} part of its length, positive shows what is later
+   * @param {number} part fraction of its length, positive to later times
    */
   panX(part) {
     this.pause();
@@ -76,10 +76,10 @@ export class View {
   }
 
   /**
-   * Zoom a vertical axis around one of its places.
+   * Zoom a vertical axis around a position.
    * @param {string} axis its name, see traces.js
    * @param {number} factor below 1: closer
-   * @param {number} at 0 at the lower edge, 1 at the upper one
+   * @param {number} at 0 at the lower edge, 1 at the upper edge
    */
   zoomY(axis, factor, at) {
     const [low, high] = this.plot.range(axis);
@@ -93,7 +93,7 @@ export class View {
   /**
    * Move a vertical axis.
    * @param {string} axis its name, see traces.js
-   * @param {number} part of its length, positive shows what is higher
+   * @param {number} part fraction of its length, positive to higher values
    */
   panY(axis, part) {
     const [low, high] = this.plot.range(axis);
@@ -101,7 +101,7 @@ export class View {
     this.state.setAxis(axis, { low: low + shift, high: high + shift });
   }
 
-  /** The window as selected, vertical axes by themselves, a paused view where it was paused. */
+  /** Reset: selected window, automatic vertical axes, a paused view at its time of pause. */
   reset() {
     const { baseWindow, end, reference, trigger } = this.state.values;
     const centred = end !== null && trigger.mode !== "off" && this.sweep.held;

@@ -82,11 +82,11 @@ class Panels(PanelTest):
         wait_until(lambda: foreign.values["rate"] == 100, lambda: foreign.values)
         self.assertEqual(self.browser.value(row("rate") + "select"), "100")
         gain = self.browser.find(row("gain") + ".value")
-        for text, told in (("11", "must be"), ("7", "/foreign changed it to gain = 5.0")):
+        for text, reply in (("11", "must be"), ("7", "/foreign changed it to gain = 5.0")):
             gain.send_keys(Keys.CONTROL, "a")
             gain.send_keys(text, Keys.ENTER)
             wait_until(
-                lambda: told in self.browser.text(row("gain") + ".refusal"),
+                lambda: reply in self.browser.text(row("gain") + ".refusal"),
                 lambda: self.browser.text(row("gain")),
             )
         self.assertEqual(foreign.values["gain"], 5.0)

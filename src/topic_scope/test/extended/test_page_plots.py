@@ -806,13 +806,13 @@ class Plots(PageTest):
                 lambda: len(self.of_file(field)) == self.due(sent[topic], start, end),
                 lambda: (len(self.of_file(field)), self.due(sent[topic], start, end)),
             )
-            told = self.of_file(field)
-            self.assertGreater(len(told), 150)
+            reply = self.of_file(field)
+            self.assertGreater(len(reply), 150)
             published = dict(sent[topic])
-            for stamp, received, value in told:
+            for stamp, received, value in reply:
                 self.assertAlmostEqual(value, math.sin(2.0 * math.pi * stamp), delta=1e-4)
                 self.assertGreater(received, published[stamp] - 0.001)
-            late = numpy.median([received - stamp for stamp, received, _ in told])
+            late = numpy.median([received - stamp for stamp, received, _ in reply])
             self.assertGreater(late, numpy.median(LATE[topic]) - 0.001)
             wait_until(
                 lambda: (

@@ -218,12 +218,12 @@ class View(PageTest):
         at = f"#legend tr[data-field='{SIGNAL}'] [data-cell='a']"
         wait_until(lambda: self.browser.text(at) not in ("", "–"), lambda: self.browser.text(at))
         # Frames by what is erased before each; at 100 Hz no two of them have the same value.
-        drawn, told = self.browser.driver.execute_async_script(
+        drawn, reply = self.browser.driver.execute_async_script(
             """
             const [selector, done] = arguments;
             const { clearRect } = CanvasRenderingContext2D.prototype;
             const cell = document.querySelector(selector);
-            let [isDrawn, drawn, told, before] = [false, 0, 0, cell.textContent];
+            let [isDrawn, drawn, updated, before] = [false, 0, 0, cell.textContent];
             CanvasRenderingContext2D.prototype.clearRect = function (...box) {
               isDrawn = true;
               return clearRect.call(this, ...box);
@@ -231,21 +231,21 @@ class View(PageTest):
             const look = () => {
               if (isDrawn) {
                 drawn += 1;
-                if (cell.textContent !== before) told += 1;
+                if (cell.textContent !== before) updated += 1;
                 before = cell.textContent;
               }
               isDrawn = false;
               if (drawn < 15) setTimeout(look, 0);
               else {
                 CanvasRenderingContext2D.prototype.clearRect = clearRect;
-                done([drawn, told]);
+                done([drawn, updated]);
               }
             };
             look();
             """,
             at,
         )
-        self.assertGreater(told, 0.7 * drawn)
+        self.assertGreater(reply, 0.7 * drawn)
 
     def test_a_setup_of_the_command_line_is_shown_and_kept_while_paused(self) -> None:
         setup = {"fields": [SIGNAL], "right": [SIGNAL], "window": 1, "baseWindow": 1}
@@ -371,7 +371,7 @@ class View(PageTest):
         self.browser.run(f"{level}.value = '1000'; {level}.dispatchEvent(new Event('change'));")
         self.browser.choose("#trigger-mode", "single")
         self.wait_armed()
-        told = self.browser.run(
+        reply = self.browser.run(
             f"{level}.value = '1001'; {level}.dispatchEvent(new Event('change'));"
             "const { number } = window.sent;"
             "for (const old of [number - 1, undefined]) window.socket.dispatchEvent("
@@ -379,7 +379,7 @@ class View(PageTest):
             "{type: 'trigger', number: old, state: 'triggered', time: 0}) }));"
             "return document.querySelector('#trigger-state').value;"
         )
-        self.assertEqual(told, "armed")
+        self.assertEqual(reply, "armed")
         self.wait_armed()
         self.wait_moving()
         self.assertEqual(self.browser.text("#run"), "Pause")

@@ -23,8 +23,8 @@ class Controls(ControlsTest):
         self.set(page, "multisine_amplitudes", "[1.0, 2.0, 3.0]")
         refused = page.wait_for("refused")
         self.assertIn("three lists must have one length", refused["text"])
-        told = ("multisine_amplitudes", "[1.0, 0.5]")
-        page.wait_for("value", lambda value: (value["name"], value["value"]) == told)
+        reply = ("multisine_amplitudes", "[1.0, 0.5]")
+        page.wait_for("value", lambda value: (value["name"], value["value"]) == reply)
         self.assertEqual(rospy.get_param(NODE + "/multisine_amplitudes"), before)
         self.assertEqual(other.messages("refused"), [])
 
@@ -32,7 +32,7 @@ class Controls(ControlsTest):
         page = self.panelled()
         before = rospy.get_param(NODE + "/amplitude")
         self.set(page, "amplitude", "1,000")
-        page.wait_for("refused", lambda told: told["name"] == "amplitude")
+        page.wait_for("refused", lambda reply: reply["name"] == "amplitude")
         self.assertEqual(rospy.get_param(NODE + "/amplitude"), before)
 
     def test_the_last_of_many_values_wins(self) -> None:
@@ -44,14 +44,14 @@ class Controls(ControlsTest):
             lambda: rospy.get_param(NODE + "/offset") == 1.0,
             lambda: rospy.get_param(NODE + "/offset"),
         )
-        page.wait_for("value", lambda told: (told["name"], told["value"]) == ("offset", 1.0))
+        page.wait_for("value", lambda reply: (reply["name"], reply["value"]) == ("offset", 1.0))
         self.assertEqual(page.messages("refused"), [])
 
     def test_a_change_by_anybody_is_shown(self) -> None:
         page = self.panelled()
         self.restore("phase")
         rospy.set_param(NODE + "/phase", 0.75)
-        page.wait_for("value", lambda told: (told["name"], told["value"]) == ("phase", 0.75))
+        page.wait_for("value", lambda reply: (reply["name"], reply["value"]) == ("phase", 0.75))
         page.forget()
         rospy.set_param(NODE + "/phase", "nonsense")  # the node puts it back
         wait_until(lambda: rospy.get_param(NODE + "/phase") == 0.75, lambda: "not put back")
@@ -64,7 +64,7 @@ class Controls(ControlsTest):
         self.assertEqual((called["service"], called["success"]), (NODE + "/reset", True))
         self.assertIn("start at 0", called["message"])
         page.send("call", service=NODE + "/enable", data=False)
-        page.wait_for("called", lambda told: told["service"] == NODE + "/enable")
+        page.wait_for("called", lambda reply: reply["service"] == NODE + "/enable")
         page.forget()
         page.send("call", service=NODE + "/enable", data=True)
         self.assertTrue(page.wait_for("called")["success"])
@@ -73,12 +73,12 @@ class Controls(ControlsTest):
         page = self.panelled()
         service = rospy.Service("/guest/describe", Trigger, describe_guest)
         page.wait_for(
-            "panels", lambda told: "/guest" in [panel["node"] for panel in told["panels"]]
+            "panels", lambda reply: "/guest" in [panel["node"] for panel in reply["panels"]]
         )
         page.forget()
         service.shutdown("ended by the test")
         page.wait_for(
-            "panels", lambda told: "/guest" not in [panel["node"] for panel in told["panels"]]
+            "panels", lambda reply: "/guest" not in [panel["node"] for panel in reply["panels"]]
         )
 
     def test_a_change_while_a_panel_is_made_is_not_lost(self) -> None:
@@ -92,12 +92,14 @@ class Controls(ControlsTest):
             # The master tells a node of one change after the other: when the scope has learnt of
             # this one, it has learnt of the one before, and has no description yet.
             rospy.set_param(NODE + "/amplitude", 3.5)
-            page.wait_for("value", lambda told: (told["name"], told["value"]) == ("amplitude", 3.5))
+            page.wait_for(
+                "value", lambda reply: (reply["name"], reply["value"]) == ("amplitude", 3.5)
+            )
             return describe_guest(request)
 
         service = rospy.Service("/slow/describe", Trigger, describe)
         self.addCleanup(service.shutdown)
-        page.wait_for("value", lambda told: (told["node"], told["value"]) == ("/slow", 2))
+        page.wait_for("value", lambda reply: (reply["node"], reply["value"]) == ("/slow", 2))
 
     def test_a_description_that_makes_no_sense_is_no_panel(self) -> None:
         page = self.panelled()
@@ -108,7 +110,7 @@ class Controls(ControlsTest):
         guest = rospy.Service("/later/describe", Trigger, describe_guest)
         self.addCleanup(guest.shutdown)
         page.wait_for(
-            "panels", lambda told: "/later" in [panel["node"] for panel in told["panels"]]
+            "panels", lambda reply: "/later" in [panel["node"] for panel in reply["panels"]]
         )
         self.assertNotIn("babbler", str(page.messages("panels")))
 
@@ -122,11 +124,11 @@ class Controls(ControlsTest):
         page = self.page()
 
         def wait_state(state: str) -> Any:
-            told = page.wait_for("managed", lambda told: (node, state) in states(told))
-            return next(one for one in told["nodes"] if one["node"] == node)["transitions"]
+            reply = page.wait_for("managed", lambda reply: (node, state) in states(reply))
+            return next(one for one in reply["nodes"] if one["node"] == node)["transitions"]
 
-        def states(told: Any) -> Any:
-            return [(one["node"], one["state"]) for one in told["nodes"]]
+        def states(reply: Any) -> Any:
+            return [(one["node"], one["state"]) for one in reply["nodes"]]
 
         self.assertEqual(wait_state("unconfigured"), ["configure", "shutdown"])
         page.send("transition", node=node, label="configure")
@@ -136,12 +138,12 @@ class Controls(ControlsTest):
         page.send("transition", node=node, label="configure")
         self.assertIn(f"{node} cannot configure now", page.wait_for("error")["text"])
         page.send("transition", node="/missing", label="configure")
-        page.wait_for("error", lambda told: "/missing cannot" in told["text"])
+        page.wait_for("error", lambda reply: "/missing cannot" in reply["text"])
         page.forget()
         talker.kill()  # the master goes on to list its services
         self.assertEqual(wait_state("does not answer"), [])
         page.send("transition", node=node, label="deactivate")
-        page.wait_for("error", lambda told: f"{node} cannot deactivate now" in told["text"])
+        page.wait_for("error", lambda reply: f"{node} cannot deactivate now" in reply["text"])
         page.forget()
         talker = subprocess.Popen(command)  # another one of its name, which ends in order
         self.addCleanup(talker.wait, 30.0)
@@ -149,7 +151,7 @@ class Controls(ControlsTest):
         self.assertEqual(wait_state("unconfigured"), ["configure", "shutdown"])
         page.forget()
         talker.terminate()
-        page.wait_for("managed", lambda told: states(told) == [])
+        page.wait_for("managed", lambda reply: states(reply) == [])
 
     def test_a_managed_node_that_fails_is_left_out_and_asked_again_after_a_while(self) -> None:
         asked: List[float] = []

@@ -17,9 +17,9 @@ from nodekit.testing.waiting import TIMEOUT_S, wait_until
 STATUS = "string robot_name\nuint8 mode\nfloat32[] sensor_readings\n"
 
 
-def has(told: Message, *topics: str) -> bool:
+def has(reply: Message, *topics: str) -> bool:
     """Tell whether a page was told of topics."""
-    return set(topics) <= {one["topic"] for one in told["robots"] + told["scans"]}
+    return set(topics) <= {one["topic"] for one in reply["robots"] + reply["scans"]}
 
 
 def moves(commands: List[Command]) -> bool:
@@ -47,7 +47,7 @@ class Feed(RobotsTest):
         for _ in range(2):  # what is latched comes again
             page.forget()
             page.send("robots", on=True)
-            seen = page.wait_for("robots", lambda told: has(told, "/feed/odom", "/feed/scan"))
+            seen = page.wait_for("robots", lambda reply: has(reply, "/feed/odom", "/feed/scan"))
             (scan,) = (scan for scan in seen["scans"] if scan["topic"] == "/feed/scan")
             self.assertEqual(scan["ranges"], [2000] * 16)
             page.wait_for("scenery", lambda message: message["markers"])
@@ -69,13 +69,13 @@ class Feed(RobotsTest):
         page.send("robots", on=True)
         wait_until(publisher.get_num_connections, lambda: "no subscriber")
         robot.x = 4.0
-        page.wait_for("robots", lambda told: any(one["x"] == 4.0 for one in told["robots"]))
+        page.wait_for("robots", lambda reply: any(one["x"] == 4.0 for one in reply["robots"]))
 
     def test_a_goal_is_sent(self) -> None:
         robot = self.robot("/aimed/")
         page = self.page()
         page.send("robots", on=True)
-        page.wait_for("targets", lambda told: "/aimed/goal" in told["goals"])
+        page.wait_for("targets", lambda reply: "/aimed/goal" in reply["goals"])
         goal = {"topic": "/aimed/goal", "frame": "odom", "x": 1.5, "y": -2.0, "heading": 3.0}
         page.send("goal", **goal)
         page.wait_for("sent")
@@ -100,12 +100,12 @@ class DeadMan(RobotsTest):
         first = self.driver("/two/cmd_vel")
         self.drive(first)
         second = self.driver("/two/cmd_vel")
-        first.wait_for("steering", lambda told: told["topic"] == "")
-        first.wait_for("error", lambda told: "another page" in told["text"])
+        first.wait_for("steering", lambda reply: reply["topic"] == "")
+        first.wait_for("error", lambda reply: "another page" in reply["text"])
         self.stopped(robot)
         first.forget()
         self.drive(first)
-        first.wait_for("error", lambda told: "take the wheel first" in told["text"])
+        first.wait_for("error", lambda reply: "take the wheel first" in reply["text"])
         before = len(robot.commands)
         self.drive(second)
         wait_until(lambda: len(robot.commands) > before, lambda: "it does not drive")
@@ -118,10 +118,10 @@ class DeadMan(RobotsTest):
         for second in topics:  # a double click, and another one before there is an answer
             page = self.page()
             page.send("robots", on=True)
-            page.wait_for("targets", lambda told: set(topics) <= set(told["commands"]))
+            page.wait_for("targets", lambda reply: set(topics) <= set(reply["commands"]))
             for topic in (topics[0], second):
                 page.send("steer", topic=topic)
-            page.wait_for("steering", lambda told: told["topic"] == second)
+            page.wait_for("steering", lambda reply: reply["topic"] == second)
             page.close()
 
     def test_a_command_that_comes_late_is_left_out_and_the_page_is_told(self) -> None:
@@ -133,7 +133,7 @@ class DeadMan(RobotsTest):
         del robot.commands[:]
         page.send("drive", speed=0.2, turn=0.5, sent=time.monotonic() - 1.0)
         self.assertIn("too late", page.wait_for("error")["text"])
-        self.assertLessEqual({told.speed for told in robot.commands}, {0.0})
+        self.assertLessEqual({reply.speed for reply in robot.commands}, {0.0})
 
     def test_commands_have_the_type_that_is_taken_now(self) -> None:
         # The master goes on to tell the type that was there first.

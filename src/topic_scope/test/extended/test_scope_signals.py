@@ -35,7 +35,7 @@ class Signals(SignalsTest):
         publisher = rospy.Publisher("/wide", Odometry, queue_size=1)
         self.addCleanup(publisher.unregister)
         page = self.page()
-        page.wait_for("fields", lambda told: "/wide/pose" in str(told))
+        page.wait_for("fields", lambda reply: "/wide/pose" in str(reply))
         page.send("select", fields=["/wide"])
         self.assertEqual(
             page.wait_for("error")["text"],
@@ -111,20 +111,20 @@ class Signals(SignalsTest):
         page.send("select", fields=[live, old, apart])
         publisher = self.publisher("/exact", PointStamped, page)
         page.send("trigger", mode="single", number=1, field=live, level=0.5, edge="rising")
-        page.wait_for("trigger", lambda told: told["number"] == 1)
+        page.wait_for("trigger", lambda reply: reply["number"] == 1)
         for message in sine(rospy.Time.now() + rospy.Duration(0.5), 300, 0.0):
             publisher.publish(message)
-        at = page.wait_for("trigger", lambda told: told["time"] is not None)["time"]
+        at = page.wait_for("trigger", lambda reply: reply["time"] is not None)["time"]
         # A period earlier it would be the same sine, and begins earlier.
         page.send("overlay", name="old", trigger=at, offset=-1.0)
         page.send("view", window=1.0, width=500, end=at + 1.0)
 
-        def difference(told: Any) -> float:
-            measured = told["traces"].get(apart, {})
+        def difference(reply: Any) -> float:
+            measured = reply["traces"].get(apart, {})
             return float(measured["rms"]) if measured.get("max") is not None else math.inf
 
         # A tenth of a sample.
-        page.wait_for("stats", lambda told: difference(told) < 0.0044)
+        page.wait_for("stats", lambda reply: difference(reply) < 0.0044)
 
     def test_a_type_that_is_not_installed(self) -> None:
         text = "string name\nfloat64[] levels\nInner[2] inner\n" + "=" * 80

@@ -116,7 +116,7 @@ class Bag(unittest.TestCase):
         page.send("playback", **wanted)
         # What was told before this was heard may come in between.
         return page.wait_for(
-            "playback", lambda told: told["jumps"] >= jumps and not told["loading"]
+            "playback", lambda reply: reply["jumps"] >= jumps and not reply["loading"]
         )
 
     def wait_text(self, browser: Browser, selector: str, text: str) -> None:
@@ -154,8 +154,8 @@ class Bag(unittest.TestCase):
         self.assertAlmostEqual(hello["bag"]["start"], BEGIN, 5)
         self.assertAlmostEqual(hello["bag"]["end"], BEGIN + LENGTH_S, 5)
         self.play(page, time=BEGIN + 15.0)
-        told = self.play(page, time=BEGIN + 5.001, playing=False, speed=1.0)
-        self.assertEqual((told["playing"], told["speed"]), (False, 1.0))
+        reply = self.play(page, time=BEGIN + 5.001, playing=False, speed=1.0)
+        self.assertEqual((reply["playing"], reply["speed"]), (False, 1.0))
         # All that came before is there, and nothing of later: the sine has grown up to 4.75.
         wait_until(lambda: page.values(FIELD), lambda: page.messages("frame"))
         wait_until(lambda: abs(self.shown(page) - 5.001) < 1e-4, lambda: self.shown(page))
@@ -172,16 +172,16 @@ class Bag(unittest.TestCase):
         # To the end, and not further.
         page.forget()
         page.send("playback", speed=50.0, playing=True)
-        page.wait_for("playback", lambda told: told["playing"])
-        page.wait_for("playback", lambda told: not told["playing"])
+        page.wait_for("playback", lambda reply: reply["playing"])
+        page.wait_for("playback", lambda reply: not reply["playing"])
         wait_until(
             lambda: page.messages("frame")[-1]["now"] > BEGIN + LENGTH_S - 1e-3,
             lambda: page.messages("frame")[-1:],
         )
         self.assertAlmostEqual(max(page.values(FIELD)), 19.25, 2)
         # From the begin again; a page that comes meanwhile sees it, too.
-        told = self.play(page, speed=0.01, playing=True)
-        self.assertTrue(told["playing"])
+        reply = self.play(page, speed=0.01, playing=True)
+        self.assertTrue(reply["playing"])
         other = self.page()
         self.assertLess(self.shown(other), 5.0)
         self.assertTrue(other.wait_for("playback")["playing"])
@@ -196,7 +196,7 @@ class Bag(unittest.TestCase):
         # What its messages name is known from them.
         name = "/joints/position[wheel]"
         self.page().wait_for(
-            "fields", lambda told: name in [one["field"] for one in told["fields"]]
+            "fields", lambda reply: name in [one["field"] for one in reply["fields"]]
         )
         page.send("select", fields=[name])
         wait_until(lambda: page.values(name), lambda: page.messages("frame"))
@@ -204,49 +204,49 @@ class Bag(unittest.TestCase):
 
     def at(self, page: Client, x: float) -> Message:
         """Return what is told of the robot when it is at a place, m."""
-        told = page.wait_for(
-            "robots", lambda told: [one for one in told["robots"] if abs(one["x"] - x) < 1e-6]
+        reply = page.wait_for(
+            "robots", lambda reply: [one for one in reply["robots"] if abs(one["x"] - x) < 1e-6]
         )
-        self.assertEqual([one["topic"] for one in told["robots"]], ["/odom"])
-        return told
+        self.assertEqual([one["topic"] for one in reply["robots"]], ["/odom"])
+        return reply
 
     def test_robots_are_where_they_were_at_its_clock(self) -> None:
         page = self.page()
         self.play(page, time=BEGIN + 15.05, playing=False, speed=1.0)
         page.send("robots", on=True)
-        told = self.at(page, 1.5)
-        self.assertEqual(told["robots"][0]["speed"], 0.1)
-        self.assertFalse(told["robots"][0]["silent"])
-        self.assertEqual(told["scans"][0]["ranges"], [2000])
-        self.assertAlmostEqual(told["scans"][0]["at"][4], 1.5)
+        reply = self.at(page, 1.5)
+        self.assertEqual(reply["robots"][0]["speed"], 0.1)
+        self.assertFalse(reply["robots"][0]["silent"])
+        self.assertEqual(reply["scans"][0]["ranges"], [2000])
+        self.assertAlmostEqual(reply["scans"][0]["at"][4], 1.5)
         # The world was told of 15 s ago, which is longer than traces have their past.
-        scenery = page.wait_for("scenery", lambda told: told["goals"])
+        scenery = page.wait_for("scenery", lambda reply: reply["goals"])
         self.assertEqual([one["kind"] for one in scenery["markers"]], ["lines"])
         self.assertEqual([one["x"] for one in scenery["goals"]], [12.0])
         self.assertEqual([one["points"] for one in scenery["paths"]], [[0.0, 0.0, 12.0, 0.0]])
         # Before: nothing is known of what was told later.
         self.play(page, time=BEGIN + 5.05)
         self.at(page, 0.5)
-        scenery = page.wait_for("scenery", lambda told: told["goals"])
+        scenery = page.wait_for("scenery", lambda reply: reply["goals"])
         self.assertEqual([one["x"] for one in scenery["goals"]], [2.0])
         self.play(page, time=BEGIN + 1.05)
         self.at(page, 0.1)
-        scenery = page.wait_for("scenery", lambda told: not told["goals"])
+        scenery = page.wait_for("scenery", lambda reply: not reply["goals"])
         self.assertEqual((len(scenery["markers"]), scenery["paths"]), (1, []))
         # It goes on with the clock, and stands with it; that is no silence.
         page.forget()
         page.send("playback", playing=True, speed=5.0)
-        page.wait_for("robots", lambda told: told["robots"][0]["x"] > 0.4)
+        page.wait_for("robots", lambda reply: reply["robots"][0]["x"] > 0.4)
         self.play(page, playing=False, speed=1.0)
         # A second page sees the same. Where the robot has said nothing for 2 s, it is silent.
         other = self.page()
         other.send("robots", on=True)
-        told = other.wait_for("robots", lambda told: told["robots"][0]["x"] > 0.4)
-        self.assertFalse(told["robots"][0]["silent"])
+        reply = other.wait_for("robots", lambda reply: reply["robots"][0]["x"] > 0.4)
+        self.assertFalse(reply["robots"][0]["silent"])
         page.forget()
         page.send("playback", time=BEGIN + LENGTH_S)
-        told = self.at(page, 1.8)
-        self.assertEqual((told["robots"][0]["silent"], told["scans"]), (True, []))
+        reply = self.at(page, 1.8)
+        self.assertEqual((reply["robots"][0]["silent"], reply["scans"]), (True, []))
 
     def test_what_takes_nodes_is_refused_in_words(self) -> None:
         page = self.page()
@@ -340,7 +340,7 @@ class Bag(unittest.TestCase):
         wait_until(lambda: browser.text("#run") == "Pause", lambda: browser.text("#run"))
         browser.keys(" ")
         wait_until(lambda: browser.text("#run") == "Run", lambda: browser.text("#run"))
-        page.wait_for("playback", lambda told: told["playing"])
+        page.wait_for("playback", lambda reply: reply["playing"])
         wait_until(lambda: not page.messages("playback")[-1]["playing"], lambda: "it goes on")
         # Moved by keys, the slider sends it elsewhere.
         browser.find("#playback-place").send_keys(Keys.END)

@@ -128,9 +128,9 @@ class Modules(BrowserTest):
             axes,
         )
         self.assertEqual(len(answers), len(cases))
-        for (fields, _, expected, axes_then), told in zip(cases, answers):
-            self.assertEqual((told["fields"], told["plots"]), (fields, expected))
-            self.assertEqual(told["axes"], {"x": axes["x"], **axes_then})
+        for (fields, _, expected, axes_then), reply in zip(cases, answers):
+            self.assertEqual((reply["fields"], reply["plots"]), (fields, expected))
+            self.assertEqual(reply["axes"], {"x": axes["x"], **axes_then})
 
     def test_what_is_chosen_for_traces_is_read_as_it_was_written(self) -> None:
         chosen = {
@@ -139,7 +139,7 @@ class Modules(BrowserTest):
         }
         wrong = [{"plot": 9}, {"plot": 1.5}, {"slot": -1}, {"dash": "wavy"}, {"drawn": "dots"}]
         wrong += [{"gain": "2"}, {"offset": 1e301}, {"other": 1}, {"toString": 1}, None]
-        told = self.browser.call(
+        reply = self.browser.call(
             "state/traces.js",
             "(() => { const written = module.writeTraces(module.readTraces(a[0]));"
             " const isAccepted = (one) => {"
@@ -148,7 +148,7 @@ class Modules(BrowserTest):
             chosen,
             wrong,
         )
-        self.assertEqual(told, [chosen, True, [False] * len(wrong)])
+        self.assertEqual(reply, [chosen, True, [False] * len(wrong)])
 
     def test_no_two_of_forty_traces_look_alike_and_a_look_stays(self) -> None:
         looks, after, written = self.browser.call(
@@ -205,14 +205,14 @@ class Modules(BrowserTest):
           camera.pan(30, -40);
           return { corners, before, after, panned: camera.toWorld(130, 10), scale: camera.scale };
         })()"""
-        told = self.browser.call("robots/camera.js", code)
-        (left, bottom), (right, top) = told["corners"]
-        self.assertTrue(0 < left < right < 800 and 0 < top < bottom < 400, told)
+        reply = self.browser.call("robots/camera.js", code)
+        (left, bottom), (right, top) = reply["corners"]
+        self.assertTrue(0 < left < right < 800 and 0 < top < bottom < 400, reply)
         self.assertAlmostEqual((right - left) / 8, (bottom - top) / 4)  # one scale, y is up
         self.assertAlmostEqual((left + right) / 2, 400.0)  # in the middle
         self.assertAlmostEqual((top + bottom) / 2, 200.0)
         for name in ("after", "panned"):
-            for value, expected in zip(told[name], told["before"]):
+            for value, expected in zip(reply[name], reply["before"]):
                 self.assertAlmostEqual(value, expected, places=9)
 
     def test_the_wheel_sends_a_stop_with_each_release_and_no_limit_reverses_it(self) -> None:
@@ -235,10 +235,10 @@ class Modules(BrowserTest):
         limits = {"0.5": 0.5, "-0.5": 0.0, "fast": 0.0}
         answers = self.browser.call("robots/teleop.js", code, list(limits))
         self.assertEqual(len(answers), len(limits))
-        for (limit, speed), told in zip(limits.items(), answers):
+        for (limit, speed), reply in zip(limits.items(), answers):
             with self.subTest(limit=limit):
                 held, released = (
-                    [(each["speed"], each["turn"]) for each in told[name]]
+                    [(each["speed"], each["turn"]) for each in reply[name]]
                     for name in ("held", "released")
                 )
                 self.assertEqual((held, released), ([(speed, 0.0), (speed, 1.0)], [(0.0, 0.0)]))
@@ -273,10 +273,10 @@ class Modules(BrowserTest):
           const count = trails.of("/odom").reduce((sum, line) => sum + line.length, 0);
           return { lines, count, others: trails.of("/other").length };
         })()"""
-        told = self.browser.call("robots/trails.js", code)
-        self.assertEqual(told["lines"], [[0, 0.1, 0.2], [5, 5.1]])
-        self.assertLessEqual(told["count"], 5001)
-        self.assertEqual(told["others"], 0)
+        reply = self.browser.call("robots/trails.js", code)
+        self.assertEqual(reply["lines"], [[0, 0.1, 0.2], [5, 5.1]])
+        self.assertLessEqual(reply["count"], 5001)
+        self.assertEqual(reply["others"], 0)
 
     def test_waits_before_connecting_again_grow_up_to_a_limit_and_begin_anew(self) -> None:
         code = """(() => {
@@ -505,11 +505,11 @@ class Modules(BrowserTest):
             "(() => { const version = 1;"
             " const read = [{ type: 'fields' }, { type: 'hello', protocol: version },"
             " { type: 'hello', protocol: version + 1 }, { type: 'frame' }].map(module.isReadable);"
-            " const told = [document.getElementById('banner-text').textContent,"
+            " const shown = [document.getElementById('banner-text').textContent,"
             " !document.getElementById('banner').hidden];"
             " module.isReadable({ type: 'hello', protocol: version });"
             " module.showMaster({ text: '' });"
-            " return [read, ...told]; })()",
+            " return [read, ...shown]; })()",
         )
         self.assertEqual(read, [True, True, False, False])
         self.assertTrue(is_shown)
@@ -597,7 +597,7 @@ class Modules(BrowserTest):
                 }
             },
         }
-        told = self.browser.call(
+        reply = self.browser.call(
             "state/states.js",
             "(() => { const spans = module.spansOf(a[0], '/m/data.state');"
             " return a[1].map((time) => { const one = module.spanAt(spans, time);"
@@ -611,12 +611,12 @@ class Modules(BrowserTest):
             ["7 states", 4, 6, False, False],
             ["drive", 6, 9, True, False],
         )
-        self.assertEqual(told, [None, idle, idle, None, several, drive, drive, None])
+        self.assertEqual(reply, [None, idle, idle, None, several, drive, drive, None])
 
     def test_names_tell_states_and_texts_their_colours(self) -> None:
         names = ["/a/b.state", "/a/b.state@stamp", "/a/state", "/a/b.yaw", "=/a/b.state", "/a/b"]
-        told = self.browser.call("state/states.js", "module.numbersOf(a[0])", names)
-        self.assertEqual(told, names[2:])
+        reply = self.browser.call("state/states.js", "module.numbersOf(a[0])", names)
+        self.assertEqual(reply, names[2:])
         places = self.browser.call(
             "state/states.js", "a[0].map(module.placeOf)", ["OK", "WARN", "OK", ""]
         )
@@ -817,12 +817,12 @@ class Modules(BrowserTest):
             [case[:2] for case in cases],
         )
         groups = [
-            [[one["field"] for one in group["fields"]] for group in told["groups"]]
-            for told in answers
+            [[one["field"] for one in group["fields"]] for group in reply["groups"]]
+            for reply in answers
         ]
         self.assertEqual(len(answers), len(cases))
-        for (text, _, expected, hidden), told, found in zip(cases, answers, groups):
-            self.assertEqual(told["hidden"], hidden, text)
+        for (text, _, expected, hidden), reply, found in zip(cases, answers, groups):
+            self.assertEqual(reply["hidden"], hidden, text)
             if expected is not None:
                 self.assertEqual([group[0] for group in found], expected, text)
         self.assertEqual(groups[0][0], robot)
@@ -838,13 +838,13 @@ class Modules(BrowserTest):
         self.assertEqual(layers, {"a": 0, "b": 1, "c": 2, "d": 3})
 
     def test_odometries_are_of_one_robot_where_namespace_and_frame_are_the_same(self) -> None:
-        told = [("/a/ground_truth", "base"), ("/a/odom", "base"), ("/b/odom", "base")]
-        told += [("/c/x", ""), ("/c/y", ""), ("/d/x", "base"), ("/d/y", "base")]
+        reply = [("/a/ground_truth", "base"), ("/a/odom", "base"), ("/b/odom", "base")]
+        reply += [("/c/x", ""), ("/c/y", ""), ("/d/x", "base"), ("/d/y", "base")]
         robots = self.browser.call(
             "robots/odometries.js",
             "module.robotsOf(a[0].map(([topic, body]) => ({ topic, body })))"
             ".map(({ topic, others }) => [topic, ...others.map((other) => other.topic)])",
-            told,
+            reply,
         )
         once = [["/a/odom", "/a/ground_truth"], ["/b/odom"], ["/c/x"], ["/c/y"], ["/d/x", "/d/y"]]
         self.assertEqual(robots, once)

@@ -109,8 +109,8 @@ class PageRobots(PageTest):
         def middle() -> bool:
             ActionChains(browser.driver).move_to_element_with_offset(canvas, 1, 1).perform()
             ActionChains(browser.driver).move_to_element(canvas).perform()
-            told = browser.text("#robot-pointer").replace("−", "-").replace(" m", "").split(", ")
-            return math.dist(list(map(float, told)), (robot.x, robot.y)) < 0.05
+            reply = browser.text("#robot-pointer").replace("−", "-").replace(" m", "").split(", ")
+            return math.dist(list(map(float, reply)), (robot.x, robot.y)) < 0.05
 
         wait_until(middle, lambda: (browser.text("#robot-pointer"), robot.x, robot.y))
         browser.keys(Keys.ARROW_LEFT)

@@ -36,13 +36,13 @@ class Signals(SignalsTest):
         hello = page.wait_for("hello")
         self.assertEqual(hello["fields"], ["/signal/signal_y", "/proc_signal/data"])
         self.assertFalse(hello["readonly"])
-        told = page.wait_for("fields", lambda told: "/signal/time_x" in str(told))
-        fields = {(one["field"], one["datatype"], one["topic"]) for one in told["fields"]}
+        reply = page.wait_for("fields", lambda reply: "/signal/time_x" in str(reply))
+        fields = {(one["field"], one["datatype"], one["topic"]) for one in reply["fields"]}
         updates = "/signal_generator/parameter_updates"
         self.assertIn(("/signal/time_x", "float64", "/signal"), fields)
         self.assertIn((updates + "/doubles[0]/value", "float64", updates), fields)
-        self.assertEqual(told["types"]["/signal"], "basic_comms/signal_msg")
-        self.assertEqual(told["types"][updates], "dynamic_reconfigure/Config")
+        self.assertEqual(reply["types"]["/signal"], "basic_comms/signal_msg")
+        self.assertEqual(reply["types"][updates], "dynamic_reconfigure/Config")
         page.wait_for("alive")
 
     def test_every_sample_is_in_a_frame_and_in_the_csv(self) -> None:
@@ -100,9 +100,9 @@ class Signals(SignalsTest):
         edge = {"field": "/signal/signal_y", "level": 0.5, "edge": "falling"}
         page.send("trigger", mode="single", number=5, **edge)
         # That it is armed is told only where the first look finds nothing.
-        told = page.wait_for("trigger", lambda message: message["state"] == "triggered")
-        self.assertEqual(told["number"], 5)
-        crossing = told["time"]
+        reply = page.wait_for("trigger", lambda message: message["state"] == "triggered")
+        self.assertEqual(reply["number"], 5)
+        crossing = reply["time"]
         rows = [(moment, float(row[0])) for moment, row in self.samples("/signal/signal_y")]
         # Samples that arrive together are so close that it may fall on the second when rounded.
         (before, high), (after, low) = next(
@@ -149,7 +149,7 @@ class Controls(ControlsTest):
         self.set(one, "amplitude", 3.25)
         for page in (one, other):
             page.wait_for(
-                "value", lambda told: (told["name"], told["value"]) == ("amplitude", 3.25)
+                "value", lambda reply: (reply["name"], reply["value"]) == ("amplitude", 3.25)
             )
         self.assertEqual(rospy.get_param(NODE + "/amplitude"), 3.25)
         wait_until(lambda: 3.25 in one.values("/signal/amplitude"), lambda: one.bins)
@@ -161,11 +161,11 @@ class Controls(ControlsTest):
         refused = page.wait_for("refused")
         self.assertEqual((refused["node"], refused["name"], refused["value"]), (NODE, "rate", -1))
         self.assertIn("must be a number in [1e-06, 10000]", refused["text"])
-        page.wait_for("value", lambda told: (told["name"], told["value"]) == ("rate", 100.0))
+        page.wait_for("value", lambda reply: (reply["name"], reply["value"]) == ("rate", 100.0))
         self.set(page, "waveform", "wavy")
-        page.wait_for("refused", lambda told: "one of sine, square" in told["text"])
+        page.wait_for("refused", lambda reply: "one of sine, square" in reply["text"])
         self.set(page, "autostart", 1)
-        page.wait_for("refused", lambda told: "true or false" in told["text"])
+        page.wait_for("refused", lambda reply: "true or false" in reply["text"])
 
     def test_only_what_has_a_button_can_be_called_or_set(self) -> None:
         page = self.panelled()
@@ -286,7 +286,7 @@ class ReadOnly(ScopeTest):
     def test_watches_and_sets_nothing(self) -> None:
         page = self.page()
         self.assertTrue(page.wait_for("hello")["readonly"])
-        page.wait_for("panels", lambda told: "/signal_generator" in str(told["panels"]))
+        page.wait_for("panels", lambda reply: "/signal_generator" in str(reply["panels"]))
         wait_until(lambda: page.values("/signal/signal_y"), lambda: page.bins)
         before = rospy.get_param("/signal_generator/amplitude")
         for request in (
@@ -352,7 +352,7 @@ class DeadMan(RobotsTest):
         for end, robot in robots.items():
             *moving, last = list(robot.commands)
             self.assertEqual(last[1:], (0.0, 0.0), end)
-            is_once = {told[1:] for told in moving} == {(0.2, 0.5)}
+            is_once = {reply[1:] for reply in moving} == {(0.2, 0.5)}
             took[end] = last.when - moving[-1].when if is_once else math.inf
         return took
 

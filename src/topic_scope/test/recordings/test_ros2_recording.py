@@ -244,13 +244,13 @@ def test_first_message_that_does_not_fit_costs_itself(tmp_path: Path) -> None:
 
 
 def test_file_that_the_metadata_does_not_name_is_read_too(tmp_path: Path) -> None:
-    told = written.messages()
-    path = written.write(tmp_path / "run", told[:10])
-    later = written.write(tmp_path / "later", told[10:])
+    sent = written.messages()
+    path = written.write(tmp_path / "run", sent[:10])
+    later = written.write(tmp_path / "later", sent[10:])
     (file,) = Path(later).glob("*.mcap")
     file.rename(Path(path) / "run_1.mcap")
     with open_bag(path) as bag:
-        assert bag.count(["/x", "/odd", "/rare"]) == len(told)
+        assert bag.count(["/x", "/odd", "/rare"]) == len(sent)
 
 
 CODE = '__import__("os").environ.__setitem__("EXECUTED", "1")'

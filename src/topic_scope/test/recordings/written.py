@@ -40,7 +40,7 @@ uint32 nanosec
 """.replace("=" * 79, "=" * 80)
 
 #: Topic, type, message and time since the start [ns].
-Told = Tuple[str, str, Any, int]
+BagMessage = Tuple[str, str, Any, int]
 
 
 def store() -> Any:
@@ -53,11 +53,11 @@ def store() -> Any:
     return made
 
 
-def write(path: Path, told: Sequence[Told], storage: str = "MCAP", compress: str = "") -> str:
+def write(path: Path, sent: Sequence[BagMessage], storage: str = "MCAP", compress: str = "") -> str:
     """Write a recording.
 
     :param path: the folder that is made
-    :param told: the messages
+    :param sent: the messages
     :param storage: ``MCAP`` or ``SQLITE3``
     :param compress: ``MESSAGE`` or ``STORAGE``, by zstd; empty for nothing
     :returns: the path as text
@@ -69,7 +69,7 @@ def write(path: Path, told: Sequence[Told], storage: str = "MCAP", compress: str
     if compress:
         writer.set_compression(CompressionMode[compress], CompressionFormat.ZSTD)
     with writer:
-        for topic, name, message, time in told:
+        for topic, name, message, time in sent:
             if topic not in connections:
                 connections[topic] = writer.add_connection(topic, name, typestore=types)
             data = types.serialize_cdr(message, name)
@@ -77,18 +77,18 @@ def write(path: Path, told: Sequence[Told], storage: str = "MCAP", compress: str
     return str(path)
 
 
-def messages(count: int = 40) -> List[Told]:
+def messages(count: int = 40) -> List[BagMessage]:
     """Return messages of three topics, ten a second."""
     import numpy
 
     types = store().types
     time_type = types["builtin_interfaces/msg/Time"]
     duration, header = types["builtin_interfaces/msg/Duration"], types["std_msgs/msg/Header"]
-    told: List[Told] = []
+    sent: List[BagMessage] = []
     for index in range(count):
         time = index * 10**8
         stamp = header(time_type(*divmod(BEGIN + time - 2 * 10**6, 10**9)), "base")
-        told.append(
+        sent.append(
             ("/x", "std_msgs/msg/Float64", types["std_msgs/msg/Float64"](0.5 * index), time)
         )
         odd = types[
@@ -107,16 +107,16 @@ def messages(count: int = 40) -> List[Told]:
             nothing=[types["odd_msgs/msg/Empty"]()] * 2,
             last=index,
         )
-        told.append(("/odd", ODD, odd, time + 10))
+        sent.append(("/odd", ODD, odd, time + 10))
         if index % 10 == 3:
             word = types["std_msgs/msg/Int64"](2**53 + 1 + index)
-            told.append(("/rare", "std_msgs/msg/Int64", word, time + 20))
-    return told
+            sent.append(("/rare", "std_msgs/msg/Int64", word, time + 20))
+    return sent
 
 
-def by_topic(told: Sequence[Told]) -> Dict[str, List[Tuple[int, Any]]]:
+def by_topic(sent: Sequence[BagMessage]) -> Dict[str, List[Tuple[int, Any]]]:
     """Return time since the start [ns] and message, of each topic."""
     found: Dict[str, List[Tuple[int, Any]]] = {}
-    for topic, _, message, time in told:
+    for topic, _, message, time in sent:
         found.setdefault(topic, []).append((time, message))
     return found

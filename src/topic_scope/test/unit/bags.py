@@ -18,7 +18,7 @@ from topic_scope.timing.nanoseconds import to_ns
 BEGIN = 1700000000123456789
 
 #: A message of a test: its time since the start of the bag, ns, its topic and itself.
-Told = Tuple[int, str, Any]
+BagMessage = Tuple[int, str, Any]
 
 
 def write_bag(path: Path, messages: Iterable[Tuple[str, Any, int]]) -> str:
@@ -54,16 +54,18 @@ def first_messages(messages: Mapping[str, Any]) -> Dict[str, FirstMessage]:
     }
 
 
-def reading(columns: Iterable[Column], told: Iterable[Told], begin: int = 0) -> List[ColumnReader]:
+def reading(
+    columns: Iterable[Column], sent: Iterable[BagMessage], begin: int = 0
+) -> List[ColumnReader]:
     """Return what reads columns out of messages of a bag that begins at some time, ns."""
-    first = first_messages({topic: message for _, topic, message in reversed(list(told))})
+    first = first_messages({topic: message for _, topic, message in reversed(list(sent))})
     return [ColumnReader(column, first[column.topic], begin) for column in columns]
 
 
-def slices(told: Iterable[Told]) -> List[List[Slice]]:
+def slices(sent: Iterable[BagMessage]) -> List[List[Slice]]:
     """Return messages as a bag does that holds all of them in one chunk."""
-    of_topic: Dict[str, List[Told]] = {}
-    for one in told:
+    of_topic: Dict[str, List[BagMessage]] = {}
+    for one in sent:
         of_topic.setdefault(one[1], []).append(one)
     return [
         [

@@ -22,9 +22,9 @@ messages = st.lists(
 )
 
 
-def write(path: Path, told: List[Tuple[str, int, int]], compression: str = "none") -> str:
+def write(path: Path, sent: List[Tuple[str, int, int]], compression: str = "none") -> str:
     with rosbag.Bag(str(path), "w", compression=compression, chunk_threshold=1000) as bag:
-        for topic, length, time in told:
+        for topic, length, time in sent:
             bag.write(topic, String("x" * length), genpy.Time(0, BEGIN + time))
     return str(path)
 
@@ -55,15 +55,15 @@ def as_read_by_rosbag(path: str, wanted: Set[str]) -> List[Tuple[int, str, bytes
 )
 def test_all_messages_of_the_wanted_topics_come(
     tmp_path_factory: "pytest.TempPathFactory",
-    told: List[Tuple[str, int, int]],
+    sent: List[Tuple[str, int, int]],
     wanted: Set[str],
     compression: str,
 ) -> None:
-    path = write(tmp_path_factory.mktemp("bags") / "x.bag", told, compression)
+    path = write(tmp_path_factory.mktemp("bags") / "x.bag", sent, compression)
     bag = BagFile(path)
     assert read(bag, wanted, 0) == as_read_by_rosbag(path, wanted)
     assert (bag.start, bag.end) == tuple(
-        BEGIN + end(time for _, _, time in told) for end in (min, max)
+        BEGIN + end(time for _, _, time in sent) for end in (min, max)
     )
     bag.close()
 
@@ -71,12 +71,12 @@ def test_all_messages_of_the_wanted_topics_come(
 @settings(max_examples=30)
 @given(messages, st.integers(0, 10**10))
 def test_chunks_that_are_over_are_left_out_and_the_others_are_in_order(
-    tmp_path_factory: "pytest.TempPathFactory", told: List[Tuple[str, int, int]], after: int
+    tmp_path_factory: "pytest.TempPathFactory", sent: List[Tuple[str, int, int]], after: int
 ) -> None:
-    bag = BagFile(write(tmp_path_factory.mktemp("bags") / "x.bag", told))
+    bag = BagFile(write(tmp_path_factory.mktemp("bags") / "x.bag", sent))
     numbers, starts = bag.chunks_after(BEGIN + after)
     assert starts == sorted(starts)
-    expected = [time for _, _, time in told if time > after]
+    expected = [time for _, _, time in sent if time > after]
     found = [time for time, *_ in read(bag, {"/a", "/b", "/c"}, BEGIN + after)]
     assert sorted(BEGIN + time for time in expected) == [t for t in found if t > BEGIN + after]
     for number, start in zip(numbers, starts):
@@ -131,14 +131,14 @@ def in_order(chunks: List[List[Slice]]) -> List[Tuple[int, str, bytes]]:
 @given(messages, st.integers(0, 10**10), st.none() | st.integers(0, 10**10))
 def test_messages_of_a_range_come_in_order_with_exact_times(
     tmp_path_factory: "pytest.TempPathFactory",
-    told: List[Tuple[str, int, int]],
+    sent: List[Tuple[str, int, int]],
     start: int,
     end: Optional[int],
 ) -> None:
-    told = [("a", 0, 0), *told]
-    path = write(tmp_path_factory.mktemp("bags") / "x.bag", told)
+    sent = [("a", 0, 0), *sent]
+    path = write(tmp_path_factory.mktemp("bags") / "x.bag", sent)
     with BagFile(path) as bag:
-        assert bag.length == max(time for _, _, time in told)
+        assert bag.length == max(time for _, _, time in sent)
         found = in_order(list(slices(bag, ["/a", "/c"], start, end)))
     last = 10**10 if end is None else end
     expected = [
@@ -237,8 +237,8 @@ def test_a_bag_with_broken_bytes_is_read_or_said_to_be_broken(
     tmp_path_factory: "pytest.TempPathFactory", data: st.DataObject
 ) -> None:
     path = tmp_path_factory.mktemp("bags") / "x.bag"
-    told = [("a", number, number * 10**8) for number in range(0, 100, 10)]
-    write(path, told, data.draw(st.sampled_from(["none", "bz2", "lz4"])))
+    sent = [("a", number, number * 10**8) for number in range(0, 100, 10)]
+    write(path, sent, data.draw(st.sampled_from(["none", "bz2", "lz4"])))
     content = bytearray(path.read_bytes())
     # The header of the file is padded to 4096 bytes, which mean nothing.
     places = st.integers(13, 120) | st.integers(4100, len(content) - 1)

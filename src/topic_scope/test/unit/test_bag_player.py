@@ -37,9 +37,9 @@ class Clock:
 @pytest.fixture(scope="module")
 def bag(tmp_path_factory: "pytest.TempPathFactory") -> Iterator[BagFile]:
     path = str(tmp_path_factory.mktemp("bags") / "x.bag")
-    told = sorted((time, topic) for topic, times in RECORDED.items() for time in times)
+    reply = sorted((time, topic) for topic, times in RECORDED.items() for time in times)
     with rosbag.Bag(path, "w", chunk_threshold=500) as file:
-        for time, topic in told:
+        for time, topic in reply:
             file.write(topic, Int32(time), genpy.Time(0, BEGIN + time * 10**6))
     with BagFile(path) as made:
         yield made

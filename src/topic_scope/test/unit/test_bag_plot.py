@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import List
 
 import pytest
-from bags import Told, reading, slices
+from bags import BagMessage, reading, slices
 from geometry_msgs.msg import PointStamped
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -22,9 +22,9 @@ from topic_scope.formulas.names import formula_of
 from topic_scope.messages.fields import to_path
 
 
-def collected(columns: List[Column], told: List[Told]) -> List[Series]:
+def collected(columns: List[Column], sent: List[BagMessage]) -> List[Series]:
     """Return what is gathered of messages."""
-    return collect(reading(columns, told), slices(told))
+    return collect(reading(columns, sent), slices(sent))
 
 
 SINE = Series("/x/data", array("d", [0.0, 0.1, 0.2]), array("d", [0.0, 1.0, 0.0]))

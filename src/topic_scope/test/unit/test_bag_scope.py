@@ -13,7 +13,7 @@ rospy.logwarn("a page is in trouble")
 
 
 def test_what_nodes_log_now_and_then_is_said_at_the_terminal() -> None:
-    told = subprocess.run(
+    result = subprocess.run(
         [sys.executable, "-c", LOGS], stderr=subprocess.PIPE, universal_newlines=True, timeout=60.0
     )
-    assert (told.returncode, told.stderr) == (0, "[WARNING] a page is in trouble\n")
+    assert (result.returncode, result.stderr) == (0, "[WARNING] a page is in trouble\n")

@@ -7,7 +7,7 @@ from decimal import Decimal
 from typing import List, Tuple
 
 import genpy
-from bags import Told, reading, slices
+from bags import BagMessage, reading, slices
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from std_msgs.msg import Bool, Duration, Float32, Float64, Float64MultiArray, Int64, Time
@@ -17,10 +17,10 @@ from topic_scope.bag.column_reader import write_csv
 from topic_scope.timing.nanoseconds import exact_seconds
 
 
-def rows(columns: List[Column], told: List[Told]) -> List[List[str]]:
+def rows(columns: List[Column], sent: List[BagMessage]) -> List[List[str]]:
     """Return what is written, cell by cell."""
     file = io.StringIO(newline="")
-    write_csv(file, reading(columns, told), slices(told))
+    write_csv(file, reading(columns, sent), slices(sent))
     return list(csv.reader(io.StringIO(file.getvalue(), newline="")))
 
 

@@ -73,6 +73,6 @@ def test_whatever_comes_a_robot_never_moves_on_for_longer(steps: list) -> None:
             assert switch.expire(due) == STOP
             moving_since = None
         now += pause
-        told = switch.accept(STOP if is_stop else AHEAD, now, now)
-        moving_since = now if told == AHEAD else None
+        reply = switch.accept(STOP if is_stop else AHEAD, now, now)
+        moving_since = now if reply == AHEAD else None
         assert (switch.until is None) == (moving_since is None)

@@ -69,11 +69,11 @@ def test_samples_that_are_few_in_their_bin_have_their_places(
                 seen.setdefault(index, []).append((value, int((time / width - index) * PLACES)))
         for index in range(count):
             here = seen.get(first + index, [])
-            told = list(zip(extreme, place))[2 * index : 2 * index + 2]
+            here_places = list(zip(extreme, place))[2 * index : 2 * index + 2]
             if 1 <= len(here) <= FEW:
-                assert sorted(told) == sorted([here[0], here[-1]])
+                assert sorted(here_places) == sorted([here[0], here[-1]])
             else:
-                assert [one for _, one in told] == [-1, -1]
+                assert [one for _, one in here_places] == [-1, -1]
 
 
 @settings(max_examples=30)

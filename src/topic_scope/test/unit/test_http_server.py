@@ -8,7 +8,7 @@ URI = "http://localhost:11311"
 SENTENCE = f"There is no ROS master at {URI} yet: the scope waits for it."
 
 
-class Told:
+class FakeConnection:
     """A connection that keeps what it is told of the master."""
 
     def __init__(self) -> None:
@@ -20,7 +20,7 @@ class Told:
 
 def test_a_master_is_not_missed_before_that_is_known() -> None:
     waiting = PlaceholderScope(URI, 10.0)
-    early, late, gone = Told(), Told(), Told()
+    early, late, gone = FakeConnection(), FakeConnection(), FakeConnection()
     waiting.open(early)
     waiting.open(gone)
     waiting.close(gone)

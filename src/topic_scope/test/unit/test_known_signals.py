@@ -87,9 +87,9 @@ def test_what_is_told_of_a_sine_is_told_well(name: str, unit: float, most: float
     """The uncertainty is not just large, measured in the figure or in what is whole."""
     found = zip(measured_of("sine"), of_kind("sine"))
     parts = [
-        told[name].uncertainty / (unit or signal.truth[name])
-        for told, signal in found
-        if told[name].value is not None
+        figures[name].uncertainty / (unit or signal.truth[name])
+        for figures, signal in found
+        if figures[name].value is not None
     ]
     assert len(parts) > 30
     assert numpy.median(parts) < most

@@ -40,12 +40,12 @@ def transforms(**frames: float) -> TFMessage:
 def test_first_element_with_the_value_is_read_wherever_it_is() -> None:
     layout = layout_of(TFMessage)
     decoder = Decoder(layout, to_path(f"transforms[child_frame_id=base]/{X}"))
-    told = [transforms(base=1.0), transforms(arm=2.0, base=3.0), transforms(arm=4.0), TFMessage()]
+    sent = [transforms(base=1.0), transforms(arm=2.0, base=3.0), transforms(arm=4.0), TFMessage()]
     twice = TFMessage(transforms(base=5.0).transforms + transforms(base=6.0).transforms)
-    values = decoder.decode([serialized(one) for one in [*told, twice]])
+    values = decoder.decode([serialized(one) for one in [*sent, twice]])
     assert values[[0, 1, 4]].tolist() == [1.0, 3.0, 5.0] and numpy.isnan(values[2:4]).all()
     nested = Decoder(layout, to_path(f"transforms[header/frame_id=odomodomodom]/{X}"))
-    assert nested.decode([serialized(told[1])]).tolist() == [2.0]
+    assert nested.decode([serialized(sent[1])]).tolist() == [2.0]
 
 
 def test_numbers_find_elements_of_fixed_arrays_too() -> None:

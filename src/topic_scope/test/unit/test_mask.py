@@ -123,8 +123,8 @@ def test_nothing_is_checked_in_a_gap_of_the_reference() -> None:
 def test_a_sample_that_comes_late_is_checked_at_its_stamp(late: float) -> None:
     """Of a trace that comes in time, and of one that is late as a whole."""
     stamps = [NOW + 10 * MS * index for index in range(1000)]
-    told = [(when, stamped(when, 0.0)) for when in stamps]
-    one_late = list(told)
+    reply = [(when, stamped(when, 0.0)) for when in stamps]
+    one_late = list(reply)
     one_late[500] = (stamps[500] + round(late * NS) + 1, stamped(stamps[500], 9.0))
     all_late = [(when + round(late * NS), stamped(when, 0.0)) for when in stamps]
     all_late[500][1].point.x = 9.0
@@ -137,7 +137,7 @@ def test_a_sample_that_comes_late_is_checked_at_its_stamp(late: float) -> None:
                 verdicts.append(MaskCheck(mask, NOW / NS - 1.0))
             verdicts[0].update(recorder)
 
-        made = received({"/a": some, "/b": told}, *mask.names, watch=check)
+        made = received({"/a": some, "/b": reply}, *mask.names, watch=check)
         verdicts[0].finish(made)
         verdict = verdicts[0].verdict
         assert verdict.outside == 1 and verdict.first == pytest.approx(stamps[500] / NS)
@@ -155,15 +155,15 @@ def test_each_sample_is_in_one_count_however_it_comes(data: st.DataObject) -> No
     )
     field = data.draw(st.sampled_from(["/a/point/x", "/a/point/x@received", "=2 * /a/point/x"]))
     begin, end = sorted(data.draw(st.lists(st.integers(0, count), min_size=2, max_size=2)))
-    told = [
+    reply = [
         (NOW + 10 * MS * index + delay * MS + index, stamped(NOW + 10 * MS * index, 0.0))
         for index, delay in enumerate(delays)
     ]
-    told.sort(key=lambda one: one[0])
+    reply.sort(key=lambda one: one[0])
     others = [(NOW + 10 * MS * n, stamped(NOW + 10 * MS * n, 0.0)) for n in range(begin, end + 1)]
     mask = Mask(field, "/b/point/x", 0.1, 0.02)
     check = MaskCheck(mask, -math.inf)
-    made = received({"/a": told, "/b": others}, *mask.names, watch=check.update)
+    made = received({"/a": reply, "/b": others}, *mask.names, watch=check.update)
     check.update(made)
     check.finish(made)
     verdict = check.verdict
@@ -277,9 +277,9 @@ def test_a_reference_that_ends_long_before_the_trace_is_no_pass(
     name = write_bag(tmp_path / "x.bag", sorted(messages, key=lambda one: one[2]))
     around = ("/a", "--around", "/b", "--bag", name, "--value", "0.1")
     assert status(monkeypatch, *around) == expected
-    told = capsys.readouterr()
-    assert told.out == f"mask: {said}\n"
-    assert told.err == ("mask: /b/data ended 9.00 s before the trace did\n" if expected else "")
+    reply = capsys.readouterr()
+    assert reply.out == f"mask: {said}\n"
+    assert reply.err == ("mask: /b/data ended 9.00 s before the trace did\n" if expected else "")
 
 
 def test_a_late_sample_outside_fails_a_bag(
@@ -313,9 +313,9 @@ def test_too_many_samples_that_are_not_checked_are_no_pass(
     name = write_bag(tmp_path / "x.bag", sorted(messages, key=lambda one: one[2]))
     around = ("/a", "--around", "/b", "--bag", name, "--value", "0.1")
     assert status(monkeypatch, *around, *allowed) == expected
-    told = capsys.readouterr()
-    assert told.out == "mask: 850 samples inside, 0 outside, 150 not checked\n"
-    assert ("too many samples were not checked (15 %, at most 10 %)" in told.err) == bool(expected)
+    reply = capsys.readouterr()
+    assert reply.out == "mask: 850 samples inside, 0 outside, 150 not checked\n"
+    assert ("too many samples were not checked (15 %, at most 10 %)" in reply.err) == bool(expected)
 
 
 def test_a_file_that_is_none_is_refused(

@@ -58,8 +58,8 @@ def test_pages_are_told_what_is_new_only() -> None:
         if texts:
             source.receive(*texts)
         statuses.update()
-    told = [call[0][0]["nodes"]["/a"] for call in send.call_args_list]
-    assert told == ["running", "idle", ""]
+    statuses_sent = [call[0][0]["nodes"]["/a"] for call in send.call_args_list]
+    assert statuses_sent == ["running", "idle", ""]
     source.receive("later", kind="Float32")
     statuses.update()
     statuses.follow({})

@@ -59,12 +59,12 @@ def received(
     made = Recorder(source, Layouts(), 60.0)  # type: ignore[arg-type]
     made.set_topics(TOPICS)
     made.want(names, source.time)
-    last = max(when for told in messages.values() for when, _ in told)
+    last = max(when for sent in messages.values() for when, _ in sent)
     begin = NOW
     while begin <= last:
         end = begin + 25 * MS
-        for topic, told in messages.items():
-            some = [one for one in told if begin <= one[0] < end]
+        for topic, sent in messages.items():
+            some = [one for one in sent if begin <= one[0] < end]
             if some:
                 times, data = [when for when, _ in some], [serialized(one) for _, one in some]
                 source.topics[topic].batches.append(Batch(header(PointStamped), times, data))
@@ -94,14 +94,14 @@ def test_equal_sines_of_one_clock_are_in_phase_though_one_is_delivered_late(
     span = 20.0 * min(speed, 2.0)
     seconds = numpy.arange(0.0, span, 0.01)
     begin = NOW - behind
-    told: Dict[str, List[Tuple[int, PointStamped]]] = {}
+    sent: Dict[str, List[Tuple[int, PointStamped]]] = {}
     for topic, delay in (("/a", 0.0), ("/b", 0.1)):
-        told[topic] = [
+        sent[topic] = [
             (NOW + round((one + delay) / speed * NS), stamped(begin + round(one * NS), sine(one)))
             for one in seconds.tolist()
         ]
     first, second = name.format("a"), name.format("b")
-    made = received(told, first, second, f"{first}-{second}")
+    made = received(sent, first, second, f"{first}-{second}")
     one, other = (made.samples(field, -math.inf, math.inf) for field in (first, second))
     turned = phase(one, other, math.inf)
     assert turned.value == pytest.approx(0.0, abs=0.01)
@@ -124,9 +124,9 @@ def csv_rows(made: Recorder, name: str) -> numpy.ndarray:
 @pytest.mark.parametrize("late", [0.6, 20.0])
 def test_one_late_message_moves_no_row_of_the_csv_and_is_named(late: float) -> None:
     stamps = [NOW + 20 * MS * index for index in range(1500)]
-    told = [(when, stamped(when, index)) for index, when in enumerate(stamps)]
-    told[1200][1].header.stamp -= Duration.from_sec(late)
-    made = received({"/a": told, "/b": told}, "/a/point/x")
+    sent = [(when, stamped(when, index)) for index, when in enumerate(stamps)]
+    sent[1200][1].header.stamp -= Duration.from_sec(late)
+    made = received({"/a": sent, "/b": sent}, "/a/point/x")
     rows = csv_rows(made, "/a/point/x")
     expected = numpy.array(stamps) / NS
     expected[1200] -= late
@@ -140,9 +140,9 @@ def test_one_late_message_moves_no_row_of_the_csv_and_is_named(late: float) -> N
 @pytest.mark.parametrize("name", ["/a/point/x", "/a/point/x@stamp"], ids=["chosen", "named"])
 def test_one_stamp_far_ahead_pushes_no_sample_out_and_is_named(ahead: float, name: str) -> None:
     stamps = [NOW + 20 * MS * index for index in range(500)]
-    told = [(when, stamped(when, index)) for index, when in enumerate(stamps)]
-    told[100][1].header.stamp += Duration.from_sec(ahead)
-    made = received({"/a": told, "/b": told}, name)
+    sent = [(when, stamped(when, index)) for index, when in enumerate(stamps)]
+    sent[100][1].header.stamp += Duration.from_sec(ahead)
+    made = received({"/a": sent, "/b": sent}, name)
     rows = csv_rows(made, name)
     assert rows[:, 1] == pytest.approx(numpy.array(stamps) / NS, abs=1e-6)
     trace = made.trace(name)
@@ -152,8 +152,8 @@ def test_one_stamp_far_ahead_pushes_no_sample_out_and_is_named(ahead: float, nam
 
 
 def test_the_csv_has_all_digits_of_stamps_and_receptions() -> None:
-    told = [(NOW + 123_456_789, stamped(NOW + 987_654, 1.5))]
-    made = received({"/a": told, "/b": told}, "/a/point/x")
+    sent = [(NOW + 123_456_789, stamped(NOW + 987_654, 1.5))]
+    made = received({"/a": sent, "/b": sent}, "/a/point/x")
 
     async def text() -> str:
         return "".join([part async for part in parts(made, ["/a/point/x"], 0.0, 1e10)])
@@ -165,52 +165,52 @@ def test_the_csv_has_all_digits_of_stamps_and_receptions() -> None:
 def test_a_mean_is_of_as_many_samples_everywhere() -> None:
     """Of 0.1 s at 100 Hz ten samples, the one at the begin of the window excluded."""
     stamps = [NOW + 10 * MS * index for index in range(1000)]
-    told = [(when, stamped(when, float(index))) for index, when in enumerate(stamps)]
-    made = received({"/a": told, "/b": told}, "=mean(/a/point/x, 0.1)")
+    sent = [(when, stamped(when, float(index))) for index, when in enumerate(stamps)]
+    made = received({"/a": sent, "/b": sent}, "=mean(/a/point/x, 0.1)")
     _, means = made.samples("=mean(/a/point/x, 0.1)", -math.inf, math.inf)
     assert means[9:] == pytest.approx(numpy.arange(9, 1000) - 4.5, abs=1e-9)
 
 
 def test_the_second_derivative_of_a_ramp_at_1_khz_is_zero() -> None:
     stamps = [NOW + MS * index for index in range(3000)]
-    told = [(when, stamped(when, 0.01 * index)) for index, when in enumerate(stamps)]
+    sent = [(when, stamped(when, 0.01 * index)) for index, when in enumerate(stamps)]
     twice = "=derivative(derivative(/a/point/x))"
-    made = received({"/a": told, "/b": told}, twice, "/a/point/x.derivative")
+    made = received({"/a": sent, "/b": sent}, twice, "/a/point/x.derivative")
     _, bends = made.samples(twice, -math.inf, math.inf)
     assert len(bends) == 2998 and numpy.abs(bends).max() < 1e-6
     _, slopes = made.samples("/a/point/x.derivative", -math.inf, math.inf)
     assert slopes == pytest.approx(10.0, abs=1e-9)
 
 
-def in_bag(path: Path, told: Dict[str, List[Tuple[int, PointStamped]]], *names: str) -> List[Any]:
+def in_bag(path: Path, sent: Dict[str, List[Tuple[int, PointStamped]]], *names: str) -> List[Any]:
     """Return the series that plot_bag draws."""
-    messages = [(topic, one, when) for topic, some in told.items() for when, one in some]
+    messages = [(topic, one, when) for topic, some in sent.items() for when, one in some]
     name = write_bag(path / "x.bag", sorted(messages, key=lambda one: one[2]))
     with BagFile(name) as bag:
         lines, readers = chosen(bag, first_messages(bag), names)
-        return series_of(bag, lines, readers, slices(bag, sorted(told)))
+        return series_of(bag, lines, readers, slices(bag, sorted(sent)))
 
 
 @pytest.mark.parametrize("name", ["/{}/point/x", "/{}/point/x@stamp"], ids=["chosen", "named"])
 def test_plot_bag_moves_topics_of_one_clock_together(tmp_path: Path, name: str) -> None:
-    told = {
+    sent = {
         topic: [
             (10 * MS * index + delay, stamped(12 * NS + 10 * MS * index, float(index)))
             for index in range(1000)
         ]
         for topic, delay in (("/a", 0), ("/b", 100 * MS))
     }
-    first, second = in_bag(tmp_path, told, name.format("a"), name.format("b"))
+    first, second = in_bag(tmp_path, sent, name.format("a"), name.format("b"))
     assert list(first.times) == list(second.times)
     assert first.times[0] == pytest.approx(0.0, abs=1e-3)
     assert first.correction == "stamps of another clock: shown at reception"
 
 
 def test_plot_bag_names_the_stamps_that_others_contradict(tmp_path: Path) -> None:
-    told = {"/a": [(10 * MS * n, stamped(BEGIN + 10 * MS * n, float(n))) for n in range(1000)]}
-    told["/a"][300][1].header.stamp -= Duration(5)
-    told["/a"][600][1].header.stamp += Duration(600)
-    (series,) = in_bag(tmp_path, told, "/a/point/x")
+    sent = {"/a": [(10 * MS * n, stamped(BEGIN + 10 * MS * n, float(n))) for n in range(1000)]}
+    sent["/a"][300][1].header.stamp -= Duration(5)
+    sent["/a"][600][1].header.stamp += Duration(600)
+    (series,) = in_bag(tmp_path, sent, "/a/point/x")
     expected = [0.01 * index for index in range(1000)]
     expected[300] -= 5.0
     times = numpy.array(series.times)[numpy.isfinite(series.values)]  # a line ends at a gap
@@ -222,26 +222,26 @@ def test_plot_bag_names_the_stamps_that_others_contradict(tmp_path: Path) -> Non
 
 def test_an_early_stamp_makes_no_other_sample_too_old() -> None:
     stamps = [NOW + 100 * MS * index for index in range(585)]  # 58.4 s, of which 60 s are kept
-    told = [(when, stamped(when, index)) for index, when in enumerate(stamps)]
-    told[-10][1].header.stamp += Duration(9)
-    made = received({"/a": told, "/b": told}, "/a/point/x")
+    sent = [(when, stamped(when, index)) for index, when in enumerate(stamps)]
+    sent[-10][1].header.stamp += Duration(9)
+    made = received({"/a": sent, "/b": sent}, "/a/point/x")
     assert len(csv_rows(made, "/a/point/x")) == 585
 
 
 def test_a_clock_that_was_set_is_shown_anew_for_each_of_its_topics() -> None:
     """The topic that has not spoken since is moved with the clock as well."""
-    told: Dict[str, List[Tuple[int, PointStamped]]] = {"/a": [], "/b": []}
+    sent: Dict[str, List[Tuple[int, PointStamped]]] = {"/a": [], "/b": []}
     for index in range(600):
         when = NOW + 10 * MS * index
         pause = 1500 * MS if index >= 300 else 0  # as of a simulation that stands still
         for topic in ("/a", "/b") if index < 300 else ("/a",):
-            told[topic].append((when + pause, stamped(when - SIMULATION, float(index))))
+            sent[topic].append((when + pause, stamped(when - SIMULATION, float(index))))
     changes: List[float] = []
 
     def look(made: Recorder) -> None:
         changes.append(made.changed_since(made.updated - 0.02))
 
-    made = received(told, "/a/point/x", "/b/point/x", watch=look)
+    made = received(sent, "/a/point/x", "/b/point/x", watch=look)
     moved = [index for index, since in enumerate(changes) if since == -math.inf]
     assert any(index > 170 for index in moved)
     one, other = (made.samples(name, -math.inf, math.inf)[0] for name in TOPIC_FIELDS)
@@ -254,9 +254,9 @@ TOPIC_FIELDS = ("/a/point/x", "/b/point/x")
 def test_the_end_of_a_bag_is_waited_for_by_no_message(tmp_path: Path) -> None:
     """The last message is 5 s late: no other will come that could agree with it."""
     stamps = [BEGIN + 10 * MS * index for index in range(800)]
-    told = [("/a", stamped(when, float(n)), when - BEGIN) for n, when in enumerate(stamps)]
-    told[-1][1].header.stamp -= Duration(5)
-    player = BagPlayer(BagFile(write_bag(tmp_path / "x.bag", told)), 60.0, lambda: 0.0)
+    sent = [("/a", stamped(when, float(n)), when - BEGIN) for n, when in enumerate(stamps)]
+    sent[-1][1].header.stamp -= Duration(5)
+    player = BagPlayer(BagFile(write_bag(tmp_path / "x.bag", sent)), 60.0, lambda: 0.0)
     made = Recorder(player, Layouts(), 60.0)
     made.set_topics(TOPICS)
     made.want(["/a/point/x"], player.start)

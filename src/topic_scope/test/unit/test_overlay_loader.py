@@ -55,7 +55,7 @@ class Bench:
     def errors(self) -> List[str]:
         return [one["text"] for one in self.page.pop_messages() if one["type"] == "error"]
 
-    def told(self) -> Dict[str, Any]:
+    def bag_state(self) -> Dict[str, Any]:
         (bag,) = self.overlays.message()["bags"]
         return dict(bag)
 
@@ -87,12 +87,12 @@ def test_a_bag_that_breaks_meanwhile_is_told_in_its_row(bench: Bench) -> None:
 
 def test_it_is_laid_by_an_offset_and_at_a_begin(bench: Bench) -> None:
     bench.overlays.begin_at(100.0)
-    told = bench.told()
-    assert (told["name"], told["file"], told["length"]) == ("old", "old.bag", 2.0)
+    bag_state = bench.bag_state()
+    assert (bag_state["name"], bag_state["file"], bag_state["length"]) == ("old", "old.bag", 2.0)
     bench.overlays.lay(bench.page, OverlayRequest("old", offset=-1.5))
     bench.overlays.lay(bench.page, OverlayRequest("old", begin=200.0))
-    told = bench.told()
-    assert (told["begin"], told["offset"], bench.bag.place) == (200.0, -1.5, 198.5)
+    bag_state = bench.bag_state()
+    assert (bag_state["begin"], bag_state["offset"], bench.bag.place) == (200.0, -1.5, 198.5)
     assert bench.changes == 2
 
 

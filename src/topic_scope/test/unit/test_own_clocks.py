@@ -26,14 +26,14 @@ def test_a_type_with_a_clock_of_its_own_goes_on_where_the_one_before_ended(own: 
     source = FakeSource()
     source.time = 1.7e9
     made = recording(source, "/a/data")
-    told = {"type": "a/Timed", "message_definition": "float64 time_x\nfloat32 data"}
+    timed_header = {"type": "a/Timed", "message_definition": "float64 time_x\nfloat32 data"}
     for second in range(40):
         times = [source.time + 0.1 * index for index in range(10)]
         if second < 5:
             batch = Batch(header(Float32), nanoseconds(times), [struct.pack("<f", second)] * 10)
         else:
             data = [struct.pack("<df", time - 1.7e9 + own, second) for time in times]
-            batch = Batch(told, nanoseconds(times), data)
+            batch = Batch(timed_header, nanoseconds(times), data)
         source.topics["/a"].batches.append(batch)
         source.time += 1.0
         made.update()

@@ -75,8 +75,8 @@ def test_figures_over_time_begin_anew_where_they_would_mix_what_differs() -> Non
             source.receive(name, times, [math.sin(20.0 * time) for time in times])
         source.time += 1.0
         now = made.update()
-        told = page.frame(made, now, True)
-        traces: Dict[str, Any] = next(one for one in told if one["type"] == "stats")["traces"]
+        reply = page.frame(made, now, True)
+        traces: Dict[str, Any] = next(one for one in reply if one["type"] == "stats")["traces"]
         first, second = (traces[name]["over_time"]["max"]["count"] for name in names)
         return first, second
 
@@ -100,7 +100,7 @@ def test_the_picture_of_a_page_that_stands_still_agrees_with_its_figures_however
     monkeypatch.setattr(charts, "CHART_S", 0.0)
     name = "=highest(/a/data, 5)"
     shown: Dict[int, float] = {}
-    told: Dict[str, Dict[str, Any]] = {}
+    reply: Dict[str, Dict[str, Any]] = {}
     source, page = TimedSource(), Page(2.0)
     made = recording(source, name)
     page.view.select([name])
@@ -111,8 +111,8 @@ def test_the_picture_of_a_page_that_stands_still_agrees_with_its_figures_however
             page.view.show(View(4.0, 4, source.time))
         now = made.update()
         made.pin(pinned([page.view]))
-        told.update((message["type"], message) for message in page.frame(made, now, True))
-        frame = told.pop("frame", None)
+        reply.update((message["type"], message) for message in page.frame(made, now, True))
+        frame = reply.pop("frame", None)
         if frame is not None:
             shown = {} if frame["reset"] else shown
             bins = frame["traces"][name][::2]
@@ -120,7 +120,7 @@ def test_the_picture_of_a_page_that_stands_still_agrees_with_its_figures_however
         source.time += 1.0
     # From 1016 s to 1020 s: of each what was highest up to 5 s after it.
     highest = [21.0, 22.0, 23.0, 24.0, 25.0]
-    figures = told["stats"]["traces"][name]
+    figures = reply["stats"]["traces"][name]
     assert (figures["min"], figures["max"]) == (highest[0], highest[-1])
     assert [shown[1016 + second] for second in range(5)] == highest
-    assert told["xy"]["traces"][name] == [[16.0, 17.0, 18.0, 19.0, 20.0], highest]
+    assert reply["xy"]["traces"][name] == [[16.0, 17.0, 18.0, 19.0, 20.0], highest]

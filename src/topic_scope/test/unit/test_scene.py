@@ -50,7 +50,7 @@ def receive(shown: Scene, topic: str, message: Any, now: float = 0.0) -> None:
     shown.add_message(topic, message._type, read, now)
 
 
-def told(message: Dict[str, Any]) -> Dict[str, Any]:
+def as_json(message: Dict[str, Any]) -> Dict[str, Any]:
     """Return what a page would get of it."""
     text: Dict[str, Any] = json.loads(json.dumps(message, allow_nan=False))
     return text
@@ -59,14 +59,14 @@ def told(message: Dict[str, Any]) -> Dict[str, Any]:
 def test_robots_have_place_heading_and_speed_until_they_are_silent() -> None:
     shown = Scene()
     receive(shown, "/odom", odometry(1.0, 2.0, 3.0), 10.0)
-    (robot,) = told(shown.moving(10.5))["robots"]
+    (robot,) = as_json(shown.moving(10.5))["robots"]
     assert robot["heading"] == pytest.approx(3.0, abs=1e-4)
     assert (robot["x"], robot["y"], robot["speed"], robot["turn"]) == (1.0, 2.0, 0.25, -0.5)
     assert (robot["topic"], robot["frame"], robot["silent"]) == ("/odom", "odom", False)
     assert robot["body"] == "base"
-    assert told(shown.moving(11.5))["robots"][0]["silent"]
+    assert as_json(shown.moving(11.5))["robots"][0]["silent"]
     receive(shown, "/odom", odometry(math.nan, 0.0, 0.0), 12.0)
-    assert told(shown.moving(12.0))["robots"][0]["x"] == 1.0
+    assert as_json(shown.moving(12.0))["robots"][0]["x"] == 1.0
     shown.keep({})
     assert shown.moving(12.0)["robots"] == []
 
@@ -76,11 +76,11 @@ def test_a_scan_is_where_its_laser_is() -> None:
     receive(shown, "/robot1/odom", odometry(1.0, 0.0, math.pi / 2, "robot1/odom"))
     receive(shown, "/robot1/scan", scan("robot1/laser", 1.0, math.inf, math.nan, 0.05, 3.0))
     # No transform says where the laser is: it is taken to be on the robot of its namespace.
-    (seen,) = told(shown.moving(0.0))["scans"]
+    (seen,) = as_json(shown.moving(0.0))["scans"]
     assert seen["at"] == pytest.approx([0.0, 1.0, -1.0, 0.0, 1.0, 0.0], abs=1e-4)
     assert seen["ranges"] == [1000, 0, 0, 0, 3000]
     receive(shown, "/tf", transforms("robot1/base", "robot1/laser", 0.5))
-    assert told(shown.moving(0.0))["scans"][0]["at"][4:] == pytest.approx([1.0, 0.5], abs=1e-4)
+    assert as_json(shown.moving(0.0))["scans"][0]["at"][4:] == pytest.approx([1.0, 0.5], abs=1e-4)
     assert shown.moving(5.0)["scans"] == []
 
 
@@ -93,7 +93,7 @@ def test_a_scan_of_many_rays_is_thinned_out_and_of_no_sense_is_empty() -> None:
     nonsense = scan("base", 1.0)
     nonsense.angle_min = math.nan
     receive(shown, "/scan", nonsense)
-    assert told(shown.moving(0.0))["scans"][0]["ranges"] == [0]
+    assert as_json(shown.moving(0.0))["scans"][0]["ranges"] == [0]
 
 
 def test_markers_come_and_go_one_by_one() -> None:
@@ -102,7 +102,7 @@ def test_markers_come_and_go_one_by_one() -> None:
     box = Marker(ns="boxes", id=4, type=Marker.CUBE)
     box.pose.position.x, box.scale.x, box.color.r = 1.5, 0.4, math.nan
     receive(shown, "/world", MarkerArray([Marker(action=Marker.DELETEALL), wall, box]))
-    lines, cube = told(shown.standing(0.0))["markers"]
+    lines, cube = as_json(shown.standing(0.0))["markers"]
     assert (lines["kind"], lines["points"]) == ("lines", [0.0, 1.0, 2.0, 3.0])
     assert (cube["kind"], cube["size"], cube["at"][4]) == ("box", [0.4, 0.0], 1.5)
     receive(shown, "/world", MarkerArray([Marker(ns="walls", action=Marker.DELETE)]))
@@ -161,7 +161,7 @@ def test_paths_and_goals() -> None:
     path.header.frame_id = "map"
     receive(shown, "/goal", goal)
     receive(shown, "/plan", path)
-    standing = told(shown.standing(0.0))
+    standing = as_json(shown.standing(0.0))
     assert standing["goals"] == [{"topic": "/goal", "x": 1.0, "y": 2.0, "heading": 0.0}]
     assert standing["paths"][0]["points"] == [0.0, 2.0, 0.0, 2.0]
 
@@ -182,7 +182,7 @@ def test_the_fleet_has_a_tile_for_each_robot_by_name() -> None:
         readings = numpy.array([11.10000038, math.nan])
         message = {"robot_name": name, "mode": 1, "sensor_readings": readings}
         shown.add_message(topic, "x/RobotStatus", message, 0.0)
-    first, second = told(shown.fleet(0.5))["robots"]
+    first, second = as_json(shown.fleet(0.5))["robots"]
     assert first == {"topic": "/b", "name": "al", "mode": 1, "readings": [11.1, None], "age": None}
     assert second["name"] == "zoe" and shown.fleet(3.25)["robots"][0]["age"] == 3.2
 

@@ -66,7 +66,7 @@ class World:
         self.overtaking: Dict[str, Any] = {}
         self.sent: List[Mapping[str, Any]] = []
         self.answers: List[Dict[str, Any]] = []
-        self.told: List[Tuple[str, Any]] = []
+        self.reply: List[Tuple[str, Any]] = []
         self.worker = SlowWorker()
         self.panel = Panel(NODE, describe(self.node.values), {})
         self.settings = Settings(self.worker, self.change, self.send, self.read_again)
@@ -93,7 +93,7 @@ class World:
         return dict(self.node.server)
 
     def send(self, panel: Panel, names: List[str]) -> None:
-        self.told += [(name, panel.values[name]) for name in names]
+        self.reply += [(name, panel.values[name]) for name in names]
 
     def ask(self, name: str, value: Any) -> None:
         self.settings.set(self.panel, name, value, self.answers.append)
@@ -118,20 +118,20 @@ def world() -> World:
 def test_good_value_is_sent_and_told(world: World) -> None:
     world.set("low", 5)
     assert world.sent == [{"low": 5.0}]
-    assert world.told == [("low", 5.0)]
+    assert world.reply == [("low", 5.0)]
     assert world.answers == []
 
 
 def test_answer_that_was_overtaken_by_a_newer_change_is_not_the_last_word(world: World) -> None:
     world.overtaking = {"low": 2.0}
     world.set("low", 5)
-    assert world.told[-1] == ("low", 2.0)
+    assert world.reply[-1] == ("low", 2.0)
     assert world.panel.values["low"] == 2.0
 
 
 def test_value_out_of_range_is_not_sent(world: World) -> None:
     world.set("low", 500)
-    assert world.sent == [] and world.told == []
+    assert world.sent == [] and world.reply == []
     refused, value = world.answers
     assert refused["type"] == "refused" and "[-100, 100]" in refused["text"]
     assert (value["type"], value["value"]) == ("value", 0.0)
@@ -149,7 +149,7 @@ def test_of_values_that_come_while_the_node_is_busy_the_newest_is_sent(world: Wo
         world.ask("low", value)
     world.work()
     assert world.sent == [{"low": 1.0}, {"low": 4.0}]
-    assert world.told[-1] == ("low", 4.0)
+    assert world.reply[-1] == ("low", 4.0)
 
 
 def test_lists_that_must_have_one_length_are_changed_one_after_the_other(world: World) -> None:
@@ -158,7 +158,7 @@ def test_lists_that_must_have_one_length_are_changed_one_after_the_other(world: 
     world.set("ys", "[4, 5, 6]")
     assert len(world.refusals()) == 1
     assert world.node.values.xs == (1.0, 2.0, 3.0) and world.node.values.ys == (4.0, 5.0, 6.0)
-    assert dict(world.told) == {"xs": (1.0, 2.0, 3.0), "ys": (4.0, 5.0, 6.0)}
+    assert dict(world.reply) == {"xs": (1.0, 2.0, 3.0), "ys": (4.0, 5.0, 6.0)}
 
 
 def test_value_that_was_refused_keeps_no_other_from_being_set(world: World) -> None:
@@ -192,4 +192,4 @@ def test_node_that_does_not_answer_is_named(world: World) -> None:
     assert world.answers[-1]["value"] == 0.0
     world.is_silent = False
     world.set("low", 6)
-    assert world.told == [("low", 6.0)]
+    assert world.reply == [("low", 6.0)]

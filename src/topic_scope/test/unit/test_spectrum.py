@@ -76,10 +76,10 @@ def test_a_peak_is_told_between_the_lines(frequency: float, peak: float, window:
     values = peak * numpy.sin(2 * math.pi * frequency * times)
     found = spectrum(EPOCH + times, values, window)
     assert found is not None
-    told = peaks(found, window)
-    assert told[0][0] == pytest.approx(frequency, abs=0.1 * found.step)
-    assert decibels(numpy.array(told[0][1] / peak)) == pytest.approx(0.0, abs=0.1)
-    assert len(told) == 1
+    shown_peaks = peaks(found, window)
+    assert shown_peaks[0][0] == pytest.approx(frequency, abs=0.1 * found.step)
+    assert decibels(numpy.array(shown_peaks[0][1] / peak)) == pytest.approx(0.0, abs=0.1)
+    assert len(shown_peaks) == 1
 
 
 @pytest.mark.parametrize("averages", [8, 16, 32])
@@ -87,8 +87,8 @@ def test_a_part_of_few_periods_has_no_figures(averages: int) -> None:
     times = numpy.arange(1000) / 100.0
     found = spectrum(times, 2.0 * numpy.sin(2 * math.pi * times), averages=averages)
     assert found is not None
-    told = peaks(found, "hann")
-    assert told and told[0].uncertainty is None
+    shown_peaks = peaks(found, "hann")
+    assert shown_peaks and shown_peaks[0].uncertainty is None
 
 
 @given(
@@ -124,16 +124,16 @@ def test_two_sines_in_one_peak_are_not_a_single_line(window: str) -> None:
     values = sum(numpy.sin(2 * math.pi * hertz * times) for hertz in (10.0, 10.15))
     found = spectrum(EPOCH + times, numpy.asarray(values), window)
     assert found is not None
-    told = peaks(found, window, 1)[0]
-    assert (told.uncertainty, told.reason) == (None, NOT_SINGLE)
+    shown_peaks = peaks(found, window, 1)[0]
+    assert (shown_peaks.uncertainty, shown_peaks.reason) == (None, NOT_SINGLE)
 
 
 def test_a_chirp_is_not_a_single_line() -> None:
     times = numpy.arange(1000) / 100.0
     found = spectrum(EPOCH + times, numpy.sin(2 * math.pi * (36.0 * times + 0.2 * times**2)))
     assert found is not None
-    told = peaks(found, "hann")
-    assert told and {one.reason for one in told} == {NOT_SINGLE}
+    shown_peaks = peaks(found, "hann")
+    assert shown_peaks and {one.reason for one in shown_peaks} == {NOT_SINGLE}
 
 
 def test_sines_apart_are_single_lines_each() -> None:
@@ -141,9 +141,9 @@ def test_sines_apart_are_single_lines_each() -> None:
     values = sum(numpy.sin(2 * math.pi * hertz * times) for hertz in (10.03, 13.33, 31.0))
     found = spectrum(EPOCH + times, numpy.asarray(values))
     assert found is not None
-    told = peaks(found, "hann")
-    assert sorted(round(one.frequency, 2) for one in told) == [10.03, 13.33, 31.0]
-    assert not any(one.reason for one in told)
+    shown_peaks = peaks(found, "hann")
+    assert sorted(round(one.frequency, 2) for one in shown_peaks) == [10.03, 13.33, 31.0]
+    assert not any(one.reason for one in shown_peaks)
 
 
 def test_samples_that_come_in_bunches_make_no_higher_peaks() -> None:

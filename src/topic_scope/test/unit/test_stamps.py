@@ -8,7 +8,7 @@ from typing import Any, Dict, List, Optional
 
 import numpy
 import pytest
-from bags import Told, reading, serialized, slices
+from bags import BagMessage, reading, serialized, slices
 from geometry_msgs.msg import PointStamped
 from rospy import Duration, Time
 
@@ -45,30 +45,30 @@ def truth(times: numpy.ndarray) -> numpy.ndarray:
     return numpy.sin(2.0 * math.pi * SINE_HZ * (times - START))
 
 
-def told_of(delays: List[float]) -> List[Told]:
+def messages_of(delays: List[float]) -> List[BagMessage]:
     """Return the messages in the order in which they are received."""
-    told: List[Told] = []
+    sent: List[BagMessage] = []
     for stamp, delay, value in zip(STAMPS, delays, truth(numpy.array(STAMPS)).tolist()):
         message = PointStamped()
         message.header.stamp = Time.from_sec(stamp)
         message.point.x = value
-        told.append((round((stamp + delay) * 1e9), "/s", message))
-    return sorted(told, key=lambda one: one[0])
+        sent.append((round((stamp + delay) * 1e9), "/s", message))
+    return sorted(sent, key=lambda one: one[0])
 
 
-def in_bag(delays: List[float], later: float = 0.0) -> List[Told]:
+def in_bag(delays: List[float], later: float = 0.0) -> List[BagMessage]:
     """Return the messages as a bag tells them, and how much later it was recorded, s."""
     more = round(later * 1e9) - BAG_BEGIN
-    return [(time + more, topic, message) for time, topic, message in told_of(delays)]
+    return [(time + more, topic, message) for time, topic, message in messages_of(delays)]
 
 
 def recorded(delays: List[float], timestamp: str = "stamp") -> Trace:
     """Return the trace of what has come, message by message as far as ten at once."""
     stream = Stream("/s", timestamp)
     trace = stream.record(("point", "x"), 100.0)
-    layout, told = layout_of(PointStamped), told_of(delays)
+    layout, sent = layout_of(PointStamped), messages_of(delays)
     for start in range(0, COUNT, 10):
-        some = told[start : start + 10]
+        some = sent[start : start + 10]
         data = []
         for _, _, message in some:
             file = io.BytesIO()
@@ -85,11 +85,11 @@ def check(times: Any, values: Any) -> None:
     assert values == pytest.approx(truth(times), abs=1e-4)
 
 
-def far_ahead() -> List[Told]:
+def far_ahead() -> List[BagMessage]:
     """Return messages of which one has a stamp more than an hour ahead."""
-    told = told_of([0.0] * COUNT)
-    told[COUNT // 2][2].header.stamp += Duration(3950)
-    return told
+    sent = messages_of([0.0] * COUNT)
+    sent[COUNT // 2][2].header.stamp += Duration(3950)
+    return sent
 
 
 @pytest.mark.parametrize("timestamp", ["stamp", ""])
@@ -99,9 +99,9 @@ def test_a_stamp_far_ahead_is_shown_at_reception_and_pushes_nothing_out(timestam
     for time, _, message in far_ahead():
         stream.add(layout_of(PointStamped), Batch({}, [time], [serialized(message)]))
     check(*trace.samples(-math.inf, math.inf))
-    told = [(time - BAG_BEGIN, topic, message) for time, topic, message in far_ahead()]
+    sent = [(time - BAG_BEGIN, topic, message) for time, topic, message in far_ahead()]
     column = EXACT._replace(timestamp=timestamp)
-    (series,) = collect(reading([column], told, BAG_BEGIN), slices(told))
+    (series,) = collect(reading([column], sent, BAG_BEGIN), slices(sent))
     there = numpy.isfinite(series.values)  # without a name, the line ends where a clock is set back
     check(START + numpy.array(series.times)[there], numpy.array(series.values)[there])
 
@@ -143,8 +143,8 @@ def test_the_pages_csv_stands_at_the_stamps_and_tells_the_reception(delays: List
 
 @late
 def test_plot_bag_draws_at_the_stamps(delays: List[float]) -> None:
-    told = in_bag(delays)
-    (series,) = collect(reading([EXACT], told, BAG_BEGIN), slices(told))
+    sent = in_bag(delays)
+    (series,) = collect(reading([EXACT], sent, BAG_BEGIN), slices(sent))
     assert series.correction is None
     check(START + numpy.array(series.times), series.values)
 
@@ -156,26 +156,26 @@ def test_plot_bag_draws_at_the_stamps(delays: List[float]) -> None:
 def test_plot_bag_chooses_as_the_page_does_and_says_what_it_corrects(
     delay: float, shift: float, words: Optional[str]
 ) -> None:
-    told = in_bag([delay] * COUNT)
-    (series,) = collect(reading([EXACT._replace(timestamp="")], told, BAG_BEGIN), slices(told))
+    sent = in_bag([delay] * COUNT)
+    (series,) = collect(reading([EXACT._replace(timestamp="")], sent, BAG_BEGIN), slices(sent))
     assert series.correction == words
     assert series.title == (f"/s/point/x ({words})" if words else "/s/point/x")
     check(START + numpy.array(series.times) - shift, series.values)
 
 
 def test_plot_bag_aligns_the_stamps_of_a_simulation_and_says_so() -> None:
-    told = in_bag([0.0] * COUNT, -START * 1e3)
+    sent = in_bag([0.0] * COUNT, -START * 1e3)
     for timestamp in ("stamp", ""):
         column = EXACT._replace(timestamp=timestamp)
-        (series,) = collect(reading([column], told, BAG_BEGIN), slices(told))
+        (series,) = collect(reading([column], sent, BAG_BEGIN), slices(sent))
         assert series.correction == "stamps of another clock: shown at reception"
         assert series.times[0] == pytest.approx(-START * 1e3, abs=0.01)
 
 
 @late
 def test_the_csv_of_plot_bag_stands_at_the_stamps(delays: List[float]) -> None:
-    told, file = in_bag(delays), io.StringIO()
-    write_csv(file, reading([EXACT], told, BAG_BEGIN), slices(told))
+    sent, file = in_bag(delays), io.StringIO()
+    write_csv(file, reading([EXACT], sent, BAG_BEGIN), slices(sent))
     _, *lines = file.getvalue().splitlines()
     rows = sorted([float(cell) for cell in line.split(",")] for line in lines)
     check([START + time for time, _ in rows], [value for _, value in rows])

@@ -224,15 +224,15 @@ def test_memory_of_an_ever_changing_text_is_bounded() -> None:
 
 def test_csv_has_the_text_in_a_column() -> None:
     made, source = recorder("/mode/data")
-    told = ['a, "b"\nc', "", "nan"]
-    send(source, made, *map(String, told))
+    reply = ['a, "b"\nc', "", "nan"]
+    send(source, made, *map(String, reply))
 
     async def text() -> str:
         return "".join([part async for part in parts(made, [MODE], 0.0, 2000.0)])
 
     rows = list(csv.reader(io.StringIO(asyncio.run(text()))))
     assert rows[0] == ["time", "received", MODE]
-    assert [row[2] for row in rows[1:]] == told
+    assert [row[2] for row in rows[1:]] == reply
 
 
 def test_table_tells_the_latest_state_and_no_figures() -> None:
@@ -241,8 +241,8 @@ def test_table_tells_the_latest_state_and_no_figures() -> None:
     view = LiveView(View(100.0, 500, None))
     view.select([MODE])
     assert view.shown == [] and view.states == [MODE]
-    told = statistics_of(made, made.samples, view, Measure(), FrequencyBackoff(), source.time)
-    measured = told["traces"][MODE]
+    reply = statistics_of(made, made.samples, view, Measure(), FrequencyBackoff(), source.time)
+    measured = reply["traces"][MODE]
     assert measured["state"] == "drive" and measured["problem"] is None
     assert "mean" not in measured and "frequency" not in measured
 
@@ -285,8 +285,8 @@ def test_state_is_known_by_its_name() -> None:
 def bag(tmp_path: Path, monkeypatch: "pytest.MonkeyPatch") -> str:
     """Write a bag of 9 s into the command's folder."""
     monkeypatch.chdir(tmp_path)
-    told = ["idle"] * 5 + ["drive, fast"] * 5
-    messages: List[Any] = [("/mode", String(text), n * 10**9) for n, text in enumerate(told)]
+    reply = ["idle"] * 5 + ["drive, fast"] * 5
+    messages: List[Any] = [("/mode", String(text), n * 10**9) for n, text in enumerate(reply)]
     messages += [("/fix", NavSatStatus(status=0), 0), ("/x", Float64(1.5), 9 * 10**9)]
     return write_bag(tmp_path / "x.bag", messages)
 
@@ -353,8 +353,8 @@ def test_page_gets_states_beside_its_numbers() -> None:
     send(source, made, String("idle"), NavSatStatus(status=1))
     page = Page(100.0)
     page.view.select([MODE, "/fix/status"])
-    told = {one["type"]: one for one in page.frame(made, source.time, True)}
-    assert list(told["frame"]["traces"]) == ["/fix/status"]
-    assert list(told["states"]["traces"]) == [MODE]
-    assert set(told["stats"]["traces"]) == {MODE, "/fix/status"}
-    json.dumps(told)
+    reply = {one["type"]: one for one in page.frame(made, source.time, True)}
+    assert list(reply["frame"]["traces"]) == ["/fix/status"]
+    assert list(reply["states"]["traces"]) == [MODE]
+    assert set(reply["stats"]["traces"]) == {MODE, "/fix/status"}
+    json.dumps(reply)

@@ -29,8 +29,8 @@ def test_a_variation_is_that_of_all_numbers(values: List[float], middle: float) 
     }
 
 
-def counted(over: StatisticsHistory, number: int, end: float, **told: Any) -> Dict[str, Any]:
-    traces = {"/a": dict(told)}
+def counted(over: StatisticsHistory, number: int, end: float, **figures: Any) -> Dict[str, Any]:
+    traces = {"/a": dict(figures)}
     over.count(number, (end - 1.0, end), traces)
     found: Dict[str, Any] = traces["/a"].get("over_time", {})
     return found

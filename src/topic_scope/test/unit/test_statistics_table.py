@@ -38,10 +38,10 @@ def test_a_trace_without_a_sample_in_the_span_says_why(
     start, end = span
     view = LiveView(View(end - start, 100, end))
     view.select(["/a/data"])
-    told = statistics_of(made, made.samples, view, Measure(), FrequencyBackoff(), source.time)[
+    reply = statistics_of(made, made.samples, view, Measure(), FrequencyBackoff(), source.time)[
         "traces"
     ]["/a/data"]
-    assert (told["problem"], told["silent"]) == (words, None)
+    assert (reply["problem"], reply["silent"]) == (words, None)
 
 
 class Recorder:

@@ -64,7 +64,7 @@ def test_no_crossing_is_where_no_line_is() -> None:
         assert heard is not None and heard["time"] == pytest.approx(moments[0])
 
 
-def told(mode: str, moments: List[float], samples: Samples, level: float = 0.0) -> List[tuple]:
+def states_of(mode: str, moments: List[float], samples: Samples, level: float = 0.0) -> List[tuple]:
     """Return what a page is told, looking at some moments."""
     request = requests.Trigger(mode, "/a", level, True)
     watch = TriggerWatch(request, 0.0)
@@ -93,14 +93,14 @@ MOMENTS = [index / 40 for index in range(200)]
 
 
 def test_single_tells_of_one_crossing_only() -> None:
-    assert told("single", MOMENTS, sine(5.0)) == [
+    assert states_of("single", MOMENTS, sine(5.0)) == [
         ("armed", None),
         ("triggered", pytest.approx(1.0, abs=1e-6)),
     ]
 
 
 def test_normal_tells_of_the_next_when_the_page_has_shown_the_last() -> None:
-    found = told("normal", MOMENTS, sine(5.0, frequency=3.0))
+    found = states_of("normal", MOMENTS, sine(5.0, frequency=3.0))
     assert [state for state, _ in found] == ["armed"] + ["triggered"] * (len(found) - 1)
     times = [time for _, time in found[1:]]
     # Held for half a window, 0.5 s: of the crossings at n / 3 s every other one.
@@ -110,22 +110,22 @@ def test_normal_tells_of_the_next_when_the_page_has_shown_the_last() -> None:
 def test_normal_says_when_nothing_comes_any_more() -> None:
     times, values = sine(5.0)
     values[times > 1.5] = -1.0
-    found = told("normal", MOMENTS, (times, values))
+    found = states_of("normal", MOMENTS, (times, values))
     assert [state for state, _ in found] == ["armed", "triggered", "armed"]
 
 
 def test_a_level_that_is_not_reached_stays_armed() -> None:
-    assert told("normal", MOMENTS, sine(5.0), level=1.5) == [("armed", None)]
+    assert states_of("normal", MOMENTS, sine(5.0), level=1.5) == [("armed", None)]
 
 
 def test_off_says_so_once() -> None:
-    assert told("off", MOMENTS, sine(5.0)) == [("off", None)]
+    assert states_of("off", MOMENTS, sine(5.0)) == [("off", None)]
 
 
 @settings(max_examples=30)
 @given(st.lists(st.floats(0.0, 4.9), min_size=1, max_size=30))
 def test_no_crossing_is_missed_however_often_one_looks(moments: List[float]) -> None:
-    found = told("single", sorted(moments) + [4.95], sine(5.0, frequency=0.25), level=0.5)
+    found = states_of("single", sorted(moments) + [4.95], sine(5.0, frequency=0.25), level=0.5)
     assert found[-1] == ("triggered", pytest.approx(1 / 3, abs=1e-5))
 
 

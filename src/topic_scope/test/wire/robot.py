@@ -60,11 +60,11 @@ class Robot:
         message = Odometry(child_frame_id="base")
         message.header.frame_id = "odom"
         while not self._ended.wait(_PERIOD_S):
-            told = self._told
-            if told is not None:
-                self.heading += told.turn * _PERIOD_S
-                self.x += told.speed * math.cos(self.heading) * _PERIOD_S
-                self.y += told.speed * math.sin(self.heading) * _PERIOD_S
+            reply = self._told
+            if reply is not None:
+                self.heading += reply.turn * _PERIOD_S
+                self.x += reply.speed * math.cos(self.heading) * _PERIOD_S
+                self.y += reply.speed * math.sin(self.heading) * _PERIOD_S
             pose = message.pose.pose
             pose.position.x, pose.position.y = self.x, self.y
             pose.orientation.z = math.sin(self.heading / 2)

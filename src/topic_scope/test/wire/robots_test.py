@@ -24,9 +24,9 @@ class RobotsTest(SignalsTest):
         """Open a page that has the wheel of a robot."""
         page = self.page()
         page.send("robots", on=True)
-        page.wait_for("targets", lambda told: topic in told["commands"])
+        page.wait_for("targets", lambda reply: topic in reply["commands"])
         page.send("steer", topic=topic)
-        page.wait_for("steering", lambda told: told["topic"] == topic)
+        page.wait_for("steering", lambda reply: reply["topic"] == topic)
         return page
 
     def drive(self, *pages: Client) -> None:

@@ -52,7 +52,7 @@ class MaskLive(unittest.TestCase):
             check=False,
         )
 
-    def test_the_status_says_whether_it_keeps_within(self) -> None:
+    def test_exit_status_reports_the_check(self) -> None:
         type(self).error = 0.05
         for seconds in ("2", "8", "30"):  # longer where a busy machine takes longer to subscribe
             inside = self.check("--value", "0.1", "--seconds", seconds)
@@ -70,7 +70,7 @@ class MaskLive(unittest.TestCase):
                 rows = list(csv.DictReader(file))
         self.assertTrue(any(row["/actual/data"] == "1.2" for row in rows), rows)
 
-    def test_what_is_not_there_is_no_pass(self) -> None:
+    def test_missing_trace_does_not_pass(self) -> None:
         nothing = self.check("--seconds", "1", "--around", "/missing/data")
         self.assertEqual(nothing.returncode, 2, nothing)
         self.assertIn("no sample could be checked: the topic does not exist yet", nothing.stderr)

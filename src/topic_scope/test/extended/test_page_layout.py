@@ -97,7 +97,7 @@ class Layout(BrowserTest):
         self.addCleanup(self.browser.keys, "v", "c")
         wait_until(lambda: len(self.boxes(".handle b")) == 4, lambda: self.boxes(".handle b"))
 
-    def test_with_cursors_all_figures_and_labels_are_to_be_seen(self) -> None:
+    def test_all_figures_and_labels_are_visible_with_cursors(self) -> None:
         self.show_cursors()
         for size in (LAPTOP, SCREEN, PHONE):
             self.resize(*size)
@@ -129,7 +129,7 @@ class Layout(BrowserTest):
         self.browser.keys("r")
         self.addCleanup(self.browser.keys, "r")
 
-    def test_why_there_is_nothing_to_drive_or_to_send_is_said(self) -> None:
+    def test_missing_robots_are_explained(self) -> None:
         self.show_robots()
         for part, what in (("drive", "Twist"), ("goal", "PoseStamped")):
             reason = self.browser.wait_for(f"#{part}-topic-none").text
@@ -162,7 +162,7 @@ class Layout(BrowserTest):
             for label in labels:
                 self.assertGreaterEqual(label["room"], label["needed"], (size, label))
 
-    def test_on_a_phone_the_plot_is_first_and_all_is_as_large_as_a_finger(self) -> None:
+    def test_phone_layout_has_the_plot_first_and_large_targets(self) -> None:
         browser = self.browser
         self.resize(*PHONE)
         self.open_page()
@@ -203,7 +203,7 @@ class Layout(BrowserTest):
         small = [one for one in targets if min(one["width"], one["height"]) < 39.5]
         self.assertEqual(small, [], what)
 
-    def test_graph_and_robots_have_nothing_of_the_scope_on_them(self) -> None:
+    def test_graph_and_robot_views_hide_the_scope(self) -> None:
         own = "#kind, #show-panels, #foot-frames, #foot-view"
         self.assertEqual(len(self.boxes(own)), 4)
         self.addCleanup(self.browser.run, "document.querySelector('#show-scope').click()")

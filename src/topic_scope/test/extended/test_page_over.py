@@ -191,7 +191,7 @@ class Over(unittest.TestCase):
         wait_until(lambda: self.band() < 0.001, self.falling)
         self.assertEqual(browser.errors(), [])
 
-    def test_late_messages_stand_at_their_stamps(self) -> None:
+    def test_late_messages_are_placed_at_their_stamps(self) -> None:
         """In the picture, under the cursors and in the file."""
         browser = self.browser
         setup = {**FRESH, "fields": [LATE], "window": 10, "cursors": {"a": -2.75, "b": -2.25}}
@@ -269,7 +269,7 @@ class Over(unittest.TestCase):
                 groups.append([place])
         return [start + sum(group) / len(group) * (end - start) for group in groups]
 
-    def test_an_older_bag_is_laid_over_it_with_an_offset_and_at_the_trigger(self) -> None:
+    def test_older_bag_is_overlaid_with_an_offset_and_at_the_trigger(self) -> None:
         browser = self.browser
         setup = {
             **FRESH,
@@ -321,7 +321,7 @@ class Over(unittest.TestCase):
 class BrokenBags(unittest.TestCase):
     """Files that are no bags."""
 
-    def test_a_file_that_is_no_bag_is_told_in_a_sentence(self) -> None:
+    def test_non_bag_file_is_reported(self) -> None:
         node = roslib.packages.find_node("topic_scope", "scope.py")[0]
         reasons = {__file__: "is not a bag", __file__ + "x": "No such file"}
         started = {

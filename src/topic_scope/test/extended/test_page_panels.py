@@ -50,7 +50,7 @@ class Panels(PanelTest):
         self.browser.press(switch)
         wait_until(lambda: rospy.get_param("/process/keep_positive"), lambda: "still off")
 
-    def test_what_goes_together_only_is_set_together(self) -> None:
+    def test_dependent_values_are_set_together(self) -> None:
         names = ["multisine_" + part for part in ("amplitudes", "frequencies", "phases")]
         for name in names:
             key = f"{GENERATOR}/{name}"
@@ -237,7 +237,7 @@ class Panels(PanelTest):
         )
         return sorted(edge for edge in found if "/process" in edge.split(" > "))
 
-    def test_all_is_reached_by_keys_and_has_a_name(self) -> None:
+    def test_all_controls_are_reached_by_keys_and_named(self) -> None:
         self.addCleanup(self.leave_page)
         self.browser.keys("t", "c", "v", "l")  # a trigger and cursors: all that can be on the plot
         self.browser.wait_for(".handle.cursor")
@@ -309,7 +309,7 @@ class Panels(PanelTest):
         nameless = [row for row in self.browser.accessible() if row[0] in _ROLES and not row[1]]
         self.assertEqual(nameless, [], what)
 
-    def test_reading_only_there_is_nothing_to_set(self) -> None:
+    def test_read_only_page_has_no_controls(self) -> None:
         self.addCleanup(self.leave_page)
         # As from a scope that is open to a network, which a test had better not be.
         script = self.browser.driver.execute_cdp_cmd(

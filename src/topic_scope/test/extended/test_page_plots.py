@@ -34,7 +34,7 @@ _BOX = "return document.querySelector(arguments[0]).getBoundingClientRect().toJS
 class Plots(PageTest):
     """Use of the plots to learn more of a trace."""
 
-    def test_measures_what_is_asked_for_and_between_the_cursors(self) -> None:
+    def test_chosen_measurements_and_span_between_cursors(self) -> None:
         self.browser.keys("m")
         self.browser.wait_for("#measures")
         for name in ("vpp", "deviation", "rise", "duty", "phase"):
@@ -71,7 +71,7 @@ class Plots(PageTest):
         self.wait_certainty("frequency", "not measurable: fewer than two periods in the span")
         self.wait_certainty("min", "")
 
-    def test_counts_how_figures_vary_until_it_counts_anew(self) -> None:
+    def test_statistics_over_time_until_a_restart(self) -> None:
         self.browser.keys("m")
         self.browser.wait_for("#measures-over-time").click()
         self.browser.press("[data-figure=cycle_rms]")
@@ -121,7 +121,7 @@ class Plots(PageTest):
         take = "const all = window.written; window.written = []; return all.join('\\n')"
         return str(self.browser.run(take))
 
-    def test_a_chart_that_stands_still_stays_when_it_is_drawn_otherwise(self) -> None:
+    def test_paused_chart_is_redrawn_with_other_settings(self) -> None:
         self.watch_writing()
         self.browser.keys("k")
         wait_until(lambda: re.search(r" Hz, [\d.]+ dB$", self.written(), re.M), self.written)
@@ -134,7 +134,7 @@ class Plots(PageTest):
         self.browser.press(".chart-controls input")
         self.assertIn(PROCESSED, self.written().split("\n"))
 
-    def test_shows_spectra_and_one_trace_over_another(self) -> None:
+    def test_spectra_and_xy(self) -> None:
         self.watch_writing()
         self.browser.keys("k")
         seen = [""]
@@ -179,7 +179,7 @@ class Plots(PageTest):
         self.browser.keys("k")
         self.assertFalse(self.browser.find("#chart").is_displayed())
 
-    def test_shows_what_is_computed_of_a_trace(self) -> None:
+    def test_computed_traces_are_shown(self) -> None:
         name = f"{SIGNAL}.derivative"
         self.browser.keys("a", name)
         wait_until(
@@ -225,7 +225,7 @@ class Plots(PageTest):
                 lambda: self.browser.text("#legend"),
             )
 
-    def test_a_hidden_trace_costs_nothing_and_comes_back_with_its_past(self) -> None:
+    def test_hidden_trace_is_not_sent_and_returns_with_its_history(self) -> None:
         wait_until(
             lambda: abs(self.cell(SIGNAL, "max") - 2.0) < 0.01,
             lambda: self.browser.text("#legend"),
@@ -248,7 +248,7 @@ class Plots(PageTest):
             lambda: self.browser.text("#legend"),
         )
 
-    def test_says_where_a_level_is_that_is_not_in_view_and_brings_it_back(self) -> None:
+    def test_arrow_points_to_a_level_out_of_view(self) -> None:
         height = self.browser.find("#plot").size["height"]
         self.browser.choose("#window", "1")
         self.browser.choose("#trigger-mode", "auto")
@@ -293,7 +293,7 @@ class Plots(PageTest):
             lambda: f"{height}: {self.browser.find('#plot').size}: {self.browser.text('#legend')}",
         )
 
-    def test_a_field_that_is_not_there_stays_and_says_so(self) -> None:
+    def test_missing_field_keeps_its_row_with_a_reason(self) -> None:
         expected = {
             "/signal/nothing": "there is no nothing in basic_comms/signal_msg",
             "/later/data[7]": "the topic does not exist yet",
@@ -466,7 +466,7 @@ class Plots(PageTest):
         cells = [self.browser.text(f"#legend tr[{row}] [data-cell='{key}']") for key in "ab"]
         return [math.nan if text == "–" else float(text.replace("−", "-")) for text in cells]
 
-    def test_a_reference_stays_as_the_trace_was_and_can_be_moved_and_removed(self) -> None:
+    def test_reference_is_constant_and_can_be_moved_and_removed(self) -> None:
         axis = {"title": "", "low": None, "high": None}
         setup = {
             **{"fields": [SIGNAL, PROCESSED], "window": 5, "baseWindow": 5},
@@ -564,7 +564,7 @@ class Plots(PageTest):
             lambda: [line[:2] for line in self.strokes()],
         )
 
-    def test_draws_whole_numbers_in_steps_and_scales_what_is_to_be_scaled(self) -> None:
+    def test_integers_are_drawn_in_steps_and_traces_are_scaled(self) -> None:
         publisher = rospy.Publisher("/steps", Int32, queue_size=10)
         self.addCleanup(publisher.unregister)
         self.browser.press(f"[aria-label='remove {SIGNAL}']")
@@ -657,7 +657,7 @@ class Plots(PageTest):
         first = [row for row in rows if float(row[0]) < latest]
         return bool(first) and all(any(cells) for cells in list(zip(*first))[2:])
 
-    def test_a_sine_is_where_it_is_while_the_machine_is_busy(self) -> None:
+    def test_sine_is_exact_on_a_busy_machine(self) -> None:
         """Each point of its line is less than a pixel from the true curve."""
         omega, done = 4.0 * math.pi, threading.Event()
         publisher = rospy.Publisher("/sine", PointStamped, queue_size=1000)
@@ -774,7 +774,7 @@ class Plots(PageTest):
         for publisher in publishers.values():
             publisher.unregister()
 
-    def test_late_messages_stand_at_their_stamps(self) -> None:
+    def test_late_messages_are_placed_at_their_stamps(self) -> None:
         """In the picture, the figures, under the cursors and in the file; one sample is 10 ms."""
         done = threading.Event()
         sent: Dict[str, List[Tuple[float, float]]] = {topic: [] for topic in LATE}
@@ -837,7 +837,7 @@ class Plots(PageTest):
         column = head.index(field)
         return [(float(row[0]), float(row[1]), float(row[column])) for row in rows if row[column]]
 
-    def test_shows_the_time_of_day_and_what_is_under_the_pointer(self) -> None:
+    def test_time_of_day_and_values_under_the_pointer(self) -> None:
         self.browser.keys("x")
         self.browser.press("[aria-label='show the time of day']")
         self.browser.keys(Keys.ESCAPE)

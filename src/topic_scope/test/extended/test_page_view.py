@@ -61,7 +61,7 @@ return Array.from({ length: height }, (_, row) => Array.from({ length: width }, 
 class View(PageTest):
     """Use of the plot."""
 
-    def test_the_address_says_what_is_shown_and_so_does_a_file(self) -> None:
+    def test_set_up_is_in_the_address_and_in_files(self) -> None:
         self.browser.choose("#window", "2")
         self.browser.press(f"[aria-label='remove {PROCESSED}']")
         self.browser.press(f"[aria-label='right axis for {SIGNAL}']")
@@ -125,7 +125,7 @@ class View(PageTest):
         self.browser.open(cut)
         self.assertTrue(self.browser.wait_for(f"#legend tr[data-field='{PROCESSED}']"))
 
-    def test_an_address_is_taken_though_the_page_writes_its_own_over_it(self) -> None:
+    def test_pasted_address_is_applied_despite_an_update(self) -> None:
         setup = quote(json.dumps({"window": 2}))
         self.browser.run(
             "location.hash = arguments[0]; history.replaceState(null, '', location.pathname)", setup
@@ -168,7 +168,7 @@ class View(PageTest):
             lambda: self.browser.text(".readout"),
         )
 
-    def test_says_what_is_missing(self) -> None:
+    def test_missing_data_is_explained(self) -> None:
         field = "/silent/data"
         publisher = rospy.Publisher("/silent", Float64, queue_size=10, latch=True)
         self.addCleanup(publisher.unregister)
@@ -185,7 +185,7 @@ class View(PageTest):
             lambda: self.browser.text("#legend"),
         )
 
-    def test_a_malformed_name_in_the_address_has_a_row_that_says_so(self) -> None:
+    def test_malformed_name_in_the_address_has_a_row_with_a_reason(self) -> None:
         names = [SIGNAL, "../x", "=/a/b + (", PROCESSED]
         self.show(fields=names)
         for name, reason in zip(names[1:3], ("not the name of a field", "unexpected end")):
@@ -291,7 +291,7 @@ class View(PageTest):
             wait_until(lambda: is_moved(kept_samples), self.samples)
         wait_until(lambda: abs(self.samples()[0][0] - before[0][0]) < 0.05, self.samples)
 
-    def test_shows_and_changes_the_time_that_a_trace_goes_by(self) -> None:
+    def test_timestamp_source_is_shown_and_changed(self) -> None:
         choice = f"#legend tr[data-field='{SIGNAL}'] select"
         wait_until(
             lambda: self.browser.text(f"{choice} option[value='']") == "auto (time_x)",
@@ -308,7 +308,7 @@ class View(PageTest):
         self.assertEqual(trigger, ["auto", renamed])
         self.assertTrue(self.browser.find(".level-cursor").is_displayed())
 
-    def test_what_is_drawn_is_the_curve_through_the_samples(self) -> None:
+    def test_drawn_line_is_the_curve_through_the_samples(self) -> None:
         """At about one sample a pixel; with each in the middle of its bin it is 3 pixels beside."""
         self.browser.press(f"[aria-label='show {PROCESSED}']")
         self.browser.keys("x")
@@ -357,7 +357,7 @@ class View(PageTest):
             lambda: self.browser.text("#trigger-state"),
         )
 
-    def test_trigger_ignores_what_is_told_of_it_before_its_latest_change(self) -> None:
+    def test_trigger_ignores_messages_from_before_its_latest_change(self) -> None:
         # What is under way: the page gets it after it has sent the change.
         self.browser.run(
             "const { send } = WebSocket.prototype; window.sendToScope = send;"
@@ -541,7 +541,7 @@ class View(PageTest):
         """Return the value that a level cursor is at."""
         return float(handle.get_attribute("aria-valuenow"))
 
-    def test_an_axis_without_a_trace_has_no_numbers(self) -> None:
+    def test_axis_without_a_trace_has_no_labels(self) -> None:
         grid = self.browser.run(_ROWS)
         for field in (SIGNAL, PROCESSED):
             self.browser.press(f"[aria-label='right axis for {field}']")
@@ -562,7 +562,7 @@ class View(PageTest):
             lambda: f"{self.browser.text('#plot')}, {self.browser.errors()}",
         )
 
-    def test_axes_keep_what_is_typed(self) -> None:
+    def test_axes_keep_typed_ranges(self) -> None:
         self.browser.keys("x")
         self.browser.wait_for("[aria-label='left axis, to']").send_keys("7.5", Keys.TAB)
         self.browser.find("[aria-label='title of the left axis']").send_keys("level, V")
@@ -730,7 +730,7 @@ class View(PageTest):
             " inner.right - plot.left + 2, inner.bottom - plot.top + 2];"
         )
 
-    def test_a_picture_has_all_that_is_measured_however_narrow_the_page_is(self) -> None:
+    def test_picture_has_all_measurements_on_a_narrow_page(self) -> None:
         self.addCleanup(self.browser.resize, WIDTH, HEIGHT)
         self.addCleanup(self.fold)
         name = "/robot1/left_arm/joint_states/position[shoulder]"
@@ -775,7 +775,7 @@ class View(PageTest):
         self.browser.open(self.scope.url)
         self.assertEqual(self.browser.run(theme), second)
 
-    def test_says_that_the_master_is_missing_and_that_there_is_no_place(self) -> None:
+    def test_missing_master_and_full_scope_are_reported(self) -> None:
         port = str(free_port())
         uri = f"http://localhost:{port}"
         scope = ScopeProcess("/a/data", ROS_MASTER_URI=uri)
@@ -803,7 +803,7 @@ class View(PageTest):
         pages[0].close()
         self.browser.wait_connected()
 
-    def test_loads_again_what_has_not_come(self) -> None:
+    def test_incomplete_page_is_reloaded(self) -> None:
         self.expected_errors = ["base/numbers.js"]
         cdp = self.browser.driver.execute_cdp_cmd
         cdp("Network.enable", {})
@@ -818,7 +818,7 @@ class View(PageTest):
         tries = "return sessionStorage.getItem('tries')"
         wait_until(lambda: self.browser.run(tries) is None, lambda: self.browser.run(tries))
 
-    def test_comes_back_as_it_was(self) -> None:
+    def test_page_is_restored_after_a_restart(self) -> None:
         self.browser.keys("a")
         self.browser.wait_for("#chooser-search").send_keys("signal frequency", Keys.ENTER)
         self.browser.keys(Keys.ESCAPE)
@@ -844,7 +844,7 @@ class View(PageTest):
         self.assertFalse(self.browser.find(f"[aria-label='show {PROCESSED}']").is_selected())
         self.wait_moving()
 
-    def test_notices_that_nothing_comes_any_more_and_comes_back(self) -> None:
+    def test_silent_scope_is_noticed_and_reconnected(self) -> None:
         self.expected_errors = ["WebSocket connection"]
         with hanging(self.scope.pid):  # as with a cut link, the connection stays open
             self.wait_banner("The scope does not answer. Trying again in 1 s.")

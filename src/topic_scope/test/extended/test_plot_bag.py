@@ -66,7 +66,7 @@ class PlotBag(unittest.TestCase):
                 rows.append(row)
         return rows
 
-    def test_csv_is_what_rosbag_reads(self) -> None:
+    def test_csv_equals_the_messages_of_rosbag(self) -> None:
         self.plot(*FIELDS, "-o", "out.csv")
         rows = self.rows("out.csv")
         self.assertEqual(rows, self.read_by_rosbag())

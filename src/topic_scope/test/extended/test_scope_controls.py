@@ -16,7 +16,7 @@ from nodekit.testing.waiting import wait_until
 class Controls(ControlsTest):
     """A scope beside the course's nodes; each test leaves their parameters as they were."""
 
-    def test_the_node_has_the_last_word(self) -> None:
+    def test_node_rejects_inconsistent_values(self) -> None:
         """A value that is in range, but not with the others: only the node knows."""
         page, other = self.panelled(), self.panelled()
         before = rospy.get_param(NODE + "/multisine_amplitudes")
@@ -28,7 +28,7 @@ class Controls(ControlsTest):
         self.assertEqual(rospy.get_param(NODE + "/multisine_amplitudes"), before)
         self.assertEqual(other.messages("refused"), [])
 
-    def test_a_number_with_a_comma_is_refused_by_the_node(self) -> None:
+    def test_number_with_a_comma_is_rejected_by_the_node(self) -> None:
         page = self.panelled()
         before = rospy.get_param(NODE + "/amplitude")
         self.set(page, "amplitude", "1,000")
@@ -47,7 +47,7 @@ class Controls(ControlsTest):
         page.wait_for("value", lambda reply: (reply["name"], reply["value"]) == ("offset", 1.0))
         self.assertEqual(page.messages("refused"), [])
 
-    def test_a_change_by_anybody_is_shown(self) -> None:
+    def test_change_by_another_client_is_shown(self) -> None:
         page = self.panelled()
         self.restore("phase")
         rospy.set_param(NODE + "/phase", 0.75)
@@ -69,7 +69,7 @@ class Controls(ControlsTest):
         page.send("call", service=NODE + "/enable", data=True)
         self.assertTrue(page.wait_for("called")["success"])
 
-    def test_a_node_that_ends_takes_its_panel_along(self) -> None:
+    def test_panel_is_removed_with_its_node(self) -> None:
         page = self.panelled()
         service = rospy.Service("/guest/describe", Trigger, describe_guest)
         page.wait_for(
@@ -101,7 +101,7 @@ class Controls(ControlsTest):
         self.addCleanup(service.shutdown)
         page.wait_for("value", lambda reply: (reply["node"], reply["value"]) == ("/slow", 2))
 
-    def test_a_description_that_makes_no_sense_is_no_panel(self) -> None:
+    def test_invalid_description_has_no_panel(self) -> None:
         page = self.panelled()
         service = rospy.Service(
             "/babbler/describe", Trigger, lambda _: (True, "[!!python/object/new:os.system [id]]")
@@ -153,7 +153,7 @@ class Controls(ControlsTest):
         talker.terminate()
         page.wait_for("managed", lambda reply: states(reply) == [])
 
-    def test_a_managed_node_that_fails_is_left_out_and_asked_again_after_a_while(self) -> None:
+    def test_failing_managed_node_is_left_out_and_retried(self) -> None:
         asked: List[float] = []
 
         def fail(_request: Any) -> Any:

@@ -24,7 +24,7 @@ class Guards(ScopeTest):
 
     ARGUMENTS = [*FIELDS, "--history", "3"]
 
-    def test_bad_exports_are_refused(self) -> None:
+    def test_bad_exports_are_rejected(self) -> None:
         for query in (
             "field=../x",
             "field=" + "&field=".join(f"/a/x{n}" for n in range(40)),
@@ -34,14 +34,14 @@ class Guards(ScopeTest):
         ):
             self.assertEqual(fetch(f"{self.scope.url}/data.csv?{query}")[0], 400, query)
 
-    def test_what_is_not_a_name_has_an_empty_column_in_an_export(self) -> None:
+    def test_invalid_name_has_an_empty_column_in_an_export(self) -> None:
         for name in ("../x", "a" * 400, "/a/x.nonsense", "/a b"):
             query = urllib.parse.urlencode([("field", FIELDS[0]), ("field", name)])
             status, text = fetch(f"{self.scope.url}/data.csv?{query}")
             self.assertEqual(status, 200, name)
             self.assertEqual(text.splitlines()[0], f"time,received,{FIELDS[0]},{name}")
 
-    def test_there_is_a_limit_to_pages(self) -> None:
+    def test_number_of_pages_is_limited(self) -> None:
         for _ in range(32):  # those of the tests before may not have gone yet
             wait_until(self.is_let_in, lambda: "there is no place for a page")
         late = Client(self.scope.url)
@@ -58,7 +58,7 @@ class Guards(ScopeTest):
         wait_until(lambda: page.is_closed or page.messages("hello"), lambda: "no answer")
         return not page.is_closed
 
-    def test_what_stands_still_on_a_page_is_kept_longer_than_the_history(self) -> None:
+    def test_paused_view_is_kept_longer_than_the_history(self) -> None:
         field = "/pinned/point/x@stamp"
         page = self.page(field)
         publisher = self.publisher("/pinned", PointStamped, page)
@@ -86,7 +86,7 @@ class Guards(ScopeTest):
         _, text = fetch(f"{self.scope.url}/data.csv?field={field}&start={start}")
         return len(text.splitlines()) - 1
 
-    def test_a_topic_that_nobody_looks_at_any_more_is_left(self) -> None:
+    def test_unused_topic_is_unsubscribed(self) -> None:
         page = self.page("/left/data")
         publisher = self.publisher("/left", Float32, page)
         page.send("select", fields=FIELDS)
@@ -124,7 +124,7 @@ class ReadOnly(ScopeTest):
 
     ARGUMENTS = ["/signal/signal_y", "--address", "0.0.0.0"]
 
-    def test_is_reached_by_address_but_not_by_a_strange_name(self) -> None:
+    def test_scope_is_reached_by_address_but_not_by_a_foreign_name(self) -> None:
         port = urllib.parse.urlsplit(self.scope.url).port
         address = f"http://{socket.gethostbyname(socket.gethostname())}:{port}/"
         self.assertEqual(fetch(address)[0], 200)

@@ -81,7 +81,7 @@ class Life(unittest.TestCase):
         scope = self.start_scope(PATH=folder + os.pathsep + os.environ["PATH"])
         self.assertNotIn("Traceback", self.end(scope))
 
-    def test_says_where_it_is_listens_on_this_machine_only_and_ends_cleanly(self) -> None:
+    def test_scope_logs_its_address_listens_locally_and_ends_cleanly(self) -> None:
         for number in (signal.SIGINT, signal.SIGTERM):
             scope = self.start_scope()
             self.assertEqual(self.listening(), ["127.0.0.1"])
@@ -104,7 +104,7 @@ class Life(unittest.TestCase):
         self.assertIn("--port", text)
         self.assertNotIn("Traceback", text)
 
-    def test_the_next_port_that_is_free_is_taken_when_asked_for(self) -> None:
+    def test_next_free_port_is_used_on_request(self) -> None:
         with socket.socket() as taken:
             taken.bind(("127.0.0.1", self.port))
             taken.listen()
@@ -119,7 +119,7 @@ class Life(unittest.TestCase):
         self.end(scope)
         self.assertEqual(scope.returncode, 0)
 
-    def test_an_address_of_somebody_else_is_refused(self) -> None:
+    def test_address_of_another_machine_is_rejected(self) -> None:
         scope = self.start_node("topic_scope", "scope.py", "--address", "192.0.2.1")
         text = self.end_of(scope)
         self.assertEqual(scope.returncode, 1, text)

@@ -59,7 +59,7 @@ class Feed(RobotsTest):
                 lambda: robot.odometry.get_num_connections() == 0, lambda: "it still listens"
             )
 
-    def test_what_is_not_as_its_type_says_harms_nobody(self) -> None:
+    def test_message_with_wrong_fields_is_ignored(self) -> None:
         false = genpy.dynamic.generate_dynamic("nav_msgs/Odometry", "float64 data\n")
         publisher = rospy.Publisher("/false", false["nav_msgs/Odometry"], queue_size=1, latch=True)
         self.addCleanup(publisher.unregister)
@@ -111,7 +111,7 @@ class DeadMan(RobotsTest):
         wait_until(lambda: len(robot.commands) > before, lambda: "it does not drive")
         self.stopped(robot)
 
-    def test_the_wheel_that_was_wanted_last_is_taken_however_quickly(self) -> None:
+    def test_last_requested_wheel_is_taken(self) -> None:
         topics = ["/quick/cmd_vel", "/other/cmd_vel"]
         for space in ("/quick/", "/other/"):
             self.robot(space)
@@ -124,7 +124,7 @@ class DeadMan(RobotsTest):
             page.wait_for("steering", lambda reply: reply["topic"] == second)
             page.close()
 
-    def test_a_command_that_comes_late_is_left_out_and_the_page_is_told(self) -> None:
+    def test_late_command_is_ignored_and_reported(self) -> None:
         robot = self.robot("/late/")
         page = self.driver("/late/cmd_vel")
         self.drive(page)
@@ -135,7 +135,7 @@ class DeadMan(RobotsTest):
         self.assertIn("too late", page.wait_for("error")["text"])
         self.assertLessEqual({reply.speed for reply in robot.commands}, {0.0})
 
-    def test_commands_have_the_type_that_is_taken_now(self) -> None:
+    def test_commands_have_the_current_type_of_the_subscriber(self) -> None:
         # The master goes on to tell the type that was there first.
         earlier = rospy.Subscriber("/changed/cmd_vel", Twist, lambda _: None)
         earlier.unregister()

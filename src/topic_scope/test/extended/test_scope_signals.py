@@ -31,7 +31,7 @@ def sine(begin: genpy.Time, count: int, late: float) -> Iterator[PointStamped]:
 class Signals(SignalsTest):
     """A scope that watches the course's signals from the start."""
 
-    def test_what_a_topic_has_beyond_what_a_page_shows_is_told(self) -> None:
+    def test_omitted_fields_of_a_topic_are_reported(self) -> None:
         publisher = rospy.Publisher("/wide", Odometry, queue_size=1)
         self.addCleanup(publisher.unregister)
         page = self.page()
@@ -43,7 +43,7 @@ class Signals(SignalsTest):
         )
         self.assertEqual(len(page.wait_for("selected")["fields"]), 32)
 
-    def test_what_is_not_finite_travels_as_null(self) -> None:
+    def test_non_finite_values_are_sent_as_null(self) -> None:
         page = self.page("/finite/data")
         publisher = self.publisher("/finite", Float64, page)
         self.publish(publisher, [math.nan, math.inf, -math.inf, 5.0])
@@ -52,7 +52,7 @@ class Signals(SignalsTest):
         cells = [row[0] for _, row in self.samples("/finite/data")]
         self.assertEqual(cells, ["nan", "inf", "-inf", "5.0"])
 
-    def test_figures_come_less_often_than_frames(self) -> None:
+    def test_statistics_are_sent_less_often_than_frames(self) -> None:
         page = self.page()
         wait_until(lambda: len(page.messages("stats")) > 8, lambda: page.messages("frame")[-1:])
         heard = [message["heard"] for message in page.messages("stats")]
@@ -73,7 +73,7 @@ class Signals(SignalsTest):
             self.assertEqual(other, "")
         self.assertEqual([moment for moment, _ in rows], sorted(moment for moment, _ in rows))
 
-    def test_a_trace_goes_by_the_time_of_its_messages_or_by_another_that_is_named(self) -> None:
+    def test_trace_uses_the_time_of_its_messages_or_a_selected_one(self) -> None:
         own, received = "/signal/signal_y", "/signal/signal_y@received"
         page = self.page(own, received, "/proc_signal/data")
         bases = {own: "time_x", received: "received", "/proc_signal/data": "received"}
@@ -93,7 +93,7 @@ class Signals(SignalsTest):
         text = page.wait_for("error")["text"]
         self.assertIn("there is no time header/stamp in basic_comms/signal_msg", text)
 
-    def test_a_bag_is_laid_over_the_graph_and_aligned_at_the_trigger(self) -> None:
+    def test_bag_is_overlaid_on_the_graph_and_aligned_at_the_trigger(self) -> None:
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         path = os.path.join(folder.name, "old.bag")
@@ -170,6 +170,6 @@ class Signals(SignalsTest):
             lambda: page.bins,
         )
 
-    def test_a_field_that_is_not_there_is_said_to_be_missing(self) -> None:
+    def test_missing_field_is_reported(self) -> None:
         page = self.page("/signal/nothing")
         self.assertIn("no nothing in", page.wait_for("error")["text"])

@@ -51,7 +51,7 @@ class Page(PageTest):
             lambda: self.browser.text("#legend"),
         )
 
-    def test_csv_is_what_a_bag_has(self) -> None:
+    def test_csv_equals_a_bag(self) -> None:
         self.browser.choose("#window", "2")
         with TemporaryDirectory() as folder:
             path = Path(folder, "recorded.bag")
@@ -185,7 +185,7 @@ class Panels(PanelTest):
         select = row("waveform") + " select"
         wait_until(lambda: self.browser.value(select) == "square", lambda: "no square")
 
-    def test_a_refused_value_is_told_in_words_and_stays_to_be_mended(self) -> None:
+    def test_rejected_value_is_explained_and_stays_for_correction(self) -> None:
         for nonsense in ("-1", "large"):
             field = self.type_in("amplitude", nonsense)
             self.wait_refused("amplitude", nonsense, "must be", "In force: 2;")

@@ -147,7 +147,7 @@ class Bag(unittest.TestCase):
         page.wait_for("frame")
         return float(page.messages("frame")[-1]["now"]) - BEGIN
 
-    def test_pages_play_it_stop_it_and_go_elsewhere(self) -> None:
+    def test_pages_play_pause_and_seek(self) -> None:
         page = self.page()
         hello = page.messages("hello")[0]
         self.assertEqual(hello["bag"]["name"], "sine.bag")
@@ -186,7 +186,7 @@ class Bag(unittest.TestCase):
         self.assertLess(self.shown(other), 5.0)
         self.assertTrue(other.wait_for("playback")["playing"])
 
-    def test_a_trace_that_is_chosen_later_has_its_past(self) -> None:
+    def test_trace_chosen_later_has_its_history(self) -> None:
         page = self.page()
         self.play(page, time=BEGIN + 5.001, playing=False)
         page.send("select", fields=["/signal/time_x"])
@@ -210,7 +210,7 @@ class Bag(unittest.TestCase):
         self.assertEqual([one["topic"] for one in reply["robots"]], ["/odom"])
         return reply
 
-    def test_robots_are_where_they_were_at_its_clock(self) -> None:
+    def test_robots_follow_the_clock_of_the_bag(self) -> None:
         page = self.page()
         self.play(page, time=BEGIN + 15.05, playing=False, speed=1.0)
         page.send("robots", on=True)
@@ -248,7 +248,7 @@ class Bag(unittest.TestCase):
         reply = self.at(page, 1.8)
         self.assertEqual((reply["robots"][0]["silent"], reply["scans"]), (True, []))
 
-    def test_what_takes_nodes_is_refused_in_words(self) -> None:
+    def test_requests_that_need_nodes_are_rejected(self) -> None:
         page = self.page()
         for kind, content in (
             ("graph", {"on": True}),

@@ -132,7 +132,7 @@ class Modules(BrowserTest):
             self.assertEqual((reply["fields"], reply["plots"]), (fields, expected))
             self.assertEqual(reply["axes"], {"x": axes["x"], **axes_then})
 
-    def test_what_is_chosen_for_traces_is_read_as_it_was_written(self) -> None:
+    def test_trace_settings_are_read_back(self) -> None:
         chosen = {
             "/a": {"plot": 2},
             "/b": {"slot": 7, "dash": "dotted", "drawn": "steps", "gain": 2.5, "offset": -1},
@@ -150,7 +150,7 @@ class Modules(BrowserTest):
         )
         self.assertEqual(reply, [chosen, True, [False] * len(wrong)])
 
-    def test_no_two_of_forty_traces_look_alike_and_a_look_stays(self) -> None:
+    def test_forty_traces_differ_and_keep_their_style(self) -> None:
         looks, after, written = self.browser.call(
             "state/colours.js",
             "await (async () => { const traces = await import('/static/js/state/traces.js');"
@@ -193,7 +193,7 @@ class Modules(BrowserTest):
         for *_, steps in found:
             self.assertTrue(len(steps) >= 5 and all(abs(one % 2) < 1e-6 for one in steps), steps)
 
-    def test_what_is_under_the_pointer_stays_there_while_robots_are_zoomed(self) -> None:
+    def test_zoom_keeps_the_point_under_the_pointer(self) -> None:
         code = """(() => {
           const camera = new module.Camera();
           Object.assign(camera, { width: 800, height: 400 });
@@ -243,7 +243,7 @@ class Modules(BrowserTest):
                 )
                 self.assertEqual((held, released), ([(speed, 0.0), (speed, 1.0)], [(0.0, 0.0)]))
 
-    def test_a_path_keeps_its_form_where_both_scales_are_to_be_equal(self) -> None:
+    def test_equal_scales_keep_the_shape_of_a_path(self) -> None:
         code = """(() => {
           const element = document.createElement("div");
           element.style.cssText = "position: fixed; width: 500px; height: 300px";
@@ -263,7 +263,7 @@ class Modules(BrowserTest):
         self.assertAlmostEqual(sizes[0][0] / sizes[0][1], 10.0)
         self.assertLess(sizes[1][0] / sizes[1][1], 4.0)
 
-    def test_a_robot_that_is_put_elsewhere_leaves_no_line(self) -> None:
+    def test_repositioned_robot_starts_a_new_trail(self) -> None:
         code = """(() => {
           const trails = new module.Trails();
           const go = (x) => trails.add([{ topic: "/odom", x, y: 0 }]);
@@ -278,7 +278,7 @@ class Modules(BrowserTest):
         self.assertLessEqual(reply["count"], 5001)
         self.assertEqual(reply["others"], 0)
 
-    def test_waits_before_connecting_again_grow_up_to_a_limit_and_begin_anew(self) -> None:
+    def test_reconnection_delays_grow_to_a_limit_and_restart(self) -> None:
         code = """(() => {
           const sockets = [], waits = [];
           const native = globalThis.WebSocket;
@@ -315,7 +315,7 @@ class Modules(BrowserTest):
         for wait, least in zip(waits, expected):
             self.assertTrue(least <= wait <= 1.25 * least, waits)
 
-    def test_a_server_that_says_nothing_is_left_as_is_a_former_connection(self) -> None:
+    def test_silent_server_and_former_connection_are_closed(self) -> None:
         code = """(() => {
           const sockets = [], timers = [], states = [];
           const natives = { WebSocket, setTimeout };
@@ -340,7 +340,7 @@ class Modules(BrowserTest):
         self.assertEqual(states, ["connecting", "lost", "connecting", "connecting", "connected", 2])
         self.assertEqual((wait, closed), (10000, [True, True, False]))
 
-    def test_a_page_that_was_cut_off_waits_longer_as_its_link_may_be_slow(self) -> None:
+    def test_timeout_grows_after_a_lost_connection(self) -> None:
         code = """(() => {
           const sockets = [], timers = [], waits = [];
           const natives = { WebSocket, setTimeout };
@@ -374,7 +374,7 @@ class Modules(BrowserTest):
         for text, sentence in zip(texts[6:], said[6:]):
             self.assertTrue(sentence.startswith(f"{text} is ambiguous"), sentence)
 
-    def test_a_number_with_a_comma_is_refused_with_a_sentence(self) -> None:
+    def test_number_with_a_comma_is_rejected(self) -> None:
         said = self.browser.call(
             "base/numbers.js",
             """(() => {
@@ -390,7 +390,7 @@ class Modules(BrowserTest):
         )
         self.assertIn("1,000 is ambiguous", said)
 
-    def test_range_grows_at_once_and_shrinks_later(self) -> None:
+    def test_range_grows_immediately_and_shrinks_later(self) -> None:
         steps = [[-1, 1, 0], [-1, 3, 0.1], [-0.1, 0.1, 0.2], [-0.1, 0.1, 1.0], [-0.1, 0.1, 5.0]]
         first, grown, waiting, still, shrunk = self.browser.call(
             "base/numbers.js",
@@ -403,7 +403,7 @@ class Modules(BrowserTest):
         self.assertEqual([waiting, still], [grown, grown])
         self.assertTrue(0.1 < shrunk[1] < 0.2, shrunk)
 
-    def test_the_end_of_a_line_is_no_number(self) -> None:
+    def test_end_of_a_line_is_nan(self) -> None:
         frame = {"now": 10, "bin": 1, "reset": True, "first": 5}
         traces = {"f": [1, 2, False, False, None, None, 3, 4]}
         # Between what is null dygraphs draws on, at NaN it does not.
@@ -434,7 +434,7 @@ class Modules(BrowserTest):
         # Between two samples it is on the line that is drawn.
         self.assertEqual(found, [1, 1, 1, 2, 3, 3, 3, None, None, 5, 6, 7, 7])
 
-    def test_what_is_read_of_a_line_is_what_is_drawn(self) -> None:
+    def test_readings_equal_the_drawn_line(self) -> None:
         """Samples at known places of their bins, and a bin with more than are drawn."""
         frame = {
             **{"now": 8, "bin": 1, "reset": True, "first": 0},
@@ -499,7 +499,7 @@ class Modules(BrowserTest):
         self.assertEqual(held, [1, 8, 8, None, None])
         self.assertEqual(bins, [3, None, 1, 8, None, None])
 
-    def test_a_page_of_another_version_is_told_to_reload(self) -> None:
+    def test_page_of_another_version_asks_for_a_reload(self) -> None:
         read, text, is_shown = self.browser.call(
             "base/link.js",
             "(() => { const version = 1;"
@@ -515,7 +515,7 @@ class Modules(BrowserTest):
         self.assertTrue(is_shown)
         self.assertIn("another version than the scope: reload the page", text)
 
-    def test_what_is_counted_is_drawn_in_steps(self) -> None:
+    def test_integers_are_drawn_in_steps(self) -> None:
         types = ["bool", "uint8", "int64", "byte", "char", "float32", "float64", "time", "duration"]
         names = [f"/{name}" for name in types]
         more = ["/int64[12]@stamp", "/int64.difference", "/int64.derivative", "/unknown"]
@@ -561,7 +561,7 @@ class Modules(BrowserTest):
         # A second and two bins more are kept: the oldest bin is gone.
         self.assertEqual(answers[2], [6, [3, 9, 5, 6, 7, 8], [None] * 4 + [0, 0]])
 
-    def test_sweep_is_held_when_its_right_half_has_come(self) -> None:
+    def test_sweep_is_held_once_complete(self) -> None:
         for mode in ("normal", "single"):
             held, values = self.browser.call(
                 "state/sweep.js",
@@ -613,7 +613,7 @@ class Modules(BrowserTest):
         )
         self.assertEqual(reply, [None, idle, idle, None, several, drive, drive, None])
 
-    def test_names_tell_states_and_texts_their_colours(self) -> None:
+    def test_states_are_recognised_and_coloured_by_text(self) -> None:
         names = ["/a/b.state", "/a/b.state@stamp", "/a/state", "/a/b.yaw", "=/a/b.state", "/a/b"]
         reply = self.browser.call("state/states.js", "module.numbersOf(a[0])", names)
         self.assertEqual(reply, names[2:])
@@ -623,7 +623,7 @@ class Modules(BrowserTest):
         self.assertEqual(places[0], places[2])
         self.assertNotEqual(places[0] % 10, places[1] % 10)
 
-    def test_cursors_tell_the_frequency_of_the_time_between_them(self) -> None:
+    def test_cursors_show_the_inverse_of_their_distance(self) -> None:
         texts = self.browser.call(
             "measure/cursors.js",
             "a[0].map(([from, to]) => { const values = {cursors: null};"
@@ -639,7 +639,7 @@ class Modules(BrowserTest):
             ["2.0000 Hz", "2.0000 Hz", "– Hz", "0.1250 Hz"],
         )
 
-    def test_samples_are_drawn_where_they_stand_as_long_as_they_are_few(self) -> None:
+    def test_few_samples_are_drawn_at_their_times(self) -> None:
         """A sine, at rates around that of the bins: what is drawn is the curve itself."""
         width, start, last = 0.0105, 1.7e9, 1.7e9 + 3.0
         rates = {30.0: True, 95.0: True, 100.0: True, 180.0: True, 1e3: False}
@@ -678,7 +678,7 @@ class Modules(BrowserTest):
             apart = [abs(start + time - known[value]) / width for time, value in drawn.tolist()]
             self.assertLess(max(apart), 0.07 if is_exact else 1.0, rate)
 
-    def test_a_reference_is_named_by_what_it_is_and_no_more_are_kept_than_eight(self) -> None:
+    def test_references_are_named_and_limited_to_eight(self) -> None:
         values = [0, 0, 1, 1, 2, 2, 3, 3]
         texts, can_keep, found = self.browser.call(
             "state/references.js",
@@ -718,7 +718,7 @@ class Modules(BrowserTest):
         self.assertEqual([row[1] for row in rows], [0, 1, 1, 2, 1.5, 0])
         self.assertEqual([row[0] for row in rows], [-3.5, -3.5, -2.5, -2.5, -0.5, -0.5])
 
-    def test_travel_of_a_slider_holds_the_value(self) -> None:
+    def test_slider_range_contains_the_value(self) -> None:
         cases: List[Dict[str, Any]] = [
             {"kind": "float", "minimum": 0, "maximum": 1e9, "value": 2.0},
             {"kind": "float", "minimum": -1e6, "maximum": 1e6, "value": -6.28},
@@ -739,7 +739,7 @@ class Modules(BrowserTest):
             self.assertLess(high - low, 50 * max(abs(case["value"]), 1), (case, travel))
             self.assertGreater((high - low) / travel["step"], 6, (case, travel))
 
-    def test_slider_does_not_go_back_to_the_answer_to_an_earlier_value(self) -> None:
+    def test_slider_ignores_the_reply_to_an_earlier_value(self) -> None:
         ends = {"minimum": 0, "maximum": 10, "labels": []}
         parameter = {"name": "level", "kind": "float", "value": 1, **ends}
         places = self.browser.call(
@@ -754,7 +754,7 @@ class Modules(BrowserTest):
         )
         self.assertEqual(places, ["4", "3", "3", "3"])
 
-    def test_long_names_are_broken_behind_their_parts(self) -> None:
+    def test_long_names_are_broken_after_their_parts(self) -> None:
         wrapped = self.browser.call(
             "measure/picture.js",
             "a.map(([name, most]) => module.wrapped(name, most, (text) => text.length))",
@@ -771,14 +771,14 @@ class Modules(BrowserTest):
             ],
         )
 
-    def test_names_are_in_the_order_that_people_count_in(self) -> None:
+    def test_names_are_in_natural_order(self) -> None:
         names = ["/group10/a", "/group2/b", "/group2/a", "/group2", "/group2_b/a", "/a/10", "/a/9"]
         order = ["/a/9", "/a/10", "/group2", "/group2/a", "/group2/b", "/group2_b/a", "/group10/a"]
         self.assertEqual(
             self.browser.call("base/names.js", "a[0].sort(module.byName)", names), order
         )
 
-    def test_choices_are_grouped_and_the_useful_ones_come_first(self) -> None:
+    def test_choices_are_grouped_with_useful_fields_first(self) -> None:
         types = {
             "/rosout": "rosgraph_msgs/Log",
             "/n/parameter_updates": "dynamic_reconfigure/Config",
@@ -829,7 +829,7 @@ class Modules(BrowserTest):
         self.assertTrue(all(len(group) == 1 for found in groups[2:-1] for group in found), groups)
         self.assertEqual(len(groups[-1]), 5)
 
-    def test_layers_go_forward_but_for_ways_back(self) -> None:
+    def test_layers_are_ordered_except_backward_edges(self) -> None:
         items = [{"id": name} for name in "abcd"]
         edges = [{"from": a, "to": b} for a, b in ("ab", "bc", "ca", "ad", "cd")]
         layers = self.browser.call(
@@ -837,7 +837,7 @@ class Modules(BrowserTest):
         )
         self.assertEqual(layers, {"a": 0, "b": 1, "c": 2, "d": 3})
 
-    def test_odometries_are_of_one_robot_where_namespace_and_frame_are_the_same(self) -> None:
+    def test_odometries_are_grouped_by_namespace_and_frame(self) -> None:
         reply = [("/a/ground_truth", "base"), ("/a/odom", "base"), ("/b/odom", "base")]
         reply += [("/c/x", ""), ("/c/y", ""), ("/d/x", "base"), ("/d/y", "base")]
         robots = self.browser.call(

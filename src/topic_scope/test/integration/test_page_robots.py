@@ -28,7 +28,7 @@ class PageRobots(PageTest):
         wait_until(lambda: self.browser.picture(CANVAS) != picture, lambda: "the same picture")
         return self.browser.picture(CANVAS)
 
-    def test_a_robot_is_seen_sent_and_driven(self) -> None:
+    def test_robot_is_shown_sent_to_a_goal_and_driven(self) -> None:
         browser, robot = self.browser, Robot("/")
         self.addCleanup(robot.close)
         world = rospy.Publisher("/world", MarkerArray, queue_size=1, latch=True)

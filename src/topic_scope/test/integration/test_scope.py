@@ -31,7 +31,7 @@ ATTEMPTS = 8
 class Signals(SignalsTest):
     """Every sample counts, and early ones for late pages too."""
 
-    def test_says_hello_and_what_can_be_chosen(self) -> None:
+    def test_page_gets_hello_and_available_fields(self) -> None:
         page = self.page()
         hello = page.wait_for("hello")
         self.assertEqual(hello["fields"], ["/signal/signal_y", "/proc_signal/data"])
@@ -125,7 +125,7 @@ class Signals(SignalsTest):
 class Controls(ControlsTest):
     """Panels of nodes, values that are set and rejected, and the graph."""
 
-    def test_a_panel_shows_what_the_node_says(self) -> None:
+    def test_panel_shows_the_description_of_the_node(self) -> None:
         self.panelled()
         shown = {entry["name"]: entry for entry in self.panels[NODE]["parameters"]}
         self.assertEqual(
@@ -142,7 +142,7 @@ class Controls(ControlsTest):
         self.assertIn({"name": NODE + "/reset", "kind": "Trigger"}, services)
         self.assertNotIn("describe", str(services))
 
-    def test_a_value_comes_into_force_and_all_pages_know(self) -> None:
+    def test_value_takes_effect_on_all_pages(self) -> None:
         one, other = self.panelled(), self.panelled()
         self.restore("amplitude")
         one.send("select", fields=["/signal/amplitude"])
@@ -155,7 +155,7 @@ class Controls(ControlsTest):
         wait_until(lambda: 3.25 in one.values("/signal/amplitude"), lambda: one.bins)
         self.assertEqual(one.messages("refused"), [])
 
-    def test_a_value_out_of_range_is_refused_and_never_written(self) -> None:
+    def test_value_out_of_range_is_rejected_and_never_written(self) -> None:
         page = self.panelled()
         self.set(page, "rate", -1)
         refused = page.wait_for("refused")
@@ -167,7 +167,7 @@ class Controls(ControlsTest):
         self.set(page, "autostart", 1)
         page.wait_for("refused", lambda reply: "true or false" in reply["text"])
 
-    def test_only_what_has_a_button_can_be_called_or_set(self) -> None:
+    def test_only_services_and_parameters_on_panels_can_be_used(self) -> None:
         page = self.panelled()
         requests = [
             ("call", {"service": "/signal_generator/set_logger_level"}),
@@ -209,7 +209,7 @@ class Controls(ControlsTest):
 class Guards(SignalsTest):
     """Access, and malformed requests."""
 
-    def test_a_page_of_another_site_is_refused(self) -> None:
+    def test_page_of_another_site_is_rejected(self) -> None:
         for headers in (
             {"Origin": "http://example.com"},
             {"Origin": self.scope.url + "0"},
@@ -221,12 +221,12 @@ class Guards(SignalsTest):
             self.assertEqual(caught.exception.code, 403, headers)
         self.page(headers={"Origin": self.scope.url})
 
-    def test_names_of_others_are_refused_everywhere(self) -> None:
+    def test_foreign_host_names_are_rejected_everywhere(self) -> None:
         for path in ("/", "/static/index.html", "/dygraphs/dygraph.min.js", "/data.csv?field=/a/x"):
             self.assertEqual(fetch(self.scope.url + path)[0], 200, path)
             self.assertEqual(fetch(self.scope.url + path, {"Host": "example.com"})[0], 403, path)
 
-    def test_a_page_is_told_to_be_strict(self) -> None:
+    def test_page_has_strict_headers(self) -> None:
         connection = http.client.HTTPConnection(self.scope.url.partition("//")[2])
         self.addCleanup(connection.close)
         connection.request("GET", "/")
@@ -250,7 +250,7 @@ class Guards(SignalsTest):
                 self.assertNotIn("<package", text)
                 self.assertNotIn("root:", text)
 
-    def test_garbage_is_answered_and_the_page_stays(self) -> None:
+    def test_garbage_gets_an_error_and_the_page_stays(self) -> None:
         page = self.page()
         for text in (
             "",
@@ -270,7 +270,7 @@ class Guards(SignalsTest):
             page.wait_for("frame")
         self.assertFalse(page.is_closed)
 
-    def test_a_request_that_is_too_long_ends_that_page_only(self) -> None:
+    def test_too_long_request_ends_only_its_page(self) -> None:
         page, other = self.page(), self.page()
         page.send_text("x" * 1000000)
         wait_until(lambda: page.is_closed, lambda: "it is still open")
@@ -283,7 +283,7 @@ class ReadOnly(ScopeTest):
 
     ARGUMENTS = ["/signal/signal_y", "--address", "0.0.0.0"]
 
-    def test_watches_and_sets_nothing(self) -> None:
+    def test_read_only_page_cannot_set_anything(self) -> None:
         page = self.page()
         self.assertTrue(page.wait_for("hello")["readonly"])
         page.wait_for("panels", lambda reply: "/signal_generator" in str(reply["panels"]))
@@ -320,7 +320,7 @@ class DeadMan(RobotsTest):
         "looks at something else": (Twist, lambda page: page.send("robots", on=False)),
     }
 
-    def test_robots_stop_in_time_whatever_ends_the_driving(self) -> None:
+    def test_robots_stop_in_time_after_any_end_of_driving(self) -> None:
         robots = {
             end: self.robot(f"/end{number}/", kind)
             for number, (end, (kind, _)) in enumerate(self.ENDS.items())

@@ -53,7 +53,7 @@ def test_csv_file_has_stamps_and_all_digits(
     assert rows[3] == f"0.198000000,{2 / 3!r},{2**60 + 2},-0.500000000"
 
 
-def test_recordings_of_both_are_laid_over_each_other(
+def test_ros1_and_ros2_recordings_are_overlaid(
     recording: str, old: str, tmp_path: Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     pictures: List[Any] = []

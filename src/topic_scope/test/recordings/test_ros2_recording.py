@@ -52,7 +52,7 @@ def value_in(message: Any, path: Tuple[Any, ...]) -> Any:
     return message
 
 
-def test_every_value_is_what_was_written(recording: str) -> None:
+def test_every_value_equals_the_written_one(recording: str) -> None:
     expected, compared = written.by_topic(written.messages()), 0
     with open_bag(recording) as bag:
         first, found = first_messages(bag), told_of(bag)
@@ -143,7 +143,7 @@ def test_folder_need_not_say_what_is_in_its_files(tmp_path: Path) -> None:
         assert told_of(bag) == whole
 
 
-def test_bad_definition_costs_its_topic_only(tmp_path: Path) -> None:
+def test_bad_definition_affects_only_its_topic(tmp_path: Path) -> None:
     path = Path(written.write(tmp_path / "run", written.messages(4)))
     (file,) = path.glob("*.mcap")
     content = file.read_bytes()
@@ -156,7 +156,7 @@ def test_bad_definition_costs_its_topic_only(tmp_path: Path) -> None:
         assert sorted(told_of(bag)) == ["/rare", "/x"]
 
 
-def test_message_that_does_not_fit_its_definition_costs_itself(tmp_path: Path) -> None:
+def test_message_that_does_not_fit_its_definition_is_left_out(tmp_path: Path) -> None:
     path = Path(written.write(tmp_path / "run", written.messages(4), "SQLITE3"))
     (file,) = path.glob("*.db3")
     with sqlite3.connect(str(file)) as database:
@@ -180,7 +180,7 @@ def test_message_that_does_not_fit_its_definition_costs_itself(tmp_path: Path) -
     )
 
 
-def test_type_without_a_definition_is_the_one_of_ros2(tmp_path: Path) -> None:
+def test_type_without_a_definition_is_the_standard_type(tmp_path: Path) -> None:
     path = Path(written.write(tmp_path / "run", written.messages(4), "SQLITE3"))
     (file,) = path.glob("*.db3")
     with sqlite3.connect(str(file)) as database:  # as it was up to Humble
@@ -194,7 +194,7 @@ def test_type_without_a_definition_is_the_one_of_ros2(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("part", [0.01, 0.5, 0.99])
-def test_file_that_ends_early_is_refused_in_a_sentence(tmp_path: Path, part: float) -> None:
+def test_truncated_file_is_rejected(tmp_path: Path, part: float) -> None:
     path = Path(written.write(tmp_path / "run", written.messages(4)))
     (file,) = path.glob("*.mcap")
     file.write_bytes(file.read_bytes()[: int(part * file.stat().st_size)])
@@ -216,7 +216,7 @@ def test_broken_chunk_is_named(tmp_path: Path) -> None:
         assert told_of(bag) == {} and len(bag.lost) == 1
 
 
-def test_folder_that_lacks_a_file_is_refused(tmp_path: Path) -> None:
+def test_folder_with_a_missing_file_is_rejected(tmp_path: Path) -> None:
     path = Path(written.write(tmp_path / "run", written.messages(4)))
     (file,) = path.glob("*.mcap")
     file.rename(tmp_path / "other.mcap")
@@ -227,12 +227,12 @@ def test_folder_that_lacks_a_file_is_refused(tmp_path: Path) -> None:
         open_bag(str(path))
 
 
-def test_empty_recording_is_refused(tmp_path: Path) -> None:
+def test_empty_recording_is_rejected(tmp_path: Path) -> None:
     with pytest.raises(BagError, match="holds no messages"):
         open_bag(written.write(tmp_path / "run", [], "SQLITE3"))
 
 
-def test_first_message_that_does_not_fit_costs_itself(tmp_path: Path) -> None:
+def test_first_message_that_does_not_fit_is_left_out(tmp_path: Path) -> None:
     path = written.write(tmp_path / "run", written.messages(), "SQLITE3")
     (file,) = Path(path).glob("*.db3")
     with sqlite3.connect(str(file)) as database:
@@ -267,7 +267,7 @@ CODE = '__import__("os").environ.__setitem__("EXECUTED", "1")'
         ("a/msg/B", f"int32 x=[{CODE}]\n"),
     ],
 )
-def test_code_in_a_definition_is_refused_and_not_executed(
+def test_code_in_a_definition_is_rejected_and_not_executed(
     monkeypatch: "pytest.MonkeyPatch", name: str, text: str
 ) -> None:
     monkeypatch.delenv("EXECUTED", raising=False)

@@ -41,12 +41,12 @@ def test_names_of_this_machine_are_known(host: str) -> None:
         "lab-8.local",
     ],
 )
-def test_other_names_are_not(host: str) -> None:
+def test_other_names_are_rejected(host: str) -> None:
     assert not is_known_name(host, NAMES)
 
 
 @pytest.mark.parametrize("origin", [None, "http://localhost:8080", "https://LOCALHOST:8080"])
-def test_a_page_that_was_served_here_may_connect(origin: Optional[str]) -> None:
+def test_page_of_this_server_may_connect(origin: Optional[str]) -> None:
     assert is_same_origin(origin, "localhost:8080")
 
 
@@ -64,5 +64,5 @@ def test_a_page_that_was_served_here_may_connect(origin: Optional[str]) -> None:
         "http://[",
     ],
 )
-def test_a_page_from_elsewhere_may_not(origin: str) -> None:
+def test_page_of_another_site_may_not_connect(origin: str) -> None:
     assert not is_same_origin(origin, "localhost:8080")

@@ -43,7 +43,7 @@ def test_indices_become_names_where_these_are_clear() -> None:
     assert named(Arrays(), 1) == ["position[0]"]
 
 
-def test_what_has_got_a_name_keeps_it_whoever_publishes_next() -> None:
+def test_element_keeps_its_name_after_another_publisher() -> None:
     arrays = Arrays()
     assert arrays.remembered(("position", 0)) == [("position", 0)]
     expected = []
@@ -54,7 +54,7 @@ def test_what_has_got_a_name_keeps_it_whoever_publishes_next() -> None:
         assert found == [f"position[{name}]" for name in expected]
 
 
-def test_what_was_heard_long_ago_counts_no_longer() -> None:
+def test_old_messages_expire() -> None:
     arrays = heard("arm")
     arrays.add_message(LAYOUT, with_joints("leg"), 20.0)
     arrays.check(LAYOUT, to_path("position[arm]"))
@@ -68,7 +68,7 @@ def test_what_was_heard_long_ago_counts_no_longer() -> None:
     assert len(named(arrays, 1)) < 20
 
 
-def test_an_array_is_as_long_as_it_has_ever_been() -> None:
+def test_array_keeps_its_largest_length() -> None:
     arrays = heard("a", "b", "c")
     assert arrays(("position",)) == 3
     arrays.add_message(LAYOUT, b"", 100.0)
@@ -76,7 +76,7 @@ def test_an_array_is_as_long_as_it_has_ever_been() -> None:
     assert arrays(("nothing",)) == 1
 
 
-def test_what_is_not_in_the_latest_message_is_said() -> None:
+def test_missing_element_is_reported() -> None:
     arrays = heard("arm", "leg")
     arrays.check(LAYOUT, to_path("position[leg]"))
     arrays.check(LAYOUT, to_path("position[1]"))

@@ -39,7 +39,7 @@ def test_several_fields_of_one_topic() -> None:
     assert names("/signal/time_x:signal_y") == ["/signal/time_x", "/signal/signal_y"]
 
 
-def test_topic_alone_stands_for_all_its_numbers() -> None:
+def test_topic_alone_denotes_all_its_numbers() -> None:
     assert names("/signal") == [
         "/signal/amplitude",
         "/signal/frequency",
@@ -90,7 +90,7 @@ def test_elements_have_their_names_unless_an_index_was_asked_for() -> None:
         ("/qqq/zzz", "no such topic; topics with numbers: /robot/arm, /robot/header, /s"),
     ],
 )
-def test_unknown_field_is_refused_with_those_near_to_it(name: str, text: str) -> None:
+def test_unknown_field_is_rejected_with_similar_names(name: str, text: str) -> None:
     with pytest.raises(FieldError) as caught:
         names("/signal/signal_y", name)
     assert str(caught.value).startswith(f"{name}: {text}")
@@ -118,6 +118,6 @@ def test_a_difference_is_a_line_of_two_numbers() -> None:
 
 
 @pytest.mark.parametrize("name", ["/signal-/switch/data", "/switch/data-/signal/time_x:signal_y"])
-def test_a_difference_of_several_fields_is_refused(name: str) -> None:
+def test_difference_of_several_fields_is_rejected(name: str) -> None:
     with pytest.raises(FieldError, match="one of these names denotes several"):
         choose_lines([name], MESSAGES)

@@ -53,7 +53,7 @@ def as_read_by_rosbag(path: str, wanted: Set[str]) -> List[Tuple[int, str, bytes
 @given(
     messages, st.sets(st.sampled_from(["/a", "/b", "/c"])), st.sampled_from(["none", "bz2", "lz4"])
 )
-def test_all_messages_of_the_wanted_topics_come(
+def test_all_messages_of_requested_topics_are_read(
     tmp_path_factory: "pytest.TempPathFactory",
     sent: List[Tuple[str, int, int]],
     wanted: Set[str],
@@ -70,7 +70,7 @@ def test_all_messages_of_the_wanted_topics_come(
 
 @settings(max_examples=30)
 @given(messages, st.integers(0, 10**10))
-def test_chunks_that_are_over_are_left_out_and_the_others_are_in_order(
+def test_earlier_chunks_are_skipped_and_others_sorted(
     tmp_path_factory: "pytest.TempPathFactory", sent: List[Tuple[str, int, int]], after: int
 ) -> None:
     bag = BagFile(write(tmp_path_factory.mktemp("bags") / "x.bag", sent))
@@ -85,7 +85,7 @@ def test_chunks_that_are_over_are_left_out_and_the_others_are_in_order(
     bag.close()
 
 
-def test_it_is_known_what_publishers_have_said(tmp_path: Path) -> None:
+def test_connection_headers_are_kept(tmp_path: Path) -> None:
     path = write_bag(tmp_path / "x.bag", [("/x", Float64(1), 0), ("/y", String("one"), 1)])
     bag = BagFile(path)
     said: Dict[str, Any] = {one.topic: one.header for one in bag.connections.values()}
@@ -150,7 +150,7 @@ def test_messages_of_a_range_come_in_order_with_exact_times(
     assert [time for time, _, _ in found] == [time for time, _, _ in expected]
 
 
-def test_only_the_topics_asked_for_come(tmp_path: Path) -> None:
+def test_only_requested_topics_are_read(tmp_path: Path) -> None:
     messages = [("/a", Int32(1), 0), ("/b", Int32(2), 1), ("/a", Int32(3), 2), ("/c", Int32(4), 3)]
     with BagFile(write_bag(tmp_path / "x.bag", messages)) as bag:
         assert bag.count(["/a", "/c"]) == 3
@@ -170,7 +170,7 @@ def test_first_messages_are_found_wherever_they_are(tmp_path: Path) -> None:
         assert first_messages(bag)["/b"].data == serialized(String("x"))
 
 
-def test_relative_names_are_taken_for_global_ones(tmp_path: Path) -> None:
+def test_relative_names_become_global(tmp_path: Path) -> None:
     with BagFile(write_bag(tmp_path / "x.bag", [("a", Int32(1), 0), ("/a", Int32(2), 5)])) as bag:
         assert list(first_messages(bag)) == ["/a"]
         found = in_order(list(slices(bag, ["/a"])))
@@ -185,7 +185,7 @@ def refusal(path: Path) -> str:
     return text
 
 
-def test_what_cannot_be_read_is_said_in_a_sentence(tmp_path: Path) -> None:
+def test_unreadable_file_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "x.bag"
     assert refusal(path).endswith("x.bag: No such file or directory")
     assert refusal(tmp_path).endswith("Is a directory")
@@ -201,7 +201,7 @@ def test_what_cannot_be_read_is_said_in_a_sentence(tmp_path: Path) -> None:
     assert "holds no messages" in refusal(path)
 
 
-def test_a_recording_that_was_cut_off_is_told_from_a_broken_one(tmp_path: Path) -> None:
+def test_truncated_recording_is_distinguished_from_a_damaged_one(tmp_path: Path) -> None:
     path = tmp_path / "x.bag"
     bag = rosbag.Bag(str(path), "w")
     bag.write("/x", Float64(1), genpy.Time(1))
@@ -214,7 +214,7 @@ def test_a_recording_that_was_cut_off_is_told_from_a_broken_one(tmp_path: Path) 
 
 
 @pytest.mark.parametrize("part", [0.02, 0.3, 0.5, 0.7, 0.9, 0.999])
-def test_bag_that_ends_early_can_be_made_whole(tmp_path: Path, part: float) -> None:
+def test_truncated_bag_can_be_reindexed(tmp_path: Path, part: float) -> None:
     path = tmp_path / "x.bag"
     write_bag(path, [("/x", String("some words" * 50), time) for time in range(100)])
     content = path.read_bytes()
@@ -233,7 +233,7 @@ def test_compressed_bag_with_wrong_bytes(tmp_path: Path) -> None:
 
 @settings(max_examples=30)
 @given(st.data())
-def test_a_bag_with_broken_bytes_is_read_or_said_to_be_broken(
+def test_bag_with_damaged_bytes_is_read_or_reported(
     tmp_path_factory: "pytest.TempPathFactory", data: st.DataObject
 ) -> None:
     path = tmp_path_factory.mktemp("bags") / "x.bag"

@@ -95,7 +95,7 @@ steps = st.lists(
 
 @settings(max_examples=30)
 @given(steps, st.sampled_from([0.0, 1e-3]))
-def test_what_comes_out_is_what_the_clock_has_passed(
+def test_player_outputs_messages_up_to_the_clock(
     bag: BagFile, steps: List[Tuple[str, int]], step: float
 ) -> None:
     clock = Clock()
@@ -127,7 +127,7 @@ def test_what_comes_out_is_what_the_clock_has_passed(
         before = at
 
 
-def test_messages_that_were_recorded_at_the_same_time_are_told_apart(
+def test_messages_of_equal_times_get_distinct_times(
     tmp_path: Path, opened: Callable[[Path], BagFile]
 ) -> None:
     """As under simulated time: here every 10 ms, each publisher with many messages."""
@@ -159,7 +159,7 @@ def test_messages_that_were_recorded_at_the_same_time_are_told_apart(
         assert time == pytest.approx(START + value // 20 * 0.01, abs=1.5e-5)
 
 
-def test_only_what_is_wanted_comes_and_more_after_a_seek(bag: BagFile) -> None:
+def test_only_requested_topics_are_output_and_more_after_a_seek(bag: BagFile) -> None:
     player = playing(bag, Clock(), "/b", "/not/there")
     player.seek(START + 1.05)
     loaded(player)
@@ -196,7 +196,7 @@ def test_places_beyond_its_ends_are_its_ends(bag: BagFile) -> None:
         assert loaded(player) == there
 
 
-def test_a_look_takes_a_while_at_most_and_the_clock_waits_for_what_is_read(bag: BagFile) -> None:
+def test_reading_time_of_a_call_is_limited_and_the_clock_waits(bag: BagFile) -> None:
     clock = Clock(step=1.0)  # so that each look reads one chunk
     player = playing(bag, clock, "/a", history=60.0)
     player.seek(START + 10.1)
@@ -216,7 +216,7 @@ def test_a_look_takes_a_while_at_most_and_the_clock_waits_for_what_is_read(bag: 
     assert taken(player) == {"/a": list(RECORDED["/a"])} and looks > 3
 
 
-def test_what_it_could_not_do_in_time_it_does_not_catch_up_with(bag: BagFile) -> None:
+def test_player_does_not_catch_up_after_a_delay(bag: BagFile) -> None:
     clock = Clock()
     player = playing(bag, clock, "/a")
     loaded(player)
@@ -229,7 +229,7 @@ def test_what_it_could_not_do_in_time_it_does_not_catch_up_with(bag: BagFile) ->
     assert player.now() - START == pytest.approx(late + 0.1, abs=1e-6)
 
 
-def test_the_time_up_to_a_change_counts_as_it_was_before(bag: BagFile) -> None:
+def test_change_of_speed_keeps_the_position(bag: BagFile) -> None:
     clock = Clock()
     player = playing(bag, clock, "/a")
     loaded(player)
@@ -242,7 +242,7 @@ def test_the_time_up_to_a_change_counts_as_it_was_before(bag: BagFile) -> None:
     assert player.now() - START == pytest.approx(3.0, abs=1e-6)
 
 
-def test_a_chunk_that_is_broken_is_named_and_the_others_come(
+def test_damaged_chunk_is_reported_and_others_are_output(
     tmp_path: Path, opened: Callable[[Path], BagFile]
 ) -> None:
     path = tmp_path / "x.bag"
@@ -260,7 +260,7 @@ def test_a_chunk_that_is_broken_is_named_and_the_others_come(
     assert "broken" in player.problems[0] and str(path) in player.problems[0]
 
 
-def test_besides_the_latest_of_each_topic_comes_however_long_ago(
+def test_side_subscriptions_get_the_latest_message_however_old(
     tmp_path: Path, opened: Callable[[Path], BagFile]
 ) -> None:
     path = tmp_path / "x.bag"

@@ -44,14 +44,14 @@ def test_each_field_gets_the_values_of_its_topic() -> None:
     ]
 
 
-def test_a_topic_that_is_silent_has_an_empty_line() -> None:
+def test_silent_topic_has_an_empty_line() -> None:
     readers = reading([Column("/x", ("data",))], [(0, "/x", Float64(1.0))])
     (series,) = collect(readers, slices([(0, "/y", Float64(2.0))]))
     assert (list(series.times), list(series.values)) == ([], [])
     readers[0].check()
 
 
-def test_what_cannot_be_plotted_leaves_a_gap() -> None:
+def test_unplottable_value_leaves_a_gap() -> None:
     values = [math.nan, math.inf, -math.inf, 1.7e308, 2.0]
     samples = [(0, "/x", Float64MultiArray(data=[value])) for value in values]
     samples.append((0, "/x", Float64MultiArray(data=[])))
@@ -60,7 +60,7 @@ def test_what_cannot_be_plotted_leaves_a_gap() -> None:
     assert len(series.values) == len(series.times) == 6
 
 
-def test_what_holds_a_time_is_plotted_over_it_and_a_clock_set_back_ends_the_line() -> None:
+def test_stamped_messages_are_plotted_over_stamps_and_a_clock_set_back_ends_the_line() -> None:
     times = [5.0, 5.1, 5.2, 0.0, 0.1]
     delays = [0.01, 0.03, 0.01, 0.02, 0.02]
     samples = [
@@ -75,7 +75,7 @@ def test_what_holds_a_time_is_plotted_over_it_and_a_clock_set_back_ends_the_line
     assert list(received.times) == [time / 1e9 for time, _, _ in samples]
 
 
-def test_a_joint_has_a_whole_line_where_others_speak_on_its_topic() -> None:
+def test_joint_has_a_whole_line_among_other_publishers() -> None:
     messages = [
         JointState(name=["arm"], position=[math.nan if index == 4 else float(index)])
         if index % 2 == 0
@@ -96,7 +96,7 @@ def test_a_line_ends_where_several_samples_are_missing() -> None:
     assert list(series.times) == [0.0, 0.1, 0.2, 0.3, 0.4, 0.4, 2.0, 2.1]
 
 
-def test_a_stamp_that_nobody_has_filled_in_ends_no_line() -> None:
+def test_unset_stamp_does_not_end_the_line() -> None:
     times = [0.0, 0.01, 0.02, 0.03, 0.04, 0.2, 0.21]  # received with a delay: less than 0.25 s
     samples = [(round(time * 1e9), "/x", PointStamped()) for time in times]
     (series,) = collected([Column("/x", ("point", "x"))], samples)
@@ -126,7 +126,7 @@ def test_lines_legend_and_titles() -> None:
     assert axes.get_ylabel() == "/x/data, /y/data"
 
 
-def test_forty_lines_can_be_told_apart_and_the_title_stays_short() -> None:
+def test_forty_lines_differ_and_the_title_stays_short() -> None:
     (axes,) = draw([SINE._replace(name=f"/topic{index}/data") for index in range(40)]).axes
     assert len({(line.get_color(), line.get_linestyle()) for line in axes.lines}) == 40
     assert len(axes.get_ylabel().splitlines()) == 2

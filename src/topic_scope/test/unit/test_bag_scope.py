@@ -12,7 +12,7 @@ rospy.logwarn("a page is in trouble")
 """
 
 
-def test_what_nodes_log_now_and_then_is_said_at_the_terminal() -> None:
+def test_throttled_log_is_printed_on_the_terminal() -> None:
     result = subprocess.run(
         [sys.executable, "-c", LOGS], stderr=subprocess.PIPE, universal_newlines=True, timeout=60.0
     )

@@ -52,7 +52,7 @@ def test_seconds_are_not_rounded(nanoseconds: int) -> None:
     assert Decimal(exact_seconds(nanoseconds)) == Decimal(nanoseconds).scaleb(-9)
 
 
-def test_what_is_no_float() -> None:
+def test_non_finite_values() -> None:
     columns = [Column(topic, ("data",)) for topic in ("/bool", "/time", "/duration")]
     samples = [
         (0, "/bool", Bool(True)),
@@ -66,7 +66,7 @@ def test_what_is_no_float() -> None:
     ]
 
 
-def test_what_is_computed_begins_with_the_second_message() -> None:
+def test_difference_starts_with_the_second_message() -> None:
     columns = [Column("/x", ("data",), "", "derivative"), Column("/x", ("data",))]
     samples = [(time * 10**9, "/x", Float64(value)) for time, value in ((0, 1.0), (2, 5.0))]
     assert rows(columns, samples) == [

@@ -52,7 +52,7 @@ def test_messages_of_one_time_keep_their_rows_and_whole_numbers_their_digits() -
     assert list(rows([other], both)) == []
 
 
-def test_messages_that_nothing_tells_apart_have_a_row_each() -> None:
+def test_indistinguishable_messages_have_a_row_each() -> None:
     """Those of a bag that is laid over the graph have no receipt but their time."""
     times = numpy.array([5.0, 5.0, 6.0])
     columns = [

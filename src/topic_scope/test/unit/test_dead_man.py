@@ -9,7 +9,7 @@ from topic_scope.robots.dead_man import HOLD_S, STOP, DeadMan, Velocity
 AHEAD = Velocity(0.2, 0.0)
 
 
-def test_one_zero_and_then_silence_when_nothing_comes_any_more() -> None:
+def test_timeout_sends_one_zero_and_then_nothing() -> None:
     switch = DeadMan()
     assert switch.until is None and switch.expire(0.0) is None
     assert switch.accept(AHEAD, 100.0, 1.0) == AHEAD
@@ -19,7 +19,7 @@ def test_one_zero_and_then_silence_when_nothing_comes_any_more() -> None:
     assert [switch.expire(1.0 + n) for n in range(5)] == [None] * 5
 
 
-def test_who_releases_stops_at_once_and_only_once() -> None:
+def test_release_stops_immediately_and_once() -> None:
     switch = DeadMan()
     switch.accept(AHEAD, 100.0, 1.0)
     assert switch.accept(STOP, 100.1, 1.1) == STOP
@@ -28,11 +28,11 @@ def test_who_releases_stops_at_once_and_only_once() -> None:
     assert switch.stop() == STOP and switch.stop() is None and switch.expire(9.0) is None
 
 
-def test_the_hold_time_leaves_room_within_what_is_promised() -> None:
+def test_hold_time_is_within_the_documented_limit() -> None:
     assert 0.1 < HOLD_S < 0.25  # at most 0.3 s in all; a page repeats a command each 0.05 s
 
 
-def test_commands_that_a_link_has_held_up_are_left_out() -> None:
+def test_delayed_commands_are_ignored() -> None:
     switch = DeadMan()
     for n in range(20):
         assert switch.accept(AHEAD, 100.0 + 0.05 * n, 1.0 + 0.05 * n) == AHEAD
@@ -46,7 +46,7 @@ def test_commands_that_a_link_has_held_up_are_left_out() -> None:
     assert switch.accept(STOP, 105.0, 8.5) is None
 
 
-def test_a_late_zero_stops_what_moves() -> None:
+def test_late_zero_stops_a_moving_robot() -> None:
     switch = DeadMan()
     switch.accept(AHEAD, 100.0, 1.0)
     switch.accept(AHEAD, 101.0, 2.0)
@@ -54,7 +54,7 @@ def test_a_late_zero_stops_what_moves() -> None:
 
 
 @pytest.mark.parametrize("drift", (-1e-4, 1e-4))
-def test_clocks_that_drift_apart_do_not_count(drift: float) -> None:
+def test_clock_drift_is_tolerated(drift: float) -> None:
     switch = DeadMan()
     for minute in range(600):
         now = 60.0 * minute
@@ -63,7 +63,7 @@ def test_clocks_that_drift_apart_do_not_count(drift: float) -> None:
 
 @settings(max_examples=30)
 @given(st.lists(st.tuples(st.floats(0.0, 1.0), st.booleans()), max_size=50))
-def test_whatever_comes_a_robot_never_moves_on_for_longer(steps: list) -> None:
+def test_robot_never_moves_longer_than_the_hold_time(steps: list) -> None:
     """Told of each moment at which a zero is due, nothing is in force for longer than HOLD_S."""
     switch, now, moving_since = DeadMan(), 0.0, None
     for pause, is_stop in steps:

@@ -55,9 +55,7 @@ def test_each_bin_has_the_extremes_of_its_samples(
 
 @settings(max_examples=30)
 @given(st.lists(SAMPLES, min_size=1, max_size=3), st.floats(0.001, 2.0), st.integers(-5, 50))
-def test_samples_that_are_few_in_their_bin_have_their_places(
-    traces: list, width: float, skipped: int
-) -> None:
+def test_few_samples_in_a_bin_have_positions(traces: list, width: float, skipped: int) -> None:
     samples, count = [arrays(pairs) for pairs in traces], 60
     first = bin_of(EPOCH, width) + skipped
     found = all_bins(samples, first, count, width, [math.inf] * len(samples))
@@ -146,7 +144,7 @@ def test_frames_add_up_to_what_one_frame_shows(pairs: list, moments: list, windo
         assert screen.bins[index] == expected.get(index, [None, None])
 
 
-def test_while_the_time_stands_only_another_view_is_news() -> None:
+def test_paused_time_sends_only_another_view() -> None:
     view, samples = LiveView(requests.View(1.0, 100, None)), arrays([(0.5, 1.0)])
     view.select(["/a"])
 
@@ -160,7 +158,7 @@ def test_while_the_time_stands_only_another_view_is_news() -> None:
     assert frame() is None
 
 
-def test_a_page_that_was_away_for_long_starts_over() -> None:
+def test_page_after_a_long_pause_is_reset() -> None:
     view = LiveView(requests.View(1.0, 100, None))
     nothing = (numpy.empty(0), numpy.empty(0))
     resets = [
@@ -170,7 +168,7 @@ def test_a_page_that_was_away_for_long_starts_over() -> None:
     assert resets == [True, False, False, True, False]
 
 
-def test_a_span_that_ends_is_sent_once_and_then_stands_still() -> None:
+def test_completed_span_is_sent_once() -> None:
     samples = arrays([(0.5, 1.0), (1.5, -7.0), (2.5, 3.0)])
     view, screen = LiveView(requests.View(1.0, 10, EPOCH + 2.0)), Screen()
     view.select(["/a"])
@@ -184,7 +182,7 @@ def test_a_span_that_ends_is_sent_once_and_then_stands_still() -> None:
     assert again is not None and again["reset"]
 
 
-def test_what_comes_long_after_the_end_of_a_span_is_sent_once_more() -> None:
+def test_late_samples_of_a_completed_span_are_sent() -> None:
     samples, asked = arrays([(1.5, -7.0), (2.5, 3.0)]), 0
     view, screen = LiveView(requests.View(1.0, 10, EPOCH + 2.0)), Screen()
     view.select(["/a"])
@@ -209,7 +207,7 @@ def test_what_comes_long_after_the_end_of_a_span_is_sent_once_more() -> None:
     assert asked <= 20  # seldom
 
 
-def test_nothing_is_read_or_sent_of_a_hidden_trace_and_all_of_it_when_it_is_shown_again() -> None:
+def test_hidden_trace_is_not_read_and_shown_again_completely() -> None:
     samples = arrays([(1.5, -7.0)])
     asked: list = []
 
@@ -231,7 +229,7 @@ def test_nothing_is_read_or_sent_of_a_hidden_trace_and_all_of_it_when_it_is_show
     assert again is not None and again["reset"] and list(again["traces"]) == ["/b"]
 
 
-def test_a_span_that_ends_later_goes_on_until_then() -> None:
+def test_span_that_ends_later_continues() -> None:
     view = LiveView(requests.View(1.0, 10, EPOCH + 2.0))
     frames = [
         view.frame(EPOCH + moment, lambda *_: (numpy.empty(0), numpy.empty(0)), _same)
@@ -242,9 +240,7 @@ def test_a_span_that_ends_later_goes_on_until_then() -> None:
 
 @settings(max_examples=30)
 @given(SAMPLES, st.lists(st.floats(0.0, 2.0), max_size=60), st.lists(st.floats(0.0, 5.0)))
-def test_samples_that_come_late_are_shown_where_they_belong(
-    pairs: list, delays: list, moments: list
-) -> None:
+def test_late_samples_are_shown_at_their_times(pairs: list, delays: list, moments: list) -> None:
     samples, screen = arrays(pairs), Screen()
     came = samples[0] + numpy.resize([*delays, 0.0], len(samples[0]))
     view, before = LiveView(requests.View(4.0, 50, None)), 0.0

@@ -52,21 +52,21 @@ def test_a_derivative_is_the_slope(cuts: List[int], omega: float) -> None:
 
 
 @pytest.mark.parametrize("hertz", [1.0, 10.0, 30.0])
-def test_a_derivative_is_a_quarter_of_a_turn_ahead(hertz: float) -> None:
+def test_derivative_leads_by_90_degrees(hertz: float) -> None:
     times = 1.7e9 + numpy.arange(1000) / 100.0
     values = numpy.sin(2.0 * math.pi * hertz * times)
     ahead = phase(tuple(samples_of("derivative", times, values[None], [])), (times, values))
     assert ahead.value == pytest.approx(90.0, abs=0.1)
 
 
-def test_a_gap_has_no_derivative() -> None:
+def test_derivative_is_missing_in_a_gap() -> None:
     times, values = numpy.array([1.0, 2.0, 9.0, 10.0]), numpy.arange(4.0)[None]
     made, found = samples_of("derivative", times, values, [], longest=5.0)
     assert made.tolist() == [1.5, 5.5, 9.5]
     assert found[0] == 1.0 and numpy.isnan(found[1]) and found[2] == 1.0
 
 
-def test_what_is_late_is_no_step() -> None:
+def test_late_sample_has_no_step() -> None:
     times, values = numpy.array([1.0, 2.0, 2.0, 1.5, 3.0]), numpy.arange(5.0)[None]
     made, found = samples_of("derivative", times, values, [2])
     assert made.tolist() == [1.5, 2.0, 1.5, 2.25]
@@ -75,7 +75,7 @@ def test_what_is_late_is_no_step() -> None:
 
 @given(cuts, st.floats(-1.5, 1.5), st.floats(-3.1, 3.1))
 @settings(max_examples=30)
-def test_an_angle_turns_on_and_on(cuts: List[int], step: float, start: float) -> None:
+def test_angle_is_unwrapped(cuts: List[int], step: float, start: float) -> None:
     turned = start + step * numpy.arange(400)
     wrapped = numpy.arctan2(numpy.sin(turned), numpy.cos(turned))
     wrapped[7] = math.nan  # one that is missing
@@ -116,7 +116,7 @@ def test_names() -> None:
             expand(wrong)
 
 
-def test_what_has_a_heading_is_found_in_a_message() -> None:
+def test_quaternions_are_found_in_a_message() -> None:
     messages = first_messages({"/pose": PoseStamped(), "/turn": Quaternion()})
     names = [column.name for column in choose(["/pose.yaw", "/turn.yaw@received"], messages)]
     assert names == ["/pose/pose/orientation.yaw", "/turn.yaw@received"]

@@ -73,7 +73,7 @@ def test_each_name_is_one_field() -> None:
     assert made.problem(NAME) is None and made.problem("/a/data") is None
 
 
-def test_a_second_one_that_is_slow_is_no_problem_where_there_are_values() -> None:
+def test_slow_second_trace_is_not_a_problem() -> None:
     source = TimedSource()
     made = recording(source, NAME)
     for second in range(1000, 1200):
@@ -86,7 +86,7 @@ def test_a_second_one_that_is_slow_is_no_problem_where_there_are_values() -> Non
     assert made.problem(NAME) is None
 
 
-def test_the_second_lies_on_a_line_and_nothing_is_known_beyond_it() -> None:
+def test_second_trace_is_interpolated_but_not_extrapolated() -> None:
     source = TimedSource()
     made = recording(source, NAME)
     assert source.wanted == ["/a", "/b"]
@@ -107,7 +107,7 @@ def test_the_second_lies_on_a_line_and_nothing_is_known_beyond_it() -> None:
     assert trace.stream.topic == "/a" and made.longest_step(NAME) == trace.longest_step
 
 
-def test_what_it_is_made_of_is_kept_while_a_page_stands_still() -> None:
+def test_operands_are_kept_while_a_page_is_paused() -> None:
     source = TimedSource()
     made = recording(source, NAME, "/b/data")
     times = [1000.0 + 0.1 * index for index in range(100)]
@@ -193,7 +193,7 @@ def test_frames_add_up_whichever_comes_late(
 
 
 @pytest.mark.parametrize("name", ["/a/data.derivative", "=derivative(/a/data)"])
-def test_a_derivative_stands_in_the_middle_and_says_why_it_jumps(name: str) -> None:
+def test_derivative_is_in_the_middle_and_explains_its_jumps(name: str) -> None:
     source = TimedSource()
     made = recording(source, name, "/a/data")
     source.receive("/a", [1.0, 1.5, 1.75, 9.0, 9.5], [0.0, 1.0, 2.0, 0.0, 4.0])
@@ -208,7 +208,7 @@ def test_a_derivative_stands_in_the_middle_and_says_why_it_jumps(name: str) -> N
     assert plain.jumps is None
 
 
-def test_brackets_without_end_are_refused_in_time() -> None:
+def test_endless_brackets_are_rejected_quickly() -> None:
     """A name of a page's request may be anything."""
     code = "from topic_scope.protocol.checks import fields_of; fields_of(['/a' + '[a]' * 60])"
     done = subprocess.run([sys.executable, "-c", code], stderr=subprocess.PIPE, timeout=60)

@@ -31,7 +31,7 @@ def panel() -> Panel:
     return Panel("/foreign", entries, {})
 
 
-def test_all_kinds_are_there_with_their_values_and_ends() -> None:
+def test_all_types_have_values_and_limits() -> None:
     shown = {entry["name"]: entry for entry in panel().message()["parameters"]}
     assert {name: entry["value"] for name, entry in shown.items()} == VALUES
     kinds = {name: entry["kind"] for name, entry in shown.items()}
@@ -51,16 +51,16 @@ def test_values_are_validated_before_they_are_sent() -> None:
         panel().check("mode", "wavy")
 
 
-def test_values_travel_as_they_are() -> None:
+def test_values_are_transferred_unchanged() -> None:
     assert values_in(config_of(VALUES)) == VALUES
 
 
 @pytest.mark.parametrize("text", ["", "x", "{}", "[1]", "{'enum': 3}", "__import__('os')", "((((("])
-def test_what_is_no_enum_has_no_words(text: str) -> None:
+def test_non_enum_has_no_labels(text: str) -> None:
     assert _words(text) == {}
 
 
-def test_the_numbers_of_an_enum_have_their_words() -> None:
+def test_enum_numbers_have_labels() -> None:
     entries = described(description(COUNTS), config_of(VALUES))
     shown = Panel("/foreign", entries, {}).message()["parameters"]
     labels = {entry["name"]: entry["labels"] for entry in shown}
@@ -68,6 +68,6 @@ def test_the_numbers_of_an_enum_have_their_words() -> None:
 
 
 @pytest.mark.parametrize("pairs", [3, [3], [["a", "b"]], [[1, 2, 3]], None])
-def test_labels_that_make_no_sense_are_left_out(pairs: object) -> None:
+def test_invalid_labels_are_left_out(pairs: object) -> None:
     entry = {"name": "a", "type": "int", "default": 1, "value": 1, "labels": pairs}
     assert Panel("/foreign", [entry], {}).message()["parameters"][0]["labels"] == []

@@ -9,20 +9,20 @@ from topic_scope.protocol.checks import RequestError
 from topic_scope.protocol.export_request import Export, export_of
 
 
-def test_all_that_there_is_unless_a_span_is_given() -> None:
+def test_export_without_a_span_has_all_samples() -> None:
     assert export_of({"fields": ["/a/x"]}) == Export(("/a/x",), 0.0, 1e11)
     asked = {"fields": ["/a/x", "/b"], "start": "10", "end": "12.5"}
     assert export_of(asked) == Export(("/a/x", "/b"), 10.0, 12.5)
 
 
-def test_what_is_no_name_has_a_column_beside_what_is_one() -> None:
+def test_invalid_name_has_a_column_beside_a_valid_one() -> None:
     assert export_of({"fields": ["/a/x", "a b"]}).fields == ("/a/x", "a b")
     with pytest.raises(RequestError, match="fields: "):
         export_of({"fields": ["a b", "c d"]})
 
 
 @pytest.mark.parametrize("time", ["", "now", "nan", "1e99", None, []])
-def test_a_time_that_is_none_is_refused(time: Any) -> None:
+def test_invalid_time_is_rejected(time: Any) -> None:
     with pytest.raises(RequestError, match="a time must be a number of seconds"):
         export_of({"fields": ["/a/x"], "start": time})
 
@@ -32,7 +32,7 @@ ANYTHING = st.none() | st.text(max_size=8) | st.floats() | st.lists(st.text(max_
 
 @settings(max_examples=30)
 @given(st.dictionaries(st.sampled_from(["fields", "start", "end"]), ANYTHING))
-def test_whatever_comes_is_understood_or_refused(request: Any) -> None:
+def test_any_request_is_accepted_or_rejected(request: Any) -> None:
     try:
         wanted = export_of(request)
     except RequestError:

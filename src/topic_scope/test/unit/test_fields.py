@@ -28,7 +28,7 @@ def texts(found: List[fields.NumericField]) -> List[str]:
     return [fields.to_text(field.path) for field in found]
 
 
-def test_colons_put_fields_side_by_side() -> None:
+def test_colons_expand_to_several_fields() -> None:
     assert fields.expand("/pose/position/x:y:z") == [
         "/pose/position/x",
         "/pose/position/y",
@@ -60,7 +60,7 @@ def test_a_name_becomes_global() -> None:
         "a" * 400,
     ],
 )
-def test_what_is_no_name_is_refused(name: str) -> None:
+def test_invalid_name_is_rejected(name: str) -> None:
     with pytest.raises(fields.FieldError):
         fields.expand(name)
 
@@ -73,7 +73,7 @@ def test_the_longest_topic_is_taken(topic: List[str], rest: List[str]) -> None:
     assert fields.split("/".join([name] + rest), topics) == (name, "/".join(rest))
 
 
-def test_a_name_without_a_topic_stands_for_nothing() -> None:
+def test_name_without_a_topic_denotes_nothing() -> None:
     assert fields.split("/signal/signal_y", ["/sig", "/signal/signal_y/more"]) is None
 
 
@@ -84,7 +84,7 @@ def test_path_and_text_are_the_same(parts: List[tuple]) -> None:
     assert fields.to_path(fields.to_text(path)) == path
 
 
-def test_a_message_stands_for_all_of_its_numbers() -> None:
+def test_message_denotes_all_of_its_numbers() -> None:
     found = fields.resolve(layout_of(Header), "")
     assert found == [(("seq",), "uint32"), (("stamp",), "time")]
 
@@ -103,30 +103,30 @@ def test_nested_fields_and_arrays_are_listed() -> None:
     ]
 
 
-def test_one_element_stands_for_an_array_of_unknown_length() -> None:
+def test_array_of_unknown_length_has_one_element() -> None:
     assert "data[0]" in texts(fields.numeric_fields(layout_of(Float64MultiArray)))
 
 
-def test_of_long_arrays_only_the_first_elements_are_listed() -> None:
+def test_long_arrays_list_only_their_first_elements() -> None:
     layout = parse("a/A", "float32[1000000] x")
     assert len(fields.numeric_fields(layout)) == fields.LISTED_ELEMENTS
     assert texts(fields.resolve(layout, "x[999999]")) == ["x[999999]"]
 
 
 @pytest.mark.parametrize("text", ["missing", "data/x", "data[0]", "data/"])
-def test_a_field_that_is_not_there_is_refused(text: str) -> None:
+def test_missing_field_is_rejected(text: str) -> None:
     with pytest.raises(fields.FieldError):
         fields.resolve(layout_of(Float32), text)
 
 
-def test_text_is_no_number() -> None:
+def test_text_is_not_a_number() -> None:
     with pytest.raises(fields.FieldError, match="no number"):
         fields.resolve(layout_of(String), "data")
     with pytest.raises(fields.FieldError):
         decoding.Decoder(layout_of(String), ("data",))
 
 
-def test_an_element_behind_the_end_of_a_fixed_array_is_refused() -> None:
+def test_element_after_the_end_of_a_fixed_array_is_rejected() -> None:
     layout = parse("a/A", "float32[3] x")
     with pytest.raises(fields.FieldError, match="3 elements"):
         fields.resolve(layout, "x[3]")
@@ -146,7 +146,7 @@ def value_in(message: Any, path: fields.Path) -> float:
     return float(message.to_sec() if hasattr(message, "to_sec") else message)
 
 
-def test_what_is_decoded_is_what_the_object_has() -> None:
+def test_decoded_value_equals_the_message_field() -> None:
     layout, messages = layout_of(Log), [log(["/a", "/bcd"]), log([], level=8)]
     for field in fields.numeric_fields(layout):
         values = [value_in(message, field.path) for message in messages]
@@ -159,7 +159,7 @@ def test_what_is_decoded_is_what_the_object_has() -> None:
 
 @settings(max_examples=30)
 @given(st.lists(st.lists(st.floats(width=64), max_size=5), min_size=1, max_size=5))
-def test_elements_are_read_also_behind_text(rows: List[List[float]]) -> None:
+def test_elements_after_a_text_are_read(rows: List[List[float]]) -> None:
     messages = [Float64MultiArray(data=row) for row in rows]
     for message, row in zip(messages, rows):
         message.layout.dim = [MultiArrayDimension("x" * len(row), 1, 1)] * len(row)
@@ -194,7 +194,7 @@ def test_numbers_of_all_types_are_read() -> None:
     assert [value.tolist() for value in values] == [[number] * 2 for number in expected]
 
 
-def test_what_is_behind_an_array_is_none_of_its_elements() -> None:
+def test_data_after_an_array_are_not_its_elements() -> None:
     decoder = decoding.Decoder(parse("a/A", "uint8[] x\nuint8 y"), ("x", 1))
     values = decoder.decode([b"\x01\x00\x00\x00\x07\x08", b"\x02\x00\x00\x00\x07\x08\x09"])
     assert [repr(value) for value in values.tolist()] == ["nan", "8.0"]
@@ -202,7 +202,7 @@ def test_what_is_behind_an_array_is_none_of_its_elements() -> None:
 
 @settings(max_examples=30)
 @given(st.binary(max_size=200))
-def test_garbage_is_no_number_but_no_error_either(data: bytes) -> None:
+def test_garbage_is_nan_and_not_an_error(data: bytes) -> None:
     for message_class in (Log, TopicStatistics, Float64MultiArray):
         layout = layout_of(message_class)
         for field in fields.numeric_fields(layout, arrays.lengths_in(layout, data)):
@@ -222,12 +222,12 @@ def test_garbage_is_no_number_but_no_error_either(data: bytes) -> None:
         "import os",
     ],
 )
-def test_a_definition_that_makes_no_sense_is_refused(text: str) -> None:
+def test_malformed_definition_is_rejected(text: str) -> None:
     with pytest.raises(DefinitionError):
         parse("a/A", text)
 
 
-def test_a_definition_that_would_take_for_ever_is_refused() -> None:
+def test_recursive_definition_is_rejected() -> None:
     parts = ["a/T0 x"]
     parts += [f"MSG: a/T{n}\na/T{n + 1} x\na/T{n + 1} y" for n in range(18)]
     parts += ["MSG: a/T18\nfloat32 x"]
@@ -246,7 +246,7 @@ def joints(names: List[str], positions: List[float]) -> JointState:
     return JointState(name=names, position=positions, header=Header(frame_id="x" * len(names)))
 
 
-def test_an_element_is_found_by_its_name_wherever_it_stands() -> None:
+def test_element_is_found_by_name_at_any_index() -> None:
     layout = layout_of(JointState)
     path = fields.to_path("position[left-wheel_1]")
     assert fields.to_text(path) == "position[left-wheel_1]"

@@ -57,7 +57,7 @@ def one_by_one(times: numpy.ndarray, values: numpy.ndarray, cutoff: float) -> nu
     st.floats(0.02, 1e4),
 )
 @settings(max_examples=30, deadline=None)
-def test_a_low_pass_is_what_it_is_sample_by_sample(
+def test_low_pass_equals_the_sample_by_sample_recurrence(
     samples: List[Tuple[float, float]], cutoff: float
 ) -> None:
     times = numpy.cumsum([step for step, _ in samples]).round(9)
@@ -66,7 +66,7 @@ def test_a_low_pass_is_what_it_is_sample_by_sample(
     assert found == pytest.approx(one_by_one(times, values, cutoff), abs=1e-6)
 
 
-def test_a_low_pass_begins_anew_behind_a_gap_and_behind_what_is_no_number() -> None:
+def test_low_pass_restarts_after_a_gap_and_after_nan() -> None:
     times = numpy.array([0.0, 1.0, 2.0, 9.0, 10.0, 11.0, 12.0])
     values = numpy.array([0.0, 0.0, 0.0, 5.0, 5.0, math.nan, 8.0])
     found = low_passed(sampled(times, values, 3.0), 0.02).values
@@ -76,7 +76,7 @@ def test_a_low_pass_begins_anew_behind_a_gap_and_behind_what_is_no_number() -> N
     assert math.isnan(low_passed(nothing, 1.0).values[0])
 
 
-def test_a_mean_is_of_the_last_seconds_without_what_is_no_number() -> None:
+def test_mean_ignores_nan() -> None:
     times = numpy.array([0.0, 1.0, 2.0, 3.0, 4.0])
     values = numpy.array([1e9, 1e9 + 2.0, math.nan, 1e9 + 4.0, 1e9])
     found = averaged(sampled(times, values), 2 * NS).values - 1e9

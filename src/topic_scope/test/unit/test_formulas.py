@@ -183,7 +183,7 @@ SENTENCES = {
 
 
 @pytest.mark.parametrize("text", SENTENCES)
-def test_what_is_wrong_is_said_in_words(text: str) -> None:
+def test_error_texts(text: str) -> None:
     with pytest.raises(FormulaError) as caught:
         parse_formula(text)
     assert str(caught.value) == SENTENCES[text]
@@ -277,7 +277,7 @@ FRAGMENTS = st.lists(
 @example("-" * 499 + "1")
 @example("9" * 500)
 @settings(max_examples=80, deadline=None)
-def test_whatever_is_typed_it_is_read_or_refused_and_only_listed_nodes_are_used(text: str) -> None:
+def test_any_text_is_parsed_or_rejected_and_only_listed_nodes_are_used(text: str) -> None:
     try:
         formula = parse_formula(text)
     except FieldError as error:
@@ -317,7 +317,7 @@ def test_names_of_formulas_are_written_in_one_way() -> None:
             expand(wrong)
 
 
-def test_letters_stand_for_traces_and_what_is_computed_for_its_formula() -> None:
+def test_letters_are_replaced_by_traces_and_formulas() -> None:
     traces = ["/s/y", "=/u + 1", "/u-/v"]
     assert with_letters("=a - 2*b", traces) == "=/s/y - 2 * (/u + 1)"
     assert with_letters("=sqrt(c)/a", traces) == "=sqrt((/u - /v)) / /s/y"
@@ -336,6 +336,6 @@ def test_letters_stand_for_traces_and_what_is_computed_for_its_formula() -> None
 
 @settings(max_examples=30)
 @given(st.sampled_from([*TRUTHS, "delay(/p/x,-.5)", "a - 2*b"]))
-def test_a_formula_that_was_written_is_read_as_the_same(text: str) -> None:
+def test_written_formula_is_parsed_as_the_same(text: str) -> None:
     words = tokens_of(text)
     assert tokens_of(text_of(words)) == words

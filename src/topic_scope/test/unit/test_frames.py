@@ -58,7 +58,7 @@ def test_a_laser_is_found_through_its_robot_and_the_map() -> None:
     assert frames.place("elsewhere") == ("elsewhere", IDENTITY)
 
 
-def test_odometry_counts_where_nobody_publishes_transforms() -> None:
+def test_odometry_is_used_without_transforms() -> None:
     frames = Frames()
     frames.set_odometry("/b/odom", "odom", "base", turned(0.0, 2.0))
     frames.set_odometry("/a/odom", "odom", "base", turned(0.0, 1.0))
@@ -68,7 +68,7 @@ def test_odometry_counts_where_nobody_publishes_transforms() -> None:
     assert frames.place("base").transform.position[0] == 7.0
 
 
-def test_where_one_topic_is_gone_another_that_has_told_of_a_frame_counts() -> None:
+def test_another_topic_replaces_a_removed_one() -> None:
     frames = Frames()
     frames.set_transform("/tf_static", "map", "odom", turned(0.0, 1.0))
     frames.set_transform("/tf", "map", "odom", turned(0.0, 2.0))
@@ -86,7 +86,7 @@ def test_a_ring_of_frames_ends() -> None:
     assert frames.place("a").root in ("a", "b")
 
 
-def test_what_is_not_finite_is_no_transform() -> None:
+def test_non_finite_transform_is_rejected() -> None:
     place, turn = dict(zip("xyz", (0.0, 0.0, math.nan))), dict(zip("xyzw", (0.0, 0.0, 0.0, 1.0)))
     assert transform_of(place, turn) is None
     assert transform_of(dict.fromkeys("xyz", 1.0), dict.fromkeys("xyzw", 0.0)) == (

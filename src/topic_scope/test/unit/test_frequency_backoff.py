@@ -24,7 +24,7 @@ def rounds(
     return tried
 
 
-def test_what_was_refused_is_tried_in_each_fourth_round_by_turns() -> None:
+def test_aperiodic_traces_are_measured_in_every_fourth_round_in_turn() -> None:
     first, *others = rounds(FrequencyBackoff(), 1 + 5 * ROUNDS, 1.7e9)
     assert first == NAMES
     counts: Dict[str, int] = {name: sum(name in tried for tried in others) for name in NAMES}
@@ -32,12 +32,12 @@ def test_what_was_refused_is_tried_in_each_fourth_round_by_turns() -> None:
     assert max(len(tried) for tried in others) == 2
 
 
-def test_what_has_a_frequency_or_is_too_short_is_measured_each_time() -> None:
+def test_periodic_or_short_trace_is_measured_each_time() -> None:
     for frequency in (WAVE, TOO_SHORT):
         assert rounds(FrequencyBackoff(), 9, 1.7e9, frequency) == [NAMES] * 9
 
 
-def test_a_frequency_that_comes_is_found_within_four_rounds_and_then_measured_each_time() -> None:
+def test_new_frequency_is_found_within_four_rounds() -> None:
     backoff = FrequencyBackoff()
     rounds(backoff, 5, 1.7e9)
     found = rounds(backoff, 2 * ROUNDS, 1.7e9 + 1.25, WAVE)
@@ -45,7 +45,7 @@ def test_a_frequency_that_comes_is_found_within_four_rounds_and_then_measured_ea
     assert found[ROUNDS:] == [NAMES] * ROUNDS
 
 
-def test_another_span_or_one_that_stands_still_is_measured_at_once() -> None:
+def test_changed_or_paused_span_is_measured_immediately() -> None:
     backoff = FrequencyBackoff()
     rounds(backoff, 3, 1.7e9)
     for now, span in [(1.0, (-1.0, 1.0)), (1.25, (-1.0, 1.0)), (1.5, (-0.5, 1.0))]:

@@ -18,7 +18,7 @@ class FakeConnection:
         self.texts += [message["text"] for message in messages if message["type"] == "master"]
 
 
-def test_a_master_is_not_missed_before_that_is_known() -> None:
+def test_missing_master_is_reported_only_once_known() -> None:
     waiting = PlaceholderScope(URI, 10.0)
     early, late, gone = FakeConnection(), FakeConnection(), FakeConnection()
     waiting.open(early)

@@ -83,7 +83,7 @@ def test_each_figure_is_true_within_its_uncertainty_or_says_why_not(kind: str) -
     "name, unit, most",
     [("frequency", 0.0, 0.01), ("phase", 360.0, 1e-3), ("rise", 0.0, 0.5), ("duty", 100.0, 0.05)],
 )
-def test_what_is_told_of_a_sine_is_told_well(name: str, unit: float, most: float) -> None:
+def test_uncertainty_of_a_sine_is_small(name: str, unit: float, most: float) -> None:
     """The uncertainty is not just large, measured in the figure or in what is whole."""
     found = zip(measured_of("sine"), of_kind("sine"))
     parts = [
@@ -112,7 +112,7 @@ def test_the_highest_peak_of_the_spectrum_is_the_sine(kind: str) -> None:
 
 
 @of_each_kind
-def test_what_is_told_of_the_samples_is_exact(kind: str) -> None:
+def test_sample_statistics_are_exact(kind: str) -> None:
     signals = of_kind(kind)
     assert signals
     for signal in signals:

@@ -77,7 +77,7 @@ def test_samples_dropped_before_the_check_are_counted_and_reported(time: float) 
     assert says in check.words(made)
 
 
-def test_a_reference_that_has_ended_is_named_while_the_trace_goes_on() -> None:
+def test_ended_reference_is_reported_while_the_trace_continues() -> None:
     source = TimedSource()
     made = recording(source, *MASK.names)
     check = MaskCheck(MASK, 1000.0)
@@ -120,7 +120,7 @@ def test_nothing_is_checked_in_a_gap_of_the_reference() -> None:
         pytest.param(5.0, marks=pytest.mark.extended),
     ],
 )
-def test_a_sample_that_comes_late_is_checked_at_its_stamp(late: float) -> None:
+def test_late_sample_is_checked_at_its_stamp(late: float) -> None:
     """Of a trace that comes in time, and of one that is late as a whole."""
     stamps = [NOW + 10 * MS * index for index in range(1000)]
     reply = [(when, stamped(when, 0.0)) for when in stamps]
@@ -148,7 +148,7 @@ def test_a_sample_that_comes_late_is_checked_at_its_stamp(late: float) -> None:
 @pytest.mark.extended
 @settings(max_examples=30, deadline=None)
 @given(st.data())
-def test_each_sample_is_in_one_count_however_it_comes(data: st.DataObject) -> None:
+def test_each_sample_is_counted_once(data: st.DataObject) -> None:
     count = 300
     delays = data.draw(
         st.lists(st.sampled_from([0, 0, 0, 5, 40, 400, 3000]), min_size=count, max_size=count)
@@ -191,7 +191,7 @@ def status(monkeypatch: "pytest.MonkeyPatch", *arguments: str) -> object:
     return caught.value.code
 
 
-def test_the_command_says_of_a_bag_whether_a_trace_keeps_within(
+def test_command_checks_a_trace_of_a_bag(
     bag: str, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     around = ("/a", "--around", "/b", "--bag", bag, "--time", "0.1")
@@ -219,7 +219,7 @@ def test_a_failure_stops_it_and_is_saved(bag: str, monkeypatch: "pytest.MonkeyPa
 
 
 @pytest.mark.parametrize("history, peak", [(0.9, 1), (60.0, 3)])
-def test_a_failure_is_saved_before_it_is_forgotten(
+def test_failure_is_saved_before_its_samples_are_dropped(
     bag: str, monkeypatch: "pytest.MonkeyPatch", history: float, peak: int
 ) -> None:
     """Later samples are added at the end, if the history still holds them."""
@@ -264,7 +264,7 @@ def test_samples_that_cannot_be_checked_do_not_pass(
         (960, 0, "960 samples inside, 0 outside, 40 not checked"),  # as messages wait now and then
     ],
 )
-def test_a_reference_that_ends_long_before_the_trace_is_no_pass(
+def test_reference_that_ends_early_does_not_pass(
     tmp_path: Path,
     monkeypatch: "pytest.MonkeyPatch",
     capsys: "pytest.CaptureFixture[str]",
@@ -300,7 +300,7 @@ def test_a_late_sample_outside_fails_a_bag(
 
 
 @pytest.mark.parametrize("allowed, expected", [((), 2), (("--unchecked", "20"), 0)])
-def test_too_many_samples_that_are_not_checked_are_no_pass(
+def test_too_many_unchecked_samples_do_not_pass(
     tmp_path: Path,
     monkeypatch: "pytest.MonkeyPatch",
     capsys: "pytest.CaptureFixture[str]",
@@ -318,7 +318,7 @@ def test_too_many_samples_that_are_not_checked_are_no_pass(
     assert ("too many samples were not checked (15 %, at most 10 %)" in reply.err) == bool(expected)
 
 
-def test_a_file_that_is_none_is_refused(
+def test_invalid_file_is_rejected(
     bag: str, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     assert status(monkeypatch, "/a", "--around", "/b", "--bag", "no.bag") == 2

@@ -10,7 +10,7 @@ from topic_scope.controls.node_status import NodeStatuses, topics_of
 from topic_scope.sampling.message_source import Batch
 
 
-def test_topics_are_those_of_one_node_that_are_called_so() -> None:
+def test_status_topics_have_one_publisher_and_a_status_name() -> None:
     publishers = [
         ("/a/status", ["/a"]),
         ("/b/motor_state", ["/b"]),
@@ -49,7 +49,7 @@ class FakeSubscriptions:
         self.batches.append(Batch({"type": "std_msgs/" + kind}, [0] * len(texts), messages))
 
 
-def test_pages_are_told_what_is_new_only() -> None:
+def test_pages_receive_only_changes() -> None:
     send, source = mock.Mock(), FakeSubscriptions()
     statuses = NodeStatuses(source, mock.Mock(), send)  # type: ignore[arg-type]
     statuses.follow({"/a": "/a/status"})

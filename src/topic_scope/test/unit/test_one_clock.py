@@ -122,7 +122,7 @@ def csv_rows(made: Recorder, name: str) -> numpy.ndarray:
 
 
 @pytest.mark.parametrize("late", [0.6, 20.0])
-def test_one_late_message_moves_no_row_of_the_csv_and_is_named(late: float) -> None:
+def test_late_message_does_not_move_other_csv_rows(late: float) -> None:
     stamps = [NOW + 20 * MS * index for index in range(1500)]
     sent = [(when, stamped(when, index)) for index, when in enumerate(stamps)]
     sent[1200][1].header.stamp -= Duration.from_sec(late)
@@ -138,7 +138,7 @@ def test_one_late_message_moves_no_row_of_the_csv_and_is_named(late: float) -> N
 
 @pytest.mark.parametrize("ahead", [600.0, 300.0, 30.0])
 @pytest.mark.parametrize("name", ["/a/point/x", "/a/point/x@stamp"], ids=["chosen", "named"])
-def test_one_stamp_far_ahead_pushes_no_sample_out_and_is_named(ahead: float, name: str) -> None:
+def test_stamp_far_ahead_displaces_no_samples(ahead: float, name: str) -> None:
     stamps = [NOW + 20 * MS * index for index in range(500)]
     sent = [(when, stamped(when, index)) for index, when in enumerate(stamps)]
     sent[100][1].header.stamp += Duration.from_sec(ahead)
@@ -220,7 +220,7 @@ def test_plot_bag_names_the_stamps_that_others_contradict(tmp_path: Path) -> Non
     )
 
 
-def test_an_early_stamp_makes_no_other_sample_too_old() -> None:
+def test_early_stamp_does_not_expire_other_samples() -> None:
     stamps = [NOW + 100 * MS * index for index in range(585)]  # 58.4 s, of which 60 s are kept
     sent = [(when, stamped(when, index)) for index, when in enumerate(stamps)]
     sent[-10][1].header.stamp += Duration(9)
@@ -228,7 +228,7 @@ def test_an_early_stamp_makes_no_other_sample_too_old() -> None:
     assert len(csv_rows(made, "/a/point/x")) == 585
 
 
-def test_a_clock_that_was_set_is_shown_anew_for_each_of_its_topics() -> None:
+def test_set_clock_shifts_all_of_its_topics() -> None:
     """The topic that has not spoken since is moved with the clock as well."""
     sent: Dict[str, List[Tuple[int, PointStamped]]] = {"/a": [], "/b": []}
     for index in range(600):
@@ -251,7 +251,7 @@ def test_a_clock_that_was_set_is_shown_anew_for_each_of_its_topics() -> None:
 TOPIC_FIELDS = ("/a/point/x", "/b/point/x")
 
 
-def test_the_end_of_a_bag_is_waited_for_by_no_message(tmp_path: Path) -> None:
+def test_last_message_of_a_bag_does_not_wait(tmp_path: Path) -> None:
     """The last message is 5 s late: no other will come that could agree with it."""
     stamps = [BEGIN + 10 * MS * index for index in range(800)]
     sent = [("/a", stamped(when, float(n)), when - BEGIN) for n, when in enumerate(stamps)]

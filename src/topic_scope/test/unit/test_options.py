@@ -14,7 +14,7 @@ def test_the_defaults_are_of_this_machine() -> None:
     assert options.is_local and options.url == "http://localhost:8080"
 
 
-def test_fields_are_expanded_wherever_they_stand() -> None:
+def test_fields_are_expanded_in_any_position() -> None:
     options = parse(["/a/x:y", "--port", "8091", "b /c", "__name:=scope", "_port:=8092"])
     assert options.fields == ("/a/x", "/a/y", "/b", "/c")
     assert options.port == 8092
@@ -49,20 +49,20 @@ def test_plots_are_put_into_a_set_up(tmp_path: Path) -> None:
     }
 
 
-def test_the_next_port_will_do_only_when_asked_for() -> None:
+def test_next_port_is_used_only_on_request() -> None:
     assert list(parse([]).ports) == [8080]
     assert list(parse(["--next-port", "--port", "9000"]).ports) == list(range(9000, 9100))
     assert list(parse(["--next-port", "--port", "65534"]).ports) == [65534, 65535]
 
 
 @pytest.mark.parametrize("address", ["0.0.0.0", "10.0.0.7", "::", "lab-7", ""])
-def test_any_other_address_is_open(address: str) -> None:
+def test_other_addresses_are_not_local(address: str) -> None:
     options = parse(["_address:=" + address])
     assert options.address == address and not options.is_local
 
 
 @pytest.mark.parametrize("address", ["127.0.0.1", "127.0.0.2", "::1", "localhost"])
-def test_addresses_of_this_machine_are_not(address: str) -> None:
+def test_loopback_addresses_are_local(address: str) -> None:
     assert is_loopback(address)
 
 
@@ -88,7 +88,7 @@ def test_an_address_with_colons_is_put_in_brackets() -> None:
         ["_port:=x"],
     ],
 )
-def test_what_makes_no_sense_is_refused(
+def test_invalid_arguments_are_rejected(
     arguments: list, capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     with pytest.raises(SystemExit) as caught:
@@ -103,7 +103,7 @@ def test_a_bag_is_named_like_any_option() -> None:
     assert parse([]).bag is None
 
 
-def test_bags_are_laid_over_by_the_names_of_their_files_or_others(tmp_path: Path) -> None:
+def test_overlaid_bags_are_named_by_file_or_option(tmp_path: Path) -> None:
     over = parse(["--over", "a/run.bag", "--over", "b/run.bag:old", "--offset", "-1.5"]).over
     assert over == (OverlayOption("a/run.bag", "run", -1.5), OverlayOption("b/run.bag", "old"))
     (dated,) = parse(["_over:=2026-11-24-16-01-40.bag"]).over
@@ -125,7 +125,7 @@ def test_bags_are_laid_over_by_the_names_of_their_files_or_others(tmp_path: Path
         (["--over", "run.bag", "--offset", "nan"], "'nan' is not a time in s"),
     ],
 )
-def test_what_cannot_be_laid_over_is_refused_in_words(
+def test_invalid_overlay_is_rejected(
     capsys: "pytest.CaptureFixture[str]", words: List[str], said: str
 ) -> None:
     with pytest.raises(SystemExit) as ended:
@@ -152,7 +152,7 @@ def test_a_setup_is_read_from_its_file(tmp_path: Path) -> None:
         ('{"traces": {"/a": 2}}', "not a set-up"),
     ],
 )
-def test_what_is_no_setup_is_refused_in_words(
+def test_invalid_setup_is_rejected(
     tmp_path: Path, capsys: "pytest.CaptureFixture[str]", text: Optional[str], said: str
 ) -> None:
     path = tmp_path / "setup.json"
@@ -165,7 +165,7 @@ def test_what_is_no_setup_is_refused_in_words(
     assert str(path) in error and said in error
 
 
-def test_more_fields_than_a_page_shows_are_refused(capsys: "pytest.CaptureFixture[str]") -> None:
+def test_too_many_fields_are_rejected(capsys: "pytest.CaptureFixture[str]") -> None:
     names = [f"/a/data[{index}]" for index in range(33)]
     assert len(parse(names[:32]).fields) == 32
     with pytest.raises(SystemExit):

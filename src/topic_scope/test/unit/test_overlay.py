@@ -52,7 +52,7 @@ def recording(overlay: BagOverlay, *names: str) -> Recorder:
     return made
 
 
-def test_its_topics_begin_with_its_name_and_live_ones_are_beside_them(overlay: BagOverlay) -> None:
+def test_overlay_topics_have_its_name_as_prefix(overlay: BagOverlay) -> None:
     made = recording(overlay)
     listed = [choice.field for choice in made.choices()]
     assert "/live/data" in listed and "/old/x/data" in listed
@@ -61,7 +61,7 @@ def test_its_topics_begin_with_its_name_and_live_ones_are_beside_them(overlay: B
     assert "/old/j/position[leg]" in listed
 
 
-def test_it_lies_where_it_is_laid_with_all_of_its_samples_however_long_ago(
+def test_overlay_is_shifted_with_all_of_its_samples(
     overlay: BagOverlay,
 ) -> None:
     made = recording(overlay, "/old/x/data")
@@ -73,7 +73,7 @@ def test_it_lies_where_it_is_laid_with_all_of_its_samples_however_long_ago(
     assert (values.tolist(), times[0]) == ([3.0, 4.0, 5.0], pytest.approx(1000.05))
 
 
-def test_it_is_computed_with_and_moves_in_a_view_that_stands_still(overlay: BagOverlay) -> None:
+def test_overlay_works_in_formulas_and_moves_in_a_paused_view(overlay: BagOverlay) -> None:
     name = "=/old/x/data + 1"
     made = recording(overlay, name)
     made.pin({name: (1000.0, 1004.0)})
@@ -83,7 +83,7 @@ def test_it_is_computed_with_and_moves_in_a_view_that_stands_still(overlay: BagO
     assert made.trace(name).silence(NOW) == 0.0  # type: ignore[union-attr]
 
 
-def test_what_is_named_as_a_stamp_counts_by_the_clock_of_the_bag(overlay: BagOverlay) -> None:
+def test_selected_stamp_uses_the_clock_of_the_bag(overlay: BagOverlay) -> None:
     made = recording(overlay, "/old/late/point/x@stamp", "/old/late/point/x@received")
     (stamped,), _ = made.samples("/old/late/point/x@stamp", 0.0, 1e9)
     (received,), _ = made.samples("/old/late/point/x@received", 0.0, 1e9)
@@ -94,13 +94,13 @@ def test_what_is_named_as_a_stamp_counts_by_the_clock_of_the_bag(overlay: BagOve
     assert (trace.rows(0, to_ns(1e9))[2] / NS).tolist() == [stamped]
 
 
-def test_its_samples_stay_when_those_that_came_are_forgotten(overlay: BagOverlay) -> None:
+def test_overlay_samples_survive_a_reset(overlay: BagOverlay) -> None:
     made = recording(overlay, "/old/x/data", "/live/data")
     made.forget()
     assert len(made.samples("/old/x/data", 0.0, 1e9)[0]) == 31 and not overlay.take_wanted()
 
 
-def test_what_it_lacks_is_said_in_words(overlay: BagOverlay) -> None:
+def test_missing_field_of_an_overlay_is_reported(overlay: BagOverlay) -> None:
     names = ("/old/x/data", "/old/x/nothing", "/old/a/data[1]", "/old/a/data[7]")
     made = recording(overlay, *names)
     assert made.problem("/old/x/data") is None and made.problem("/old/a/data[1]") is None
@@ -113,13 +113,13 @@ def test_what_it_lacks_is_said_in_words(overlay: BagOverlay) -> None:
     assert waiting.problem("/old/x/data") == "the bag is being read"
 
 
-def test_a_name_is_found_in_the_bag_be_it_its_own_or_a_live_one(overlay: BagOverlay) -> None:
+def test_overlay_and_live_names_are_found_in_the_bag(overlay: BagOverlay) -> None:
     assert overlay.name_in_bag("/x/data") == overlay.name_in_bag("/old/x/data") == "/x/data"
     assert overlay.name_in_bag("=/old/x/data - 2*/x/data") == "=/x/data - 2 * /x/data"
     assert overlay.name_in_bag("/older/x") == "/older/x"
 
 
-def test_gaps_are_no_lines(tmp_path: Path) -> None:
+def test_gaps_end_lines(tmp_path: Path) -> None:
     messages = [message for message in rising(60) if not 30 <= message[1].data < 50]
     overlay = BagOverlay(write_bag(tmp_path / "gap.bag", messages), "old")
     made = recording(overlay, "/old/x/data")
@@ -127,7 +127,7 @@ def test_gaps_are_no_lines(tmp_path: Path) -> None:
     assert sum(map(math.isnan, values)) == 1 and made.longest_step("/old/x/data") < 1.0
 
 
-def test_a_file_that_is_no_bag_is_refused(tmp_path: Path) -> None:
+def test_non_bag_file_is_rejected(tmp_path: Path) -> None:
     (tmp_path / "x.bag").write_text("no")
     with pytest.raises(BagError, match="x.bag is not a bag"):
         BagOverlay(str(tmp_path / "x.bag"), "old")

@@ -65,7 +65,7 @@ def bench(tmp_path: Path) -> Bench:
     return Bench(tmp_path)
 
 
-def test_what_is_wanted_is_read_beside_the_web_and_then_told(bench: Bench) -> None:
+def test_requested_traces_are_read_in_a_worker_and_reported(bench: Bench) -> None:
     trace = bench.bag.trace("/old/x", ("data",), "", "")
     bench.overlays.read_wanted()
     assert trace.problem == "the bag is being read"
@@ -77,7 +77,7 @@ def test_what_is_wanted_is_read_beside_the_web_and_then_told(bench: Bench) -> No
     assert later.problem is None and bench.changes == 2
 
 
-def test_a_bag_that_breaks_meanwhile_is_told_in_its_row(bench: Bench) -> None:
+def test_bag_damaged_meanwhile_is_reported_in_its_row(bench: Bench) -> None:
     trace = bench.bag.trace("/old/x", ("data",), "", "")
     Path(bench.bag.path).unlink()
     bench.overlays.read_wanted()
@@ -85,7 +85,7 @@ def test_a_bag_that_breaks_meanwhile_is_told_in_its_row(bench: Bench) -> None:
     assert "old.bag: No such file" in str(trace.problem) and bench.changes == 1
 
 
-def test_it_is_laid_by_an_offset_and_at_a_begin(bench: Bench) -> None:
+def test_bag_is_shifted_by_offset_and_begin(bench: Bench) -> None:
     bench.overlays.begin_at(100.0)
     bag_state = bench.bag_state()
     assert (bag_state["name"], bag_state["file"], bag_state["length"]) == ("old", "old.bag", 2.0)
@@ -108,7 +108,7 @@ def test_it_is_laid_by_an_offset_and_at_a_begin(bench: Bench) -> None:
         ({"level": 0.25}, TraceScale(steps=True), 0.3),
     ],
 )
-def test_it_is_aligned_where_it_would_trigger_the_page(
+def test_bag_is_aligned_at_its_first_crossing(
     bench: Bench, changes: Any, scale: TraceScale, crossing: float
 ) -> None:
     bench.trigger(**changes)
@@ -120,7 +120,9 @@ def test_it_is_aligned_where_it_would_trigger_the_page(
 
 
 @pytest.mark.parametrize("field", ["/x/data", "=/x/data * 1"])
-def test_behind_a_gap_it_is_aligned_where_the_line_goes_on(tmp_path: Path, field: str) -> None:
+def test_after_a_gap_the_bag_is_aligned_where_the_line_continues(
+    tmp_path: Path, field: str
+) -> None:
     bench = Bench(tmp_path, range(3, 10))
     bench.trigger(field=field)
     bench.overlays.lay(bench.page, OverlayRequest("old", trigger=300.0))
@@ -128,7 +130,7 @@ def test_behind_a_gap_it_is_aligned_where_the_line_goes_on(tmp_path: Path, field
     assert bench.bag.place + 1.0 == pytest.approx(300.0)
 
 
-def test_what_cannot_be_aligned_is_said_by_name(bench: Bench) -> None:
+def test_failed_alignment_is_reported_by_name(bench: Bench) -> None:
     with pytest.raises(RequestError, match="no bag new; there are old"):
         bench.overlays.lay(bench.page, OverlayRequest("new", offset=1.0))
     with pytest.raises(RequestError, match="no trigger"):

@@ -21,7 +21,7 @@ from topic_scope.sampling.traces import Stream
 
 
 @pytest.mark.parametrize("own", [5.0, 1700000.0])
-def test_a_type_with_a_clock_of_its_own_goes_on_where_the_one_before_ended(own: float) -> None:
+def test_type_with_another_clock_continues_the_trace(own: float) -> None:
     """The samples before go by the scope's clock: they have their time, and then are forgotten."""
     source = FakeSource()
     source.time = 1.7e9
@@ -58,7 +58,7 @@ def test_a_clock_that_is_set_back_within_a_batch_begins_a_new_line() -> None:
     numpy.testing.assert_allclose(numpy.delete(times, 20), received, atol=1e-3)
 
 
-def test_a_header_without_a_stamp_is_no_time_and_one_with_it_is_from_then_on() -> None:
+def test_unset_stamp_is_ignored_until_stamps_are_set() -> None:
     stream = Stream("/a", "")
     trace = stream.record(("point", "x"), 100.0)
 
@@ -85,7 +85,7 @@ def test_a_header_without_a_stamp_is_no_time_and_one_with_it_is_from_then_on() -
 
 
 @pytest.mark.parametrize("speed", [0.5, 2.0])
-def test_what_stands_still_stays_there_while_a_simulation_goes_at_another_speed(
+def test_paused_span_stays_during_a_simulation_at_another_speed(
     speed: float,
 ) -> None:
     source = FakeSource()

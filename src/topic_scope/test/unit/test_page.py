@@ -13,7 +13,7 @@ from topic_scope.protocol.requests import Chart, Measure, View
 from topic_scope.protocol.scaling import Scaling, TraceScale
 
 
-def test_news_replaces_what_was_not_read() -> None:
+def test_newer_message_replaces_an_unread_one() -> None:
     page = Page(10.0)
     for index in range(1000):
         page.put({"type": "value", "value": index}, "/node", "a")
@@ -27,7 +27,7 @@ def test_news_replaces_what_was_not_read() -> None:
     assert page.pop_messages() == []
 
 
-def test_what_is_said_once_comes_first_and_is_limited() -> None:
+def test_one_time_messages_come_first_and_are_limited() -> None:
     page = Page(10.0)
     page.put({"type": "value"})
     for index in range(1000):
@@ -37,7 +37,7 @@ def test_what_is_said_once_comes_first_and_is_limited() -> None:
     assert [message["text"] for message in messages[:-1]] == [str(n) for n in range(950, 1000)]
 
 
-def test_a_page_whose_frames_take_long_gets_them_less_often() -> None:
+def test_page_with_slow_frames_gets_fewer() -> None:
     page = Page(10.0)
     assert page.is_due(0.0)
     page.took(100.0, 100.5)
@@ -61,7 +61,7 @@ def test_long_frames_get_no_more_than_their_share() -> None:
     assert 2.4 < worked < 2.6
 
 
-def test_figures_over_time_begin_anew_where_they_would_mix_what_differs() -> None:
+def test_statistics_over_time_restart_after_changes() -> None:
     names = ("/a/data", "/b/data")
     source, page = TimedSource(), Page(1.0)
     made = recording(source, *names)
@@ -93,7 +93,7 @@ def test_figures_over_time_begin_anew_where_they_would_mix_what_differs() -> Non
     assert counts() == (1, 1)
 
 
-def test_the_picture_of_a_page_that_stands_still_agrees_with_its_figures_however_long(
+def test_paused_page_keeps_plot_and_figures_consistent(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     """A formula that looks 5 s ahead ends 5 s after the pause, and is kept."""

@@ -50,7 +50,7 @@ def shown(name: str) -> Any:
     return entries[name]
 
 
-def test_a_panel_says_what_was_declared() -> None:
+def test_panel_shows_the_declarations() -> None:
     message = panel().message()
     assert message["node"] == NODE
     assert message["services"] == [{"name": NODE + "/reset", "kind": "Trigger"}]
@@ -115,7 +115,7 @@ def test_a_list_is_written_as_yaml(value: Any, expected: Any) -> None:
 @pytest.mark.parametrize(
     "value", ["1.0", "[1", "[1, x]", "{a: 1}", 5, "!!python/object/new:list [[1]]"]
 )
-def test_what_is_no_list_is_refused(value: Any) -> None:
+def test_non_list_is_rejected(value: Any) -> None:
     with pytest.raises(ParameterError, match="must be a list of 0 to 1000 elements, each a number"):
         panel().check("marks", value)
 
@@ -133,7 +133,7 @@ def test_bytes_are_shown_and_written_as_yaml() -> None:
             locked.check("key", value)
 
 
-def test_follows_what_is_allowed_only() -> None:
+def test_panel_follows_valid_values_only() -> None:
     followed = panel()
     raw = {"level": -1, "count": 5, "on": True, "shape": "wavy", "marks": [4.0], "other": 1}
     assert sorted(followed.follow(raw)) == ["count", "marks", "on"]
@@ -155,6 +155,6 @@ GOOD = {"name": "a", "value": 1, "type": "int", "unit": "", "help": "", "minimum
         {"name": "a"},
     ],
 )
-def test_a_description_that_makes_no_sense_is_refused(entry: Mapping[str, Any]) -> None:
+def test_invalid_description_is_rejected(entry: Mapping[str, Any]) -> None:
     with pytest.raises(DescriptionError):
         Panel(NODE, [entry], {})

@@ -54,7 +54,7 @@ def write_with_faults(path: Path) -> str:
     return str(path)
 
 
-def test_bad_topics_cost_themselves_only(tmp_path: Path, run: Any) -> None:
+def test_bad_topics_do_not_affect_others(tmp_path: Path, run: Any) -> None:
     path = write_with_faults(tmp_path / "x.bag")
     status, said, written = run(path, "/good")
     assert (status, said) == (0, "")
@@ -108,7 +108,7 @@ def write_with_a_broken_chunk(path: Path, number: int) -> str:
 
 
 @pytest.mark.parametrize("number", [0, 1])
-def test_broken_chunk_costs_its_own_messages(tmp_path: Path, run: Any, number: int) -> None:
+def test_damaged_chunk_loses_only_its_messages(tmp_path: Path, run: Any, number: int) -> None:
     path = write_with_a_broken_chunk(tmp_path / "x.bag", number)
     status, said, written = run(path, "/x")
     assert status == 1 and said.count("\n") == 1
@@ -143,7 +143,7 @@ def test_topic_whose_chunks_are_all_broken_is_a_fault(tmp_path: Path, run: Any) 
     assert run(str(path), "/x")[0] == 0
 
 
-def test_message_that_is_cut_off_costs_itself(tmp_path: Path, run: Any) -> None:
+def test_truncated_message_is_left_out(tmp_path: Path, run: Any) -> None:
     with rosbag.Bag("x.bag", "w") as bag:
         for number, data in enumerate([b"\0" * 8, b"\0\0", b"\0" * 8]):
             raw = (Float64._type, data, Float64._md5sum, Float64)
@@ -155,7 +155,7 @@ def test_message_that_is_cut_off_costs_itself(tmp_path: Path, run: Any) -> None:
     assert written.splitlines()[1:] == rows
 
 
-def test_message_whose_length_is_broken_costs_itself_only(tmp_path: Path, run: Any) -> None:
+def test_message_with_a_damaged_length_is_left_out(tmp_path: Path, run: Any) -> None:
     """All messages of a small bag stand in one chunk."""
     path = tmp_path / "x.bag"
     with rosbag.Bag(str(path), "w") as bag:
@@ -189,7 +189,7 @@ def names(path: str, *expressions: str) -> List[str]:
         return [column.name for column in choose(list(expressions), first_messages(bag))]
 
 
-def test_topic_with_an_odd_name_stands_in_quotes(tmp_path: Path, run: Any) -> None:
+def test_topic_with_special_characters_is_quoted(tmp_path: Path, run: Any) -> None:
     messages: List[Any] = [
         (topic, Float64(value), time)
         for time in (0, 10**9)
@@ -217,7 +217,7 @@ def test_topic_with_an_odd_name_stands_in_quotes(tmp_path: Path, run: Any) -> No
     assert (status, '"/a-b"/field' in said) == (2, True)
 
 
-def test_field_that_is_named_as_another_topic_stands_in_quotes(tmp_path: Path, run: Any) -> None:
+def test_ambiguous_field_is_quoted(tmp_path: Path, run: Any) -> None:
     messages: List[Any] = [("/imu/data", Float64(1.0), 0), ("/imu/data/data", Float64(2.0), 10)]
     path = write_bag(tmp_path / "x.bag", messages)
     assert names(path, '"/imu/data"', "/imu/data/data", "/imu/data") == [

@@ -35,7 +35,7 @@ def test_a_sine_has_its_frequency(hertz: float, angle: float, mean: float) -> No
 @settings(max_examples=30)
 @given(st.floats(100.0, 2000.0), st.floats(0.0, 1.0), st.floats(1e-3, 1e3), st.floats(-3.0, 3.0))
 @example(100.0, 0.0, 1.0, 0.0)
-def test_two_periods_tell_the_frequency_wherever_they_begin(
+def test_two_periods_determine_the_frequency_at_any_start(
     rate: float, begin: float, peak: float, mean: float
 ) -> None:
     # In 2 s, less what has not come yet.
@@ -53,7 +53,7 @@ def test_two_periods_tell_the_frequency_wherever_they_begin(
     st.floats(0.0, 6.28),
 )
 @example(2.0, 500.0, 20.0, 0.025, 0.0)
-def test_a_mean_that_drifts_changes_no_frequency(
+def test_drifting_mean_does_not_change_the_frequency(
     hertz: float, samples: float, periods: float, drift: float, angle: float
 ) -> None:
     """The drift is a part of the amplitude in each period."""
@@ -81,7 +81,7 @@ def test_a_tone_beside_a_larger_one_makes_it_not_periodic_enough() -> None:
     assert frequency(times, values) == NOT_ENOUGH
 
 
-def test_noise_on_a_sine_makes_no_periods() -> None:
+def test_noise_on_a_sine_does_not_change_its_frequency() -> None:
     times = numpy.arange(0.0, 5.0, 0.001)
     values = numpy.sin(2 * math.pi * 3.0 * times)
     values += numpy.random.RandomState(1).uniform(-0.05, 0.05, len(times))
@@ -98,9 +98,7 @@ def test_a_square_wave_has_its_frequency() -> None:
 @given(st.integers(0, 390), st.integers(20, 300), st.floats(0.5, 2.0))
 @example(297, 300, 0.5)  # one rise before the gap, one behind it
 @example(305, 264, 0.5113)  # a rise that begins before the gap
-def test_periods_that_are_broken_by_a_gap_do_not_count(
-    begin: int, length: int, hertz: float
-) -> None:
+def test_periods_across_a_gap_are_ignored(begin: int, length: int, hertz: float) -> None:
     times = 1.7e9 + 0.01 * numpy.arange(1000)
     values = numpy.sin(2 * math.pi * hertz * times)
     for broken in (False, True):  # no samples, or such that are no numbers
@@ -121,7 +119,7 @@ def test_few_samples_in_a_period_are_enough(hertz: float, part: float) -> None:
 
 
 @pytest.mark.parametrize("other", [0.3, 0.8, 3.0])
-def test_what_crosses_its_mean_twice_in_a_period_has_the_whole_one(other: float) -> None:
+def test_two_crossings_in_a_period_give_the_whole_period(other: float) -> None:
     times = 1.7e9 + numpy.arange(1000) / 100.0
     turns = 2 * math.pi * 3.0 * times
     values = numpy.sin(turns) + other * numpy.sin(2.0 * turns + 1.0)
@@ -137,7 +135,7 @@ def test_noise_has_no_frequency(seed: int, count: int) -> None:
 
 
 @pytest.mark.parametrize("last", [2.0, 5.0, 20.0])
-def test_what_changes_its_pace_has_no_frequency(last: float) -> None:
+def test_chirp_has_no_frequency(last: float) -> None:
     times = numpy.arange(1000) / 100.0
     values = numpy.sin(2 * math.pi * (times + (last - 1.0) / 20.0 * times**2))
     assert frequency(times, values) == NO_PERIOD
@@ -150,7 +148,7 @@ def test_two_tones_have_no_frequency() -> None:
 
 
 @pytest.mark.parametrize("values", [[1.0], [2.0, 2.0, 2.0]])
-def test_what_stands_has_no_frequency(values: List[float]) -> None:
+def test_constant_trace_has_no_frequency(values: List[float]) -> None:
     assert frequency(numpy.arange(float(len(values))), numpy.array(values)) == STANDS
 
 
@@ -159,7 +157,7 @@ def test_one_period_is_too_few() -> None:
     assert frequency(times, numpy.sin(2 * math.pi * 0.1 * times)) == TOO_SHORT
 
 
-def test_noise_is_refused_at_little_cost() -> None:
+def test_noise_is_rejected_at_little_cost() -> None:
     """Ten traces at 1 kHz are measured three times a second; sorting says how fast a machine is."""
     times = 1.7e9 + numpy.arange(10_000) / 1000.0
     noise = numpy.random.RandomState(1).standard_normal(10_000)

@@ -105,7 +105,7 @@ def test_pictures(bag: str, monkeypatch: "pytest.MonkeyPatch", name: str, begin:
         (["/j/position[tail]", "-o", "out.csv"], "no element of position is named tail"),
     ],
 )
-def test_refusals(
+def test_error_messages(
     bag: str,
     monkeypatch: "pytest.MonkeyPatch",
     capsys: "pytest.CaptureFixture[str]",
@@ -115,15 +115,13 @@ def test_refusals(
     assert text in failure(monkeypatch, capsys, bag, *arguments)
 
 
-def test_elements_that_are_there_at_times_are_written(
-    bag: str, monkeypatch: "pytest.MonkeyPatch"
-) -> None:
+def test_intermittent_elements_are_written(bag: str, monkeypatch: "pytest.MonkeyPatch") -> None:
     call(monkeypatch, bag, "/a/data[2]", "/j/position[leg]", "-o", "out.csv")
     rows = sorted(Path("out.csv").read_text().splitlines()[1:])
     assert rows == ["0.000000000,,", "1.000000000,,", "1.000000000,,2.0", "2.000000000,0.5,"]
 
 
-def test_more_lines_than_can_be_told_apart_are_refused(
+def test_too_many_lines_are_rejected(
     tmp_path: Path, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -172,7 +170,7 @@ def test_progress_is_shown_of_long_bags_on_a_terminal(
     assert ("0 % |" in error.getvalue()) == shown
 
 
-def test_without_matplotlib_it_says_what_to_install_and_csv_works(
+def test_missing_matplotlib_is_reported_and_csv_works(
     bag: str, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     monkeypatch.delitem(sys.modules, "topic_scope.bag.plot", raising=False)
@@ -203,7 +201,7 @@ def test_formulas_are_drawn(bag: str, monkeypatch: "pytest.MonkeyPatch") -> None
     assert "/x/data-/y/data" in drawn and "=-/x/data + 1" in drawn
 
 
-def test_formulas_are_written_in_the_rows_of_the_messages_that_give_them_their_times(
+def test_formula_values_are_in_the_rows_of_their_stamps(
     bag: str, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     formulas = ["=max(10*/x, 15)", "=delay(/x, 0.5)", "/y/data-/x/data", "=2*/j/position[leg]"]
@@ -250,7 +248,7 @@ def test_stamps_are_exact_to_the_nanosecond_in_the_rows_of_formulas(
     assert rows == ["0.000000000,0.0,1.0", "0.099999999,1.0,2.0"]
 
 
-def test_what_is_corrected_is_said(
+def test_corrections_are_reported(
     tmp_path: Path, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     messages: List[Any] = []
@@ -267,7 +265,7 @@ def test_what_is_corrected_is_said(
     assert Path("out.svg").read_text().count(f"({words})") == 2
 
 
-def test_what_is_wrong_with_a_formula_is_said(
+def test_formula_errors_are_reported(
     bag: str, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     assert failure(monkeypatch, capsys, bag, "=/x +", "-o", "out.csv") == (
@@ -293,7 +291,7 @@ def drawn(monkeypatch: "pytest.MonkeyPatch", *arguments: str) -> List[Any]:
     return list(pictures[0])
 
 
-def test_another_bag_is_laid_over_with_an_offset(
+def test_another_bag_is_overlaid_with_an_offset(
     tmp_path: Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     monkeypatch.chdir(tmp_path)

@@ -46,7 +46,7 @@ class Connection:
         self._topic.receive_callback(self.transport.receive_once(), self.transport)
 
 
-def test_steady_clock_is_right_where_it_was_interrupted_between_two_readings() -> None:
+def test_steady_clock_tolerates_an_interruption_between_readings() -> None:
     now = [1000.0]
     interruptions = iter([0.3, 0.2])
 
@@ -79,7 +79,7 @@ def opened(stack: contextlib.ExitStack) -> RawSubscription:
     return subscription
 
 
-def test_messages_come_out_as_they_came_in(
+def test_messages_are_returned_unchanged(
     subscription: RawSubscription, stack: contextlib.ExitStack
 ) -> None:
     connection = Connection(stack)
@@ -92,7 +92,7 @@ def test_messages_come_out_as_they_came_in(
     assert subscription.drain() == []
 
 
-def test_a_subscription_that_comes_later_has_what_is_latched(
+def test_later_subscription_gets_latched_messages(
     subscription: RawSubscription, stack: contextlib.ExitStack
 ) -> None:
     connection = Connection(stack)
@@ -102,7 +102,7 @@ def test_a_subscription_that_comes_later_has_what_is_latched(
     assert batch.messages == [packet(1.0)[4:]]
 
 
-def test_what_comes_takes_no_more_memory_than_it_has(
+def test_queued_messages_take_little_memory(
     subscription: RawSubscription, stack: contextlib.ExitStack
 ) -> None:
     connection = Connection(stack)
@@ -115,7 +115,7 @@ def test_what_comes_takes_no_more_memory_than_it_has(
     assert most < DEFAULT_BUFF_SIZE / 4
 
 
-def test_messages_of_two_publishers_are_told_apart(
+def test_messages_of_two_publishers_are_separate(
     subscription: RawSubscription, stack: contextlib.ExitStack
 ) -> None:
     one, other = Connection(stack, "/one"), Connection(stack, "/other")
@@ -130,7 +130,7 @@ def test_messages_of_two_publishers_are_told_apart(
 
 
 @pytest.mark.parametrize("kind, heard", [("String", ["idle"]), ("Float32", [])])
-def test_what_a_node_says_of_itself_is_heard_beside_a_raw_subscription(
+def test_raw_and_usual_subscriptions_coexist(
     subscription: RawSubscription, stack: contextlib.ExitStack, kind: str, heard: List[str]
 ) -> None:
     tell = mock.Mock()
@@ -148,9 +148,7 @@ def test_what_a_node_says_of_itself_is_heard_beside_a_raw_subscription(
     assert len(subscription.drain()[0].messages) == 1
 
 
-def test_what_waits_is_bounded_and_takes_a_hundred_bytes_each(
-    subscription: RawSubscription, stack: contextlib.ExitStack
-) -> None:
+def test_queue_is_bounded(subscription: RawSubscription, stack: contextlib.ExitStack) -> None:
     connection = Connection(stack)
     tracemalloc.start()
     try:
@@ -171,7 +169,7 @@ def test_what_waits_is_bounded_and_takes_a_hundred_bytes_each(
     assert f"{TOPIC} is too fast" in text % tuple(values)
 
 
-def test_a_topic_that_is_heard_as_another_type_keeps_no_other_out(
+def test_subscription_of_another_type_does_not_block(
     stack: contextlib.ExitStack,
 ) -> None:
     subscriptions = RawSubscriptions(SteadyClock())

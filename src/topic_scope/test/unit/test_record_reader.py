@@ -52,7 +52,7 @@ def test_reads_what_was_written(message: Any) -> None:
 
 @settings(max_examples=30)
 @given(st.sampled_from(messages()), st.data())
-def test_what_is_cut_off_or_wrong_is_refused_and_costs_nothing(message: Any, data: Any) -> None:
+def test_truncated_or_corrupt_message_is_rejected_cheaply(message: Any, data: Any) -> None:
     reader, whole = MessageReader(layout_of(type(message))), serialized(message)
     end = data.draw(st.integers(0, len(whole) - 1))
     with pytest.raises(CutOff):
@@ -64,7 +64,7 @@ def test_what_is_cut_off_or_wrong_is_refused_and_costs_nothing(message: Any, dat
         pass
 
 
-def test_any_number_of_elements_without_a_size_is_refused() -> None:
+def test_unbounded_count_of_empty_elements_is_rejected() -> None:
     separator = "\n" + "=" * 80 + "\n"
     layout = parse("a/B", f"Empty[] all{separator}MSG: a/Empty\n")
     with pytest.raises(CutOff):

@@ -83,7 +83,7 @@ def values(made: Recorder, name: str = "/a/data") -> List[float]:
     return list(made.samples(name, 0.0, 1e9)[1])
 
 
-def test_records_what_is_wanted_and_listens_to_no_more() -> None:
+def test_only_requested_fields_are_subscribed_and_recorded() -> None:
     source = FakeSource()
     made = recording(source, "/a/data", "/d/later")
     assert source.wanted == ["/a", "/c"] and source.is_more  # the latter to learn its type
@@ -106,7 +106,7 @@ def test_a_type_that_changes_is_read_by_its_own_definition() -> None:
     assert values(made) == [1.0, 0.1, 3.0]
 
 
-def test_what_nobody_wants_any_more_is_kept_for_the_history() -> None:
+def test_unrequested_field_is_kept_for_the_history() -> None:
     source = FakeSource()
     made = recording(source, "/a/data")
     source.send(Float32, 1.0)
@@ -117,7 +117,7 @@ def test_what_nobody_wants_any_more_is_kept_for_the_history() -> None:
     assert values(made) == [] and source.wanted == ["/c"]
 
 
-def test_a_mean_is_told_only_where_all_of_its_samples_are_kept() -> None:
+def test_mean_needs_all_of_its_samples() -> None:
     source = FakeSource()
     made = recording(source, "=mean(/a/data, 2)", "=mean(/a/data, 15)")
     for second in range(30):
@@ -134,7 +134,7 @@ def test_a_mean_is_told_only_where_all_of_its_samples_are_kept() -> None:
     assert not len(made.samples("=mean(/a/data, 15)", -math.inf, math.inf)[0])
 
 
-def test_what_looks_ahead_is_told_only_where_both_sides_are_kept() -> None:
+def test_look_ahead_needs_samples_on_both_sides() -> None:
     source = FakeSource()
     around = {name: f"=highest(/a/data, {name})" for name in (4, 6)}
     made = recording(source, *around.values(), "=delay(/a/data, -11)")
@@ -152,7 +152,7 @@ def test_what_looks_ahead_is_told_only_where_both_sides_are_kept() -> None:
     assert problem and problem.startswith("it needs 0 s before and 11 s after each, and")
 
 
-def test_what_is_forgotten_is_wanted_all_the_same() -> None:
+def test_fields_stay_requested_after_a_reset() -> None:
     source = FakeSource()
     made = recording(source, "/a/data")
     source.send(Float32, 1.0, 2.0)
@@ -178,7 +178,7 @@ def test_the_number_of_traces_is_limited() -> None:
     assert not made.trace("/b/data[0]")
 
 
-def test_traces_that_are_looked_at_are_not_forgotten_for_others() -> None:
+def test_shown_traces_are_not_dropped_for_others() -> None:
     source = FakeSource()
     made = recording(source)
     names = [f"/b/data[{index}]" for index in range(recorder.TRACES)]
@@ -200,7 +200,7 @@ def test_the_number_of_fields_that_are_listed_is_limited() -> None:
     assert len(listed) == recorder.LISTED == 5000
 
 
-def test_the_number_of_topics_that_are_heard_to_learn_their_type_is_limited() -> None:
+def test_number_of_topics_subscribed_for_their_type_is_limited() -> None:
     source = FakeSource()
     made = recording(source)
     made.set_topics({f"/n{number}": "nowhere/Thing" for number in range(100)})
@@ -209,7 +209,7 @@ def test_the_number_of_topics_that_are_heard_to_learn_their_type_is_limited() ->
     assert "/n99" in source.wanted
 
 
-def test_lists_elements_by_name_as_soon_as_one_message_has_come() -> None:
+def test_elements_are_listed_by_name_after_the_first_message() -> None:
     source = FakeSource()
     made = recording(source)
     made.set_topics({"/j": "sensor_msgs/JointState"})
@@ -279,7 +279,7 @@ def test_joints_of_two_publishers_have_whole_lines() -> None:
     assert made.longest_step(names[0]) > 0.02
 
 
-def test_says_in_words_what_is_wrong_with_a_field() -> None:
+def test_problems_of_fields_are_reported() -> None:
     source = FakeSource()
     names = ["/a/data", "/a/nothing", "/b/data[2]", "/b/data[3]", "/d/later", "/a/data.yaw"]
     made, buffer = recording(source, *names), io.BytesIO()
@@ -310,7 +310,7 @@ def test_names_are_expanded_as_far_as_they_are_known() -> None:
     assert choices[0] == "/a/data" and "/b/data[0]" in choices
 
 
-def test_the_arrays_of_topics_that_are_gone_are_forgotten() -> None:
+def test_arrays_of_removed_topics_are_dropped() -> None:
     source = FakeSource()
     made = recording(source, "/a/data")
     source.send(Float32, 1.0)

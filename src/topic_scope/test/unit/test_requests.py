@@ -140,7 +140,7 @@ def understood(text: Any) -> Any:
 
 
 @pytest.mark.parametrize("request_, expected", GOOD)
-def test_a_good_request_is_understood(request_: Any, expected: Any) -> None:
+def test_valid_request_is_accepted(request_: Any, expected: Any) -> None:
     assert understood(json.dumps(request_)) == expected
 
 
@@ -204,7 +204,7 @@ def test_a_good_request_is_understood(request_: Any, expected: Any) -> None:
         "select",
     ],
 )
-def test_a_bad_request_is_refused_in_words(request_: Any) -> None:
+def test_invalid_request_is_rejected_with_a_reason(request_: Any) -> None:
     with pytest.raises(RequestError, match="[a-z]"):
         understood(json.dumps(request_))
 
@@ -226,12 +226,12 @@ def test_a_mask_that_could_never_check_is_rejected(changes: Any, sentence: str) 
 
 @settings(max_examples=30)
 @given(st.text(max_size=200) | st.binary(max_size=50))
-def test_garbage_is_refused(text: Any) -> None:
+def test_garbage_is_rejected(text: Any) -> None:
     with pytest.raises(RequestError):
         understood(text)
 
 
-def test_json_that_is_nested_too_deeply_is_refused() -> None:
+def test_deeply_nested_json_is_rejected() -> None:
     with pytest.raises(RequestError):
         understood("[" * 60000)
 
@@ -248,7 +248,7 @@ def test_json_that_is_nested_too_deeply_is_refused() -> None:
         max_size=6,
     ),
 )
-def test_whatever_the_values_a_request_is_understood_or_refused(kind: str, values: Any) -> None:
+def test_request_with_any_values_is_accepted_or_rejected(kind: str, values: Any) -> None:
     try:
         wanted = understood(json.dumps({**values, "type": kind}))
     except RequestError:

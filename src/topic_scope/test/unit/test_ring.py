@@ -49,7 +49,7 @@ def content(ring: Ring, start: float = -9.0, end: float = 1e9) -> List[Tuple[flo
 
 @settings(max_examples=30)
 @given(BATCHES)
-def test_what_is_younger_than_the_history_is_kept(batches: list) -> None:
+def test_samples_within_the_history_are_kept(batches: list) -> None:
     ring = Ring(HISTORY)
     everything = filled(ring, batches)
     recent = [item for item in everything if item[0] >= everything[-1][0] - HISTORY]
@@ -83,7 +83,7 @@ def test_the_history_includes_its_end() -> None:
 
 
 @pytest.mark.parametrize("batch", [1000, 1 << 18, LIMIT - 1, LIMIT, 3 * LIMIT])
-def test_no_trace_takes_more_than_its_memory_however_quick_it_is(batch: int) -> None:
+def test_memory_of_a_fast_trace_is_bounded(batch: int) -> None:
     ring, largest = Ring(60.0), 0
     for start in range(0, 3 * LIMIT, batch):
         times = ((start + numpy.arange(batch)) * 1e-6).round(9)
@@ -104,7 +104,7 @@ def test_memory_stays_what_the_history_needs() -> None:
 
 
 @pytest.mark.parametrize("slow", [1, 10, 100])
-def test_memory_goes_back_when_a_topic_is_quick_no_more(slow: int) -> None:
+def test_memory_is_released_when_a_topic_slows_down(slow: int) -> None:
     ring, sizes, everything = Ring(HISTORY), [], []
     for second in range(30):
         times = second + numpy.arange(20000 if second < 15 else slow) / 20000.0
@@ -120,7 +120,7 @@ def test_memory_goes_back_when_a_topic_is_quick_no_more(slow: int) -> None:
 
 @settings(max_examples=30)
 @given(st.lists(st.lists(seconds(9.0), max_size=20), max_size=20))
-def test_what_is_late_is_sorted_in_with_the_time_it_was_received(batches: list) -> None:
+def test_late_samples_are_sorted_in_with_their_receipt_times(batches: list) -> None:
     ring, everything = Ring(1e6), []
     for batch in batches:
         numbers = numpy.arange(len(everything), len(everything) + len(batch), dtype=float)
@@ -132,7 +132,7 @@ def test_what_is_late_is_sorted_in_with_the_time_it_was_received(batches: list) 
     ]
 
 
-def test_what_is_moved_makes_a_line_of_its_own() -> None:
+def test_shifted_samples_end_their_line() -> None:
     ring = Ring(HISTORY)
     filled(ring, [[(7.0, 1.0), (1.0, 2.0)]])
     ring.move(to_ns(-8.5))
@@ -142,7 +142,7 @@ def test_what_is_moved_makes_a_line_of_its_own() -> None:
 
 @settings(max_examples=30)
 @given(BATCHES, BATCHES, seconds(40.0), seconds(40.0))
-def test_what_is_pinned_is_kept_however_long_ago_it_was(
+def test_pinned_samples_are_kept_beyond_the_history(
     first: list, later: list, start: float, length: float
 ) -> None:
     ring = Ring(HISTORY)
@@ -168,7 +168,7 @@ def test_what_is_pinned_is_kept_however_long_ago_it_was(
     seconds(40.0),
     seconds(40.0),
 )
-def test_what_comes_into_a_pinned_span_later_is_kept_as_well(
+def test_late_samples_of_a_pinned_span_are_kept(
     first: list, later: list, start: float, length: float
 ) -> None:
     ring = Ring(HISTORY)

@@ -24,7 +24,7 @@ def place(tmp_path: Path, monkeypatch: "pytest.MonkeyPatch") -> Path:
 
 
 @pytest.mark.parametrize("begin", [b"\x89MCAP0\r\n", b"SQLite format 3\0", None])
-def test_without_it_a_recording_is_refused_with_what_to_type(
+def test_missing_library_is_reported_with_its_command(
     tmp_path: Path, place: Path, begin: Any, monkeypatch: "pytest.MonkeyPatch", capsys: Any
 ) -> None:
     path = tmp_path / "run"
@@ -46,7 +46,7 @@ def test_without_it_a_recording_is_refused_with_what_to_type(
     assert (ended.value.code, capsys.readouterr().err) == (2, f"plot_bag: {said}\n")
 
 
-def test_folder_without_recordings_is_none(tmp_path: Path) -> None:
+def test_folder_without_recordings_is_rejected(tmp_path: Path) -> None:
     with pytest.raises(BagError, match="Is a directory"):
         open_bag(str(tmp_path))
 
@@ -64,7 +64,7 @@ def run(folder: Path, status: int, output: str) -> Any:
     return call
 
 
-def test_it_is_there_as_a_whole_or_not_at_all(
+def test_installation_is_atomic(
     place: Path, monkeypatch: "pytest.MonkeyPatch", capsys: Any
 ) -> None:
     monkeypatch.setattr("sys.argv", ["fetch_rosbags.py"])

@@ -23,14 +23,14 @@ def samples(name: str, start: float, end: float) -> Samples:
     return TIMES[inside], VALUES[inside]
 
 
-def test_all_that_is_not_scaled_is_as_it_came() -> None:
+def test_unscaled_traces_are_unchanged() -> None:
     assert Scaling().scaled(samples) is samples
     assert Scaling({"/a": TraceScale(steps=True)}).scaled(samples) is samples
     times, values = Scaling({"/a": TraceScale(2.0)}).scaled(samples)("/b", 1.0, 2.0)
     assert times.tolist() == [1.0, 2.0] and values[0] == 4.0
 
 
-def test_what_is_scaled_is_multiplied_first() -> None:
+def test_gain_is_applied_before_offset() -> None:
     scaled = Scaling(
         {"/a": TraceScale(-2.0, 0.5), "/c": TraceScale(1e300), "/d": TraceScale(offset=1.0)}
     )
@@ -108,6 +108,6 @@ def test_a_request_is_read() -> None:
         {f"/a{number}": {} for number in range(TRACES + 1)},
     ],
 )
-def test_a_request_that_makes_no_sense_is_refused(traces: Tuple[Any, ...]) -> None:
+def test_invalid_request_is_rejected(traces: Tuple[Any, ...]) -> None:
     with pytest.raises(RequestError):
         scaling_of({"traces": traces})

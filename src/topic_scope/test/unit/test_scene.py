@@ -71,7 +71,7 @@ def test_robots_have_place_heading_and_speed_until_they_are_silent() -> None:
     assert shown.moving(12.0)["robots"] == []
 
 
-def test_a_scan_is_where_its_laser_is() -> None:
+def test_scan_is_placed_at_its_laser() -> None:
     shown = Scene()
     receive(shown, "/robot1/odom", odometry(1.0, 0.0, math.pi / 2, "robot1/odom"))
     receive(shown, "/robot1/scan", scan("robot1/laser", 1.0, math.inf, math.nan, 0.05, 3.0))
@@ -84,7 +84,7 @@ def test_a_scan_is_where_its_laser_is() -> None:
     assert shown.moving(5.0)["scans"] == []
 
 
-def test_a_scan_of_many_rays_is_thinned_out_and_of_no_sense_is_empty() -> None:
+def test_scan_is_thinned_out_and_an_invalid_scan_is_empty() -> None:
     shown = Scene()
     receive(shown, "/odom", odometry(0.0, 0.0, 0.0))
     receive(shown, "/scan", scan("base", *[1.0] * 5000))
@@ -112,7 +112,7 @@ def test_markers_come_and_go_one_by_one() -> None:
     assert len(shown.standing(0.0)["markers"]) == 1
 
 
-def test_a_marker_is_there_as_long_as_it_lasts() -> None:
+def test_marker_expires_after_its_lifetime() -> None:
     shown = Scene()
     brief = Marker(ns="brief", type=Marker.CUBE, lifetime=rospy.Duration(0.5))
     receive(shown, "/world", MarkerArray([brief, Marker(ns="lasting", type=Marker.SPHERE)]), 10.0)
@@ -126,7 +126,7 @@ def test_a_marker_is_there_as_long_as_it_lasts() -> None:
     assert kinds(11.0) == ["disc"] == kinds(1e9)
 
 
-def test_what_topics_that_are_gone_have_told_of_frames_is_forgotten() -> None:
+def test_frames_of_removed_topics_are_dropped() -> None:
     shown = Scene()
     topics = ["/a/odom", "/goal", "/tf", "/tf_static"]
     goal = PoseStamped()
@@ -169,7 +169,7 @@ def test_paths_and_goals() -> None:
 STATUS = "string robot_name\nuint8 mode\nfloat32[] sensor_readings\n"
 
 
-def test_a_status_is_known_by_its_fields() -> None:
+def test_status_is_recognised_by_its_fields() -> None:
     assert scene.is_status(parse("other_msgs/State", STATUS + "float32 more\n"))
     for text in ("", STATUS.replace("[]", ""), STATUS.replace("string", "int8"), "uint8 mode\n"):
         assert not scene.is_status(parse("a/RobotStatus", text))
@@ -187,7 +187,7 @@ def test_the_fleet_has_a_tile_for_each_robot_by_name() -> None:
     assert second["name"] == "zoe" and shown.fleet(3.25)["robots"][0]["age"] == 3.2
 
 
-def test_what_is_not_as_its_type_says_is_refused() -> None:
+def test_message_with_wrong_fields_is_rejected() -> None:
     for datatype in scene.TYPES:
         with pytest.raises((LookupError, TypeError, ValueError)):
             Scene().add_message("/x", datatype, {"data": 1.0}, 0.0)

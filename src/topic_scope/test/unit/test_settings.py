@@ -115,14 +115,14 @@ def world() -> World:
     return World()
 
 
-def test_good_value_is_sent_and_told(world: World) -> None:
+def test_valid_value_is_sent_and_reported(world: World) -> None:
     world.set("low", 5)
     assert world.sent == [{"low": 5.0}]
     assert world.reply == [("low", 5.0)]
     assert world.answers == []
 
 
-def test_answer_that_was_overtaken_by_a_newer_change_is_not_the_last_word(world: World) -> None:
+def test_reply_does_not_override_a_newer_change(world: World) -> None:
     world.overtaking = {"low": 2.0}
     world.set("low", 5)
     assert world.reply[-1] == ("low", 2.0)
@@ -137,14 +137,14 @@ def test_value_out_of_range_is_not_sent(world: World) -> None:
     assert (value["type"], value["value"]) == ("value", 0.0)
 
 
-def test_value_that_the_node_refuses_is_told_with_its_words(world: World) -> None:
+def test_value_rejected_by_the_node_is_reported_with_its_reason(world: World) -> None:
     world.set("low", 50)
     (text,) = world.refusals()
     assert "low <= high" in text
     assert world.answers[-1] == {"type": "value", "node": NODE, "name": "low", "value": 0.0}
 
 
-def test_of_values_that_come_while_the_node_is_busy_the_newest_is_sent(world: World) -> None:
+def test_newest_value_is_sent_after_a_busy_node_replies(world: World) -> None:
     for value in (1, 2, 3, 4):
         world.ask("low", value)
     world.work()
@@ -161,7 +161,7 @@ def test_lists_that_must_have_one_length_are_changed_one_after_the_other(world: 
     assert dict(world.reply) == {"xs": (1.0, 2.0, 3.0), "ys": (4.0, 5.0, 6.0)}
 
 
-def test_value_that_was_refused_keeps_no_other_from_being_set(world: World) -> None:
+def test_rejected_value_does_not_block_others(world: World) -> None:
     world.set("xs", "[1, 2, 3]")
     world.set("high", 20)
     assert world.node.values.high == 20.0
@@ -170,7 +170,7 @@ def test_value_that_was_refused_keeps_no_other_from_being_set(world: World) -> N
     assert world.node.values.xs == (1.0, 2.0, 3.0)
 
 
-def test_newer_value_takes_the_place_of_one_that_was_refused(world: World) -> None:
+def test_newer_value_replaces_a_rejected_one(world: World) -> None:
     world.set("xs", "[1, 2, 3]")
     world.set("xs", "[7]")
     world.set("ys", "[8]")
@@ -178,7 +178,7 @@ def test_newer_value_takes_the_place_of_one_that_was_refused(world: World) -> No
     assert world.node.values.xs == (7.0,)
 
 
-def test_node_that_is_gone_is_forgotten(world: World) -> None:
+def test_disappeared_node_is_dropped(world: World) -> None:
     world.set("xs", "[1, 2, 3]")
     world.settings.forget(NODE)
     world.set("high", 20)

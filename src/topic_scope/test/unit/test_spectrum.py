@@ -71,7 +71,7 @@ def test_uneven_samples_are_put_at_even_times(frequency: float, peak: float, see
 
 @settings(max_examples=40)
 @given(st.floats(3.0, 40.0), st.floats(1e-3, 1e3), st.sampled_from(["hann", "blackman"]))
-def test_a_peak_is_told_between_the_lines(frequency: float, peak: float, window: str) -> None:
+def test_peak_is_interpolated_between_lines(frequency: float, peak: float, window: str) -> None:
     times = numpy.arange(1000) / 100.0
     values = peak * numpy.sin(2 * math.pi * frequency * times)
     found = spectrum(EPOCH + times, values, window)
@@ -100,7 +100,7 @@ def test_a_part_of_few_periods_has_no_figures(averages: int) -> None:
 )
 @settings(max_examples=100)
 @example(1.0, 0.0, "hann", 4, 0)
-def test_a_peak_is_as_sure_as_it_says_or_not_measurable(
+def test_peak_is_within_its_uncertainty_or_not_measurable(
     frequency: float, angle: float, window: str, averages: int, seed: int
 ) -> None:
     times = numpy.arange(1000) / 100.0
@@ -146,7 +146,7 @@ def test_sines_apart_are_single_lines_each() -> None:
     assert not any(one.reason for one in shown_peaks)
 
 
-def test_samples_that_come_in_bunches_make_no_higher_peaks() -> None:
+def test_bunched_samples_do_not_raise_peaks() -> None:
     # Ten at a time, as they are received on a machine that is busy.
     index = numpy.arange(1000)
     times = index // 10 * 0.1 + index % 10 * 1e-5
@@ -155,7 +155,7 @@ def test_samples_that_come_in_bunches_make_no_higher_peaks() -> None:
     assert found.amplitudes.max() == pytest.approx(1.0, abs=0.05)
 
 
-def test_a_gap_ends_what_a_spectrum_is_made_of() -> None:
+def test_spectrum_does_not_cross_a_gap() -> None:
     times = numpy.concatenate([numpy.arange(300) / 100.0, 10.0 + numpy.arange(500) / 100.0])
     values = numpy.where(times < 5.0, 100.0, 1.0) * numpy.sin(2 * math.pi * 10.0 * times)
     found = spectrum(times, values, longest=0.05)

@@ -93,7 +93,7 @@ def far_ahead() -> List[BagMessage]:
 
 
 @pytest.mark.parametrize("timestamp", ["stamp", ""])
-def test_a_stamp_far_ahead_is_shown_at_reception_and_pushes_nothing_out(timestamp: str) -> None:
+def test_stamp_far_ahead_is_placed_at_receipt_and_displaces_nothing(timestamp: str) -> None:
     stream = Stream("/s", timestamp)
     trace = stream.record(("point", "x"), 100.0)
     for time, _, message in far_ahead():
@@ -121,7 +121,7 @@ class OneTrace:
 
 
 @late
-def test_the_samples_of_a_trace_stand_at_their_stamps_and_in_phase(delays: List[float]) -> None:
+def test_samples_are_placed_at_their_stamps(delays: List[float]) -> None:
     times, values = recorded(delays).samples(0.0, 2000.0)
     check(times, values)
     turned = phase((times, values), (numpy.array(STAMPS), truth(numpy.array(STAMPS))), math.inf)
@@ -129,7 +129,7 @@ def test_the_samples_of_a_trace_stand_at_their_stamps_and_in_phase(delays: List[
 
 
 @late
-def test_the_pages_csv_stands_at_the_stamps_and_tells_the_reception(delays: List[float]) -> None:
+def test_csv_of_the_page_has_stamps_and_receipt_times(delays: List[float]) -> None:
     async def text() -> str:
         one: Any = OneTrace(recorded(delays))
         return "".join([part async for part in parts(one, [NAME], 0.0, 2000.0)])
@@ -153,7 +153,7 @@ def test_plot_bag_draws_at_the_stamps(delays: List[float]) -> None:
     "delay, shift, words",
     [(0.3, 0.0, None), (0.8, 0.8, "stamps 0.80 s behind: shown at reception")],
 )
-def test_plot_bag_chooses_as_the_page_does_and_says_what_it_corrects(
+def test_plot_bag_chooses_like_the_page_and_reports_corrections(
     delay: float, shift: float, words: Optional[str]
 ) -> None:
     sent = in_bag([delay] * COUNT)
@@ -163,7 +163,7 @@ def test_plot_bag_chooses_as_the_page_does_and_says_what_it_corrects(
     check(START + numpy.array(series.times) - shift, series.values)
 
 
-def test_plot_bag_aligns_the_stamps_of_a_simulation_and_says_so() -> None:
+def test_plot_bag_aligns_stamps_of_a_simulation_and_reports_it() -> None:
     sent = in_bag([0.0] * COUNT, -START * 1e3)
     for timestamp in ("stamp", ""):
         column = EXACT._replace(timestamp=timestamp)
@@ -173,7 +173,7 @@ def test_plot_bag_aligns_the_stamps_of_a_simulation_and_says_so() -> None:
 
 
 @late
-def test_the_csv_of_plot_bag_stands_at_the_stamps(delays: List[float]) -> None:
+def test_csv_of_plot_bag_uses_the_stamps(delays: List[float]) -> None:
     sent, file = in_bag(delays), io.StringIO()
     write_csv(file, reading([EXACT], sent, BAG_BEGIN), slices(sent))
     _, *lines = file.getvalue().splitlines()
@@ -182,7 +182,7 @@ def test_the_csv_of_plot_bag_stands_at_the_stamps(delays: List[float]) -> None:
 
 
 @late
-def test_latency_is_what_messages_were_late(delays: List[float]) -> None:
+def test_latency_equals_the_delay_of_messages(delays: List[float]) -> None:
     for timestamp in ("stamp", ""):
         latency = recorded(delays, timestamp).latency(0.0, 2000.0)
         assert numpy.median(latency) == pytest.approx(numpy.median(delays), abs=1e-5)
@@ -190,7 +190,7 @@ def test_latency_is_what_messages_were_late(delays: List[float]) -> None:
     assert not len(recorded(delays, "received").latency(0.0, 2000.0))
 
 
-def test_what_is_late_is_not_silent() -> None:
+def test_late_trace_is_not_silent() -> None:
     assert recorded([5.0] * COUNT).silence(STAMPS[-1] + 5.5) == pytest.approx(0.5, abs=1e-5)
 
 
@@ -198,7 +198,7 @@ def test_what_is_late_is_not_silent() -> None:
     "delay, words",
     [(0.3, None), (0.8, "stamps 0.80 s behind: shown at reception")],
 )
-def test_what_the_scope_chooses_is_corrected_in_words(delay: float, words: Optional[str]) -> None:
+def test_correction_of_the_chosen_source_is_reported(delay: float, words: Optional[str]) -> None:
     trace = recorded([delay] * COUNT, "")
     assert trace.stream.correction == words
     assert recorded([delay] * COUNT).stream.correction is None
@@ -211,6 +211,6 @@ def test_what_the_scope_chooses_is_corrected_in_words(delay: float, words: Optio
         (1.7e9, "stamps of another clock: shown at reception"),
     ],
 )
-def test_stamps_ahead_and_of_another_clock_are_told_apart(offset: float, words: str) -> None:
+def test_early_stamps_are_distinguished_from_another_clock(offset: float, words: str) -> None:
     assert correction(("header", "stamp"), to_ns(offset)) == words
     assert correction(("time_x",), to_ns(offset)) is None

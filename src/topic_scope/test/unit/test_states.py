@@ -102,12 +102,12 @@ def test_decoder_reads_texts_and_names_but_no_cut_off_text() -> None:
     assert read(message, "status[name=d]/message") == [None]
 
 
-def test_decoder_refuses_a_number_without_names() -> None:
+def test_decoder_rejects_a_number_without_names() -> None:
     with pytest.raises(FieldError, match="neither a text nor a number with named values"):
         StateDecoder(layout_of(Float64), ("data",), StateTable())
 
 
-def test_table_is_bounded_and_says_so() -> None:
+def test_table_is_bounded_and_reports_it() -> None:
     table = StateTable()
     numbers = [table.number(str(one)) for one in range(TEXTS)]
     assert numbers == list(range(TEXTS)) and table.note is None
@@ -125,7 +125,7 @@ def spans(codes: List[float], start: int = 0, most: int = 100) -> List[StateSpan
     return state_spans(times, numpy.array(codes), start, 40, most)
 
 
-def test_span_goes_on_until_another_state_and_not_over_a_gap() -> None:
+def test_span_lasts_until_another_state_or_a_gap() -> None:
     found = spans([1, 1, 2, NAN, NAN, 2, 2])
     expected = [(0, 20, 1, 1), (20, 30, 2, 1), (50, None, 2, 1)]
     assert found == [StateSpan(*one) for one in expected]
@@ -136,7 +136,7 @@ def test_span_at_the_start_keeps_its_own_start() -> None:
     assert spans([1, 1, 2, 2, 3], start=35) == [StateSpan(20, 40, 2), StateSpan(40, None, 3)]
 
 
-def test_many_short_spans_are_put_together() -> None:
+def test_many_short_spans_are_merged() -> None:
     found = spans([1, 2, 3, 4, 5, 5, 5, 5], most=3)
     assert found == [
         StateSpan(0, 30, SEVERAL, 3),
@@ -202,7 +202,7 @@ def test_text_is_recorded_as_a_state() -> None:
     assert later["spans"][0][:2] == [1002.0, 1003.0] and not later["earlier"]
 
 
-def test_number_is_a_state_only_where_it_is_asked_for() -> None:
+def test_number_is_a_state_only_on_request() -> None:
     made, source = recorder("/fix/status.state", "/fix/status")
     send(source, made, NavSatStatus(status=-1), NavSatStatus(status=0), NavSatStatus(status=9))
     found = states(made, "/fix/status.state", source.time)
@@ -235,7 +235,7 @@ def test_csv_has_the_text_in_a_column() -> None:
     assert [row[2] for row in rows[1:]] == reply
 
 
-def test_table_tells_the_latest_state_and_no_figures() -> None:
+def test_table_has_the_latest_state_and_no_figures() -> None:
     made, source = recorder("/mode/data")
     send(source, made, String("idle"), String("drive"))
     view = LiveView(View(100.0, 500, None))
@@ -253,20 +253,20 @@ def test_table_tells_the_latest_state_and_no_figures() -> None:
 @pytest.mark.parametrize(
     "name", [f"={MODE} + 1", f"{MODE}-/fix/status", "=/mode/data * 2", "/fix/status-/mode/data"]
 )
-def test_computed_trace_of_a_state_is_refused(name: str) -> None:
+def test_computed_trace_of_a_state_is_rejected(name: str) -> None:
     made, _ = recorder()
     with pytest.raises(FieldError, match=r"/mode/data\.state is a state: formulas and differences"):
         made.expand(name)
 
 
 @pytest.mark.parametrize("name", ["/fix/status/x.state", "/mode/data.derivative"])
-def test_field_without_states_is_refused(name: str) -> None:
+def test_field_without_states_is_rejected(name: str) -> None:
     made, _ = recorder()
     with pytest.raises(FieldError, match="there is no"):
         made.expand(name)
 
 
-def test_request_that_needs_a_number_refuses_a_state() -> None:
+def test_request_for_a_number_rejects_a_state() -> None:
     with pytest.raises(RequestError, match=r"trigger: /mode/data\.state is a state"):
         field_in({"field": MODE}, "trigger")
 
@@ -324,7 +324,7 @@ def test_picture_has_a_band_with_texts(bag: str, monkeypatch: "pytest.MonkeyPatc
     assert Path("out.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_alignment_by_a_state_is_refused(
+def test_alignment_by_a_state_is_rejected(
     bag: str, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     said = failure(monkeypatch, capsys, bag, "/x", "--align", "/mode/data", "1", "-o", "a.png")

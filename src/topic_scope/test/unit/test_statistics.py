@@ -39,13 +39,13 @@ def test_anything_is_measured_and_the_result_is_finite(values: List[float], step
     assert result["rms"] is None or result["rms"] <= max(map(abs, finite)) * (1 + 1e-9)
 
 
-def test_the_end_of_a_line_is_no_sample() -> None:
+def test_end_of_a_line_is_not_a_sample() -> None:
     times = numpy.array([0.0, 1.0, 1.0, 9.0, 10.0])
     result = measure(times, numpy.array([1.0, 2.0, math.nan, 3.0, math.nan]))
     assert result["rate"] == pytest.approx(0.3) and result["nan"] == 0.25
 
 
-def test_tells_what_part_is_no_number() -> None:
+def test_fraction_of_nan_is_measured() -> None:
     values = numpy.array([1.0, math.nan, 2.0, math.inf])
     assert measure(numpy.arange(4.0), values)["nan"] == 0.5
     assert measure(numpy.arange(2.0), values[:1].repeat(2))["nan"] == 0.0

@@ -15,7 +15,7 @@ numbers = st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=50)
 
 @settings(max_examples=30)
 @given(numbers, st.sampled_from([0.0, 1e9]))
-def test_a_variation_is_that_of_all_numbers(values: List[float], middle: float) -> None:
+def test_variation_equals_the_statistics_of_all_numbers(values: List[float], middle: float) -> None:
     variation, values = Variation(), [middle + value for value in values]
     for value in values:
         variation.add(value)
@@ -36,7 +36,7 @@ def counted(over: StatisticsHistory, number: int, end: float, **figures: Any) ->
     return found
 
 
-def test_each_span_counts_once_until_another_request_begins_anew() -> None:
+def test_each_span_counts_once_until_another_request_restarts() -> None:
     over = StatisticsHistory()
     assert counted(over, 0, 1.0, mean=1.0) == {}
     assert counted(over, 1, 1.0, mean=1.0, problem=None, topic="/a", nan=0.5) == {
@@ -50,7 +50,7 @@ def test_each_span_counts_once_until_another_request_begins_anew() -> None:
     assert counted(over, 0, 1.75, mean=5.0) == {}
 
 
-def test_what_is_forgotten_begins_anew_even_while_the_page_stands_still() -> None:
+def test_dropped_trace_restarts_even_on_a_paused_page() -> None:
     over = StatisticsHistory()
     assert counted(over, 1, 1.0, mean=1.0)["mean"]["count"] == 1
     over.forget(["/b"])

@@ -24,7 +24,7 @@ from topic_scope.sampling.message_source import Batch
         ((990.0, 992.5), "no sample in this span: the first is 7.5 s after it"),
     ],
 )
-def test_a_trace_without_a_sample_in_the_span_says_why(
+def test_trace_without_a_sample_in_the_span_has_a_reason(
     span: Tuple[float, float], words: Optional[str]
 ) -> None:
     """One message each 5 s, or stamps that are late by more than the window."""
@@ -51,7 +51,7 @@ class Recorder:
         return "the topic does not exist yet" if name == "/b" else None
 
 
-def test_what_is_wrong_and_what_is_left_out_is_said(monkeypatch: "pytest.MonkeyPatch") -> None:
+def test_problems_and_omitted_traces_are_logged(monkeypatch: "pytest.MonkeyPatch") -> None:
     said: List[str] = []
     monkeypatch.setattr("rospy.logwarn", said.append)
     recorder: "Recorder" = Recorder()

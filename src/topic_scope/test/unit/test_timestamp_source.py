@@ -14,7 +14,7 @@ from topic_scope.timing.nanoseconds import NS
 FIELD, STAMP = ("time_x",), ("header", "stamp")
 
 
-def test_what_fits_best_is_chosen() -> None:
+def test_best_source_is_chosen() -> None:
     paths = [
         timestamp_source.path_of("", layout_of(one)) for one in (PoseStamped, signal_msg, Float32)
     ]
@@ -22,7 +22,7 @@ def test_what_fits_best_is_chosen() -> None:
     assert [timestamp_source.name_of(path) for path in paths] == ["stamp", "time_x", "received"]
 
 
-def test_what_is_named_is_taken_or_refused_in_words() -> None:
+def test_selected_source_is_used_or_rejected() -> None:
     layout = layout_of(signal_msg)
     assert timestamp_source.path_of("received", layout) is None
     assert timestamp_source.path_of("time_x", layout) == FIELD

@@ -91,7 +91,7 @@ both = pytest.mark.parametrize("is_exact", [False, True], ids=["chosen", "named"
 @both
 @pytest.mark.parametrize("batch", [1, 7, 500])
 @pytest.mark.parametrize("late", [600 * MS, 20 * NS, 600 * NS])
-def test_a_late_message_stands_at_its_stamp_and_moves_no_other(
+def test_late_message_is_placed_at_its_stamp_and_moves_no_other(
     late: int, batch: int, is_exact: bool
 ) -> None:
     received = at_50_hz()
@@ -105,7 +105,7 @@ def test_a_late_message_stands_at_its_stamp_and_moves_no_other(
 @both
 @pytest.mark.parametrize("batch", [1, 7, 500])
 @pytest.mark.parametrize("index", [0, 1, 230, 499])
-def test_a_stamp_far_ahead_stands_at_reception_and_is_named(
+def test_stamp_far_ahead_is_placed_at_receipt_and_reported(
     index: int, batch: int, is_exact: bool
 ) -> None:
     received = at_50_hz()
@@ -122,7 +122,7 @@ def test_a_stamp_far_ahead_stands_at_reception_and_is_named(
 
 
 @both
-def test_an_early_message_stands_at_its_stamp_and_makes_no_other_late(is_exact: bool) -> None:
+def test_early_message_is_placed_at_its_stamp_and_makes_no_other_late(is_exact: bool) -> None:
     received = at_50_hz()
     own = received.copy()
     own[230] += 2 * NS
@@ -142,7 +142,7 @@ def test_a_message_that_is_less_late_than_others_is_not_early(is_exact: bool) ->
 
 
 @both
-def test_what_is_forgotten_is_decided_by_the_newest_stamp_that_is_believed(is_exact: bool) -> None:
+def test_history_counts_from_the_newest_plausible_stamp(is_exact: bool) -> None:
     received = at_50_hz()
     own = received.copy()
     own[[50, 100, 230]] += [2 * NS, 600 * NS, 9 * NS]
@@ -162,7 +162,7 @@ def test_doubled_and_disordered_stamps_are_kept(is_exact: bool) -> None:
 
 
 @both
-def test_a_queue_that_is_emptied_sets_no_clock(is_exact: bool) -> None:
+def test_emptied_queue_does_not_set_the_clock(is_exact: bool) -> None:
     """Twenty messages that come at once, after newer ones of another publisher."""
     received = at_50_hz()
     own = received.copy()
@@ -174,7 +174,7 @@ def test_a_queue_that_is_emptied_sets_no_clock(is_exact: bool) -> None:
 
 
 @both
-def test_two_publishers_a_second_apart_stand_at_their_stamps(is_exact: bool) -> None:
+def test_two_publishers_a_second_apart_are_placed_at_their_stamps(is_exact: bool) -> None:
     received = at_50_hz()
     own = received.copy()
     own[1::2] -= NS
@@ -188,7 +188,7 @@ def test_two_publishers_a_second_apart_stand_at_their_stamps(is_exact: bool) -> 
 @both
 @pytest.mark.parametrize("batch", [1, 7, 500])
 @pytest.mark.parametrize("back", [2 * NS, 50 * NS, 5000 * NS])
-def test_a_clock_set_back_begins_a_line_where_the_messages_after_it_agree(
+def test_clock_set_back_starts_a_line_if_later_messages_agree(
     back: int, batch: int, is_exact: bool
 ) -> None:
     received = at_50_hz()
@@ -199,7 +199,7 @@ def test_a_clock_set_back_begins_a_line_where_the_messages_after_it_agree(
     assert abs(shown.times - received).max() <= 1 * MS
 
 
-def test_the_last_two_messages_set_a_clock_where_no_others_will_come() -> None:
+def test_last_two_messages_may_set_a_clock() -> None:
     own = array_to_ns(numpy.array([5.0, 5.1, 5.2, 0.0, 0.1]))
     received = EPOCH + 100 * MS * numpy.arange(5)
     _, shown = played(own, received, is_stamp=False)
@@ -220,7 +220,7 @@ def test_a_slow_topic_follows_a_clock_that_its_neighbour_has_found() -> None:
 
 
 @both
-def test_stamps_that_begin_later_leave_what_came_before_where_it_was_received(
+def test_later_stamps_do_not_move_earlier_samples(
     is_exact: bool,
 ) -> None:
     """As of a node that exists before the first message on /clock."""
@@ -231,7 +231,7 @@ def test_stamps_that_begin_later_leave_what_came_before_where_it_was_received(
     assert topic.time.has_stamps
 
 
-def test_stamps_that_nobody_has_filled_in_are_as_received() -> None:
+def test_unset_stamps_use_the_receipt_time() -> None:
     received = at_50_hz(20)
     topic, shown = played(numpy.full(20, NO_TIME), received)
     assert shown.times.tolist() == received.tolist() and not topic.time.has_stamps
@@ -247,7 +247,7 @@ def test_the_first_messages_decide_for_two_seconds_only() -> None:
 
 
 @pytest.mark.parametrize("delay_at", [lambda at: 0.45 + 0.02 * at, lambda at: 0.55 - 0.02 * at])
-def test_the_choice_is_made_once_where_latency_wanders(delay_at: Callable[[float], float]) -> None:
+def test_choice_is_made_once_with_varying_latency(delay_at: Callable[[float], float]) -> None:
     """About half a second, where one clock seems to be another one's."""
     topic, is_moved = Topic(Clocks()), set()
     for index in range(1000):
@@ -317,7 +317,7 @@ def test_topics_of_a_replay_at_another_speed_differ_by_their_stamps(speed: float
     assert settled.max() < 0.25 + 0.05 * speed
 
 
-def test_nodes_with_times_of_their_own_are_not_tied_to_each_other() -> None:
+def test_nodes_with_their_own_zero_are_independent() -> None:
     """Two that began 0.3 s apart count from zero; what copies the times of one follows it."""
     clocks = Clocks()
     one, other, copied = (Topic(clocks, is_stamp=False) for _ in range(3))
@@ -340,7 +340,7 @@ def test_nodes_with_times_of_their_own_are_not_tied_to_each_other() -> None:
     st.lists(st.integers(0, 40 * MS), min_size=20, max_size=200),
     st.integers(1, 50),
 )
-def test_delays_bend_nothing(begin: int, delays: List[int], batch: int) -> None:
+def test_delays_do_not_distort(begin: int, delays: List[int], batch: int) -> None:
     own = begin * NS + 50 * MS * numpy.arange(len(delays))
     received = EPOCH + 50 * MS * numpy.arange(len(delays)) + numpy.array(delays)
     topic, shown = played(own, received, batch=batch, is_stamp=False)
@@ -351,7 +351,7 @@ def test_delays_bend_nothing(begin: int, delays: List[int], batch: int) -> None:
 
 @settings(max_examples=60)
 @given(st.data())
-def test_whatever_stamps_say_each_message_is_placed_once(data: st.DataObject) -> None:
+def test_each_message_is_placed_once_with_any_stamps(data: st.DataObject) -> None:
     """Late, early, doubled and disordered stamps, clocks that are set, and missing times."""
     count = data.draw(st.integers(1, 120))
     received = (
@@ -372,7 +372,7 @@ def test_whatever_stamps_say_each_message_is_placed_once(data: st.DataObject) ->
     assert (numpy.abs(shown.times - received) < 100_000 * NS).all()
 
 
-def test_a_trace_stands_still_once_enough_was_received() -> None:
+def test_trace_does_not_move_once_settled() -> None:
     topic, offsets = Topic(Clocks()), []
     for index in range(1000):
         came = EPOCH + 10 * MS * index + (20 * MS if index > 300 else 0)
@@ -381,7 +381,7 @@ def test_a_trace_stands_still_once_enough_was_received() -> None:
     assert len(set(offsets[250:])) == 1
 
 
-def test_a_delay_of_a_while_does_not_move_the_trace() -> None:
+def test_temporary_delay_does_not_move_the_trace() -> None:
     """A second in which all messages wait for each other, as on a machine that is busy."""
     topic, offsets = Topic(Clocks()), []
     for index in range(500):
@@ -399,7 +399,7 @@ def test_stamps_of_the_same_clock_stay_as_they_are(ahead: int) -> None:
     assert topic.time.clock.is_scope and shown.times.tolist() == (received + ahead * MS).tolist()
 
 
-def test_a_message_waits_for_others_no_longer_than_its_patience() -> None:
+def test_message_waits_no_longer_than_its_patience() -> None:
     topic = Topic(Clocks())
     received = at_50_hz(100)
     topic.take(received, received)
@@ -411,7 +411,7 @@ def test_a_message_waits_for_others_no_longer_than_its_patience() -> None:
     assert slow.time.patience > 10 * NS
 
 
-def test_the_lag_of_a_slower_simulation_is_that_of_the_present() -> None:
+def test_lag_of_a_slower_simulation_is_current() -> None:
     topic = Topic(Clocks())
     for index in range(2000):
         topic.take(numpy.array([5 * MS * index]), numpy.array([EPOCH + 10 * MS * index]))

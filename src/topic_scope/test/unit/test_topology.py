@@ -66,7 +66,7 @@ def test_a_connection_that_is_gone_has_no_rate() -> None:
     assert rates.of("/gen", "/signal") is None
 
 
-def test_a_node_that_was_restarted_begins_anew() -> None:
+def test_restarted_node_starts_a_new_count() -> None:
     rates = Rates()
     rates.add_counts("/gen", counts("/signal", (1, 1000)), 0.0)
     rates.add_counts("/gen", counts("/signal", (1, 5)), 1.0)
@@ -77,7 +77,7 @@ def test_a_node_that_was_restarted_begins_anew() -> None:
     assert rates.of("/gen", "/signal") is None
 
 
-def test_connections_and_topics_that_are_gone_are_forgotten() -> None:
+def test_removed_connections_and_topics_are_dropped() -> None:
     rates = Rates()
     for number in range(100):
         rates.add_counts(

@@ -22,7 +22,7 @@ def sine(end: float, frequency: float = 1.0, rate: float = 1000.0) -> Samples:
 
 @settings(max_examples=30)
 @given(st.floats(-0.9, 0.9), st.booleans(), st.floats(0.5, 5.0))
-def test_a_sine_crosses_where_it_does(level: float, rising: bool, frequency: float) -> None:
+def test_crossings_of_a_sine_are_exact(level: float, rising: bool, frequency: float) -> None:
     found = crossings(*sine(3.0, frequency), level, rising)
     phase = math.asin(level) / (2 * math.pi)
     first = phase % 1.0 if rising else (0.5 - phase) % 1.0
@@ -52,7 +52,7 @@ def test_each_crossing_is_between_its_samples(values: List[float], level: float)
         assert all(start <= moment <= end for moment, (start, end) in zip(found, pairs))
 
 
-def test_no_crossing_is_where_no_line_is() -> None:
+def test_crossing_in_a_gap_is_at_the_second_sample() -> None:
     """Behind a gap, and where a value holds until the next one, it is crossed when that comes."""
     times, values = numpy.array([0.0, 0.1, 5.0, 5.1, 5.2]), numpy.array([0.0, 0.0, 1.0, 0.0, 1.0])
     for longest, moments in ((math.inf, [2.55, 5.15]), (0.5, [5.0, 5.15]), (0.0, [5.0, 5.2])):
@@ -80,7 +80,7 @@ def states_of(mode: str, moments: List[float], samples: Samples, level: float = 
 
 
 @pytest.mark.parametrize("mode", ["off", "normal", "single"])
-def test_each_state_tells_the_number_of_its_request(mode: str) -> None:
+def test_each_state_has_the_number_of_its_request(mode: str) -> None:
     for number in (0, 7):
         watch = TriggerWatch(requests.Trigger(mode, "/a", 0.0, True, number), 0.0)
         messages = [watch.update(now, WINDOW, lambda *_: sine(now)) for now in (0.5, 1.5)]
@@ -92,14 +92,14 @@ def test_each_state_tells_the_number_of_its_request(mode: str) -> None:
 MOMENTS = [index / 40 for index in range(200)]
 
 
-def test_single_tells_of_one_crossing_only() -> None:
+def test_single_reports_one_crossing() -> None:
     assert states_of("single", MOMENTS, sine(5.0)) == [
         ("armed", None),
         ("triggered", pytest.approx(1.0, abs=1e-6)),
     ]
 
 
-def test_normal_tells_of_the_next_when_the_page_has_shown_the_last() -> None:
+def test_normal_reports_the_next_crossing_after_the_last_is_shown() -> None:
     found = states_of("normal", MOMENTS, sine(5.0, frequency=3.0))
     assert [state for state, _ in found] == ["armed"] + ["triggered"] * (len(found) - 1)
     times = [time for _, time in found[1:]]
@@ -107,7 +107,7 @@ def test_normal_tells_of_the_next_when_the_page_has_shown_the_last() -> None:
     assert times[:4] == pytest.approx([1 / 3, 1.0, 5 / 3, 7 / 3], abs=1e-5)
 
 
-def test_normal_says_when_nothing_comes_any_more() -> None:
+def test_normal_reports_missing_crossings() -> None:
     times, values = sine(5.0)
     values[times > 1.5] = -1.0
     found = states_of("normal", MOMENTS, (times, values))
@@ -118,20 +118,20 @@ def test_a_level_that_is_not_reached_stays_armed() -> None:
     assert states_of("normal", MOMENTS, sine(5.0), level=1.5) == [("armed", None)]
 
 
-def test_off_says_so_once() -> None:
+def test_off_is_reported_once() -> None:
     assert states_of("off", MOMENTS, sine(5.0)) == [("off", None)]
 
 
 @settings(max_examples=30)
 @given(st.lists(st.floats(0.0, 4.9), min_size=1, max_size=30))
-def test_no_crossing_is_missed_however_often_one_looks(moments: List[float]) -> None:
+def test_no_crossing_is_missed_at_any_polling_times(moments: List[float]) -> None:
     found = states_of("single", sorted(moments) + [4.95], sine(5.0, frequency=0.25), level=0.5)
     assert found[-1] == ("triggered", pytest.approx(1 / 3, abs=1e-5))
 
 
 @settings(max_examples=30)
 @given(st.integers(0, 1000), st.lists(st.floats(0.0, 4.9), max_size=10))
-def test_noise_within_the_hysteresis_makes_no_crossings(seed: int, moments: List[float]) -> None:
+def test_noise_within_the_hysteresis_does_not_trigger(seed: int, moments: List[float]) -> None:
     times, values = sine(4.9)
     noise = numpy.random.RandomState(seed).uniform(-0.1, 0.1, len(times))
     found = crossings(times, values + noise, 0.0, True, hysteresis=0.25)
@@ -160,7 +160,7 @@ def test_holdoff_and_position_say_when_the_next_crossing_counts() -> None:
 
 
 @pytest.mark.parametrize("mode, late", [("normal", 0.8), ("auto", 0.8), ("auto", 2.5)])
-def test_a_trace_whose_stamps_are_late_triggers_as_any_other(mode: str, late: float) -> None:
+def test_trace_with_late_stamps_triggers(mode: str, late: float) -> None:
     window = 0.4
     times, values = sine(10.6)
     watch, heard = TriggerWatch(requests.Trigger(mode, "/a", 0.0, True), 0.0), []

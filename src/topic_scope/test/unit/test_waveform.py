@@ -46,7 +46,7 @@ def test_a_step_of_second_order_overshoots(damping: float, height: float) -> Non
 
 @settings(max_examples=30)
 @given(st.floats(0.6, 20.0), st.floats(0.0, 6.28), scales)
-def test_a_sine_rises_as_it_does(frequency: float, at: float, peak: float) -> None:
+def test_rise_time_of_a_sine(frequency: float, at: float, peak: float) -> None:
     found = measure_waveform(EPOCH + TIMES, peak * numpy.sin(2 * math.pi * frequency * TIMES + at))
     assert found["rise"].value == pytest.approx(math.asin(0.8) / math.pi / frequency, rel=0.02)
     assert found["duty"].value == pytest.approx(50.0, abs=0.5)
@@ -74,7 +74,7 @@ def test_nothing_is_measured_across_a_gap(duty: float, at: float) -> None:
 
 @settings(max_examples=30)
 @given(st.floats(0.6, 20.0), st.floats(-179.0, 179.0), scales, st.integers(0, 2**32 - 1))
-def test_a_phase_is_told_whatever_the_samples(
+def test_phase_is_measured_with_any_sampling(
     frequency: float, degrees: float, mean: float, seed: int
 ) -> None:
     random = numpy.random.RandomState(seed)
@@ -88,7 +88,7 @@ def test_a_phase_is_told_whatever_the_samples(
     assert abs((found - degrees + 180.0) % 360.0 - 180.0) < 0.5
 
 
-def test_a_phase_is_told_though_samples_are_missing() -> None:
+def test_phase_is_measured_with_missing_samples() -> None:
     times = numpy.arange(0.0, 10.0, 0.01)
     there = (times < 3.3) | (times > 5.1)
     late, first = (
@@ -120,7 +120,7 @@ def test_anything_is_measured_and_the_result_is_finite(values: List[float], stil
 
 
 @pytest.mark.parametrize("counts", [20, 100, 1000])
-def test_the_overshoot_of_a_staircase_is_as_unsure_as_a_count(counts: int) -> None:
+def test_overshoot_uncertainty_includes_quantisation(counts: int) -> None:
     """The answer of a second order, as an encoder of few counts has it."""
     times = numpy.arange(0.0, 12.0, 0.01)
     since = numpy.maximum(times - 1.0, 0.0)

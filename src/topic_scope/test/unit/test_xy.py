@@ -21,13 +21,13 @@ def test_fields_of_one_message_are_paired_exactly() -> None:
 
 @settings(max_examples=30)
 @given(st.floats(0.001, 0.009), st.floats(0.5, 2.0))
-def test_what_comes_at_other_times_lies_on_the_line(late: float, radius: float) -> None:
+def test_other_times_are_interpolated(late: float, radius: float) -> None:
     moments = TIMES[:-1] + late
     points = paired((TIMES, radius * numpy.cos(TIMES)), (moments, radius * numpy.sin(moments)), 0.1)
     assert numpy.hypot(*points) == pytest.approx(radius, rel=1e-4)
 
 
-def test_nothing_is_made_up() -> None:
+def test_unknown_values_are_nan() -> None:
     x = numpy.array([0.0, 1.0, 5.0, 6.0]), numpy.array([0.0, 1.0, 5.0, math.nan])
     y = numpy.array([-1.0, 0.5, 1.0, 3.0, 5.0, 5.5, 7.0]), numpy.arange(7.0)
     right, up = paired(x, y, 2.0)

@@ -35,7 +35,7 @@ MOTOR = ("/group1/motor_input_u/data", "/group1/motor_speed_y/data")
 
 @contextmanager
 def running(*command: str) -> Iterator[None]:
-    """Run a command for a while."""
+    """Run a command during a ``with`` block."""
     process = subprocess.Popen(command, stdout=sys.stderr)
     try:
         yield
@@ -45,7 +45,7 @@ def running(*command: str) -> Iterator[None]:
 
 
 def start(browser: Browser, url: str, theme: str) -> None:
-    """Open the page with what a first look shows."""
+    """Open the page with its initial view."""
     browser.open(url)
     if browser.run("return document.documentElement.dataset.theme") != theme:
         browser.keys("d")
@@ -53,8 +53,8 @@ def start(browser: Browser, url: str, theme: str) -> None:
 
 
 def wait_full(browser: Browser) -> None:
-    """Wait until measurements are there and the traces go from edge to edge."""
-    browser.wait_for("#legend tr")  # a page may be there before the graph is
+    """Wait until measurements are shown and the traces fill the window."""
+    browser.wait_for("#legend tr")  # a page may open before the graph is known
     wait_until(
         lambda: "–" not in browser.text("#legend [data-cell=frequency]"),
         lambda: browser.text("#legend"),
@@ -68,11 +68,11 @@ def wait_full(browser: Browser) -> None:
 
 
 def is_smooth(browser: Browser) -> bool:
-    """Tell whether samples came without a break, however busy this computer is."""
+    """Return whether samples arrived without a break, even on a busy computer."""
     browser.run("arguments[0].blur(); arguments[0].focus()", browser.find("#csv"))
     with urlopen(str(browser.find("#csv").get_property("href"))) as answer:
         rows = [line.decode().split(",") for line in answer][1:]
-    # Of the second trace, whose messages hold no time: it goes by when they were received.
+    # Of the second trace, whose messages have no stamps: it uses times of receipt.
     times = [float(row[1]) for row in rows if row[3]]
     return max(later - earlier for earlier, later in zip(times, times[1:])) < 3.0 / RATE_HZ
 
@@ -119,7 +119,7 @@ def take(browser: Browser, name: str, selector: str = "body") -> None:
 
 
 def take_others(browser: Browser, url: str) -> None:
-    """Go through the page while motors are there, too."""
+    """Take the pictures with motors."""
     start(browser, url, "dark")
     wait_until(
         lambda: subprocess.run(["rosparam", "get", "/group1/sp_gen_1/omega"]).returncode == 0,

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Measure what the scope costs: ``ci/exec src/topic_scope/test/measure_load.py``.
+"""Measure the load of the scope: ``ci/exec src/topic_scope/test/measure_load.py``.
 
 It starts a master, a node that publishes ten topics at 1 kHz, and a scope, and prints the scope's
 load with no page, with one and with three. With ``--publish`` it is that node.
@@ -15,7 +15,7 @@ import time
 from typing import List
 
 TOPICS, RATE = 10, 1000.0
-#: How late the node may be, s; what a busy machine keeps it from for longer is left out.
+#: Largest delay of the node [s]; longer delays of a busy machine are skipped.
 LATE_S = 1.0
 BINS, WINDOW = 1200, 10.0
 
@@ -39,19 +39,19 @@ def publish() -> None:
             phase = 2 * math.pi * (count / RATE + index / TOPICS)
             publisher.publish(Float32(math.sin(phase)))
         early = start + count / RATE - time.monotonic()
-        if early < -LATE_S:  # never made up for: it would be more than RATE for as long
+        if early < -LATE_S:  # not caught up: the rate would exceed RATE
             start -= early
         time.sleep(max(0.0, early))
 
 
 def seconds_of(pid: int) -> float:
-    """Return the time that a process has used the processor, s."""
+    """Return the CPU time of a process [s]."""
     words = pathlib.Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return (int(words[11]) + int(words[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def megabytes_of(pid: int) -> float:
-    """Return the memory that a process holds, MB."""
+    """Return the memory of a process [MB]."""
     words = pathlib.Path(f"/proc/{pid}/statm").read_text().split()
     return int(words[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
 
@@ -59,7 +59,7 @@ def megabytes_of(pid: int) -> float:
 def measure(seconds: float) -> None:
     """Start everything, print the table, end everything.
 
-    :param seconds: how long each row is measured
+    :param seconds: measuring time of each row
     """
     from browsing.scope_process import ScopeProcess
     from wire.client import Client

@@ -4,9 +4,9 @@
     ./ci/exec src/topic_scope/test/measure_page.py
 
 It prints the frames a second that Chromium without a screen draws, the time from publish() to the
-pixel, and what the scope takes of processor and memory. The first trace carries the time at which
-it was published. A frame counts as seen at the second animation frame after it arrived: the first
-one draws, and the second one begins when that has been handed over.
+pixel, and the scope's CPU time and memory. The first trace carries the time at which
+it was published. A frame is visible at the second animation frame after its arrival: the first
+draws it, and the second starts after it was presented.
 """
 
 import multiprocessing
@@ -29,8 +29,8 @@ TRACES, RATE_HZ = 10, 1000.0
 SETTLE_S, MEASURE_S = 7.0, 20.0
 TOPICS = [f"/rig/s{number}" for number in range(TRACES)]
 
-#: Notes for each frame how old its newest sample is when it arrives and when it can be seen, and
-#: when the page draws it, ms.
+#: Records for each frame the age of its newest sample at arrival and at display, and the time of
+#: drawing [ms].
 WATCH = """
 const Socket = WebSocket;
 window.WebSocket = class extends Socket {
@@ -52,7 +52,7 @@ window.WebSocket = class extends Socket {
 
 
 def publish() -> None:
-    """Publish all topics at their rate, without drift; a process of its own."""
+    """Publish all topics at their rate, without drift, in a separate process."""
     import rospy
     from std_msgs.msg import Float64
 
@@ -70,7 +70,7 @@ def publish() -> None:
 
 
 def processor_time(pid: int) -> float:
-    """Return how long a process has run, s."""
+    """Return the CPU time of a process [s]."""
     fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 

@@ -1,4 +1,4 @@
-"""Debian's Chromium without a screen, and how a test looks at the page in it."""
+"""Headless Chromium of Debian, and access to the page in it."""
 
 import atexit
 import shutil
@@ -18,7 +18,7 @@ WIDTH, HEIGHT = 1280, 720
 
 #: Where Debian installs it.
 _DRIVER = "/usr/bin/chromedriver"
-#: Lets frames be drawn at least so many ms apart; the first one after a pause at once.
+#: Limits the interval of frames [ms]; the first after a pause is drawn immediately.
 _SLOW_FRAMES = """
 const native = window.requestAnimationFrame.bind(window);
 let drawn = 0;
@@ -31,7 +31,7 @@ window.requestAnimationFrame = (draw) => {
   return wait > 0 ? setTimeout(next, wait) : next();
 };
 """
-#: A number that differs where something else is painted: grid and traces.
+#: Checksum of the painted grid and traces.
 _PICTURE = """
 const painted = document.querySelector(arguments[0]);
 const { width, height } = painted;
@@ -45,14 +45,14 @@ return sum;
 """
 #: Ends chromedriver, and removes the profile.
 _GUARD = 'read -r _; kill -KILL "$0"; sleep 1; rm -rf "$1"'
-#: The first element that can be seen, of those that a selector finds.
+#: The first visible element of a selector.
 _SEEN = """
 const isSeen = (one) => one.checkVisibility({ visibilityProperty: true })
   && one.getBoundingClientRect().width > 0;
 const isThere = (one) => isSeen(one.closest("select") ?? one); // an option in a list that is closed
 return [...document.querySelectorAll(arguments[0])].find(isThere) ?? null;
 """
-#: Does what a click does, or tells why it is impossible.
+#: Clicks an element, or returns why that is impossible.
 _PRESS = """
 const one = document.querySelector(arguments[0]);
 if (!one) return "there is no such element";
@@ -62,7 +62,7 @@ one.focus();
 one.click();
 return "";
 """
-#: Does what the choice of an option does, or tells why it is impossible.
+#: Chooses an option, or returns why that is impossible.
 _CHOOSE = """
 const [selector, value] = arguments;
 const one = document.querySelector(`${selector} option[value='${value}']`)?.closest("select");
@@ -82,7 +82,7 @@ _TEXT = (
 
 
 class Browser:
-    """A browser with a profile of its own, which is gone in the end in any case.
+    """Browser with a temporary profile.
 
     :param width: of the page, pixels
     :param height: of the page, pixels
@@ -97,9 +97,9 @@ class Browser:
         options.binary_location = "/usr/bin/chromium"
         for argument in (
             "--headless=new",
-            "--no-sandbox",  # as root it refuses to start otherwise
-            "--disable-dev-shm-usage",  # in a container that is small
-            "--remote-debugging-pipe",  # it ends with chromedriver, however that ends
+            "--no-sandbox",  # required to run as root
+            "--disable-dev-shm-usage",  # too small in a container
+            "--remote-debugging-pipe",  # ends with chromedriver in any case
             "--hide-scrollbars",
             "--host-resolver-rules=MAP *.local 127.0.0.1",  # as a network's own names would be
             "--user-data-dir=" + str(Path(self._profile, "profile")),
@@ -108,9 +108,9 @@ class Browser:
         preferences = {"download.default_directory": str(self.downloads)}
         options.add_experimental_option("prefs", preferences)
         options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        # Told where, since that of Debian 13 would ask a tool for it that is left out there.
+        # Explicit path: Debian 13's selenium would use a tool that is not packaged.
         self.driver = webdriver.Chrome(service=Service(_DRIVER), options=options)
-        # Reads until this process has ended, even by a signal that cannot be caught.
+        # Reads until this process has ended, even by SIGKILL.
         self._guard = subprocess.Popen(
             ["sh", "-c", _GUARD, str(self.driver.service.process.pid), self._profile],
             stdin=subprocess.PIPE,
@@ -123,7 +123,7 @@ class Browser:
         self.resize(width, height)
 
     def close(self) -> None:
-        """End it."""
+        """Close the browser."""
         atexit.unregister(self.close)
         self._guard.kill()
         self._guard.communicate()
@@ -131,11 +131,11 @@ class Browser:
         shutil.rmtree(self._profile, ignore_errors=True)
 
     def resize(self, width: int, height: int, ratio: float = 1.0) -> None:
-        """Give the page a size, whatever the window around it needs.
+        """Set the size of the page, without the window decorations.
 
         :param width: of the page, pixels
         :param height: of the page, pixels
-        :param ratio: pixels of the screen in one of those
+        :param ratio: screen pixels per page pixel
         """
         metrics = {"width": width, "height": height, "deviceScaleFactor": ratio, "mobile": False}
         self.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
@@ -146,28 +146,28 @@ class Browser:
         self.wait_connected()
 
     def wait_connected(self) -> None:
-        """Wait until the page says that it is connected."""
+        """Wait until the page is connected."""
         wait_until(lambda: self.text("#link") == "connected", lambda: self.text("#link"))
 
     def find(self, selector: str) -> WebElement:
-        """Return the first element that a CSS selector finds."""
+        """Return the first element of a CSS selector."""
         return self.driver.find_element(By.CSS_SELECTOR, selector)
 
     def count(self, selector: str) -> int:
-        """Return how many elements a CSS selector finds."""
+        """Return the number of elements of a CSS selector."""
         return len(self.driver.find_elements(By.CSS_SELECTOR, selector))
 
     def wait_for(self, selector: str) -> WebElement:
-        """Wait until an element is there and can be seen."""
+        """Wait until an element is visible."""
         found: WebElement = wait_until(
             lambda: self.run(_SEEN, selector), lambda: f"no {selector} on the page"
         )
         return found
 
     def downloaded(self, name: str) -> Path:
-        """Wait until a file that the page offers is saved, and return it."""
+        """Wait until a download is complete, and return it."""
         path = self.downloads / name
-        # The browser takes the name by an empty file, which the whole one then replaces.
+        # The browser first creates an empty file of this name.
         wait_until(
             lambda: path.exists() and path.stat().st_size > 0,
             lambda: list(self.downloads.glob("*")),
@@ -175,12 +175,12 @@ class Browser:
         return path
 
     def remove_downloads(self) -> None:
-        """Remove the files that pages have saved."""
+        """Remove all downloads."""
         for path in self.downloads.glob("*"):
             path.unlink()
 
     def text(self, selector: str) -> str:
-        """Return the text of all elements that a selector finds, as it is shown at one moment."""
+        """Return the visible text of all elements of a selector."""
         return str(self.run(_TEXT, selector))
 
     def value(self, selector: str) -> str:
@@ -188,20 +188,20 @@ class Browser:
         return str(self.find(selector).get_property("value"))
 
     def keys(self, *keys: str) -> None:
-        """Press keys, wherever the focus is."""
+        """Press keys at the current focus."""
         ActionChains(self.driver).send_keys(*keys).perform()
 
     def press(self, selector: str) -> None:
-        """Click the first element that a selector finds, without the way of the pointer to it.
+        """Click the first element of a selector, without moving the pointer.
 
-        That takes a twentieth of the processor time; with :meth:`find` an element can be clicked as
-        a user does, which fails where something covers it.
+        This takes a twentieth of the CPU time; with :meth:`find` an element can be clicked as
+        by a user, which fails if it is covered.
         """
         problem = self.run(_PRESS, selector)
         assert not problem, f"{selector}: {problem}"
 
     def choose(self, selector: str, value: str) -> None:
-        """Choose an option of a list, without the way of the pointer to it."""
+        """Choose an option of a list, without moving the pointer."""
         problem = self.run(_CHOOSE, selector, value)
         assert not problem, f"{selector}: {problem}"
 
@@ -224,7 +224,7 @@ class Browser:
         )["value"]
 
     def accessible(self) -> List[Tuple[str, str, str]]:
-        """Return role, name and description of all that those learn of who do not see the page."""
+        """Return role, name and description of all elements in the accessibility tree."""
         nodes = self.driver.execute_cdp_cmd("Accessibility.getFullAXTree", {})["nodes"]
         return [
             (
@@ -237,14 +237,14 @@ class Browser:
         ]
 
     def picture(self, selector: str = "#plot canvas") -> int:
-        """Return a number that stands for what is painted in the plot, to be compared.
+        """Return a checksum of the painted plot.
 
         :param selector: of another canvas
         """
         return int(self.run(_PICTURE, selector))
 
     def errors(self) -> List[str]:
-        """Return what the page has complained about since this was asked last."""
+        """Return the browser's errors since the last call."""
         return [
             entry["message"]
             for entry in self.driver.get_log("browser")

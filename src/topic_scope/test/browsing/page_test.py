@@ -13,10 +13,10 @@ from browsing.scope_process import ScopeProcess, SlowScopeProcess, shared_scope
 from browsing.waiting import wait_until
 
 SIGNAL, PROCESSED = "/signal/signal_y", "/proc_signal/data"
-#: Time between two frames of the page [ms]: few tests are about the drawing itself.
+#: Frame interval of the page [ms]; few tests are about drawing.
 FRAME_MS = 150
 _AXIS = {"title": "", "low": None, "high": None}
-#: What a page of the two signals begins with, as a set-up.
+#: Initial set-up of a page with the two signals.
 FRESH: Dict[str, Any] = {
     "fields": [SIGNAL, PROCESSED],
     **{"hidden": [], "right": [], "colours": {}, "traces": {}},
@@ -34,7 +34,7 @@ FRESH: Dict[str, Any] = {
     **{"panels": True, "view": "scope"},
 }
 FRESH["trigger"].update({"hysteresis": 0, "holdoff": 0, "position": 0.5})
-#: Shows a set-up on a page that is open; references and masks go with the traces before.
+#: Applies a set-up to an open page, and removes references and masks.
 _SHOW = """
 const [setup, done] = arguments;
 for (const dialog of document.querySelectorAll("dialog[open]")) dialog.close();
@@ -65,9 +65,9 @@ def shared_browser() -> Browser:
 
 
 class BrowserTest(unittest.TestCase):
-    """Has a scope and a browser, which shows what the test before has left."""
+    """Test with a scope and a browser, which still shows the page of the previous test."""
 
-    #: What the scope's command line says besides the port.
+    #: Arguments of the scope, except the port.
     ARGUMENTS: ClassVar[Sequence[str]] = ()
     browser: Browser
     scope: ScopeProcess
@@ -77,28 +77,28 @@ class BrowserTest(unittest.TestCase):
         cls.scope = shared_scope(*cls.ARGUMENTS, kind=SlowScopeProcess)
         cls.browser = shared_browser()
         cls.scope.wait_until_served()
-        cls.browser.errors()  # of the tests before
+        cls.browser.errors()  # of previous tests
 
     @classmethod
     def leave_page(cls) -> None:
-        """Leave the page, after what a set-up does not undo: the next test loads it again."""
+        """Leave the page after changes that a set-up does not undo; the next test reloads it."""
         cls.browser.driver.get("about:blank")
 
     @classmethod
     def is_open(cls) -> bool:
-        """Tell whether the browser shows a page of this scope."""
+        """Return whether the browser shows a page of this scope."""
         return str(cls.browser.driver.current_url).startswith(cls.scope.url + "/")
 
 
 class PageTest(BrowserTest):
-    """Shows the two signals of the course, and checks after each test that nothing was wrong.
+    """Test with the two signals of the course, which checks for browser errors at its end.
 
     The page stays open from test to test, and only its set-up is reset. A test that changes more
-    than a set-up has calls :meth:`leave_page` in the end.
+    than a set-up contains calls :meth:`leave_page` at its end.
     """
 
     ARGUMENTS = (SIGNAL, PROCESSED, "--window", "5")
-    #: Complaints of the browser that a test provokes.
+    #: Browser errors that a test provokes.
     expected_errors: List[str]
 
     def setUp(self) -> None:
@@ -108,7 +108,7 @@ class PageTest(BrowserTest):
             self.show()
         else:
             self.browser.open(self.scope.url)
-            # A scope that has just started says that there are no such topics yet.
+            # A scope that has just started does not know the topics yet.
             wait_until(
                 lambda: all(self.cell(field, "rate") > 0.0 for field in (SIGNAL, PROCESSED)),
                 lambda: self.browser.text("#legend"),
@@ -124,18 +124,18 @@ class PageTest(BrowserTest):
         self.assertEqual(errors, [])
 
     def show(self, **parts: Any) -> None:
-        """Show a set-up on the page that is open.
+        """Apply a set-up to the open page.
 
-        :param parts: of the set-up, in place of those of a new page
+        :param parts: parts of the set-up that differ from a new page
         """
         self.browser.driver.execute_async_script(_SHOW, {**FRESH, **parts})
 
     def wait_drawn(self) -> None:
-        """Wait until what was chosen last is drawn: cursors are put where the axes are then."""
+        """Wait until the latest changes are drawn: cursors are placed on the drawn axes."""
         self.browser.driver.execute_async_script("requestAnimationFrame(arguments[0])")
 
     def watch_writing(self) -> None:
-        """Keep what is written on canvases until the end of the test, as they cannot be read."""
+        """Record the text drawn on canvases until the end of the test."""
         self.browser.run(
             "const kind = CanvasRenderingContext2D.prototype; window.written = [];"
             "window.writeOnCanvas = kind.fillText; kind.fillText = function(text, ...place) {"
@@ -153,7 +153,7 @@ class PageTest(BrowserTest):
         return math.nan if text in ("", "–") else float(text.replace("−", "-"))
 
     def csv(self) -> str:
-        """Return the address of the CSV file of what is visible."""
+        """Return the URL of the CSV file of the visible samples."""
         link = self.browser.find("#csv")
         self.browser.run("arguments[0].dispatchEvent(new Event('focus'))", link)
         return str(link.get_property("href"))
@@ -171,7 +171,7 @@ class PageTest(BrowserTest):
         wait_until(lambda: self.browser.picture() != first, lambda: "the picture stands still")
 
     def wait_still(self) -> None:
-        """Wait until the picture has been the same for some frames."""
+        """Wait until the picture is unchanged for some frames."""
         seen = [self.browser.picture()]
 
         def still() -> bool:
@@ -181,7 +181,7 @@ class PageTest(BrowserTest):
         wait_until(still, lambda: "the picture changes")
 
     def wait_banner(self, text: str) -> None:
-        """Wait until the banner says something; nothing to have it gone."""
+        """Wait until the banner has a text; empty to wait until it disappears."""
         banner = "#banner:not([hidden]) #banner-text"
         wait_until(
             lambda: self.browser.text(banner) == text, lambda: self.browser.text("#banner-text")

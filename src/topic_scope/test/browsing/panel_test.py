@@ -14,7 +14,7 @@ def row(name: str) -> str:
 
 
 class PanelTest(PageTest):
-    """Shows the panel of the signal generator, whose signal is as the course has it, or almost."""
+    """Test with the panel of the signal generator, with about the course's signal."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -31,11 +31,11 @@ class PanelTest(PageTest):
         self.wait_value("frequency", 6.28)
 
     def slider(self, name: str) -> float:
-        """Return where a slider is."""
+        """Return the position of a slider."""
         return float(self.browser.value(row(name) + " input[type=range]"))
 
     def wait_value(self, name: str, value: float) -> None:
-        """Wait until the page shows a value, at the slider and beside it."""
+        """Wait until slider and field show a value."""
 
         def shown() -> bool:
             typed = float(self.browser.value(row(name) + " .value"))
@@ -56,7 +56,7 @@ class PanelTest(PageTest):
         return control
 
     def wait_refused(self, name: str, *parts: str) -> None:
-        """Wait until the refusal has some words."""
+        """Wait until the error text contains some words."""
         refusal = row(name) + " .refusal"
         wait_until(
             lambda: all(part in self.browser.text(refusal) for part in parts),

@@ -1,4 +1,4 @@
-"""Contents of a picture that the page has saved."""
+"""Contents of a saved picture."""
 
 from pathlib import Path
 from typing import List, Tuple
@@ -6,14 +6,14 @@ from typing import List, Tuple
 import numpy
 from matplotlib.image import imread
 
-#: Edges on the left, above, on the right and below, pixels of the page: from the far end where they
-#: are negative, and the end itself where they are 0.
+#: Edges on the left, above, on the right and below, pixels of the page: from the far end if
+#: negative, and the end itself if 0.
 Box = Tuple[float, float, float, float]
 #: Colours that differ by less look the same.
 _ALIKE = 24
-#: Height of a line of text, and what is left below the last one, pixels of the page.
+#: Height of a line of text, and the space below the last line, pixels of the page.
 _LINE, _MARGIN = 17, 10
-#: No letter is so long, pixels of the page.
+#: Longer than any letter, pixels of the page.
 _LETTER = 20
 
 
@@ -21,17 +21,17 @@ class Picture:
     """A picture for a report.
 
     :param path: the file
-    :param ratio: pixels of the picture in one of the page
+    :param ratio: picture pixels per page pixel
     """
 
     def __init__(self, path: Path, ratio: float) -> None:
         self.pixels = numpy.rint(imread(str(path))[:, :, :3] * 255.0).astype(int)
         self.ratio = ratio
-        #: What is not as in the first corner, where nothing is drawn.
+        #: Pixels that differ from the empty first corner.
         self.painted = (abs(self.pixels - self.pixels[0, 0]) >= _ALIKE).any(axis=2)
 
     def part(self, shown: numpy.ndarray, box: Box) -> numpy.ndarray:
-        """Return a part of something that is as large as the picture.
+        """Return a part of an array of the size of the picture.
 
         :param shown: such as :attr:`painted`
         :param box: the part
@@ -40,7 +40,7 @@ class Picture:
         return shown[top:bottom, left:right]
 
     def of_colour(self, colour: str) -> numpy.ndarray:
-        """Tell where a colour is.
+        """Return a mask of the pixels of a colour.
 
         :param colour: ``#rrggbb``
         """
@@ -48,7 +48,7 @@ class Picture:
         return (abs(self.pixels - wanted) < _ALIKE).all(axis=2)
 
     def lines(self, top: float) -> List[bool]:
-        """Tell of each line that there is room for below a place whether anything is written there.
+        """Return for each line of text below a place whether it is written.
 
         :param top: the place, pixels of the page
         """
@@ -57,10 +57,10 @@ class Picture:
         return [bool(self.part(self.painted, (0, at, 0, at + _LINE)).any()) for at in starts]
 
     def strokes(self, box: Box, height: float) -> List[str]:
-        """Tell beside which edges of a box a straight line is that is longer than any letter.
+        """Return the edges of a box with a line longer than any letter.
 
         :param box: the box
-        :param height: down to where they are looked for, pixels of the page
+        :param height: lower end of the search, pixels of the page
         """
         left, _, right, bottom = box  # there is nothing above a plot
         beside = {
@@ -74,7 +74,7 @@ class Picture:
 
 
 def _run(painted: numpy.ndarray) -> int:
-    """Return how many pixels one above the other are painted at most."""
+    """Return the longest vertical run of painted pixels."""
     run, most = numpy.zeros(painted.shape[1], int), 0
     for row in painted:
         run = (run + 1) * row

@@ -1,4 +1,4 @@
-"""The scope as a process of its own, which a test can end and start again."""
+"""Scope in a separate process, which a test can stop and restart."""
 
 import atexit
 import functools
@@ -15,10 +15,10 @@ from nodekit.testing.processes import free_port
 
 
 class ScopeProcess:
-    """A scope at a port of its own.
+    """Scope at its own port.
 
-    :param arguments: what its command line says besides the port
-    :param variables: of its environment, besides those of the test
+    :param arguments: its arguments, except the port
+    :param variables: additional environment variables
     """
 
     program: ClassVar[str] = roslib.packages.find_node("topic_scope", "scope.py")[0]
@@ -37,7 +37,7 @@ class ScopeProcess:
         return self._process.pid
 
     def start(self) -> None:
-        """Start it; the page waits for it by itself."""
+        """Start the scope; the page waits for it."""
         self._process = subprocess.Popen(self._command, env=self._environment)
 
     def wait_until_served(self) -> None:
@@ -53,13 +53,13 @@ class ScopeProcess:
         wait_until(answers, lambda: f"no answer at {self.url}")
 
     def stop(self) -> int:
-        """End it, and return its exit status."""
+        """Stop the scope, and return its exit status."""
         self._process.terminate()
         return self._process.wait(30.0)
 
 
 class SlowScopeProcess(ScopeProcess):
-    """A scope that sends ten frames a second."""
+    """Scope that sends ten frames per second."""
 
     program = str(Path(__file__).with_name("slow_scope.py"))
 
@@ -68,7 +68,7 @@ class SlowScopeProcess(ScopeProcess):
 def shared_scope(*arguments: str, kind: Type[ScopeProcess] = ScopeProcess) -> ScopeProcess:
     """Return the scope that all tests of a process share; it may still be starting.
 
-    :param arguments: what its command line says besides the port
+    :param arguments: its arguments, except the port
     :param kind: its class
     """
     scope = kind(*arguments)

@@ -17,11 +17,11 @@ _SHORTEST_S, _LONGEST_S = 0.02, 0.16
 def wait_until(condition: Callable[[], Optional[Value]], what: Callable[[], object]) -> Value:
     """Poll until a condition holds, as :func:`nodekit.testing.waiting.wait_until` does.
 
-    :param condition: asked again and again; holds when its answer is truthy. An element that the
-        page has replaced meanwhile only means to ask again.
-    :param what: asked only on failure, for what is to be seen instead
+    :param condition: polled until it returns a truthy value. An element that the
+        page has replaced meanwhile only causes another poll.
+    :param what: called only on failure, to describe the actual state
     :returns: the truthy answer
-    :raises AssertionError: when the time is over
+    :raises AssertionError: after a timeout
     """
     deadline, pause = time.monotonic() + TIMEOUT_S, _SHORTEST_S
     while True:

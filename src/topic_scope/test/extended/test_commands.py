@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The commands: plot_bag.py, which writes down a bag, and mask.py, which checks a trace."""
+"""The commands plot_bag.py and mask.py."""
 
 import rospy
 from test_mask_live import MaskLive  # noqa: F401

@@ -1,4 +1,4 @@
-"""The command that checks a trace by a mask, as a test of a robot would call it on a live graph."""
+"""Command mask.py on a live graph."""
 
 import csv
 import subprocess
@@ -15,7 +15,7 @@ PERIOD_S = 0.01
 
 
 class MaskLive(unittest.TestCase):
-    """A trace that follows its reference, and after a while no longer."""
+    """Trace that follows its reference for a limited time."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -54,7 +54,7 @@ class MaskLive(unittest.TestCase):
 
     def test_exit_status_reports_the_check(self) -> None:
         type(self).error = 0.05
-        for seconds in ("2", "8", "30"):  # longer where a busy machine takes longer to subscribe
+        for seconds in ("2", "8", "30"):  # longer if a busy machine subscribes late
             inside = self.check("--value", "0.1", "--seconds", seconds)
             if inside.returncode != 2:
                 break

@@ -1,4 +1,4 @@
-"""Nothing on the page covers anything else, or is cut off, on screens as people have them."""
+"""Layout of the page on usual screens: no overlaps, nothing cut off."""
 
 import json
 from typing import Any, Dict, List
@@ -13,15 +13,15 @@ from selenium.webdriver.common.keys import Keys
 from wire.robot import Robot
 
 LAPTOP, SCREEN, PHONE = (1366, 768), (1920, 1080), (390, 844)
-#: A topic without a publisher: its row has words in the place of figures.
+#: Topic without a publisher, whose row has a text in place of figures.
 LONG = "/robot1/left_arm/joint_states/position[shoulder]"
-#: Boxes of what can be seen of some elements.
+#: Boxes of visible elements.
 _BOXES = """
 return [...document.querySelectorAll(arguments[0])].filter((one) => one.checkVisibility())
   .map((one) => { const { left, top, right, bottom } = one.getBoundingClientRect();
     return { left, top, right, bottom, text: one.textContent }; })
 """
-#: How many lines each part of the names takes that is not to be broken.
+#: Number of lines of each unbreakable part of the names.
 _LINES = """
 return [...document.querySelectorAll("#legend .name > span:first-of-type")].flatMap((name) =>
   [...name.childNodes].filter((one) => one.nodeType === Node.TEXT_NODE).map((part) => {
@@ -29,7 +29,7 @@ return [...document.querySelectorAll("#legend .name > span:first-of-type")].flat
     range.selectNodeContents(part);
     return range.getClientRects().length; }))
 """
-#: How wide the labels of a goal's numbers are, and what they would need in one line.
+#: Widths of the labels of a goal's numbers, and the widths needed for one line.
 _ROOM = """
 return [...document.querySelectorAll(".goal-numbers label")].map((label) => {
   const range = document.createRange();
@@ -37,7 +37,7 @@ return [...document.querySelectorAll(".goal-numbers label")].map((label) => {
   return { room: label.clientWidth, needed: range.getBoundingClientRect().width,
     lines: range.getClientRects().length }; })
 """
-#: How large is what can be pressed: of a control in a label, that.
+#: Sizes of controls; for a control in a label, of the label.
 _TARGETS = """
 return [...document.querySelectorAll("button, select, input, a[href], summary, .handle")]
   .filter((one) => one.checkVisibility())
@@ -49,7 +49,7 @@ Box = Dict[str, Any]
 
 
 def overlap(one: Box, other: Box) -> bool:
-    """Tell whether two boxes have an area in common."""
+    """Return whether two boxes overlap."""
     across = min(one["right"], other["right"]) - max(one["left"], other["left"])
     down = min(one["bottom"], other["bottom"]) - max(one["top"], other["top"])
     return across > 0.5 and down > 0.5
@@ -70,7 +70,7 @@ class Layout(BrowserTest):
 
     @classmethod
     def open_page(cls) -> None:
-        """Load the page with two traces, and one that has no data."""
+        """Load the page with two traces, and one without data."""
         cls.leave_page()
         setup = {"fields": [SIGNAL, PROCESSED, LONG]}
         cls.browser.open(f"{cls.scope.url}#{quote(json.dumps(setup))}")
@@ -80,12 +80,12 @@ class Layout(BrowserTest):
         self.assertEqual(self.browser.errors(), [])
 
     def boxes(self, selector: str) -> List[Box]:
-        """Return the boxes of what can be seen."""
+        """Return the boxes of visible elements."""
         found: List[Box] = self.browser.run(_BOXES, selector)
         return found
 
     def resize(self, width: int, height: int) -> None:
-        """Give the page a size, and wait until all that is drawn has it."""
+        """Resize the page, and wait until everything is redrawn."""
         self.browser.resize(width, height)
         for _ in range(2):  # a redrawn element may move its neighbours
             self.browser.driver.execute_async_script("requestAnimationFrame(arguments[0])")
@@ -155,7 +155,7 @@ class Layout(BrowserTest):
         wait_until(lambda: listed() == said, listed)
         self.assertEqual(self.browser.count("#robot-list li"), 1)
         self.assertFalse(self.boxes("#goal-topic-none, #drive-topic-none"))
-        for size in (LAPTOP, SCREEN, PHONE):  # nothing of the numbers of a goal is cut off
+        for size in (LAPTOP, SCREEN, PHONE):  # the numbers of a goal are not cut off
             self.resize(*size)
             labels = self.browser.run(_ROOM)
             self.assertEqual([label["lines"] for label in labels], [1, 1, 1], size)
@@ -166,7 +166,7 @@ class Layout(BrowserTest):
         browser = self.browser
         self.resize(*PHONE)
         self.open_page()
-        browser.wait_for(f"#legend tr.gone[data-field='{LONG}']")  # which has no choices then
+        browser.wait_for(f"#legend tr.gone[data-field='{LONG}']")  # then without choices
         self.fits_a_phone("folded")
         (stage,) = self.boxes("#stage")
         self.assertLess(stage["top"], 60)
@@ -193,7 +193,7 @@ class Layout(BrowserTest):
             browser.keys(view)
 
     def fits_a_phone(self, what: str) -> None:
-        """Check that the page is no longer than the screen, and what can be pressed on it."""
+        """Check that the page fits the screen, and the sizes of its controls."""
         size = "const { scrollWidth, scrollHeight } = document.documentElement;"
         shown = self.browser.run(size + "return [scrollWidth, scrollHeight]")
         self.assertEqual(shown[0], PHONE[0], what)

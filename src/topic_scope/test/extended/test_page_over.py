@@ -1,4 +1,4 @@
-"""Overlays on the page: sweeps of the trigger, and a bag over another one."""
+"""Overlays on the page: persistence of sweeps, and a bag over another bag."""
 
 import json
 import math
@@ -24,20 +24,20 @@ from std_msgs.msg import Float32, Float64
 from wire.client import Client, fetch
 
 BEGIN, LENGTH_S, RATE_HZ, PERIOD_S = 1700000000, 40.0, 500, 0.1
-#: A sine of 1 Hz in a run, and in an older one that is shorter, where it is late by some time, s.
+#: Sine of 1 Hz in a run, and in an older, shorter run with a delay [s].
 SINE_HZ, OLD_BEGIN, OLD_S, LATE_S = 100, BEGIN - 604800, 30.0, 0.37
 SINE, OLD = "/sine/data", "/old/sine/data"
 APART = f"={SINE} - {OLD}"
 OFFSET = "[aria-label='offset of old, s']"
-#: A sine of 1 Hz, whose messages were recorded late, by these times in turn, s.
+#: Sine of 1 Hz, whose messages were recorded with these delays in turn [s].
 LATE, LATENESS_S, LATE_LENGTH_S = "/late/point/x@stamp", (0.8, 0.4, 0.6), 12.0
 FIELD = "/square/data"
-#: When a square wave falls after it has risen, and by how much later than that in turn, s.
+#: Time from the rise of a square wave to its fall, and additional delays in turn [s].
 FALLS_S, JITTER_S = 0.03, (0.0, 0.008, 0.012, 0.004)
 WINDOW_S, LOW, HIGH = 0.1, -0.5, 1.5
-#: Where the trace passes this value, no line of the grid is.
+#: Value without a grid line.
 LEVEL = 0.37
-#: Where a row of the plot has the colour of the trace: parts of its width, and how bold, 0 to 255.
+#: Positions in a row of the plot with the colour of the trace, as fractions, and opacity 0 to 255.
 _PAINTED = """
 const up = arguments[0];
 const canvas = document.querySelector("#plot canvas");
@@ -90,24 +90,24 @@ def record(path: str) -> None:
 
 
 def write_sine(bag: Any, begin: int, length: float, late: float) -> None:
-    """Record a sine of 1 Hz that is late by some time, s."""
+    """Record a sine of 1 Hz with a delay [s]."""
     for index in range(round(length * SINE_HZ)):
         value = math.sin(2.0 * math.pi * (index / SINE_HZ - late))
         bag.write("sine", Float64(value), time_at(begin, index, SINE_HZ))
 
 
 def time_at(begin: int, index: int, rate: int) -> genpy.Time:
-    """Return when a message was recorded."""
+    """Return the recording time of a message."""
     return genpy.Time(begin + index // rate, index % rate * 10**9 // rate)
 
 
 def number(text: str) -> float:
-    """Return what a cell of the table holds, NaN where it holds nothing yet."""
+    """Return the number in a cell of the table; NaN if empty."""
     return float(text) if text not in ("", "–") else math.nan
 
 
 class Over(unittest.TestCase):
-    """A bag with an older one over it."""
+    """Bag with an older bag over it."""
 
     scope: ScopeProcess
     browser: Browser
@@ -127,11 +127,11 @@ class Over(unittest.TestCase):
         cls.addClassCleanup(cls.scope.stop)
         cls.browser = shared_browser()
         cls.addClassCleanup(cls.browser.driver.get, "about:blank")
-        cls.browser.errors()  # of the tests before
+        cls.browser.errors()  # of previous tests
         cls.scope.wait_until_served()
 
     def go_to(self, seconds: float) -> None:
-        """Have the bag stand at a place."""
+        """Pause the bag at a position."""
         page = Client(self.scope.url)
         self.addCleanup(page.close)
         page.wait_for("hello")
@@ -142,18 +142,18 @@ class Over(unittest.TestCase):
         )
 
     def falling(self) -> List[Tuple[float, int]]:
-        """Return where falling edges are painted, s after the trigger, and how boldly."""
+        """Return the painted falling edges: time after the trigger [s], and opacity."""
         found = self.browser.run(_PAINTED, (LEVEL - LOW) / (HIGH - LOW))
         places = [((part - 0.5) * WINDOW_S, bold) for part, bold in found]
         return [one for one in places if one[0] > FALLS_S / 2.0]
 
     def band(self) -> float:
-        """Return how far apart the first and the last of them are, s."""
+        """Return the distance of the first and the last edge [s]."""
         places = [place for place, _ in self.falling()]
         return max(places) - min(places) if places else 0.0
 
     def boldness(self) -> List[int]:
-        """Return how boldly the edge of each lateness is painted, 0 where it is not."""
+        """Return the opacity of the edge of each delay; 0 if not painted."""
         painted = self.falling()
         return [
             max((bold for place, bold in painted if abs(place - FALLS_S - late) < 0.001), default=0)
@@ -169,16 +169,16 @@ class Over(unittest.TestCase):
         wait_until(lambda: self.falling(), lambda: browser.text("#trigger-state"))
         # One sweep has one edge.
         self.assertLess(self.band(), 0.001)
-        # By keys alone; those who do not see the page learn what they choose.
+        # By keys only; the choice is announced to screen readers.
         browser.find("#show-trigger").send_keys(Keys.ENTER)
         browser.wait_for("#trigger-persistence").send_keys("8")
         self.assertIn("persistence", [name for _, name, _ in browser.accessible()])
         browser.keys(Keys.ESCAPE)
         most = max(JITTER_S)
         wait_until(lambda: abs(self.band() - most) < 0.001 and all(self.boldness()), self.falling)
-        # The latest edge is bold, others are paler; how much depends on sweeps that are left out.
+        # The latest edge is bold, others are paler, depending on skipped sweeps.
         wait_until(lambda: 0 < min(self.boldness()) < 0.6 * max(self.boldness()), self.boldness)
-        # It stays while one looks at it, and in a set-up.
+        # It stays on a paused page, and in a set-up.
         page = Client(self.scope.url)
         self.addCleanup(page.close)
         page.send("playback", playing=False)
@@ -230,10 +230,10 @@ class Over(unittest.TestCase):
             self.assertIn(round(received - moment, 3), LATENESS_S)
 
     def crests(self, browser: Browser, start: float, end: float) -> List[float]:
-        """Return the times of the crests that are painted, s.
+        """Return the times of the painted crests [s].
 
         :param start: the time at the left edge of the plot, s
-        :param end: that at the right edge, s
+        :param end: the time at the right edge [s]
         """
         code = """
           const colour = document.querySelector("#legend input[type=color]").value;
@@ -281,7 +281,7 @@ class Over(unittest.TestCase):
         browser.open(f"{self.scope.url}#{quote(json.dumps(setup))}")
         self.go_to(5.0)
         self.wait_apart(LATE_S)
-        # Its offset is typed; what is no number is refused with a sentence.
+        # Its offset is typed; invalid text is rejected with an explanation.
         self.type_offset("0.13")
         self.wait_apart(LATE_S + 0.13)
         self.type_offset("1,5")
@@ -289,7 +289,7 @@ class Over(unittest.TestCase):
         self.assertEqual(browser.value(OFFSET), "0.13")
         self.type_offset("0")
         self.wait_apart(LATE_S)
-        # Without a trigger there is nothing to align it at.
+        # Without a trigger it cannot be aligned.
         align = browser.find("[aria-label='Align at the trigger: old']")
         align.send_keys(Keys.ENTER)
         wait_until(
@@ -304,11 +304,11 @@ class Over(unittest.TestCase):
         self.assertEqual(browser.errors(), [])
 
     def type_offset(self, text: str) -> None:
-        """Type another offset in place of the one that is there."""
+        """Replace the offset."""
         self.browser.wait_for(OFFSET).send_keys(Keys.CONTROL, "a", Keys.CONTROL, text, Keys.ENTER)
 
     def wait_apart(self, seconds: float) -> None:
-        """Wait until the sines are so far apart, s, to a tenth of a sample, by their difference."""
+        """Wait until the sines have a time difference [s], to a tenth of a sample."""
         rms = math.sqrt(2.0) * abs(math.sin(math.pi * seconds))
         slope = math.sqrt(2.0) * math.pi
         cell = f"#legend tr[data-field='{APART}'] [data-cell='rms']"
@@ -319,7 +319,7 @@ class Over(unittest.TestCase):
 
 
 class BrokenBags(unittest.TestCase):
-    """Files that are no bags."""
+    """Files that are not bags."""
 
     def test_non_bag_file_is_reported(self) -> None:
         node = roslib.packages.find_node("topic_scope", "scope.py")[0]

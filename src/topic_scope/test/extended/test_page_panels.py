@@ -14,7 +14,7 @@ from selenium.webdriver.common.keys import Keys
 from sensor_msgs.msg import JointState
 from wire.foreign import Foreign
 
-#: All that can be used on the page as it is.
+#: All usable controls of the page.
 _CONTROLS = (
     "[...document.querySelectorAll('button, input, select, a[href], summary, [tabindex=\"0\"]')]"
     ".filter((one) => one.checkVisibility() && !one.matches(':disabled'))"
@@ -107,13 +107,13 @@ class Panels(PanelTest):
                 lambda: self.browser.picture() != first_picture, lambda: "the second stands still"
             )
         self.wait_value("frequency", wanted)
-        self.assertEqual(self.browser.value("#window"), "5")  # each has a view of its own
+        self.assertEqual(self.browser.value("#window"), "5")  # each page has its own view
         picture = self.browser.picture()
         wait_until(lambda: self.browser.picture() != picture, lambda: "the first stands still")
 
     @contextmanager
     def second_page(self) -> Iterator[None]:
-        """Open the page a second time, and look at that for a while."""
+        """Open the page a second time, during a ``with`` block."""
         driver = self.browser.driver
         first = driver.current_window_handle
         driver.execute_script("window.open('about:blank')")
@@ -239,7 +239,7 @@ class Panels(PanelTest):
 
     def test_all_controls_are_reached_by_keys_and_named(self) -> None:
         self.addCleanup(self.leave_page)
-        self.browser.keys("t", "c", "v", "l")  # a trigger and cursors: all that can be on the plot
+        self.browser.keys("t", "c", "v", "l")  # trigger and cursors: all handles of the plot
         self.browser.wait_for(".handle.cursor")
         self.browser.wait_for(".handle.level-cursor")
         self.all_have_names("the scope")
@@ -305,13 +305,13 @@ class Panels(PanelTest):
         self.browser.wait_for("#axes")
 
     def all_have_names(self, what: str) -> None:
-        """Check that all that can be used has a name."""
+        """Check that all controls have names."""
         nameless = [row for row in self.browser.accessible() if row[0] in _ROLES and not row[1]]
         self.assertEqual(nameless, [], what)
 
     def test_read_only_page_has_no_controls(self) -> None:
         self.addCleanup(self.leave_page)
-        # As from a scope that is open to a network, which a test had better not be.
+        # As from a scope that is open to the network, which a test must not be.
         script = self.browser.driver.execute_cdp_cmd(
             "Page.addScriptToEvaluateOnNewDocument",
             {

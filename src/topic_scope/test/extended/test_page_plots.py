@@ -1,4 +1,4 @@
-"""The page measures, and plots otherwise than over time."""
+"""Measurements and charts of the page."""
 
 import heapq
 import itertools
@@ -25,14 +25,14 @@ from std_msgs.msg import Float64MultiArray, Header, Int32
 from geometry_msgs.msg import Point, PointStamped  # isort: skip
 
 SINE = "/sine/point/x"
-#: How late messages on these topics come, by turns, s.
+#: Delays of messages on these topics, in turn [s].
 LATE = {"/late0": [0.0], "/late3": [0.3], "/late8": [0.8], "/wander": [0.5, 0.4, 0.6]}
-#: The place of an element, with the parts of pixels.
+#: Position of an element, in fractional pixels.
 _BOX = "return document.querySelector(arguments[0]).getBoundingClientRect().toJSON()"
 
 
 class Plots(PageTest):
-    """Use of the plots to learn more of a trace."""
+    """Measurements, charts and plots of traces."""
 
     def test_chosen_measurements_and_span_between_cursors(self) -> None:
         self.browser.keys("m")
@@ -40,7 +40,7 @@ class Plots(PageTest):
         for name in ("vpp", "deviation", "rise", "duty", "phase"):
             self.browser.press(f"[data-figure='{name}']")
         self.browser.keys(Keys.ESCAPE)
-        # A sine of the amplitude 2 and 1 Hz, and one that is a quarter of a period ahead of it.
+        # A sine of amplitude 2 and 1 Hz, and one that leads by a quarter of a period.
         expected = {"vpp": 4.0, "deviation": math.sqrt(2.0), "rise": 0.295, "duty": 50.0}
         for name, value in expected.items():
             wait_until(
@@ -105,7 +105,7 @@ class Plots(PageTest):
         self.assertFalse(self.browser.find("#over-time").is_displayed())
 
     def wait_certainty(self, figure: str, wanted: str) -> None:
-        """Wait until the table says how sure a figure of the signal is, or why it is missing."""
+        """Wait until the table shows a figure's uncertainty, or why it is missing."""
         cell = f"#legend tr[data-field='{SIGNAL}'] [data-cell={figure}]"
         wait_until(
             lambda: self.browser.find(cell).get_attribute("title") == wanted,
@@ -113,11 +113,11 @@ class Plots(PageTest):
         )
 
     def drawn(self) -> int:
-        """Return what is painted in place of the plot over time, to be compared."""
+        """Return a checksum of the painted chart."""
         return self.browser.picture("#chart canvas")
 
     def written(self) -> str:
-        """Return what was written since this was asked last, a line for each text."""
+        """Return the texts drawn since the last call, one per line."""
         take = "const all = window.written; window.written = []; return all.join('\\n')"
         return str(self.browser.run(take))
 
@@ -126,7 +126,7 @@ class Plots(PageTest):
         self.browser.keys("k")
         wait_until(lambda: re.search(r" Hz, [\d.]+ dB$", self.written(), re.M), self.written)
         self.browser.keys(Keys.SPACE)
-        # The server has nothing to tell of that, so the chart is there at once.
+        # This needs no message of the server, so the chart appears immediately.
         self.browser.choose("[aria-label='spectrum scale']", "linear")
         self.assertRegex(self.written(), r"(?m) Hz, [\d.]+$")
         self.browser.keys("k")
@@ -155,7 +155,7 @@ class Plots(PageTest):
         )
         self.browser.choose("[aria-label='spectrum scale']", "dB")
         wait_until(marked, lambda: seen)
-        # A picture for a report has its numbers, what is measured, and the date.
+        # A picture for a report has its numbers, the measurements, and the date.
         self.browser.press("#png")
         self.browser.downloaded("scope.png")
         picture = self.written().split("\n")
@@ -236,7 +236,7 @@ class Plots(PageTest):
             lambda: math.isnan(self.cell(SIGNAL, "max")), lambda: self.browser.text("#legend")
         )
         self.assertFalse(math.isnan(self.cell(PROCESSED, "max")))
-        # Paused, so that what comes back was there before. Not by a key: the tick has the focus.
+        # Paused, so that it returns unchanged. Not by a key: the checkbox has the focus.
         self.browser.press("#run")
         wait_until(lambda: self.browser.text("#run") == "Run", lambda: "it runs on")
         picture = self.browser.picture()
@@ -257,7 +257,7 @@ class Plots(PageTest):
         level.send_keys("50", Keys.ENTER)
         arrow = self.browser.wait_for(".beyond.above")
         self.assertIn("T 50.000", arrow.text)
-        # Nothing crosses it: the mode auto goes on.
+        # No crossings: the mode auto runs freely.
         first = self.browser.picture()
         wait_until(lambda: self.browser.picture() != first, lambda: "it stands still")
         self.browser.press("#show-trigger")
@@ -266,7 +266,7 @@ class Plots(PageTest):
             field.send_keys(Keys.CONTROL + "a")
             field.send_keys(value, Keys.TAB)
 
-        def is_halved() -> bool:  # of what is in view, where a crest may not have come yet
+        def is_halved() -> bool:  # a crest may not be in view yet
             self.browser.press("#trigger-half")
             return abs(float(self.browser.value("#trigger-level").replace("−", "-"))) < 0.1
 
@@ -279,7 +279,7 @@ class Plots(PageTest):
             ),
             lambda: self.browser.text("#trigger-state"),
         )
-        # A fifth of the second is left of the crossing, where the axis has its zero.
+        # A fifth of the second is left of the crossing, the zero of the axis.
         wait_until(
             lambda: (
                 "0.6" in self.browser.text(".dygraph-axis-label-x").split()
@@ -287,7 +287,7 @@ class Plots(PageTest):
             ),
             lambda: self.browser.text(".dygraph-axis-label-x"),
         )
-        # On a busy machine something may take a line meanwhile.
+        # On a busy machine a text may take a line meanwhile.
         wait_until(
             lambda: self.browser.find("#plot").size["height"] == height,
             lambda: f"{height}: {self.browser.find('#plot').size}: {self.browser.text('#legend')}",
@@ -327,13 +327,13 @@ class Plots(PageTest):
         )
 
     def panes(self) -> int:
-        """Return how many plots are drawn, of which the last one alone has times below it."""
+        """Return the number of plots, after checking that only the last has a time axis."""
         count = self.browser.count(".pane")
         below = self.browser.count(".pane:last-child .dygraph-axis-label-x")
         return count if below == self.browser.count(".dygraph-axis-label-x") > 2 else 0
 
     def wait_still(self, *elements: WebElement) -> None:
-        """Wait until elements stay where they are: new figures may move the table and the plots."""
+        """Wait until elements do not move: new figures may move the table and the plots."""
         places: List[Any] = []
 
         def stand_still() -> bool:
@@ -343,13 +343,13 @@ class Plots(PageTest):
         wait_until(stand_still, lambda: str(places[-5:]))
 
     def drag(self, field: str, up: float) -> None:
-        """Drag the name of a trace to a part of the height of all plots, from below."""
+        """Drag the name of a trace to a fraction of the height of all plots, from below."""
         name = self.browser.find(f"#legend tr[data-field='{field}'] .name")
         stage = self.browser.find("#stage")
         self.wait_still(name, stage)
         there, actions = stage.rect, ActionChains(self.browser.driver)
         actions.click_and_hold(name).move_by_offset(10, -10)
-        # Not so far from the name: the table may move it just before it is held.
+        # Close to the name: the table may move it just before the press.
         actions.w3c_actions.pointer_action.move_to_location(
             round(there["x"] + 0.5 * there["width"]),
             round(there["y"] + (1.0 - up) * there["height"]),
@@ -360,7 +360,7 @@ class Plots(PageTest):
         wait_until(lambda: self.panes() == 1, self.panes)
         self.browser.choose(f"[aria-label='plot of {PROCESSED}']", "2")
         wait_until(lambda: self.panes() == 2, lambda: self.browser.text("#plot"))
-        # One has numbers below 0, the other one has none; the edges are the same.
+        # One plot has negative numbers, the other has none; the edges are the same.
         labels = ".pane:{}-child .dygraph-axis-label-y"
         wait_until(
             lambda: (
@@ -415,14 +415,14 @@ class Plots(PageTest):
             lambda: not math.isnan(self.cell(PROCESSED, "max")),
             lambda: self.browser.text("#legend"),
         )
-        # By the pointer: an empty plot goes, and its axis with it; a new one comes.
+        # By the pointer: an empty plot is removed with its axis; a new plot is added.
         self.drag(PROCESSED, 0.75)
         wait_until(lambda: self.panes() == 1, lambda: self.browser.text("#plot"))
-        self.drag(SIGNAL, 0.03)  # where it says "new plot" meanwhile
+        self.drag(SIGNAL, 0.03)  # onto the label "new plot"
         wait_until(lambda: self.panes() == 2, lambda: self.browser.text("#plot"))
         choice = self.browser.value(f"[aria-label='plot of {SIGNAL}']")
         self.assertEqual(choice, "2")
-        # A picture that stands still is laid out at once, too. Nothing comes a second later.
+        # A paused picture is laid out immediately, too, without later changes.
         self.browser.press("#run")
         paused = time.monotonic()
         wait_until(lambda: time.monotonic() > paused + 1.5, lambda: "time stands still")
@@ -431,7 +431,7 @@ class Plots(PageTest):
         heights = [self.browser.find(one).size["height"] for one in ("#overlay", ".pane")]
         self.assertGreater(heights[0], heights[1] - 60)
         self.browser.run("document.activeElement.blur()")
-        self.browser.keys("k")  # another kind of plot has them all in one
+        self.browser.keys("k")  # another chart has all traces in one plot
         self.assertFalse(self.browser.find("#overlay").is_displayed())
 
     def strokes(self) -> Any:
@@ -454,7 +454,7 @@ class Plots(PageTest):
         )
 
     def kept_line(self) -> numpy.ndarray:
-        """Return the points of the reference that is drawn: the only thin line."""
+        """Return the points of the drawn reference: the only thin line."""
         found = [
             points for _, _, points, width in self.strokes() if width == 1 and len(points) > 99
         ]
@@ -495,14 +495,14 @@ class Plots(PageTest):
             if width > 1 and len(points) > 99
         ]
         self.assertLess(min(apart), 0.5)
-        # The trace goes on, its reference does not.
+        # The trace moves, its reference does not.
         self.browser.press("#run")
         wait_until(
             lambda: abs(self.at_cursors(trace)[0] - values[0]) > 0.1, lambda: self.at_cursors(trace)
         )
         self.assertEqual(self.at_cursors(reference), values)
         self.assertLess(abs(self.kept_line() - line).max(), 0.01)
-        # By keys alone, up and to the right.
+        # By keys only, up and to the right.
         plot = self.browser.run(_BOX, "#overlay")
         self.browser.find("[aria-label='offset of R1']").send_keys(Keys.DELETE, "1", Keys.TAB)
         wait_until(
@@ -519,7 +519,7 @@ class Plots(PageTest):
         self.assertLess(abs(moved - line - [across, -up]).max(), 0.5)
         self.browser.find("[aria-label='remove R1']").send_keys(Keys.ENTER)
         wait_until(lambda: not len(self.kept_line()), self.kept_line)
-        # Another one goes with its trace.
+        # Another reference is removed with its trace.
         self.browser.press(f"[aria-label='more of {SIGNAL}']")
         self.browser.wait_for("#trace-keep").click()
         self.browser.wait_for(f"#legend tr[{reference}]")
@@ -529,7 +529,7 @@ class Plots(PageTest):
         )
 
     def wait_figures_stand(self, row: str) -> None:
-        """Wait until a row of the table has been the same for some rounds of measurement."""
+        """Wait until a row of the table is unchanged for some measurements."""
         seen = [self.browser.text(f"#legend tr[{row}]")]
 
         def stands() -> bool:
@@ -544,7 +544,7 @@ class Plots(PageTest):
         self.browser.press(f"[aria-label='more of {PROCESSED}']")
         self.browser.choose("#trace-dash", "dotted")
         self.browser.keys(Keys.ESCAPE)
-        # The colour is that of the second trace still.
+        # It still has the colour of the second trace.
         expected = ["#c8553d", "#ff8f73"], [2, 3]
         wait_until(
             lambda: any(
@@ -588,9 +588,9 @@ class Plots(PageTest):
         wait_until(lambda: self.cell(field, "max") == 2.0, lambda: self.browser.text("#legend"))
 
         def upright() -> List[bool]:
-            """Return of each part of the line whether it goes along an axis."""
+            """Return for each part of the line whether it is parallel to an axis."""
             lines = [points for _, _, points, _ in self.strokes() if len(points) > 9]
-            if len(lines) != 1:  # what is not shown any more may still be drawn
+            if len(lines) != 1:  # a removed trace may still be drawn
                 return []
             (points,) = lines
             return [
@@ -607,7 +607,7 @@ class Plots(PageTest):
             number.send_keys(Keys.CONTROL + "a")
             number.send_keys(value, Keys.TAB)
         number.send_keys(Keys.CONTROL + "a")
-        number.send_keys("many", Keys.TAB)  # is no number
+        number.send_keys("many", Keys.TAB)  # not a number
         self.assertEqual(number.get_property("value"), "5.5")
         self.browser.keys(Keys.ESCAPE)
         wait_until(lambda: not all(upright()), upright)
@@ -633,7 +633,7 @@ class Plots(PageTest):
         )
         self.browser.downloaded("scope.png")
         self.assertIn(words, written)
-        # The level is on the axis, and so is scaled too; a file has what came.
+        # The level is on the axis, hence scaled, too; a file has the original values.
         self.browser.choose("#trigger-mode", "normal")
         self.browser.choose("#trigger-field", field)
         level = self.browser.find("#trigger-level")
@@ -649,7 +649,7 @@ class Plots(PageTest):
         self.assertEqual({row[column] for row in rows[1:]} - {""}, {"0.0", "1.0", "2.0"})
 
     def is_full(self) -> bool:
-        """Tell whether each trace has samples from the begin of what is visible on."""
+        """Return whether each trace has samples from the start of the visible span."""
         address = self.csv()
         with urlopen(address) as answer:
             rows = [line.split(",") for line in answer.read().decode().splitlines()[1:]]
@@ -694,7 +694,7 @@ class Plots(PageTest):
         wait_until(
             lambda: (
                 self.is_full()
-                and time.monotonic() > began + 1.2  # longer than what is shown
+                and time.monotonic() > began + 1.2  # longer than the visible span
                 and abs(self.cell(SINE, "frequency") - 2.0) < 2e-4
             ),
             lambda: self.browser.text("#legend"),
@@ -707,15 +707,15 @@ class Plots(PageTest):
     def wait_one_sine(
         self, count: int, omega: float, start: float, end: float, height: float
     ) -> None:
-        """Wait until each point of each line in a plot that stands still is at a sine.
+        """Wait until each point of each line of a paused plot is on a sine.
 
-        What was under way when it was stopped comes late, and is added then.
+        Samples that were delayed at the pause are added later.
 
-        :param count: how many lines there are
+        :param count: number of lines
         :param omega: of the sine, whose phase counts from the epoch, rad/s
         :param start: the time at the left edge, s
-        :param end: that at the right edge, s
-        :param height: its amplitude, as a part of the height of the plot
+        :param end: the time at the right edge [s]
+        :param height: its amplitude, as a fraction of the height of the plot
         """
         far: List[List[float]] = []
 
@@ -726,7 +726,7 @@ class Plots(PageTest):
         wait_until(is_drawn, lambda: far[-1])
 
     def beside_sine(self, omega: float, start: float, end: float, height: float) -> List[float]:
-        """Return how far each line is from a sine at most [pixels], infinite where it is too short.
+        """Return the largest distance of each line from a sine [pixels]; infinite if too short.
 
         The parameters are those of :meth:`wait_one_sine`.
         """
@@ -736,7 +736,7 @@ class Plots(PageTest):
         apart = []
         for points in lines:
             line = numpy.array([(x, y) for x, y, _ in points if left <= x <= left + plot["width"]])
-            # From edge to edge, but for the time that the last samples needed.
+            # From edge to edge, except for the delay of the last samples.
             is_whole = line[0, 0] < left + 10.0 and line[-1, 0] > left + 0.5 * plot["width"]
             middles = (line[1:] + line[:-1]) / 2.0
             across = numpy.linspace(-4.0, 4.0, 401)
@@ -749,10 +749,10 @@ class Plots(PageTest):
         return apart
 
     def publish_late(self, done: threading.Event, sent: Dict[str, Any]) -> None:
-        """Publish sines of 1 Hz with the same stamps, each on a topic of its own, until done.
+        """Publish sines of 1 Hz with the same stamps, each on its own topic, until done.
 
         :param done: ends it
-        :param sent: gets the stamp of each message, and when it was published, by topics [s]
+        :param sent: receives stamp and publication time of each message, by topic [s]
         """
         publishers = {
             topic: rospy.Publisher(topic, PointStamped, queue_size=1000) for topic in LATE
@@ -775,7 +775,7 @@ class Plots(PageTest):
             publisher.unregister()
 
     def test_late_messages_are_placed_at_their_stamps(self) -> None:
-        """In the picture, the figures, under the cursors and in the file; one sample is 10 ms."""
+        """In picture, figures, cursors and file; one sample is 10 ms."""
         done = threading.Event()
         sent: Dict[str, List[Tuple[float, float]]] = {topic: [] for topic in LATE}
         thread = threading.Thread(target=self.publish_late, args=(done, sent))
@@ -802,7 +802,7 @@ class Plots(PageTest):
                     lambda: abs(self.cell(field, cursor) - value) < 0.063,
                     lambda: (self.browser.text("#legend"), field, value),
                 )
-            wait_until(  # all of it has come, however busy the machine is
+            wait_until(  # all samples have arrived, even on a busy machine
                 lambda: len(self.of_file(field)) == self.due(sent[topic], start, end),
                 lambda: (len(self.of_file(field)), self.due(sent[topic], start, end)),
             )
@@ -825,7 +825,7 @@ class Plots(PageTest):
             self.assertNotRegex(badge, "shown at reception")
 
     def due(self, sent: List[Tuple[float, float]], start: float, end: float) -> int:
-        """Return how many stamps are in a span, -1 as long as some of them are still to come."""
+        """Return the number of stamps in a span; -1 until all have arrived."""
         stamps = [stamp for stamp, _ in list(sent)]
         is_over = max(stamps) > end + 1.0
         return sum(start <= stamp <= end for stamp in stamps) if is_over else -1
@@ -864,6 +864,6 @@ class Plots(PageTest):
 
 
 def _span(address: str) -> Tuple[float, float]:
-    """Return the begin and the end that the address of a CSV file names, s."""
+    """Return start and end in the URL of a CSV file [s]."""
     query = parse_qs(address.partition("?")[2])
     return float(query["start"][0]), float(query["end"][0])

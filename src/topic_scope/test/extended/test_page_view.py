@@ -1,4 +1,4 @@
-"""The page shows the signals: addresses, axes, cursors, pictures, and how it comes back."""
+"""View of the page: addresses, axes, cursors, pictures, and restoration."""
 
 import json
 import math
@@ -27,7 +27,7 @@ from wire.client import Client
 from nodekit.testing.processes import free_port, hanging
 
 
-#: How many lines of the grid there are: strokes in a column of pixels at the right edge.
+#: Number of grid lines: strokes in a column of pixels at the right edge.
 _ROWS = """
 const { x, y, width, height } = document.querySelector("#overlay").getBoundingClientRect();
 const canvas = document.querySelector(".pane canvas");
@@ -39,7 +39,7 @@ let count = 0;
 for (let at = 7; at < data.length; at += 4) if (data[at] && !data[at - 4]) count += 1;
 return count;
 """
-#: How much of a colour there is in each pixel of the plot, 0 to 1, by rows.
+#: Fraction of a colour in each pixel of the plot, 0 to 1, by rows.
 _INK = """
 const box = document.querySelector("#overlay").getBoundingClientRect();
 const [red, green, blue] = arguments[0].match(/[0-9a-f]{2}/g).map((part) => parseInt(part, 16));
@@ -97,7 +97,7 @@ class View(PageTest):
         self.browser.keys(Keys.ESCAPE)
         path = self.browser.downloaded("scope_setup.json")
         self.assertEqual(json.loads(path.read_text()), setup)
-        # A part that makes no sense is named, and all stays as it is.
+        # An invalid part is reported, and nothing changes.
         self.load({**setup, "window": -1})
         wait_until(
             lambda: self.browser.text("#notice") == "the set-up has an invalid window",
@@ -108,7 +108,7 @@ class View(PageTest):
         self.assertTrue(self.browser.wait_for(f"#legend tr[data-field='{PROCESSED}']"))
         self.load(setup)
         self.shows_the_setup()
-        # Pasted where the page is open, an address loads nothing. One that was cut off is told of.
+        # An address pasted into an open page does not reload it. A truncated one is reported.
         self.show()
         self.browser.wait_for(f"#legend tr[data-field='{PROCESSED}']")
         self.browser.driver.get(address)
@@ -135,7 +135,7 @@ class View(PageTest):
         )
 
     def address(self) -> str:
-        """Return the address of the page as people read it."""
+        """Return the decoded address of the page."""
         return unquote(self.browser.driver.current_url)
 
     def load(self, setup: Any) -> None:
@@ -202,7 +202,7 @@ class View(PageTest):
         self.assertEqual(len(self.samples()[0][1]), 4)
 
     def test_the_link_to_the_samples_can_be_copied(self) -> None:
-        link = "return document.querySelector('#csv').href"  # the pointer has not been on it
+        link = "return document.querySelector('#csv').href"  # without hovering over it
         wait_until(lambda: "field=" in self.browser.run(link), lambda: self.browser.run(link))
         wait_until(lambda: self.cell(SIGNAL, "rate") > 0.0, lambda: self.browser.text("#legend"))
 
@@ -217,7 +217,7 @@ class View(PageTest):
         self.browser.keys("c")
         at = f"#legend tr[data-field='{SIGNAL}'] [data-cell='a']"
         wait_until(lambda: self.browser.text(at) not in ("", "–"), lambda: self.browser.text(at))
-        # Frames by what is erased before each; at 100 Hz no two of them have the same value.
+        # Each frame starts with clearRect; at 100 Hz all frames have different values.
         drawn, reply = self.browser.driver.execute_async_script(
             """
             const [selector, done] = arguments;
@@ -278,14 +278,14 @@ class View(PageTest):
             lambda: 40 < len(self.samples()) < 60 and self.cell(SIGNAL, "rate") > 90.0,
             lambda: self.browser.text("#legend"),
         )
-        # And moved, as far as it was seen.
+        # And moved, within the span that was visible.
         zoomed = [row[0] for _, row in self.samples()]
 
         def is_moved(kept: int) -> bool:
             moved = [row[0] for _, row in self.samples()]
             return 40 < len(moved) < 60 and " ".join(zoomed[:kept]) in " ".join(moved)
 
-        self.browser.run("document.activeElement.blur()")  # so that keys are the page's again
+        self.browser.run("document.activeElement.blur()")  # takes the focus from the field
         for count, kept_samples in ((2, 30), (20, 0)):
             self.browser.keys(*[Keys.ARROW_LEFT] * count)
             wait_until(lambda: is_moved(kept_samples), self.samples)
@@ -303,13 +303,13 @@ class View(PageTest):
         renamed = f"{SIGNAL}@received"
         self.browser.wait_for(f"#legend tr[data-field='{renamed}']")
         wait_until(lambda: self.cell(renamed, "max") > 1.9, lambda: self.browser.text("#legend"))
-        # All else that goes by the trace goes on so.
+        # All settings of the trace follow its new name.
         trigger = [self.browser.value(f"#trigger-{part}") for part in ("mode", "field")]
         self.assertEqual(trigger, ["auto", renamed])
         self.assertTrue(self.browser.find(".level-cursor").is_displayed())
 
     def test_drawn_line_is_the_curve_through_the_samples(self) -> None:
-        """At about one sample a pixel; with each in the middle of its bin it is 3 pixels beside."""
+        """At about one sample per pixel; drawn at bin centres it would be 3 pixels off."""
         self.browser.press(f"[aria-label='show {PROCESSED}']")
         self.browser.keys("x")
         for end, bound in (("from", "-3"), ("to", "3")):
@@ -321,14 +321,14 @@ class View(PageTest):
         self.wait_still()
         seen: List[Any] = []
 
-        def is_drawn() -> bool:  # what comes late is drawn within a second
+        def is_drawn() -> bool:  # late samples are drawn within a second
             seen.append(self.beside_the_curve())
             return float(seen[-1].max()) < 1.5
 
         wait_until(is_drawn, lambda: seen[-1].tolist())
 
     def beside_the_curve(self) -> Any:
-        """Return by how much what is drawn is beside the curve through the samples, in pixels."""
+        """Return the distance of the drawn line from the curve through the samples [pixels]."""
         rows = numpy.array([(time, float(row[0])) for time, row in self.samples()])
         query = parse_qs(urlparse(str(self.browser.find("#csv").get_property("href"))).query)
         start, end = (float(query[name][0]) for name in ("start", "end"))
@@ -338,12 +338,12 @@ class View(PageTest):
         width, height = ink.shape[1], ink.shape[0]
         columns = numpy.arange(width)
         drawn = (ink * (numpy.arange(height) + 0.5)[:, None]).sum(axis=0) / (ink.sum(axis=0) + 1e-9)
-        # Of the exact curve the mean height within each column of pixels.
+        # Mean height of the exact curve in each column of pixels.
         at = start + (columns[:, None] + (numpy.arange(20) + 0.5) / 20) / width * (end - start)
         exact = (0.5 - numpy.interp(at, *rows.T).mean(axis=1) / 6.0) * height
-        # Not where the curve begins and ends: there is ink in a part of the column alone.
+        # Not at the ends of the curve, which cover only part of a column.
         there = (at[:, 0] > rows[1, 0]) & (at[:, -1] < rows[-2, 0])
-        # Nor where the line ends and restarts, as a busy machine has left samples out.
+        # Nor at gaps of samples that a busy machine skipped.
         (gaps,) = numpy.nonzero(numpy.diff(rows[:, 0]) > 0.05)
         for gap in gaps:
             there &= (at[:, -1] < rows[gap, 0]) | (at[:, 0] > rows[gap + 1, 0])
@@ -351,14 +351,14 @@ class View(PageTest):
         return abs(drawn - exact)[there]
 
     def wait_armed(self) -> None:
-        """Wait until the server has said so."""
+        """Wait until the server reports the state armed."""
         wait_until(
             lambda: self.browser.text("#trigger-state") == "armed",
             lambda: self.browser.text("#trigger-state"),
         )
 
     def test_trigger_ignores_messages_from_before_its_latest_change(self) -> None:
-        # What is under way: the page gets it after it has sent the change.
+        # A delayed message, which the page receives after it has sent the change.
         self.browser.run(
             "const { send } = WebSocket.prototype; window.sendToScope = send;"
             "WebSocket.prototype.send = function(text) { window.socket = this;"
@@ -398,14 +398,14 @@ class View(PageTest):
         ActionChains(self.browser.driver).drag_and_drop_by_offset(stage, 100, 0).perform()
         self.assertEqual(self.browser.text("#run"), "Run")
 
-        def is_as_it_was() -> bool:  # two clicks are no double click where they are too far apart
+        def is_as_it_was() -> bool:  # two clicks may be too far apart for a double click
             ActionChains(self.browser.driver).double_click(stage).perform()
             return float(self.browser.value("#window")) == 5.0
 
         wait_until(is_as_it_was, lambda: self.browser.value("#window"))
 
     def touch(self, kind: str, *points: Tuple[float, float]) -> None:
-        """Put fingers somewhere."""
+        """Touch the page at some points."""
         self.browser.driver.execute_cdp_cmd(
             "Input.dispatchTouchEvent",
             {
@@ -432,7 +432,7 @@ class View(PageTest):
         self.assertEqual([shown[0], shown[1], shown[4]], [0, 844, 844])
         self.assertTrue(0 < shown[2] < 60 and shown[3] <= 391, shown)
         self.browser.resize(390, 844)
-        # All figures are in the width of the page, each beside its head.
+        # All figures fit the width of the page, each beside its head.
         wait_until(
             lambda: self.browser.run(
                 "const table = document.querySelector('.traces');"
@@ -452,7 +452,7 @@ class View(PageTest):
         for apart in range(110, 210, 20):
             self.touch("touchMove", (450 - apart / 2, 200), (450 + apart / 2, 200))
         self.touch("touchEnd")
-        # Almost twice as far apart, and it goes on all the while.
+        # Almost twice as far apart, while it keeps running.
         wait_until(
             lambda: 2.4 < float(self.browser.value("#window")) < 3.0,
             lambda: self.browser.value("#window"),
@@ -470,7 +470,7 @@ class View(PageTest):
         readout = self.browser.text(".readout").replace("\xa0", " ")
         self.assertIn("Δt 1.4750 s", readout)
         self.assertIn("1/Δt 0.6780 Hz", readout)
-        # They stay where they are on the screen when the axis counts from the trigger.
+        # They keep their screen positions when the axis is relative to the trigger.
         self.browser.choose("#window", "1")
         self.wait_drawn()
         for _ in range(2):
@@ -490,7 +490,7 @@ class View(PageTest):
         )
 
     def wait_ranges(self) -> None:
-        """Wait until both axes are drawn with the whole of their traces: 2 sin, and 1 + cos."""
+        """Wait until both axes are drawn with their full ranges: 2 sin, and 1 + cos."""
 
         def ends(axis: int) -> Tuple[float, float]:
             labels = self.browser.text(f".dygraph-axis-label-y{axis}").replace("−", "-").split()
@@ -503,7 +503,7 @@ class View(PageTest):
 
     def test_level_cursors_are_on_each_axis_in_turn(self) -> None:
         self.browser.press(f"[aria-label='right axis for {PROCESSED}']")
-        self.wait_ranges()  # they are put where the axis is, as it was drawn last
+        self.wait_ranges()  # cursors are placed on the latest drawn axis
         button = self.browser.find("#level-cursors")
         places = []
         for field in (SIGNAL, PROCESSED):
@@ -512,7 +512,7 @@ class View(PageTest):
             readout = self.browser.text(".readout.of-levels").replace("\xa0", " ")
             self.assertTrue(readout.endswith(field), readout)
             places.append(self.level(handle))
-        # The same height, 65 %, is another value on the other axis: from −2 to 2, and from 0 to 2.
+        # The same height, 65 %, has different values on both axes: -2 to 2, and 0 to 2.
         self.assertTrue(0.3 < places[0] < 1.0 < places[1] < 1.7, places)
         ActionChains(self.browser.driver).drag_and_drop_by_offset(handle, 0, -100).perform()
         wait_until(lambda: self.level(handle) > places[1], lambda: (self.level(handle), places))
@@ -538,7 +538,7 @@ class View(PageTest):
         )
 
     def level(self, handle: WebElement) -> float:
-        """Return the value that a level cursor is at."""
+        """Return the value of a level cursor."""
         return float(handle.get_attribute("aria-valuenow"))
 
     def test_axis_without_a_trace_has_no_labels(self) -> None:
@@ -552,7 +552,7 @@ class View(PageTest):
             ),
             lambda: f"{self.browser.text('#plot')}, {self.browser.errors()}",
         )
-        wait_until(  # more strokes than the traces alone ever have there
+        wait_until(  # more strokes than the traces alone
             lambda: min(self.browser.run(_ROWS) for _ in range(5)) > 6,
             lambda: f"{grid} lines before, none now",
         )
@@ -571,7 +571,7 @@ class View(PageTest):
             lambda: self.browser.text(".dygraph-ylabel") == "level, V",
             lambda: self.browser.text(".dygraph-ylabel"),
         )
-        # Round values up to the typed end, each or each second, which the default range has not.
+        # Round values up to the typed end, which the default range does not have.
         wait_until(
             lambda: self.browser.text(".dygraph-axis-label-y").split()[-1] in ("6", "7"),
             lambda: self.browser.text(".dygraph-axis-label-y"),
@@ -580,7 +580,7 @@ class View(PageTest):
     def test_nothing_is_left_beside_the_plot_when_titles_change(self) -> None:
         self.addCleanup(self.browser.resize, WIDTH, HEIGHT)
         self.addCleanup(self.fold)
-        for width, ratio in ((WIDTH, 1.0), (412, 2.625)):  # of a phone the second
+        for width, ratio in ((WIDTH, 1.0), (412, 2.625)):  # the second is a phone
             self.browser.resize(width, HEIGHT, ratio)
             if width == WIDTH:
                 tools = self.browser.find("#scope-view .tools").size["height"]
@@ -601,7 +601,7 @@ class View(PageTest):
                 )
                 self.assertEqual(self.painted_outside(ratio), 0, (ratio, text))
             self.browser.keys(Keys.ESCAPE)
-            # Numbers beside an axis become wider or narrower with what comes, and move the plot.
+            # The labels of an axis change their width with the values, which moves the plot.
             self.browser.press("#run")
             self.wait_still()
             height, box = self.browser.find("#plot").size["height"], self.box()
@@ -611,14 +611,14 @@ class View(PageTest):
             self.browser.press("#run")
 
     def fold(self) -> None:
-        """Hide what a narrow page shows on request only."""
+        """Hide the optional parts of a narrow page."""
         self.browser.run(
             "if (document.body.matches('.unfolded'))"
             " document.querySelector('#show-controls').click()"
         )
 
     def painted_outside(self, ratio: float) -> int:
-        """Return how many pixels of the canvases are painted that are not of the plot itself."""
+        """Return the number of painted canvas pixels outside of the plot."""
         code = """
           const [ratio, done] = arguments;
           const count = () => {
@@ -663,7 +663,7 @@ class View(PageTest):
         picture = self.saved()
         self.assertEqual(picture.painted.shape[1], 2 * size["width"])
         self.assertEqual(self.browser.run("return window.ratio"), 2, "not drawn so, but stretched")
-        # Heads, two traces, what both pairs of cursors tell, the date.
+        # Heads, two traces, readouts of both pairs of cursors, the date.
         self.assertEqual(picture.lines(size["height"]), [True] * 6)
         self.assertFalse(
             picture.part(picture.painted, (-11, size["height"], 0, 0)).any(), "cut off"
@@ -700,7 +700,7 @@ class View(PageTest):
         date = r"\d{4}-\d\d-\d\d, \d\d:\d\d:\d\d\.\d, UTC"
         self.assertTrue(any(re.match(date, text) for text in written), written)
         self.assertEqual(picture.strokes(box, size["height"]), [])
-        # The page is as it was: as many pixels as the screen has, and it goes on.
+        # The page is restored: at screen resolution, and running.
         self.assertEqual(
             self.browser.run("return [document.querySelector('#plot canvas').width]"),
             [size["width"]],
@@ -713,7 +713,7 @@ class View(PageTest):
         return str(self.browser.run(code, "--" + name)).strip()
 
     def saved(self, ratio: float = 2.0) -> Picture:
-        """Have the page save a picture, and return it."""
+        """Save a picture, and return it."""
         self.browser.press("#png")
         path = self.browser.downloaded("scope.png")
         try:
@@ -722,7 +722,7 @@ class View(PageTest):
             path.unlink()
 
     def box(self) -> Any:
-        """Return where in a picture the traces are, and the lines of the axes around them."""
+        """Return the box of the traces and axes in a picture."""
         return self.browser.run(
             "const [plot, inner] = ['#plot', '#overlay'].map((name) =>"
             " document.querySelector(name).getBoundingClientRect());"
@@ -808,10 +808,10 @@ class View(PageTest):
         cdp = self.browser.driver.execute_cdp_cmd
         cdp("Network.enable", {})
         self.addCleanup(cdp, "Network.disable", {})
-        # As when a network of this computer comes or goes: the browser gives up what it is loading.
+        # As after a change of the computer's network, when the browser aborts downloads.
         cdp("Network.setBlockedURLs", {"urls": ["*/static/js/base/numbers.js"]})
         self.browser.driver.get(self.scope.url)
-        # It loads itself again from time to time, so that now and then there is no page.
+        # It reloads itself repeatedly, so the page may be missing at times.
         wait_until(lambda: self.browser.text("#link") == "loading", lambda: "it says no such thing")
         cdp("Network.setBlockedURLs", {"urls": []})
         self.browser.wait_connected()
@@ -831,7 +831,7 @@ class View(PageTest):
         self.scope.start()
         self.browser.wait_connected()
         self.wait_banner("")
-        # The server shows what the page had before, which is not what it was started with.
+        # The server restores the page's earlier state, not its own defaults.
         wait_until(
             lambda: self.cell("/signal/frequency", "mean") > 6.0,
             lambda: self.browser.text("#legend"),

@@ -21,7 +21,7 @@ FIELDS = ["/lab/signal/signal_y", "/lab/signal/time_x", "/lab/proc_signal/data"]
 
 
 class PlotBag(unittest.TestCase):
-    """A bag of the real nodes, recorded once."""
+    """Bag of the real nodes, recorded once."""
 
     folder: Path
     bag: Path
@@ -52,7 +52,7 @@ class PlotBag(unittest.TestCase):
             return list(csv.DictReader(file))
 
     def read_by_rosbag(self) -> List[Dict[str, str]]:
-        """Return what the CSV file is to hold."""
+        """Return the expected rows of the CSV file."""
         rows = []
         with rosbag.Bag(str(self.bag)) as bag:
             begin = None
@@ -75,7 +75,7 @@ class PlotBag(unittest.TestCase):
 
     def test_range_of_time(self) -> None:
         rows = [row for row in self.read_by_rosbag() if row[FIELDS[2]]]
-        start = round(float(rows[0]["time"]), 3) + 0.2  # on a busy machine the first comes late
+        start = round(float(rows[0]["time"]), 3) + 0.2  # the first may be late on a busy machine
         end = start + 0.4
         limits = ["--start", f"{start:.3f}", "--end", f"{end:.3f}"]
         self.plot("/lab/proc_signal", "-o", "part.csv", *limits)

@@ -1,4 +1,4 @@
-"""Panels of nodes that come, go and fail, services, and managed nodes."""
+"""Panels of nodes that start, stop and fail, services, and managed nodes."""
 
 import subprocess
 import time
@@ -14,10 +14,10 @@ from nodekit.testing.waiting import wait_until
 
 
 class Controls(ControlsTest):
-    """A scope beside the course's nodes; each test leaves their parameters as they were."""
+    """Scope beside the course's nodes; each test restores their parameters."""
 
     def test_node_rejects_inconsistent_values(self) -> None:
-        """A value that is in range, but not with the others: only the node knows."""
+        """A value that is in range, but inconsistent with others: only the node can reject it."""
         page, other = self.panelled(), self.panelled()
         before = rospy.get_param(NODE + "/multisine_amplitudes")
         self.set(page, "multisine_amplitudes", "[1.0, 2.0, 3.0]")
@@ -53,7 +53,7 @@ class Controls(ControlsTest):
         rospy.set_param(NODE + "/phase", 0.75)
         page.wait_for("value", lambda reply: (reply["name"], reply["value"]) == ("phase", 0.75))
         page.forget()
-        rospy.set_param(NODE + "/phase", "nonsense")  # the node puts it back
+        rospy.set_param(NODE + "/phase", "nonsense")  # the node restores it
         wait_until(lambda: rospy.get_param(NODE + "/phase") == 0.75, lambda: "not put back")
         self.assertNotIn("nonsense", str(page.messages("value")))
 
@@ -89,8 +89,8 @@ class Controls(ControlsTest):
 
         def describe(request: Any) -> Any:
             rospy.set_param("/slow/a", 2)
-            # The master tells a node of one change after the other: when the scope has learnt of
-            # this one, it has learnt of the one before, and has no description yet.
+            # The master notifies a node of changes in order: when the scope has received
+            # this one, it has received the previous one, without a description yet.
             rospy.set_param(NODE + "/amplitude", 3.5)
             page.wait_for(
                 "value", lambda reply: (reply["name"], reply["value"]) == ("amplitude", 3.5)
@@ -140,12 +140,12 @@ class Controls(ControlsTest):
         page.send("transition", node="/missing", label="configure")
         page.wait_for("error", lambda reply: "/missing cannot" in reply["text"])
         page.forget()
-        talker.kill()  # the master goes on to list its services
+        talker.kill()  # the master still lists its services
         self.assertEqual(wait_state("does not answer"), [])
         page.send("transition", node=node, label="deactivate")
         page.wait_for("error", lambda reply: f"{node} cannot deactivate now" in reply["text"])
         page.forget()
-        talker = subprocess.Popen(command)  # another one of its name, which ends in order
+        talker = subprocess.Popen(command)  # another node of its name, which ends cleanly
         self.addCleanup(talker.wait, 30.0)
         self.addCleanup(talker.terminate)
         self.assertEqual(wait_state("unconfigured"), ["configure", "shutdown"])
@@ -166,5 +166,5 @@ class Controls(ControlsTest):
             self.addCleanup(rospy.Service(f"/unwell/{name}", kind, fail).shutdown)
         wait_until(lambda: len(asked) > 2, lambda: f"it was asked {len(asked)} times")
         self.assertGreater(asked[2] - asked[0], 3.0)
-        # A page is told of others nevertheless.
+        # A page is notified of others nevertheless.
         self.assertNotIn("/unwell", str(self.page().wait_for("managed")))

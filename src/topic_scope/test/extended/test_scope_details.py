@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Details of what pages are told and may ask for, and how the scope starts and ends."""
+"""Details of messages and requests of pages, and start and end of the scope."""
 
 import rospy
 from test_scope_controls import Controls  # noqa: F401

@@ -1,4 +1,4 @@
-"""Limits: pages that are let in, what an export takes, a page that does not read."""
+"""Limits: number of pages, exports, and a page that does not read."""
 
 import base64
 import json
@@ -20,7 +20,7 @@ FIELDS = [f"/signal/{name}" for name in ("signal_y", "time_x", "amplitude", "fre
 
 
 class Guards(ScopeTest):
-    """A scope of this machine's own."""
+    """Scope for this machine only."""
 
     ARGUMENTS = [*FIELDS, "--history", "3"]
 
@@ -42,7 +42,7 @@ class Guards(ScopeTest):
             self.assertEqual(text.splitlines()[0], f"time,received,{FIELDS[0]},{name}")
 
     def test_number_of_pages_is_limited(self) -> None:
-        for _ in range(32):  # those of the tests before may not have gone yet
+        for _ in range(32):  # pages of previous tests may still be open
             wait_until(self.is_let_in, lambda: "there is no place for a page")
         late = Client(self.scope.url)
         wait_until(lambda: late.is_closed, lambda: "one more page is let in")
@@ -52,7 +52,7 @@ class Guards(ScopeTest):
         wait_until(self.is_let_in, lambda: "the place of a page that has gone is not free")
 
     def is_let_in(self) -> bool:
-        """Open a page, and tell whether that worked."""
+        """Open a page, and return whether that worked."""
         page = Client(self.scope.url)
         self.addCleanup(page.close)
         wait_until(lambda: page.is_closed or page.messages("hello"), lambda: "no answer")
@@ -73,7 +73,7 @@ class Guards(ScopeTest):
         wait_until(lambda: self.rows(field) == 20, lambda: self.rows(field))
         page.send("view", window=2.0, width=100, end=now + 1.0)
         page.wait_for("frame", lambda frame: frame["reset"] and frame["bin"] == 0.02)
-        # By their stamps a minute passes: the history is one of three seconds.
+        # A minute passes by the stamps; the history is three seconds.
         publish(60.0)
         publish(60.1)
         wait_until(lambda: self.rows(field, now + 30.0) == 2, lambda: self.rows(field))
@@ -82,7 +82,7 @@ class Guards(ScopeTest):
         wait_until(lambda: self.rows(field) == 2, lambda: self.rows(field))
 
     def rows(self, field: str, start: float = 0.0) -> int:
-        """Return how many samples the CSV has from a time on."""
+        """Return the number of samples in the CSV from a time on."""
         _, text = fetch(f"{self.scope.url}/data.csv?field={field}&start={start}")
         return len(text.splitlines()) - 1
 
@@ -93,7 +93,7 @@ class Guards(ScopeTest):
         wait_until(lambda: publisher.get_num_connections() == 0, lambda: "still subscribed")
 
     def test_a_page_that_does_not_read_gets_no_backlog(self) -> None:
-        """It asks for large frames all the time, and takes none."""
+        """It continuously requests large frames, and reads none."""
         fast, slow = self.page(), NotReading(self.scope.url)
         self.addCleanup(slow.close)
         before = self.memory()
@@ -103,7 +103,7 @@ class Guards(ScopeTest):
         fast.forget()
         fast.wait_for("frame")
         self.assertLess(self.memory() - before, 20e6)
-        # What it can read now is what the system kept for it, and then the present.
+        # It now reads the data in the system's buffer, and then the present.
         asked_at = time.time()
         old = 0
         for message in slow.messages():
@@ -114,7 +114,7 @@ class Guards(ScopeTest):
         self.assertLess(old, 75)
 
     def memory(self) -> int:
-        """Return how much memory the scope holds, bytes."""
+        """Return the memory of the scope [bytes]."""
         with open(f"/proc/{self.scope.pid}/statm") as file:
             return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
@@ -132,7 +132,7 @@ class ReadOnly(ScopeTest):
 
 
 class NotReading:
-    """A page that sends, and reads only when it is told to."""
+    """Page that sends, and reads only on request."""
 
     def __init__(self, url: str) -> None:
         parts = urllib.parse.urlsplit(url)
@@ -153,7 +153,7 @@ class NotReading:
         self._socket.sendall(bytes([0x81, 0x80 | len(data), 0, 0, 0, 0]) + data)
 
     def messages(self) -> Any:
-        """Yield what comes, as it is read."""
+        """Yield the messages as they are read."""
         while True:
             first, length = self._file.read(2)
             if length == 126:

@@ -18,7 +18,7 @@ from nodekit.testing.waiting import wait_until
 
 
 class Life(unittest.TestCase):
-    """Starts scopes, on the master of the test unless it needs one of its own."""
+    """Tests that start scopes, on the test's master or on a separate one."""
 
     def setUp(self) -> None:
         self.master_uri = rosgraph.get_master_uri()
@@ -41,7 +41,7 @@ class Life(unittest.TestCase):
         return process
 
     def end(self, process: "subprocess.Popen[str]", number: int = signal.SIGINT) -> str:
-        """End a process; return what it has said."""
+        """End a process; return its output."""
         if process.poll() is None:
             process.send_signal(number)
         text = process.communicate(timeout=30.0)[0] if process.stdout else ""
@@ -96,7 +96,7 @@ class Life(unittest.TestCase):
             wait_until(lambda: page.is_closed, lambda: "the page is still connected")
 
     def second_scope_says_that_the_port_is_taken(self) -> None:
-        """Start another scope, which says what to do and ends."""
+        """Start another scope, which prints advice and exits."""
         second = self.start_node("topic_scope", "scope.py", f"_port:={self.port}")
         text = self.end_of(second)
         self.assertEqual(second.returncode, 1, text)
@@ -127,13 +127,13 @@ class Life(unittest.TestCase):
         self.assertNotIn("Traceback", text)
 
     def end_of(self, process: "subprocess.Popen[str]") -> str:
-        """Return what a process that ends by itself has said."""
+        """Return the output of a process that exits by itself."""
         text: Any = process.communicate(timeout=30.0)[0]
         process.stdout = None
         return str(text)
 
     def listening(self) -> List[str]:
-        """Return the addresses that the scope's port is open at."""
+        """Return the addresses that the scope listens on."""
         found = []
         for name in ("/proc/net/tcp", "/proc/net/tcp6"):
             with open(name) as table:
@@ -158,7 +158,7 @@ class Life(unittest.TestCase):
         page.wait_for("frame", lambda frame: any(frame["traces"]["/signal/signal_y"]))
         master.start()
         page.wait_for("master", lambda reply: reply["text"] == "")
-        # What comes only now is found, and its parameters too.
+        # A node that starts only now is found, with its parameters.
         self.start_node("basic_comms", "process.py")
         wait_until(lambda: page.values("/proc_signal/data"), lambda: page.bins)
         page.wait_for("panels", lambda reply: "/process" in str(reply["panels"]))

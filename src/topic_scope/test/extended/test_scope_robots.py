@@ -18,12 +18,12 @@ STATUS = "string robot_name\nuint8 mode\nfloat32[] sensor_readings\n"
 
 
 def has(reply: Message, *topics: str) -> bool:
-    """Tell whether a page was told of topics."""
+    """Return whether a message contains topics."""
     return set(topics) <= {one["topic"] for one in reply["robots"] + reply["scans"]}
 
 
 def moves(commands: List[Command]) -> bool:
-    """Tell whether there was no pause in some commands."""
+    """Return whether commands have no pause."""
     return bool(commands) and all(command.speed for command in commands)
 
 
@@ -44,7 +44,7 @@ class Feed(RobotsTest):
         page = self.page()
         wait_until(lambda: page.messages("fields"), lambda: "no fields")
         self.assertEqual(robot.odometry.get_num_connections(), 0)
-        for _ in range(2):  # what is latched comes again
+        for _ in range(2):  # latched messages are received again
             page.forget()
             page.send("robots", on=True)
             seen = page.wait_for("robots", lambda reply: has(reply, "/feed/odom", "/feed/scan"))
@@ -115,7 +115,7 @@ class DeadMan(RobotsTest):
         topics = ["/quick/cmd_vel", "/other/cmd_vel"]
         for space in ("/quick/", "/other/"):
             self.robot(space)
-        for second in topics:  # a double click, and another one before there is an answer
+        for second in topics:  # a double click, and another before the reply
             page = self.page()
             page.send("robots", on=True)
             page.wait_for("targets", lambda reply: set(topics) <= set(reply["commands"]))
@@ -136,7 +136,7 @@ class DeadMan(RobotsTest):
         self.assertLessEqual({reply.speed for reply in robot.commands}, {0.0})
 
     def test_commands_have_the_current_type_of_the_subscriber(self) -> None:
-        # The master goes on to tell the type that was there first.
+        # The master still reports the first type.
         earlier = rospy.Subscriber("/changed/cmd_vel", Twist, lambda _: None)
         earlier.unregister()
         self.robot("/changed/", TwistStamped)
@@ -147,7 +147,7 @@ class DeadMan(RobotsTest):
         robot = self.robot("/ended/")
         page = self.driver("/ended/cmd_vel")
 
-        def hold() -> None:  # the key, till the scope has ended
+        def hold() -> None:  # hold the key until the scope has ended
             while not page.is_closed:
                 page.send("drive", speed=0.2, turn=0.5, sent=time.monotonic())
                 time.sleep(0.01)

@@ -1,4 +1,4 @@
-"""Samples sent to pages: signals of any type and time, and a bag laid over them."""
+"""Samples sent to pages: signals of any type and time, and an overlaid bag."""
 
 import math
 import os
@@ -20,7 +20,7 @@ from nodekit.testing.waiting import wait_until
 
 
 def sine(begin: genpy.Time, count: int, late: float) -> Iterator[PointStamped]:
-    """Return messages of a sine of 1 Hz that is late by some time, s; a hundred in a second."""
+    """Return messages of a sine of 1 Hz with a delay [s]; 100 per second."""
     for index in range(count):
         message = PointStamped()
         message.header.stamp = begin + genpy.Duration(index // 100, index % 100 * 10**7)
@@ -29,7 +29,7 @@ def sine(begin: genpy.Time, count: int, late: float) -> Iterator[PointStamped]:
 
 
 class Signals(SignalsTest):
-    """A scope that watches the course's signals from the start."""
+    """Scope that records the course's signals."""
 
     def test_omitted_fields_of_a_topic_are_reported(self) -> None:
         publisher = rospy.Publisher("/wide", Odometry, queue_size=1)
@@ -86,7 +86,7 @@ class Signals(SignalsTest):
         wait_until(lambda: len(self.samples(received)) > 150, lambda: "no samples")
         rows = self.samples(own, "/signal/time_x")
         ends = [(moment, float(cells[1])) for moment, cells in rows if all(cells)]
-        # From one sample to the next, the trace's time is that of the messages, to the microsecond.
+        # The trace's times are the stamps of the messages, to the microsecond.
         for (moment, time_x), (later, later_x) in zip(ends, ends[1:]):
             self.assertAlmostEqual(later - moment, later_x - time_x, delta=2e-6)
         page.send("select", fields=["/signal/signal_y@stamp"])

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The page in a browser: it plots, triggers, measures, saves, checks a mask and sets parameters.
+"""The page in a browser: plot, trigger, measurements, files, mask and parameters.
 
 The pages of robots and bags, and the page's modules, are tested in the same browser.
 """
@@ -68,7 +68,7 @@ class Page(PageTest):
                 wait_until(lambda: count[0] > 300, lambda: f"{count[0]} messages")
                 self.browser.keys(Keys.SPACE)
                 shown = self.samples()
-                more = count[0] + 50  # what the page has shown is in the bag by then
+                more = count[0] + 50  # the samples of the page are in the bag by then
                 wait_until(lambda: count[0] > more, lambda: f"{count[0]} messages")
                 subscriber.unregister()
                 with lock:
@@ -77,7 +77,7 @@ class Page(PageTest):
                 recorded = [repr(message.signal_y) for _, message, _ in bag.read_messages()]
         values = [row[0] for _, row in shown if row[0]]
         self.assertGreater(len(values), 50)
-        # Periods are alike but for rounding: the first value may be there several times.
+        # Periods differ only by rounding: the first value may occur several times.
         starts = [index for index, value in enumerate(recorded) if value == values[0]]
         self.assertIn(values, [recorded[start : start + len(values)] for start in starts])
 
@@ -146,7 +146,7 @@ class Page(PageTest):
             lambda: abs(self.cell(upper, "max") - 7.0) < 0.01, lambda: self.browser.text("#legend")
         )
         self.assertEqual(self.browser.text("#run"), "Pause")
-        # Of 2 sin and 1 + cos: they are up to 3.2 apart.
+        # 2 sin and 1 + cos are up to 3.2 apart.
         self.browser.find(f"[aria-label='more of {PROCESSED}']").click()
         self.browser.choose("#mask-around", SIGNAL)
         self.browser.find("#mask-value").send_keys(Keys.CONTROL + "a")

@@ -1,4 +1,4 @@
-"""A bag is shown as a graph is, on the wire and on the page, where no master is."""
+"""Bags on the wire and on the page, without a master."""
 
 import math
 import os
@@ -32,9 +32,9 @@ FIELD = "/signal/signal_y"
 
 
 def write_robot(bag: Any, time: float, received: genpy.Time) -> None:
-    """Record a robot that goes ahead at 0.1 m/s in its world, and sees a wall 2 m before it.
+    """Record a robot that drives at 0.1 m/s in its world, and sees a wall 2 m ahead.
 
-    It is silent after 18 s. Its world was told only once, and so was its path.
+    It is silent after 18 s. Its world and its path were published only once.
     """
     if time == 0.0:
         walls = Marker(type=Marker.LINE_LIST, points=[Point(4, -1, 0), Point(4, 1, 0)])
@@ -58,9 +58,9 @@ def write_robot(bag: Any, time: float, received: genpy.Time) -> None:
 
 
 def record(path: str) -> None:
-    """Record a sine of 1 Hz whose own clock has another begin, and whose amplitude grows.
+    """Record a sine of 1 Hz with another zero of its clock, and a growing amplitude.
 
-    In the same bag is a robot, and its mode, which a text tells.
+    The bag also contains a robot, and its mode as a text.
     """
     with rosbag.Bag(path, "w", chunk_threshold=10000) as bag:
         for index in range(int(LENGTH_S * RATE_HZ) + 1):
@@ -77,7 +77,7 @@ def record(path: str) -> None:
 
 
 class Bag(unittest.TestCase):
-    """A bag of 20 s, of which the first 5 s are shown at first."""
+    """Bag of 20 s, whose first 5 s are shown at start."""
 
     scope: ScopeProcess
     path: str
@@ -88,7 +88,7 @@ class Bag(unittest.TestCase):
         cls.addClassCleanup(folder.cleanup)
         cls.path = str(pathlib.Path(folder.name, "sine.bag"))
         record(cls.path)
-        # No master is there.
+        # Without a master.
         patch = mock.patch.dict(os.environ, ROS_MASTER_URI="http://localhost:1")
         patch.start()
         cls.addClassCleanup(patch.stop)
@@ -109,22 +109,22 @@ class Bag(unittest.TestCase):
         return client
 
     def play(self, page: Client, **wanted: Any) -> Dict[str, Any]:
-        """Play otherwise; return what is told when it is so."""
+        """Change the playback; return the message that confirms it."""
         page.wait_for("playback")
         jumps = page.messages("playback")[-1]["jumps"] + ("time" in wanted)
         page.forget()
         page.send("playback", **wanted)
-        # What was told before this was heard may come in between.
+        # Earlier messages may arrive in between.
         return page.wait_for(
             "playback", lambda reply: reply["jumps"] >= jumps and not reply["loading"]
         )
 
     def wait_text(self, browser: Browser, selector: str, text: str) -> None:
-        """Wait until something is said."""
+        """Wait until an element has a text."""
         wait_until(lambda: text in browser.text(selector), lambda: browser.text(selector))
 
     def painted(self, browser: Browser, name: str) -> int:
-        """Return how many pixels of the robots' picture have a colour of the page."""
+        """Return the number of pixels of a theme colour in the robot view."""
         code = """
           const canvas = document.querySelector("#robot-canvas");
           const colour = getComputedStyle(document.documentElement).getPropertyValue(arguments[0]);
@@ -143,7 +143,7 @@ class Bag(unittest.TestCase):
         return int(browser.run(code, "--" + name))
 
     def shown(self, page: Client) -> float:
-        """Return up to where it is shown, s since the start."""
+        """Return the shown time since the start [s]."""
         page.wait_for("frame")
         return float(page.messages("frame")[-1]["now"]) - BEGIN
 
@@ -156,11 +156,11 @@ class Bag(unittest.TestCase):
         self.play(page, time=BEGIN + 15.0)
         reply = self.play(page, time=BEGIN + 5.001, playing=False, speed=1.0)
         self.assertEqual((reply["playing"], reply["speed"]), (False, 1.0))
-        # All that came before is there, and nothing of later: the sine has grown up to 4.75.
+        # All earlier samples are shown, and no later ones: the sine has grown up to 4.75.
         wait_until(lambda: page.values(FIELD), lambda: page.messages("frame"))
         wait_until(lambda: abs(self.shown(page) - 5.001) < 1e-4, lambda: self.shown(page))
         self.assertAlmostEqual(min(page.values(FIELD)), -4.75, 2)
-        # Its own clock is that of the signal; received it was at the bag's times.
+        # The stamps are by the signal's clock; the receipt times are the bag's.
         rows = [
             row.split(",") for row in fetch(f"{self.scope.url}/data.csv?field={FIELD}")[1].split()
         ]
@@ -179,7 +179,7 @@ class Bag(unittest.TestCase):
             lambda: page.messages("frame")[-1:],
         )
         self.assertAlmostEqual(max(page.values(FIELD)), 19.25, 2)
-        # From the begin again; a page that comes meanwhile sees it, too.
+        # From the start again; a page that opens meanwhile sees it, too.
         reply = self.play(page, speed=0.01, playing=True)
         self.assertTrue(reply["playing"])
         other = self.page()
@@ -193,7 +193,7 @@ class Bag(unittest.TestCase):
         wait_until(lambda: page.values("/signal/time_x"), lambda: page.messages("frame"))
         self.assertAlmostEqual(min(page.values("/signal/time_x")), 5.0, 1)
         self.assertAlmostEqual(max(page.values("/signal/time_x")), 10.0)
-        # What its messages name is known from them.
+        # Names of elements are known from its messages.
         name = "/joints/position[wheel]"
         self.page().wait_for(
             "fields", lambda reply: name in [one["field"] for one in reply["fields"]]
@@ -203,7 +203,7 @@ class Bag(unittest.TestCase):
         self.assertEqual(sorted(set(page.values(name))), [0.5, 1.5, 2.5, 3.5, 4.5])
 
     def at(self, page: Client, x: float) -> Message:
-        """Return what is told of the robot when it is at a place, m."""
+        """Return the robot message at a position [m]."""
         reply = page.wait_for(
             "robots", lambda reply: [one for one in reply["robots"] if abs(one["x"] - x) < 1e-6]
         )
@@ -219,12 +219,12 @@ class Bag(unittest.TestCase):
         self.assertFalse(reply["robots"][0]["silent"])
         self.assertEqual(reply["scans"][0]["ranges"], [2000])
         self.assertAlmostEqual(reply["scans"][0]["at"][4], 1.5)
-        # The world was told of 15 s ago, which is longer than traces have their past.
+        # The world was published 15 s ago, longer than the history of traces.
         scenery = page.wait_for("scenery", lambda reply: reply["goals"])
         self.assertEqual([one["kind"] for one in scenery["markers"]], ["lines"])
         self.assertEqual([one["x"] for one in scenery["goals"]], [12.0])
         self.assertEqual([one["points"] for one in scenery["paths"]], [[0.0, 0.0, 12.0, 0.0]])
-        # Before: nothing is known of what was told later.
+        # Earlier: later messages are unknown.
         self.play(page, time=BEGIN + 5.05)
         self.at(page, 0.5)
         scenery = page.wait_for("scenery", lambda reply: reply["goals"])
@@ -233,12 +233,12 @@ class Bag(unittest.TestCase):
         self.at(page, 0.1)
         scenery = page.wait_for("scenery", lambda reply: not reply["goals"])
         self.assertEqual((len(scenery["markers"]), scenery["paths"]), (1, []))
-        # It goes on with the clock, and stands with it; that is no silence.
+        # It runs and pauses with the clock; a pause is not silence.
         page.forget()
         page.send("playback", playing=True, speed=5.0)
         page.wait_for("robots", lambda reply: reply["robots"][0]["x"] > 0.4)
         self.play(page, playing=False, speed=1.0)
-        # A second page sees the same. Where the robot has said nothing for 2 s, it is silent.
+        # A second page sees the same. Without messages for 2 s, the robot is silent.
         other = self.page()
         other.send("robots", on=True)
         reply = other.wait_for("robots", lambda reply: reply["robots"][0]["x"] > 0.4)
@@ -265,7 +265,7 @@ class Bag(unittest.TestCase):
         self.play(page, time=BEGIN + 5.001, playing=False, speed=1.0)
         browser = shared_browser()
         self.addCleanup(browser.driver.get, "about:blank")
-        browser.errors()  # of the tests before
+        browser.errors()  # of previous tests
         browser.open(self.scope.url)
         browser.wait_for(f"#legend tr[data-field='{FIELD}']")
         browser.run(
@@ -303,7 +303,7 @@ class Bag(unittest.TestCase):
         # From 0 to 5 s; the page counts from its right edge.
         self.assertRegex(under_pointer(0.3), r"idle, since \S+ or earlier, until \S+")
         self.assertRegex(under_pointer(0.9), r"driving, since \S+, still so")
-        # It is of no axis, and no trace for the trigger or the XY plot.
+        # It has no axis, and is not offered for the trigger or the XY plot.
         self.assertEqual(browser.count(f"{row} [aria-label^='right axis']"), 0)
         self.assertEqual(browser.text("#trigger-field"), FIELD)
         self.assertEqual(browser.errors(), [])
@@ -316,7 +316,7 @@ class Bag(unittest.TestCase):
         zone = "Emulation.setTimezoneOverride"
         self.addCleanup(browser.driver.execute_cdp_cmd, zone, {"timezoneId": ""})
         browser.driver.execute_cdp_cmd(zone, {"timezoneId": "UTC"})
-        browser.errors()  # of the tests before
+        browser.errors()  # of previous tests
         browser.open(self.scope.url)
         browser.wait_for(f"#legend tr[data-field='{FIELD}']")
         wait_until(
@@ -333,7 +333,7 @@ class Bag(unittest.TestCase):
         self.assertFalse(browser.find("#show-graph").is_displayed())
         buttons = browser.driver.find_elements("css selector", ".run")
         self.assertEqual([one.text for one in buttons if one.is_displayed()], ["Run"])
-        # It plays with a key, and stops with it.
+        # A key plays and pauses it.
         first = browser.picture()
         browser.keys(" ")
         wait_until(lambda: browser.picture() != first, lambda: "it stands still")
@@ -342,7 +342,7 @@ class Bag(unittest.TestCase):
         wait_until(lambda: browser.text("#run") == "Run", lambda: browser.text("#run"))
         page.wait_for("playback", lambda reply: reply["playing"])
         wait_until(lambda: not page.messages("playback")[-1]["playing"], lambda: "it goes on")
-        # Moved by keys, the slider sends it elsewhere.
+        # Moving the slider by keys seeks.
         browser.find("#playback-place").send_keys(Keys.END)
         wait_until(
             lambda: (
@@ -351,7 +351,7 @@ class Bag(unittest.TestCase):
             ),
             lambda: browser.text("#playback-time") + browser.text("#plot"),
         )
-        # From the end it restarts; the slider has the focus still.
+        # From the end it restarts; the slider still has the focus.
         browser.keys(" ")
         wait_until(
             lambda: (
@@ -365,11 +365,11 @@ class Bag(unittest.TestCase):
         browser.keys("g")
         wait_until(lambda: "no nodes" in browser.text("#notice"), lambda: browser.text("#notice"))
         self.assertTrue(browser.find("#scope-view").is_displayed())
-        # Robots are there, to be looked at; the bag is played and moved beside them.
+        # Robots are shown only; the bag is played and seeked beside them.
         self.play(page, time=BEGIN + 15.05)
         browser.keys("r")
         self.wait_text(browser, "#robot-list", "odom: 1.50, 0.00 m, 0°, 0.1 m/s")
-        # The path is a line across the picture, and what the laser sees a dot of three pixels.
+        # The path is a line across the picture, and the laser's echo a dot of three pixels.
         wait_until(
             lambda: self.painted(browser, "good") > 200 and 3 < self.painted(browser, "bad") < 30,
             lambda: [self.painted(browser, colour) for colour in ("good", "bad")],

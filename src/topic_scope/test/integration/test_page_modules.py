@@ -1,4 +1,4 @@
-"""The parts of the page that only compute, called one by one in the browser."""
+"""Computing modules of the page, called individually in the browser."""
 
 import math
 import random
@@ -89,7 +89,7 @@ class Modules(BrowserTest):
         self.assertEqual(answers, [["0.000380", "± 0.000013"], ["0.000380", ""]])
 
     def test_figures_have_as_many_digits_as_their_trace_needs(self) -> None:
-        # Value, and from the least to the greatest one of the trace.
+        # Value, and peak-to-peak value of the trace.
         cases = [(1e6, 2e-3, "1000000.00000"), (1e6 + 1e-3, 2e-3, "1000000.00100")]
         cases += [(2.0, 4.0, "2.0000"), (-1.7e9, 20.0, "−1700000000.0"), (5.0, 0.0, "5.0000")]
         answers = self.browser.call(
@@ -103,7 +103,7 @@ class Modules(BrowserTest):
         free = {"title": "", "low": None, "high": None}
         first, third = {**free, "title": "first"}, {**free, "high": 3}
         axes = {"x": {"title": "s"}, "y": first, "y2": free, "y.3": third, "y2.4": first}
-        # Fields, what is known of traces, and then: the plot of each, and which axes there are.
+        # Fields, settings of traces; expected plots of the traces, and axes.
         cases = [
             (["/a", "/b"], {"/b": 3}, [1, 2], {"y": first, "y2": free, "y.2": third}),
             (["/b"], {"/a": 1, "/b": 3}, [1], {"y": third, "y2": free}),
@@ -113,7 +113,7 @@ class Modules(BrowserTest):
                 [1, 2, 2],
                 {"y": first, "y2": free, "y2.2": first},
             ),
-            # What stands for a topic is in the plot that the topic was put in.
+            # The fields of a topic are in the plot of the topic.
             (["/a", "/t/x", "/t/y", "/tt"], {"/t": 2}, [1, 2, 2, 1], {"y": first, "y2": free}),
         ]
         answers = self.browser.call(
@@ -165,8 +165,8 @@ class Modules(BrowserTest):
             " return [of(all), of(some), traces.writeTraces(all.traces)]; })()",
         )
         self.assertEqual(len({look for _, look in looks}), 40)
-        self.assertEqual(written, {})  # nothing of it needs to be said
-        # Those that stay keep theirs, and a new one has one that has become free.
+        self.assertEqual(written, {})  # all settings are defaults
+        # Remaining traces keep their styles, and a new one gets a freed style.
         self.assertEqual(after[:-1], looks[5:])
         self.assertEqual(after[-1][1], looks[0][1])
 
@@ -406,7 +406,7 @@ class Modules(BrowserTest):
     def test_end_of_a_line_is_nan(self) -> None:
         frame = {"now": 10, "bin": 1, "reset": True, "first": 5}
         traces = {"f": [1, 2, False, False, None, None, 3, 4]}
-        # Between what is null dygraphs draws on, at NaN it does not.
+        # dygraphs connects across null, but not across NaN.
         found = self.browser.call(
             "state/buffer.js",
             "(() => { const buffer = new module.TraceBuffer(); buffer.apply(a[0], 10);"
@@ -431,7 +431,7 @@ class Modules(BrowserTest):
             },
             [number + 0.5 for number in range(len(bins))],
         )
-        # Between two samples it is on the line that is drawn.
+        # Between two samples the value is on the drawn line.
         self.assertEqual(found, [1, 1, 1, 2, 3, 3, 3, None, None, 5, 6, 7, 7])
 
     def test_readings_equal_the_drawn_line(self) -> None:
@@ -491,7 +491,7 @@ class Modules(BrowserTest):
             " buffer.copy().lasts.get('f')]; })()",
             frames,
         )
-        # Of four bins, and two more that are kept: the line covers all, and then holds the last.
+        # Four bins and two spare ones: the line covers all, and then holds the last value.
         self.assertEqual([row[1] for row in rows[:3]], ["0", "5", "3"])
         self.assertEqual([row[1] for row in rows[3:11]], ["null"] * 2 + ["1"] * 3 + ["7", "8", "8"])
         self.assertEqual([row[2] for row in rows[:3]], ["1", "2", "null"])
@@ -558,7 +558,7 @@ class Modules(BrowserTest):
         )
         self.assertEqual(answers[0], [5, [1, 2, 3, 4], None])
         self.assertEqual(answers[1], [5, [1, 2, 3, 9, 5, 6], None])
-        # A second and two bins more are kept: the oldest bin is gone.
+        # A second and two more bins are kept: the oldest bin is dropped.
         self.assertEqual(answers[2], [6, [3, 9, 5, 6, 7, 8], [None] * 4 + [0, 0]])
 
     def test_sweep_is_held_once_complete(self) -> None:
@@ -582,7 +582,7 @@ class Modules(BrowserTest):
             )
             self.assertEqual([round(to, 6) for _, to, *_ in held], [10.1, 10.9, 11, 11, 11])
             self.assertEqual([round(one, 6) for one in held[2]], [9, 11, 10, 70, 109])
-            if mode == "normal":  # it stays, whatever comes; a single one gets no more frames
+            if mode == "normal":  # held despite new frames; a single sweep gets no more frames
                 self.assertEqual(held[3:], held[2:3] * 2)
             self.assertEqual(values["end"], 11 if mode == "single" else None)
 
@@ -640,13 +640,13 @@ class Modules(BrowserTest):
         )
 
     def test_few_samples_are_drawn_at_their_times(self) -> None:
-        """A sine, at rates around that of the bins: what is drawn is the curve itself."""
+        """At rates around the bin rate, the drawn line of a sine is the curve itself."""
         width, start, last = 0.0105, 1.7e9, 1.7e9 + 3.0
         rates = {30.0: True, 95.0: True, 100.0: True, 180.0: True, 1e3: False}
         signals, runs = [], []
         for rate in rates:
             times = start + numpy.arange(0.0, 3.0, 1.0 / rate)
-            # With a slope, so that no two values are the same.
+            # With a slope, so that all values differ.
             values = numpy.sin(2.0 * math.pi * (times - start)) + 0.1 * (times - start)
             view = LiveView(View(200 * width, 200, None))
             view.select(["/f"])
@@ -702,7 +702,7 @@ class Modules(BrowserTest):
         plain = [f"R{number}: f, kept" for number in (2, 4, 5, 6, 7, 8, 1)]
         self.assertEqual(texts, [plain[0], "R3: f, kept, − 10, 1.5 s later", *plain[1:]])
         self.assertEqual(can_keep, [True] * 8 + [False])
-        # Moved by 1.5 s: nothing before, nothing after, and between two values the line.
+        # Moved by 1.5 s: no value before or after, and interpolated in between.
         expected = [None, -8.5, -10, -7.1, None]
         self.assertEqual([one if one is None else round(one, 6) for one in found], expected)
 
@@ -800,7 +800,7 @@ class Modules(BrowserTest):
         ]
 
         robot = ["/robot2/j/position[arm]", "/robot2/j/position[leg]", "/robot2/j/header/stamp"]
-        # Typed text, whether all are wanted, what is found first of each group, and what is hidden.
+        # Typed text, whether all are shown, the first results of each group, and the hidden count.
         firsts = [robot[0], "/robot10/j/position[arm]", "/scan/ranges[0]"]
         cases: List[Any] = [("", False, firsts, 2), ("rosout", False, [], 1)]
         cases += [("rosout", True, ["/rosout/level"], 0)]
@@ -883,7 +883,7 @@ class Modules(BrowserTest):
                     if inside:  # and below its title
                         self.assertGreater(boxes[item["id"]][1], frame[1] + 16.0)
             for way, stops in layout["routes"].items():
-                for stop in stops:  # a long way goes through no box
+                for stop in stops:  # a long edge does not cross a box
                     place = stop["x"], stop["y"], stop["x"], stop["y"]
                     self.assertFalse(
                         any(_overlap(place, box) for box in boxes.values()), (way, items, edges)

@@ -1,4 +1,4 @@
-"""The page shows robots, sends them to goals and drives them."""
+"""Robots on the page: view, goals and driving."""
 
 import math
 
@@ -20,11 +20,11 @@ class PageRobots(PageTest):
     """Use of the page to drive a robot."""
 
     def wait_text(self, selector: str, text: str) -> None:
-        """Wait until something is said."""
+        """Wait until an element has a text."""
         wait_until(lambda: text in self.browser.text(selector), lambda: self.browser.text(selector))
 
     def changed(self, picture: int) -> int:
-        """Wait until the picture is another one."""
+        """Wait until the picture changes."""
         wait_until(lambda: self.browser.picture(CANVAS) != picture, lambda: "the same picture")
         return self.browser.picture(CANVAS)
 
@@ -40,7 +40,7 @@ class PageRobots(PageTest):
         world.publish(MarkerArray([Marker(type=Marker.LINE_LIST, points=walls)]))
         picture = self.changed(picture)
 
-        # A click on the picture: where that is, the page says itself.
+        # A click on the picture; the page shows its position.
         browser.find("#goal-pick").click()
         canvas = browser.find("#robot-canvas")
         steps = ActionChains(browser.driver).move_to_element(canvas).move_by_offset(100, -50)
@@ -65,10 +65,10 @@ class PageRobots(PageTest):
         self.assertEqual((goal.pose.position.x, goal.pose.position.y), (1.5, -0.5))
         turn = goal.pose.orientation
         self.assertAlmostEqual(2.0 * math.atan2(turn.z, turn.w), math.radians(-120.0))
-        browser.find("#robot-canvas").click()  # so that keys are the page's again
+        browser.find("#robot-canvas").click()  # takes the focus from the field
         picture = self.changed(picture)
 
-        # Without the wheel keys move the picture, with it the robot, as long as they are held.
+        # Keys move the picture, or, with the wheel, the robot while they are held.
         browser.keys(Keys.ARROW_UP)
         picture = self.changed(picture)
         self.assertEqual(robot.commands, [])
@@ -76,7 +76,7 @@ class PageRobots(PageTest):
         self.wait_text("#drive-state", "Driving on /cmd_vel, Twist")
         ActionChains(browser.driver).key_down(Keys.ARROW_UP).key_down("a").perform()
         wait_until(lambda: robot.x > 0.1 and robot.heading > 0.1, lambda: str(robot.commands))
-        # A zero, too, where the machine was so busy that the switch of the dead man opened.
+        # A zero, too, if the dead man's switch opened on a busy machine.
         self.assertLessEqual({command.speed for command in robot.commands}, {0.0, 0.2})
         wait_until(lambda: robot.commands[-1].turn == 1.0, lambda: str(robot.commands[-3:]))
         ActionChains(browser.driver).key_up("a").key_up(Keys.ARROW_UP).perform()
@@ -84,7 +84,7 @@ class PageRobots(PageTest):
         count = len(robot.commands)
         self.changed(picture)
 
-        # The same with a button, and who looks away drives no longer.
+        # The same with a button; leaving the view ends driving.
         button = browser.find("#drive-pad [aria-label='back']")
         ActionChains(browser.driver).click_and_hold(button).perform()
         wait_until(lambda: robot.commands[-1].speed == -0.2, lambda: str(robot.commands[-1]))
@@ -101,7 +101,7 @@ class PageRobots(PageTest):
         wait_until(lambda: robot.commands[-1].turn == 0.0, lambda: str(robot.commands[-1]))
         browser.keys(Keys.ESCAPE)
         self.wait_text("#drive", "Take the wheel")
-        # Followed, the robot is in the middle of the picture; who moves that follows it no longer.
+        # A followed robot is in the middle of the picture; moving the picture ends following.
         browser.keys("f")
         row = "#robot-list button[aria-pressed='true'][data-topic='/odom']"
         browser.wait_for(row)
@@ -121,7 +121,7 @@ class PageRobots(PageTest):
         browser.keys("r")
 
     def fleet_has_tiles(self) -> None:
-        """Have a robot say how it is, in a type that is not installed, and then no more."""
+        """Publish the status of a robot in a type that is not installed, and then stop."""
         status_class = genpy.dynamic.generate_dynamic("not_here/RobotStatus", STATUS)
         status = rospy.Publisher(
             "/al/status", status_class["not_here/RobotStatus"], queue_size=1, latch=True

@@ -22,14 +22,14 @@ from wire.signals_test import PEAK, SignalsTest
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
-#: What docs/nodes/scope.md promises, s.
+#: Limit documented in docs/nodes/scope.md [s].
 STOPS_WITHIN_S = 0.3
-#: How often something is tried on a machine that is busy with other things.
+#: Number of tries on a busy machine.
 ATTEMPTS = 8
 
 
 class Signals(SignalsTest):
-    """Every sample counts, and early ones for late pages too."""
+    """Every sample is sent, including earlier samples for later pages."""
 
     def test_page_gets_hello_and_available_fields(self) -> None:
         page = self.page()
@@ -57,13 +57,13 @@ class Signals(SignalsTest):
         for (_, (text,)), value in zip(rows, sent):
             self.assertAlmostEqual(float(text), value, delta=abs(value) * 1e-7)
         wait_until(lambda: float(rows[-1][1][0]) in page.values(field), lambda: page.bins)
-        # Bin by bin, what is on the screen is what the samples say.
+        # The bins of the screen match the samples.
         bins = {}
         for moment, (text,) in rows:
             bins.setdefault(math.floor(moment / page.width), []).append(float(text))
         for index, values in bins.items():
             self.assertEqual(page.bins[field][index], [min(values), max(values)])
-        # On a busy machine the peak may be alone in its bin, both the least and the greatest there.
+        # On a busy machine the peak may be alone in its bin, as both minimum and maximum.
         self.assertEqual(sum(PEAK in pair for pair in page.bins[field].values()), 1)
 
     def test_a_late_page_gets_the_history(self) -> None:
@@ -82,7 +82,7 @@ class Signals(SignalsTest):
         page.send("view", window=2.0, width=500, end=None)
         found = page.wait_for(
             "stats",
-            # By the time of the messages it is exact, however late these come.
+            # By the stamps of the messages it is exact, however late they arrive.
             lambda stats: abs((stats["traces"]["/signal/signal_y"]["frequency"] or 0) - 1.0) < 1e-4,
         )["traces"]["/signal/signal_y"]
         self.assertAlmostEqual(found["rate"], 100.0, delta=10.0)
@@ -99,12 +99,12 @@ class Signals(SignalsTest):
         page.send("view", window=2.0, width=500, end=None)
         edge = {"field": "/signal/signal_y", "level": 0.5, "edge": "falling"}
         page.send("trigger", mode="single", number=5, **edge)
-        # That it is armed is told only where the first look finds nothing.
+        # The state armed is sent only if the first search finds no crossing.
         reply = page.wait_for("trigger", lambda message: message["state"] == "triggered")
         self.assertEqual(reply["number"], 5)
         crossing = reply["time"]
         rows = [(moment, float(row[0])) for moment, row in self.samples("/signal/signal_y")]
-        # Samples that arrive together are so close that it may fall on the second when rounded.
+        # Samples that arrive together are so close that it may be rounded to the second.
         (before, high), (after, low) = next(
             (one, other)
             for one, other in zip(rows, rows[1:])
@@ -112,7 +112,7 @@ class Signals(SignalsTest):
         )
         expected = before + (high - 0.5) / (high - low) * (after - before)
         self.assertAlmostEqual(crossing, expected, delta=1e-6)
-        # Held: the span around it is sent once, and then no frame comes any more.
+        # Held: the span around it is sent once, and then no further frames.
         page.send("view", window=1.0, width=125, end=crossing - 1.0)
         held = page.wait_for("frame", lambda frame: frame["reset"] and frame["bin"] == 0.008)
         first = math.floor((crossing - 2.0) / 0.008)
@@ -307,9 +307,9 @@ class ReadOnly(ScopeTest):
 class DeadMan(RobotsTest):
     """A robot without commands stops: one zero, then silence."""
 
-    #: What ends the driving, and what the robot takes.
+    #: End of the driving, and type of the robot's commands.
     ENDS: Dict[str, Tuple[Any, Callable[[Client], Any]]] = {
-        # So is a link that is cut or stalls: nothing tells the scope that it is.
+        # Likewise a cut or stalled link, of which the scope is not notified.
         "says nothing any more": (Twist, lambda page: None),
         "lets go": (
             Twist,
@@ -325,7 +325,7 @@ class DeadMan(RobotsTest):
             end: self.robot(f"/end{number}/", kind)
             for number, (end, (kind, _)) in enumerate(self.ENDS.items())
         }
-        # It is tried again where the machine was too busy; what is too slow is so always.
+        # Retried on a busy machine; a real delay fails each time.
         best = dict.fromkeys(robots, math.inf)
         for _ in range(ATTEMPTS):
             for end, late in self.driven(robots).items():
@@ -335,9 +335,9 @@ class DeadMan(RobotsTest):
         self.assertLess(max(best.values()), STOPS_WITHIN_S, best)
 
     def driven(self, robots: Dict[str, Robot]) -> Dict[str, float]:
-        """Drive robots, and return how long after the last command each was told to stop, s.
+        """Drive robots, and return the time from the last command to the stop of each [s].
 
-        It is infinite where there was a pause before, or anything after the one zero.
+        It is infinite after an earlier pause, or if anything followed the single zero.
         """
         for robot in robots.values():
             robot.commands.clear()

@@ -1,4 +1,4 @@
-"""The library that reads recordings of ROS 2, fetched from PyPI unless it is there."""
+"""The library that reads ROS 2 recordings, fetched from PyPI if missing."""
 
 import pytest
 

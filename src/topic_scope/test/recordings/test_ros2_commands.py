@@ -1,4 +1,4 @@
-"""Commands with recordings of ROS 2: plotted, written, laid over those of ROS 1, checked."""
+"""Commands with ROS 2 recordings: plots, CSV files, overlays on ROS 1 bags, masks."""
 
 from pathlib import Path
 from typing import Any, List
@@ -22,7 +22,7 @@ def recording(tmp_path_factory: Any) -> str:
 
 @pytest.fixture
 def old(tmp_path: Path) -> str:
-    """Record half of what ``/x`` has in a bag of ROS 1."""
+    """Record half of the values of ``/x`` in a ROS 1 bag."""
     path = str(tmp_path / "old.bag")
     with rosbag.Bag(path, "w") as bag:
         for index in range(40):

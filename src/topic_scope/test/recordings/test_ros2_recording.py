@@ -1,4 +1,4 @@
-"""Recordings of ROS 2 against what was written, and errors of broken ones."""
+"""ROS 2 recordings against the written messages, and errors of damaged ones."""
 
 import os
 import re
@@ -26,14 +26,14 @@ KINDS = [("MCAP", ""), ("MCAP", "STORAGE"), ("SQLITE3", ""), ("SQLITE3", "MESSAG
 
 @pytest.fixture(scope="module", params=KINDS, ids=lambda kind: "-".join(filter(None, kind)))
 def recording(request: Any, tmp_path_factory: Any) -> str:
-    """Write a recording of each kind, once."""
+    """Write a recording of each format, once."""
     return written.write(
         tmp_path_factory.mktemp("bags") / "run", written.messages(), *request.param
     )
 
 
 def told_of(bag: Recording, *span: int) -> Dict[str, List[Tuple[int, bytes]]]:
-    """Return time since the start [ns] and bytes of all messages, as they come."""
+    """Return time since the start [ns] and bytes of all messages, in order of reading."""
     found: Dict[str, List[Tuple[int, bytes]]] = {}
     for together in slices(bag, [one.topic for one in bag.connections.values()], *span):
         for one in together:
@@ -42,7 +42,7 @@ def told_of(bag: Recording, *span: int) -> Dict[str, List[Tuple[int, bytes]]]:
 
 
 def value_in(message: Any, path: Tuple[Any, ...]) -> Any:
-    """Return what stands in a message as ROS 2 has it; None for an element that is not there."""
+    """Return the value at a path of a ROS 2 message; None for a missing element."""
     for part in path:
         if isinstance(part, Key):
             part = message.name.index(part)
@@ -61,7 +61,7 @@ def test_every_value_equals_the_written_one(recording: str) -> None:
         assert bag.count(["/odd", "/rare"]) == 44
     for column in all_columns(first):
         if column.path[-1] == "seq":
-            continue  # which ROS 2 has not
+            continue  # not in ROS 2
         decoder = Decoder(first[column.topic].layout, column.path)
         rows = zip(found[column.topic], expected[column.topic])
         for (time, data), (when, message) in rows:
@@ -103,7 +103,7 @@ def test_player_has_the_latest_of_rare_topics_besides(
         player = BagPlayer(bag, 0.1, lambda: 0.0)
         player.want(["/x"])
         player.aside.want(["/rare"])
-        player.seek(player.start + 3.2)  # 0.9 s and some spans after the latest one
+        player.seek(player.start + 3.2)  # 0.9 s and some spans after the latest message
         while player.is_loading:
             player.now()
         *_, batch = player.aside.subscriptions()["/rare"].drain()
@@ -121,7 +121,7 @@ def test_single_files_are_recordings(recording: str) -> None:
 
 
 def test_folder_need_not_say_what_is_in_its_files(tmp_path: Path) -> None:
-    """Of real recordings, times and settings in metadata.yaml differ from those in the files."""
+    """In real recordings, times and settings in metadata.yaml may differ from the files."""
     path = Path(written.write(tmp_path / "run", written.messages()))
     with open_bag(str(path)) as bag:
         whole = told_of(bag)
@@ -183,7 +183,7 @@ def test_message_that_does_not_fit_its_definition_is_left_out(tmp_path: Path) ->
 def test_type_without_a_definition_is_the_standard_type(tmp_path: Path) -> None:
     path = Path(written.write(tmp_path / "run", written.messages(4), "SQLITE3"))
     (file,) = path.glob("*.db3")
-    with sqlite3.connect(str(file)) as database:  # as it was up to Humble
+    with sqlite3.connect(str(file)) as database:  # as up to Humble
         database.execute("DROP TABLE message_definitions")
         database.execute("UPDATE schema SET schema_version = 3")
     with open_bag(str(file)) as bag:

@@ -1,11 +1,11 @@
-"""Recordings of ROS 2, made with rosbags' own writers, and read with its own reader."""
+"""ROS 2 recordings, written and read by rosbags."""
 
 from pathlib import Path
 from typing import Any, Dict, List, Sequence, Tuple
 
-#: When all of them start, since the epoch [ns]: a time that a float cannot hold exactly.
+#: Start of all recordings, since the epoch [ns]: a time that a float cannot represent exactly.
 BEGIN = 1700000000123456789
-#: A type whose fields stand at places that CDR has to align.
+#: Type whose fields need alignment in CDR.
 ODD = "odd_msgs/msg/Odd"
 ODD_DEFINITION = """\
 uint8 IDLE=0
@@ -44,7 +44,7 @@ BagMessage = Tuple[str, str, Any, int]
 
 
 def store() -> Any:
-    """Return the types that the recordings have."""
+    """Return the types of the recordings."""
     from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
     made = get_typestore(Stores.ROS2_HUMBLE)
@@ -99,7 +99,7 @@ def messages(count: int = 40) -> List[BagMessage]:
             value=index / 3.0,
             text="t" * (index % 7),
             three=numpy.array([index, -index, 2**60 + index]),
-            raw=-56,  # as rosbags has a byte, which is 200 in ROS 2
+            raw=-56,  # rosbags' value of a byte, which is 200 in ROS 2
             many=numpy.arange(index % 5, dtype=numpy.uint16),
             waits=[duration(-1, 5 * 10**8)] * (index % 3),
             name=["arm", "leg"][: 1 + index % 2],

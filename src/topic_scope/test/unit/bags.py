@@ -1,4 +1,4 @@
-"""Bags, and messages as they are in bags, to be read in tests."""
+"""Bags and serialized messages for tests."""
 
 import io
 from pathlib import Path
@@ -14,7 +14,7 @@ from topic_scope.bag.column_reader import ColumnReader
 from topic_scope.messages.definitions import layout_of
 from topic_scope.timing.nanoseconds import to_ns
 
-#: When all of them start, since the epoch, ns: a time that a float cannot hold exactly.
+#: Start of all bags, since the epoch [ns]: a time that a float cannot represent exactly.
 BEGIN = 1700000000123456789
 
 #: A message of a test: its time since the start of the bag, ns, its topic and itself.
@@ -40,14 +40,14 @@ def nanoseconds(times: Iterable[float]) -> List[int]:
 
 
 def serialized(message: Any) -> bytes:
-    """Return a message as it is in a bag."""
+    """Return a serialized message."""
     buffer = io.BytesIO()
     message.serialize(buffer)
     return buffer.getvalue()
 
 
 def first_messages(messages: Mapping[str, Any]) -> Dict[str, FirstMessage]:
-    """Return messages as a bag does the first of each topic."""
+    """Return messages in the form of :func:`.first_messages`."""
     return {
         topic: FirstMessage(layout_of(type(message)), serialized(message))
         for topic, message in messages.items()
@@ -57,13 +57,13 @@ def first_messages(messages: Mapping[str, Any]) -> Dict[str, FirstMessage]:
 def reading(
     columns: Iterable[Column], sent: Iterable[BagMessage], begin: int = 0
 ) -> List[ColumnReader]:
-    """Return what reads columns out of messages of a bag that begins at some time, ns."""
+    """Return the readers of columns of a bag that starts at a time [ns]."""
     first = first_messages({topic: message for _, topic, message in reversed(list(sent))})
     return [ColumnReader(column, first[column.topic], begin) for column in columns]
 
 
 def slices(sent: Iterable[BagMessage]) -> List[List[Slice]]:
-    """Return messages as a bag does that holds all of them in one chunk."""
+    """Return messages as the slices of a bag with a single chunk."""
     of_topic: Dict[str, List[BagMessage]] = {}
     for one in sent:
         of_topic.setdefault(one[1], []).append(one)

@@ -1,4 +1,4 @@
-"""Two hundred signals whose figures are known: what is measured of them has to be true."""
+"""Two hundred signals with known figures, which measurements must reproduce."""
 
 import math
 from typing import Callable, Dict, List, NamedTuple, Tuple
@@ -9,7 +9,7 @@ from topic_scope.analysis.ring import Ring
 from topic_scope.timing.nanoseconds import array_to_ns, to_ns
 
 EPOCH = 1.7e9
-#: How many there are of each kind.
+#: Number of signals of each kind.
 COUNTS = {
     "sine": 60,
     "square": 35,
@@ -22,13 +22,13 @@ COUNTS = {
 
 
 class Signal(NamedTuple):
-    """Samples, and the truth about them.
+    """Samples with their true figures.
 
     :param kind: one of :data:`COUNTS`
     :param times: ascending, s
     :param values: the samples
-    :param longest: how far apart samples of one line may be, s
-    :param truth: by name of the figure; what is not in there is not to be measured
+    :param longest: longest time between connected samples [s]
+    :param truth: by name of the figure; other figures must not be measurable
     :param sigma: standard deviation of the noise on it, as a part of its height
     """
 
@@ -41,7 +41,7 @@ class Signal(NamedTuple):
 
 
 def signals() -> List[Signal]:
-    """Return all of them, the same ones each time."""
+    """Return all signals, the same each time."""
     return [
         _MAKERS[kind](numpy.random.RandomState(1000 * index + number))
         for index, (kind, count) in enumerate(COUNTS.items())
@@ -50,23 +50,23 @@ def signals() -> List[Signal]:
 
 
 def _scale(random: numpy.random.RandomState) -> Tuple[float, float]:
-    """Return how high a signal is, and how far its middle is off, in heights."""
+    """Return the height of a signal, and the offset of its middle in heights."""
     return float(10.0 ** random.uniform(-3.0, 3.0)), float(random.uniform(-3.0, 3.0))
 
 
 def _scaled(random: numpy.random.RandomState, values: numpy.ndarray) -> numpy.ndarray:
-    """Return values from 0 to 1 in another unit, from somewhere else on."""
+    """Return values from 0 to 1 with another scale and offset."""
     height, middle = _scale(random)
     return height * (values + middle)
 
 
 def _noise(random: numpy.random.RandomState) -> float:
-    """Return how much noise there is on a signal of the height 1: on every other one none."""
+    """Return the noise on a signal of height 1: none on every other signal."""
     return float(random.choice([0.0, 0.0, 0.002, 0.01, 0.05]))
 
 
 def _even(random: numpy.random.RandomState, hertz: float, least: float = 2.3) -> numpy.ndarray:
-    """Return times at which a signal of some frequency is sampled, for some of its periods."""
+    """Return sample times of a signal of a frequency, for some periods."""
     rate = hertz * math.exp(random.uniform(math.log(least), math.log(200.0)))
     cycles = random.uniform(2.5, 40.0)
     return EPOCH + random.uniform(0.0, 1.0) + numpy.arange(0.0, cycles / hertz, 1.0 / rate)
@@ -80,7 +80,7 @@ def _hertz(random: numpy.random.RandomState) -> float:
 def _sine_at(
     random: numpy.random.RandomState, times: numpy.ndarray, hertz: float, sigma: float
 ) -> "Tuple[numpy.ndarray, Dict[str, float]]":
-    """Return a sine, and what is true of it."""
+    """Return a sine with its true figures."""
     angle = random.uniform(-math.pi, math.pi)
     height, middle = _scale(random)
     turns = 2.0 * math.pi * hertz * (times - EPOCH) + angle
@@ -124,11 +124,11 @@ def _square(random: numpy.random.RandomState) -> Signal:
 
 
 def second_order(times: numpy.ndarray, damping: float, omega: float) -> numpy.ndarray:
-    """Return what a system of second order answers to a step of 1 at 0.
+    """Return the unit step response of a second-order system.
 
     :param times: s
     :param damping: below 1
-    :param omega: its frequency without damping, rad/s
+    :param omega: undamped frequency [rad/s]
     """
     after = numpy.maximum(times, 0.0)
     damped = omega * math.sqrt(1.0 - damping**2)
@@ -192,7 +192,7 @@ def _gap(random: numpy.random.RandomState) -> Signal:
 
 
 def _late(random: numpy.random.RandomState) -> Signal:
-    """Return a signal whose messages come late, and not in their order."""
+    """Return a signal with late and disordered messages."""
     hertz, sigma = _hertz(random), _noise(random)
     times = _even(random, hertz)
     values, truth = _sine_at(random, times, hertz, sigma)

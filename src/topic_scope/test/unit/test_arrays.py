@@ -21,7 +21,7 @@ def with_joints(*names: str) -> bytes:
 
 
 def heard(*names: str) -> Arrays:
-    """Return what is known after a message with these joints."""
+    """Return the arrays after a message with these joints."""
     arrays = Arrays()
     arrays.add_message(LAYOUT, with_joints(*names))
     return arrays

@@ -1,4 +1,4 @@
-"""Which numbers of a bag a name stands for."""
+"""Columns of a bag by name."""
 
 from typing import List
 
@@ -23,7 +23,7 @@ MESSAGES = first_messages(
 
 
 def names(*expressions: str) -> List[str]:
-    """Return the names of the columns that are chosen."""
+    """Return the names of the chosen columns."""
     return [column.name for column in choose(list(expressions), MESSAGES)]
 
 

@@ -1,4 +1,4 @@
-"""Bag reader against rosbag, and errors of broken bags."""
+"""Bag reader against rosbag, and errors of damaged bags."""
 
 import struct
 from pathlib import Path
@@ -30,7 +30,7 @@ def write(path: Path, sent: List[Tuple[str, int, int]], compression: str = "none
 
 
 def read(bag: BagFile, wanted: Set[str], after: int) -> List[Tuple[int, str, bytes]]:
-    """Return time, topic and bytes of all messages of the chunks behind a time."""
+    """Return time, topic and bytes of all messages of the chunks after a time."""
     numbers = {number for number, one in bag.connections.items() if one.topic in wanted}
     found = []
     for chunk, _ in zip(*bag.chunks_after(after)):
@@ -101,7 +101,7 @@ def test_messages_are_in_order_whatever_wrote_the_index(tmp_path: Path) -> None:
     path = tmp_path / "x.bag"
     write(path, [("a", 1, 0), ("a", 2, 1)])
     content = path.read_bytes()
-    # Of one chunk with one connection: 12 bytes for each message, the second one first.
+    # Index of one chunk with one connection: 12 bytes per message, the second message first.
     begin = content.index(struct.pack("<II", *divmod(BEGIN, 10**9)), content.index(b"op=\x04"))
     entries = content[begin : begin + 24]
     swapped = entries[12:] + entries[:12]
@@ -114,7 +114,7 @@ def test_messages_are_in_order_whatever_wrote_the_index(tmp_path: Path) -> None:
 
 
 def in_order(chunks: List[List[Slice]]) -> List[Tuple[int, str, bytes]]:
-    """Return time, topic and bytes of messages as they come; of one slice by time."""
+    """Return time, topic and bytes of messages in order of reading; by time in a slice."""
     found = []
     for together in chunks:
         assert len({one.topic for one in together}) == len(together)
@@ -240,7 +240,7 @@ def test_bag_with_damaged_bytes_is_read_or_reported(
     sent = [("a", number, number * 10**8) for number in range(0, 100, 10)]
     write(path, sent, data.draw(st.sampled_from(["none", "bz2", "lz4"])))
     content = bytearray(path.read_bytes())
-    # The header of the file is padded to 4096 bytes, which mean nothing.
+    # The header of the file is padded to 4096 bytes, which are ignored.
     places = st.integers(13, 120) | st.integers(4100, len(content) - 1)
     for place in data.draw(st.lists(places, min_size=1, max_size=4)):
         content[place] = data.draw(st.integers(0, 255))

@@ -15,15 +15,15 @@ from std_msgs.msg import Int32
 from topic_scope.bag.file import BagFile
 from topic_scope.bag.player import BagPlayer
 
-#: Of each topic, how long after the start its messages were recorded, ms.
+#: Recording times of each topic's messages after the start [ms].
 RECORDED = {"/a": range(0, 10001, 100), "/b": range(50, 10000, 500)}
 START = BEGIN / 1e9
 
 
 class Clock:
-    """Goes when it is told to, and a little with each look at it.
+    """Clock that is advanced manually, and by a step at each reading.
 
-    :param step: how far, s
+    :param step: the step [s]
     """
 
     def __init__(self, step: float = 0.0) -> None:
@@ -47,7 +47,7 @@ def bag(tmp_path_factory: "pytest.TempPathFactory") -> Iterator[BagFile]:
 
 @pytest.fixture
 def opened() -> Iterator[Callable[[Path], BagFile]]:
-    """Open bags, which are closed when the test has ended."""
+    """Open bags, and close them after the test."""
     with contextlib.ExitStack() as stack:
         yield lambda path: stack.enter_context(BagFile(str(path)))
 
@@ -60,7 +60,7 @@ def playing(bag: BagFile, clock: Clock, *topics: str, history: float = 3.0) -> B
 
 
 def taken(player: BagPlayer) -> Dict[str, List[int]]:
-    """Return what has come out, by topic, and check that its times are those of the record."""
+    """Return the output messages by topic, after checking their times."""
     found: Dict[str, List[int]] = {}
     for topic, subscription in player.subscriptions().items():
         for batch in subscription.drain():
@@ -81,12 +81,12 @@ def loaded(player: BagPlayer) -> float:
 
 
 def expected(topics: Tuple[str, ...], above: float, up_to: float) -> Dict[str, List[int]]:
-    """Return what was recorded in a time, its ends in ms."""
+    """Return the messages recorded in a time span [ms]."""
     found = {topic: [time for time in RECORDED[topic] if above < time <= up_to] for topic in topics}
     return {topic: times for topic, times in found.items() if times}
 
 
-#: In steps of 50 ms, and in between at first: so no message is at the very edge of what is played.
+#: Steps of 50 ms with an offset, so that no message is at the edge of the played span.
 steps = st.lists(
     st.tuples(st.sampled_from(["wait", "play", "pause", "seek", "speed"]), st.integers(0, 80)),
     max_size=12,
@@ -130,9 +130,9 @@ def test_player_outputs_messages_up_to_the_clock(
 def test_messages_of_equal_times_get_distinct_times(
     tmp_path: Path, opened: Callable[[Path], BagFile]
 ) -> None:
-    """As under simulated time: here every 10 ms, each publisher with many messages."""
+    """As in simulated time: every 10 ms, with many messages of each publisher."""
     path, count = tmp_path / "x.bag", 0
-    connections: List[Dict[str, object]] = [{}, {}]  # as rosbag record has, of each publisher
+    connections: List[Dict[str, object]] = [{}, {}]  # one per publisher, as by rosbag record
     with rosbag.Bag(str(path), "w", chunk_threshold=2000) as file:
         for index in range(400):
             for file._topic_connections in connections:
@@ -278,7 +278,7 @@ def test_side_subscriptions_get_the_latest_message_however_old(
     besides = list(player.aside.subscriptions()["/rare"].drain())
     values = [int.from_bytes(one, "little") for batch in besides for one in batch.messages]
     assert values == [1000] and besides[-1].times[-1] / 1e9 == pytest.approx(START + 1.0)
-    # Of others the last seconds, and then what the clock passes.
+    # Other topics have the last seconds, and then the messages up to the clock.
     longer = BagPlayer(opened(path), 60.0, Clock())
     longer.aside.want(["/a"])
     longer.seek(START + 8.05)
@@ -286,7 +286,7 @@ def test_side_subscriptions_get_the_latest_message_however_old(
     besides = list(longer.aside.subscriptions()["/a"].drain())
     values = [int.from_bytes(one, "little") for batch in besides for one in batch.messages]
     assert values[-50:] == list(range(3100, 8001, 100)) and len(values) < 80
-    # Who wants them no longer has them no longer, and may want them again.
+    # A topic that is no longer requested is dropped, and may be requested again.
     player.aside.want([])
     assert (player.aside.subscriptions(), player.lacks_past) == ({}, False)
     player.aside.want(["/rare"])

@@ -23,7 +23,7 @@ from topic_scope.messages.fields import to_path
 
 
 def collected(columns: List[Column], sent: List[BagMessage]) -> List[Series]:
-    """Return what is gathered of messages."""
+    """Return the series of messages."""
     return collect(reading(columns, sent), slices(sent))
 
 

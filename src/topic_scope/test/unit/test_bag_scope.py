@@ -1,4 +1,4 @@
-"""The scope of a bag, which is no node."""
+"""Scope of a bag, which is not a node."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""The CSV file says exactly what was recorded."""
+"""CSV files contain exactly the recorded values."""
 
 import csv
 import io
@@ -18,7 +18,7 @@ from topic_scope.timing.nanoseconds import exact_seconds
 
 
 def rows(columns: List[Column], sent: List[BagMessage]) -> List[List[str]]:
-    """Return what is written, cell by cell."""
+    """Return the written cells."""
     file = io.StringIO(newline="")
     write_csv(file, reading(columns, sent), slices(sent))
     return list(csv.reader(io.StringIO(file.getvalue(), newline="")))

@@ -1,4 +1,4 @@
-"""CSV holds every sample exactly, in one row for each message."""
+"""CSV files contain every sample exactly, in one row per message."""
 
 import csv
 import io
@@ -53,7 +53,7 @@ def test_messages_of_one_time_keep_their_rows_and_whole_numbers_their_digits() -
 
 
 def test_indistinguishable_messages_have_a_row_each() -> None:
-    """Those of a bag that is laid over the graph have no receipt but their time."""
+    """Messages of an overlaid bag have no receipt time of their own."""
     times = numpy.array([5.0, 5.0, 6.0])
     columns = [
         CsvColumn("/a", times, times, ["1", "2", "3"]),

@@ -16,13 +16,13 @@ CW1 = os.path.join(rospkg.RosPack().get_path("basic_comms"), "launch", "cw1.laun
 
 
 def programs(*arguments: str) -> Dict[str, Node]:
-    """Return the nodes that would be started by the names of their programs."""
+    """Return the nodes of the launch file by the names of their programs."""
     config = load_launch("basic_comms", "cw1.launch", *arguments)
     return {node.type: node for node in config.nodes}
 
 
 def tokens_of(node: Node, variables: Dict[str, str]) -> List[str]:
-    """Return what the program of a node gets from the shell that starts it."""
+    """Return the arguments that the shell passes to the program of a node."""
     command = shlex.split(node.launch_prefix) + ["printf", "%s\\n"] + shlex.split(node.args)
     printed = subprocess.run(command, env=variables, stdout=subprocess.PIPE, check=True)
     return printed.stdout.decode().splitlines()

@@ -1,4 +1,4 @@
-"""A robot moves as long as it is told to: one zero, then silence."""
+"""Dead man's switch: commands time out with one zero, then silence."""
 
 import pytest
 from hypothesis import given, settings
@@ -36,7 +36,7 @@ def test_delayed_commands_are_ignored() -> None:
     switch = DeadMan()
     for n in range(20):
         assert switch.accept(AHEAD, 100.0 + 0.05 * n, 1.0 + 0.05 * n) == AHEAD
-    # The link stalls for 2 s; then all comes at once.
+    # The link stalls for 2 s; then all commands arrive together.
     assert switch.expire(3.9) == STOP
     late = [switch.accept(AHEAD, 101.0 + 0.05 * n, 4.0) for n in range(40)]
     assert late[:36] == [None] * 36 and late[-1] == AHEAD
@@ -64,7 +64,7 @@ def test_clock_drift_is_tolerated(drift: float) -> None:
 @settings(max_examples=30)
 @given(st.lists(st.tuples(st.floats(0.0, 1.0), st.booleans()), max_size=50))
 def test_robot_never_moves_longer_than_the_hold_time(steps: list) -> None:
-    """Told of each moment at which a zero is due, nothing is in force for longer than HOLD_S."""
+    """If each due zero is sent, no command is in force for longer than HOLD_S."""
     switch, now, moving_since = DeadMan(), 0.0, None
     for pause, is_stop in steps:
         due = switch.until

@@ -1,4 +1,4 @@
-"""Bins hold the extremes of their samples, and all frames together hold every sample."""
+"""Bins contain the extremes of their samples, and all frames together every sample."""
 
 import math
 from typing import Dict, List, Tuple
@@ -27,7 +27,7 @@ def arrays(pairs: List[Tuple[float, float]]) -> Samples:
 
 
 def expected_bins(samples: Samples, width: float) -> Dict[int, List[float]]:
-    """Return the extremes by bin, reckoned one by one; false where all that came is no number."""
+    """Return the extremes by bin, computed one by one; false if no sample is a number."""
     bins: Dict[int, List[float]] = {}
     for time, value in zip(*(part.tolist() for part in samples)):
         bins.setdefault(bin_of(time, width), []).append(value)
@@ -104,7 +104,7 @@ def test_lines_end_where_samples_are_missing_however_the_frames_fall(
 
 
 class Screen:
-    """A page that puts frames together as the documentation says."""
+    """Page that joins frames as documented."""
 
     def __init__(self) -> None:
         self.bins: Dict[int, List[float]] = {}
@@ -123,14 +123,14 @@ def source(samples: Samples, until: float) -> Samples:
 
 
 def _same(moment: float) -> float:
-    """Return from when on samples are new, where all come in the order of their times."""
+    """Return the start of new samples, for samples that arrive in time order."""
     return moment
 
 
 @settings(max_examples=30)
 @given(SAMPLES, st.lists(st.floats(0.0, 5.0), max_size=12), st.sampled_from([0.5, 2.0, 4.0]))
 def test_frames_add_up_to_what_one_frame_shows(pairs: list, moments: list, window: float) -> None:
-    """However the frames fall, nothing is lost and nothing is left over."""
+    """With any times of frames, no sample is lost or left over."""
     samples, screen = arrays(pairs), Screen()
     view = LiveView(requests.View(window, 50, None))
     view.select(["/a"])
@@ -186,7 +186,7 @@ def test_late_samples_of_a_completed_span_are_sent() -> None:
     samples, asked = arrays([(1.5, -7.0), (2.5, 3.0)]), 0
     view, screen = LiveView(requests.View(1.0, 10, EPOCH + 2.0)), Screen()
     view.select(["/a"])
-    changes = {5.0: 2.5, 10.0: 1.7, 15.0: 0.2}  # when what comes changes what
+    changes = {5.0: 2.5, 10.0: 1.7, 15.0: 0.2}  # time of arrival: start of the change
 
     def changed_since(moment: float) -> float:
         nonlocal asked

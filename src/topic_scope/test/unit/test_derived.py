@@ -23,7 +23,7 @@ cuts = st.lists(st.integers(0, 400), max_size=6)
 def samples_of(
     name: str, times: numpy.ndarray, rows: numpy.ndarray, cuts: List[int], longest: float = math.inf
 ) -> numpy.ndarray:
-    """Return times and values of what is computed of samples that come in parts."""
+    """Return times and values computed from samples that arrive in parts."""
     function, edges, at = make(name), [0] + sorted(cuts) + [len(times)], array_to_ns(times)
     found = [function(at[a:b], rows[:, a:b], longest) for a, b in zip(edges, edges[1:]) if a < b]
     made, values = (numpy.concatenate(parts) for parts in zip(*found))
@@ -33,7 +33,7 @@ def samples_of(
 def computed(
     name: str, times: numpy.ndarray, rows: numpy.ndarray, cuts: List[int]
 ) -> numpy.ndarray:
-    """Return the values of what is computed of samples that come in parts."""
+    """Return the values computed from samples that arrive in parts."""
     values: numpy.ndarray = samples_of(name, times, rows, cuts)[1]
     return values
 
@@ -78,7 +78,7 @@ def test_late_sample_has_no_step() -> None:
 def test_angle_is_unwrapped(cuts: List[int], step: float, start: float) -> None:
     turned = start + step * numpy.arange(400)
     wrapped = numpy.arctan2(numpy.sin(turned), numpy.cos(turned))
-    wrapped[7] = math.nan  # one that is missing
+    wrapped[7] = math.nan  # a missing sample
     found = computed("unwrap", turned, wrapped[None], cuts)
     assert numpy.isnan(found[7])
     found[7] = turned[7]

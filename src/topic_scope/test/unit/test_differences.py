@@ -1,4 +1,4 @@
-"""The difference of two traces and other formulas, however the samples of both come."""
+"""Difference of two traces and other formulas, with samples in any order of arrival."""
 
 import subprocess
 import sys
@@ -29,7 +29,7 @@ NAME = "/a/data-/b/data"
 
 
 class TimedSource(FakeSource):
-    """Topics of this test; what is sent was received at given times."""
+    """Source whose messages have given times of receipt."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -98,7 +98,7 @@ def test_second_trace_is_interpolated_but_not_extrapolated() -> None:
     times, values = made.samples(NAME, 999.2, 1e9)
     assert times.tolist() == [999.5, 1000.0, 1000.1, 1000.2]
     assert values == pytest.approx([-3.0, -27.0, -31.0, -35.0])
-    before = made.samples(NAME, 0.0, 999.2)  # where the second one had not begun
+    before = made.samples(NAME, 0.0, 999.2)  # before the start of the second trace
     assert before[0].tolist() == [999.0] and math.isnan(before[1][0])
     trace = made.trace(NAME)
     assert trace is not None and trace.span == (999.0, 1000.2)
@@ -129,18 +129,18 @@ def test_operands_are_kept_while_a_page_is_paused() -> None:
 
 
 moments = st.lists(st.floats(0.0, 3.0), max_size=30).map(sorted)
-#: With one period: what is a gap would change with it.
+#: With one period, because the gap limit depends on it.
 regular = st.tuples(st.floats(0.0, 1.0), st.floats(0.02, 0.5)).map(
     lambda pair: [pair[0] + pair[1] * index for index in range(int(3.0 / pair[1]))]
 )
 
 
 def numbers(row: List[Any]) -> List[Any]:
-    """Return a bin without its ways to say that nothing is there, which are no numbers."""
+    """Return the numbers of a bin, without its markers for missing values."""
     return [str(value) if value is None or value is False else value for value in row]
 
 
-#: What looks back, ahead, and beside.
+#: Formulas that look back, ahead, and at other traces.
 names = st.sampled_from(
     [
         NAME,
@@ -185,7 +185,7 @@ def test_frames_add_up_whichever_comes_late(
     assert last is not None
     for index in range(len(last["traces"][name]) // 2):
         expected = last["traces"][name][2 * index : 2 * index + 2]
-        # A mean of other samples of the same values is rounded otherwise.
+        # A mean over other samples has other rounding errors.
         assert numbers(bins[last["first"] + index]) == pytest.approx(numbers(expected))
     if is_forgotten:
         made.forget()
@@ -209,7 +209,7 @@ def test_derivative_is_in_the_middle_and_explains_its_jumps(name: str) -> None:
 
 
 def test_endless_brackets_are_rejected_quickly() -> None:
-    """A name of a page's request may be anything."""
+    """A name in a request may be any text."""
     code = "from topic_scope.protocol.checks import fields_of; fields_of(['/a' + '[a]' * 60])"
     done = subprocess.run([sys.executable, "-c", code], stderr=subprocess.PIPE, timeout=60)
     assert done.returncode == 0, done.stderr

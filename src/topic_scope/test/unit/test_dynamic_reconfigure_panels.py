@@ -1,4 +1,4 @@
-"""Descriptions of dynamic_reconfigure as panels have them."""
+"""Panels of dynamic_reconfigure servers."""
 
 import pytest
 from dynamic_reconfigure.msg import ConfigDescription, Group, ParamDescription
@@ -38,7 +38,7 @@ def test_all_types_have_values_and_limits() -> None:
     assert kinds == {"gain": "float", "count": "int", "on": "bool", "mode": "enum"}
     assert (shown["gain"]["minimum"], shown["gain"]["maximum"]) == (0.0, 10.0)
     count = described(description(), config_of(VALUES))[1]
-    assert not {"minimum", "maximum"} & set(count)  # as large as it can be is no end
+    assert not {"minimum", "maximum"} & set(count)  # the bounds of the type are not limits
     assert shown["mode"]["choices"] == ["slow", "fast"]
     assert shown["gain"]["help"] == "the gain"
 

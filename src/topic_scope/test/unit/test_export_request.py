@@ -1,4 +1,4 @@
-"""The address of a CSV file is understood, or refused in words."""
+"""Requests for CSV files: accepted, or rejected with a reason."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Names of fields, what they stand for in a message, and the values behind them."""
+"""Names of fields, their resolution in a message, and their values."""
 
 import io
 import math
@@ -18,7 +18,7 @@ NAMES = st.from_regex(r"[a-z][a-z0-9_]{0,8}", fullmatch=True)
 
 
 def wire(message: object) -> bytes:
-    """Return a message as it is sent."""
+    """Return a serialized message."""
     buffer = io.BytesIO()
     message.serialize(buffer)  # type: ignore[attr-defined]
     return buffer.getvalue()
@@ -140,7 +140,7 @@ def log(names: List[str], level: int = 4) -> Log:
 
 
 def value_in(message: Any, path: fields.Path) -> float:
-    """Return what a message's object has at a place without names of elements."""
+    """Return the value at a path of a message object, without names of elements."""
     for part in path:
         message = message[part] if isinstance(part, int) else getattr(message, part)
     return float(message.to_sec() if hasattr(message, "to_sec") else message)

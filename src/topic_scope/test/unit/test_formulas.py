@@ -1,4 +1,4 @@
-"""Formulas: what they compute, what is refused in words, and that no text ever runs code."""
+"""Formulas: results, error texts, and that no text ever runs code."""
 
 import ast
 import math
@@ -37,7 +37,7 @@ def computed(text: str) -> Signal:
     return parse_formula(text).computed(SIGNALS)
 
 
-#: With what numpy makes of the same samples, y on the line between two of its own.
+#: Formulas with numpy's results for the same samples, y interpolated.
 _Y = numpy.interp(X.times, Y.times, Y.values)
 TRUTHS: Dict[str, numpy.ndarray] = {
     "/p/x - 2*/p/y": X.values - 2.0 * _Y,
@@ -67,7 +67,7 @@ def test_it_computes_what_numpy_does_at_the_stamps_of_its_first_operand(text: st
     assert (
         found.times.tolist() == X.times.tolist() and found.received.tolist() == X.received.tolist()
     )
-    # The second one begins 4 ms later, so the first sample is before it.
+    # The second trace starts 4 ms later, so the first sample is before it.
     assert known[1:].all() and known[0] == ("/p/y" not in text)
     assert found.values[1:] == pytest.approx(TRUTHS[text][1:], abs=1e-9)
 
@@ -144,7 +144,7 @@ def test_a_part_of_it_is_the_same_as_that_part_of_all(text: str, span: List[floa
     assert numpy.nan_to_num(part.values) == pytest.approx(numpy.nan_to_num(whole.values), abs=1e-9)
 
 
-# --- What is refused ------------------------------------------------------------------------------
+# --- Errors ---------------------------------------------------------------------------------------
 
 SENTENCES = {
     "": "the formula is empty",
@@ -226,7 +226,7 @@ ATTACKS = [
     "/a # x",
     "/a\\",
     "/a\x00",
-    "ﬁeld*/a",  # letters that Python would take for others
+    "ﬁeld*/a",  # characters that Python normalises
     "_0*/a",
     "_1*/a",
     "_*/a",

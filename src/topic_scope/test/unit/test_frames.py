@@ -1,4 +1,4 @@
-"""Frames hang on one another, in three dimensions, and are seen from above."""
+"""Tree of frames in three dimensions, seen from above."""
 
 import math
 

@@ -13,7 +13,7 @@ NAMES = ["/a", "/b", "/c", "/d", "/e"]
 def rounds(
     backoff: FrequencyBackoff, count: int, start: float, frequency: object = NO_PERIOD
 ) -> List[list]:
-    """Return whose frequency was looked for in some rounds, of the latest 5 s each."""
+    """Return the traces that were measured in some rounds, of the latest 5 s each."""
     tried = []
     for index in range(count):
         now = start + 0.25 * index

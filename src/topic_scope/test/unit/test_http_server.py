@@ -9,7 +9,7 @@ SENTENCE = f"There is no ROS master at {URI} yet: the scope waits for it."
 
 
 class FakeConnection:
-    """A connection that keeps what it is told of the master."""
+    """Connection that stores its messages about the master."""
 
     def __init__(self) -> None:
         self.texts: List[str] = []

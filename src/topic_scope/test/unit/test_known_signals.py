@@ -14,9 +14,9 @@ from topic_scope.analysis.spectrum import peaks, spectrum
 from topic_scope.analysis.statistics import measure
 
 SIGNALS = signals()
-#: Kinds that are sines.
+#: Kinds of sines.
 SINES = ("sine", "gap", "late")
-#: How many figures of each kind there are at least: an instrument that measures nothing is no use.
+#: Least number of figures of each kind that must be measurable.
 MEASURED = {"sine": 0.8, "square": 0.9, "step": 0.5, "gap": 0.8, "late": 0.8}
 
 of_each_kind = pytest.mark.parametrize("kind", COUNTS)
@@ -29,12 +29,12 @@ def of_kind(kind: str) -> List[Signal]:
 
 @lru_cache(maxsize=None)
 def measured_of(kind: str) -> "List[Dict[str, Measurement]]":
-    """Return what is measured of the signals of a kind."""
+    """Return the measurements of the signals of a kind."""
     return [measures(signal) for signal in of_kind(kind)]
 
 
 def measures(signal: Signal) -> Dict[str, Measurement]:
-    """Return all that is measured of a signal and may not be measurable."""
+    """Return all measurements of a signal that may fail."""
     samples = signal.times, signal.values
     found = measure_waveform(*samples, signal.longest)
     if signal.kind in SINES:
@@ -45,7 +45,7 @@ def measures(signal: Signal) -> Dict[str, Measurement]:
 
 
 def is_true(name: str, figure: Measurement, signal: Signal) -> bool:
-    """Tell whether a figure is right within its uncertainty, or gives a reason instead."""
+    """Return whether a figure is right within its uncertainty, or has a reason instead."""
     if figure.value is None:
         return bool(figure.reason)
     if name not in signal.truth:
@@ -84,7 +84,7 @@ def test_each_figure_is_true_within_its_uncertainty_or_says_why_not(kind: str) -
     [("frequency", 0.0, 0.01), ("phase", 360.0, 1e-3), ("rise", 0.0, 0.5), ("duty", 100.0, 0.05)],
 )
 def test_uncertainty_of_a_sine_is_small(name: str, unit: float, most: float) -> None:
-    """The uncertainty is not just large, measured in the figure or in what is whole."""
+    """The uncertainty is small, relative to the figure or to the whole."""
     found = zip(measured_of("sine"), of_kind("sine"))
     parts = [
         figures[name].uncertainty / (unit or signal.truth[name])
@@ -105,7 +105,7 @@ def test_the_highest_peak_of_the_spectrum_is_the_sine(kind: str) -> None:
                 sure += 1
                 frequency = measured(peak.frequency, peak.uncertainty)
                 assert is_true("frequency", frequency, signal)
-                # A tenth of a decibel, and what noise adds.
+                # A tenth of a decibel, plus the noise.
                 allowed = 0.012 + 5.0 * signal.sigma / math.sqrt(len(signal.times))
                 assert peak.amplitude == pytest.approx(signal.truth["amplitude"], rel=allowed)
     assert sure > 5

@@ -1,4 +1,4 @@
-"""Elements of arrays that are found by the value of a field of theirs."""
+"""Elements of arrays that are found by the value of a field."""
 
 from pathlib import Path
 from typing import Any, List
@@ -27,7 +27,7 @@ VALUES = st.text([chr(code) for code in range(32, 127) if chr(code) not in ']["'
 
 
 def transforms(**frames: float) -> TFMessage:
-    """Return transforms by child frame, each some way along x."""
+    """Return transforms by child frame, each with a translation along x."""
     made = []
     for name, way in frames.items():
         one = TransformStamped(child_frame_id=name)

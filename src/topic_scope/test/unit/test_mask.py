@@ -1,4 +1,4 @@
-"""A mask around a reference: what is inside, and the command that says so of a bag."""
+"""Mask around a reference, and the command that checks a bag."""
 
 import csv
 import math
@@ -38,7 +38,7 @@ def test_each_sample_is_checked_once_when_its_reference_is_known() -> None:
     check = MaskCheck(MASK, 1000.5)
     assert check.update(made) == Verdict()
     times = [1000.0 + STEP_S * index for index in range(400)]
-    # 0.08 s late, which is within the 0.1 s; and higher by 2 in five samples.
+    # 0.08 s late, which is within 0.1 s; and higher by 2 in five samples.
     values = [wave(index - 8) + (2.0 if 200 <= index < 205 else 0.0) for index in range(400)]
     for begin in range(0, 400, 50):
         part = slice(begin, begin + 50)
@@ -70,7 +70,7 @@ def test_samples_dropped_before_the_check_are_counted_and_reported(time: float) 
         made.update()
         check.update(made)
     assert check.verdict.outside == 0 and check.verdict.inside < 300
-    # All up to where what is kept begins, and as long after that as counts.
+    # All samples before the stored ones, and those that depend on them.
     counted = check.verdict.inside + check.verdict.unchecked
     assert counted == pytest.approx(10 * min(141 + time, 200), abs=15)
     says = f" not checked; it needs {time + 1:g} s before and {time:g} s after each, and samples"
@@ -91,7 +91,7 @@ def test_ended_reference_is_reported_while_the_trace_continues() -> None:
         made.update()
         check.update(made)
         said.append(check.words(made))
-    # What comes within 0.1 s of where the reference begins or ends cannot be checked.
+    # Samples within 0.1 s of the start or end of the reference cannot be checked.
     assert said[1] == "180 samples inside, 0 outside, 10 not checked"
     assert said[3] == f"{said[1]}; /b/data silent for 2.0 s"
 
@@ -107,7 +107,7 @@ def test_nothing_is_checked_in_a_gap_of_the_reference() -> None:
     source.time = 1004.0
     made.update()
     verdict = check.update(made)
-    # From 0.1 s before the gap to as long behind it, and 0.1 s at the start.
+    # From 0.1 s before the gap to 0.1 s after it, and 0.1 s at the start.
     assert verdict.outside == 0 and verdict.unchecked == pytest.approx(10 + 120, abs=2)
     assert verdict.text.endswith(" not checked")
 
@@ -121,7 +121,7 @@ def test_nothing_is_checked_in_a_gap_of_the_reference() -> None:
     ],
 )
 def test_late_sample_is_checked_at_its_stamp(late: float) -> None:
-    """Of a trace that comes in time, and of one that is late as a whole."""
+    """For a punctual trace, and for a trace that is late as a whole."""
     stamps = [NOW + 10 * MS * index for index in range(1000)]
     reply = [(when, stamped(when, 0.0)) for when in stamps]
     one_late = list(reply)
@@ -222,7 +222,7 @@ def test_a_failure_stops_it_and_is_saved(bag: str, monkeypatch: "pytest.MonkeyPa
 def test_failure_is_saved_before_its_samples_are_dropped(
     bag: str, monkeypatch: "pytest.MonkeyPatch", history: float, peak: int
 ) -> None:
-    """Later samples are added at the end, if the history still holds them."""
+    """Later samples are added at the end, if they are still in the history."""
     monkeypatch.setattr(mask_command, "_HISTORY_S", history)
     arguments = ("/a", "--around", "/b", "--bag", bag, "--value", "0.3", "--save", "out.csv")
     assert status(monkeypatch, *arguments, "--all") == 1
@@ -261,7 +261,7 @@ def test_samples_that_cannot_be_checked_do_not_pass(
     "ends, expected, said",
     [
         (100, 2, "100 samples inside, 0 outside, 900 not checked"),
-        (960, 0, "960 samples inside, 0 outside, 40 not checked"),  # as messages wait now and then
+        (960, 0, "960 samples inside, 0 outside, 40 not checked"),  # some messages wait
     ],
 )
 def test_reference_that_ends_early_does_not_pass(

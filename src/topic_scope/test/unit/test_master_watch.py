@@ -1,4 +1,4 @@
-"""The thread that asks the master goes on, whatever happens."""
+"""Thread that polls the master, and survives exceptions."""
 
 import threading
 from typing import List

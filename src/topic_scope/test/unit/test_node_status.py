@@ -1,4 +1,4 @@
-"""On which topic a node says how it is, and what pages are told of that."""
+"""Status topics of nodes, and the messages for pages."""
 
 from typing import Collection, List, Mapping
 from unittest import mock
@@ -26,7 +26,7 @@ def test_status_topics_have_one_publisher_and_a_status_name() -> None:
 
 
 class FakeSubscriptions:
-    """Subscriptions to one topic, which a test fills."""
+    """Subscriptions to one topic, filled by the test."""
 
     is_to_adjust = False
 

@@ -1,4 +1,4 @@
-"""Topics of one clock, and stamps that others contradict, as a user sees them."""
+"""Topics of one clock, and contradicted stamps, as shown to users."""
 
 import asyncio
 import math
@@ -24,7 +24,7 @@ from topic_scope.sampling.recorder import Recorder
 from topic_scope.timing.nanoseconds import NS
 
 MS = NS // 1000
-#: When the scope begins to record [ns]; and by how much an old bag, and a simulation, are behind.
+#: Start of recording [ns]; and the lag of an old bag, and of a simulation.
 NOW = 1_700_000_000 * NS
 OLD, SIMULATION = 40_000_000 * NS, NOW - 12 * NS
 TOPICS = {"/a": "geometry_msgs/PointStamped", "/b": "geometry_msgs/PointStamped"}
@@ -50,8 +50,8 @@ def received(
 ) -> Recorder:
     """Return a recorder that has received messages, 40 times a second.
 
-    :param messages: when each was received [ns], by topic
-    :param watch: is called after each update
+    :param messages: messages with their times of receipt [ns], by topic
+    :param watch: called after each update
     """
     source = FakeSource()
     source.time = NOW / NS
@@ -111,7 +111,7 @@ def test_equal_sines_of_one_clock_are_in_phase_though_one_is_delivered_late(
 
 
 def csv_rows(made: Recorder, name: str) -> numpy.ndarray:
-    """Return time and value of the rows that the page writes, in order of the values."""
+    """Return time and value of the rows of the page's CSV, sorted by value."""
 
     async def text() -> str:
         return "".join([part async for part in parts(made, [name], 0.0, 1e10)])
@@ -163,7 +163,7 @@ def test_the_csv_has_all_digits_of_stamps_and_receptions() -> None:
 
 
 def test_a_mean_is_of_as_many_samples_everywhere() -> None:
-    """Of 0.1 s at 100 Hz ten samples, the one at the begin of the window excluded."""
+    """0.1 s at 100 Hz has ten samples, without the sample at the start of the window."""
     stamps = [NOW + 10 * MS * index for index in range(1000)]
     sent = [(when, stamped(when, float(index))) for index, when in enumerate(stamps)]
     made = received({"/a": sent, "/b": sent}, "=mean(/a/point/x, 0.1)")
@@ -229,11 +229,11 @@ def test_early_stamp_does_not_expire_other_samples() -> None:
 
 
 def test_set_clock_shifts_all_of_its_topics() -> None:
-    """The topic that has not spoken since is moved with the clock as well."""
+    """The topic without newer messages is shifted with the clock as well."""
     sent: Dict[str, List[Tuple[int, PointStamped]]] = {"/a": [], "/b": []}
     for index in range(600):
         when = NOW + 10 * MS * index
-        pause = 1500 * MS if index >= 300 else 0  # as of a simulation that stands still
+        pause = 1500 * MS if index >= 300 else 0  # as of a paused simulation
         for topic in ("/a", "/b") if index < 300 else ("/a",):
             sent[topic].append((when + pause, stamped(when - SIMULATION, float(index))))
     changes: List[float] = []
@@ -252,7 +252,7 @@ TOPIC_FIELDS = ("/a/point/x", "/b/point/x")
 
 
 def test_last_message_of_a_bag_does_not_wait(tmp_path: Path) -> None:
-    """The last message is 5 s late: no other will come that could agree with it."""
+    """The last message is 5 s late, and no other will confirm it."""
     stamps = [BEGIN + 10 * MS * index for index in range(800)]
     sent = [("/a", stamped(when, float(n)), when - BEGIN) for n, when in enumerate(stamps)]
     sent[-1][1].header.stamp -= Duration(5)

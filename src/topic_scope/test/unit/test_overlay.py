@@ -1,4 +1,4 @@
-"""A bag that is laid over what is recorded, and is moved."""
+"""Overlaid bag, and its shifts."""
 
 import math
 from pathlib import Path
@@ -21,7 +21,7 @@ NOW = 5000.0
 
 
 def rising(count: int) -> List[Any]:
-    """Return messages that count, ten in a second."""
+    """Return messages with increasing numbers, ten per second."""
     return [("/x", Float64(float(index)), index * 10**8) for index in range(count)]
 
 
@@ -41,7 +41,7 @@ def overlay(tmp_path: Path) -> BagOverlay:
 
 
 def recording(overlay: BagOverlay, *names: str) -> Recorder:
-    """Return a recorder with a bag over it, of which all is read that is wanted."""
+    """Return a recorder with an overlaid bag whose requested traces have been read."""
     source = mock.Mock(**{"clock.now.return_value": NOW, "subscriptions.return_value": {}})
     made = Recorder(source, Layouts(), 10.0, [overlay])
     made.set_topics({"/live": "std_msgs/Float64", **overlay.types})

@@ -1,4 +1,4 @@
-"""The bags over what a scope shows, as pages move them."""
+"""Loader of overlaid bags, and their shifts by pages."""
 
 import threading
 from pathlib import Path
@@ -19,9 +19,9 @@ from topic_scope.web.overlay_loader import OverlayLoader
 
 
 class Bench:
-    """A bag of a triangle that rises for 1 s and falls for 1 s, and a page.
+    """Bag with a triangle that rises for 1 s and falls for 1 s, and a page.
 
-    :param missing: messages that the bag does not have, of 21
+    :param missing: numbers of the missing messages, of 21
     """
 
     def __init__(self, path: Path, missing: Sequence[int] = ()) -> None:
@@ -43,7 +43,7 @@ class Bench:
         self.changes += 1
 
     def finish(self) -> None:
-        """Do what is done once the bag is read."""
+        """Deliver the results of reading the bag."""
         assert self._done.wait(30.0)
         self._done.clear()
         self._work.pop()()
@@ -70,7 +70,7 @@ def test_requested_traces_are_read_in_a_worker_and_reported(bench: Bench) -> Non
     bench.overlays.read_wanted()
     assert trace.problem == "the bag is being read"
     later = bench.bag.trace("/old/x", ("data",), "received", "")
-    bench.overlays.read_wanted()  # after what it is busy with
+    bench.overlays.read_wanted()  # after the current job
     bench.finish()
     assert trace.problem is None and len(trace.ring) == 21 and bench.changes == 1
     bench.finish()

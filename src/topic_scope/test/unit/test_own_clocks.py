@@ -1,4 +1,4 @@
-"""Traces whose messages say when they were made: by clocks of their own, or set back, or none."""
+"""Traces with stamps of other clocks, of clocks set back, or without stamps."""
 
 import math
 import struct
@@ -22,7 +22,7 @@ from topic_scope.sampling.traces import Stream
 
 @pytest.mark.parametrize("own", [5.0, 1700000.0])
 def test_type_with_another_clock_continues_the_trace(own: float) -> None:
-    """The samples before go by the scope's clock: they have their time, and then are forgotten."""
+    """The earlier samples use the scope's clock until they expire."""
     source = FakeSource()
     source.time = 1.7e9
     made = recording(source, "/a/data")
@@ -46,7 +46,7 @@ def test_type_with_another_clock_continues_the_trace(own: float) -> None:
 
 
 def test_a_clock_that_is_set_back_within_a_batch_begins_a_new_line() -> None:
-    """Of a bag much comes at once."""
+    """A bag delivers large batches."""
     stream = Stream("/a", "time_x")
     trace = stream.record(("signal_y",), 100.0)
     own = [100.0 + 0.1 * index for index in range(20)] + [0.1 * index for index in range(20)]
@@ -109,8 +109,8 @@ def test_paused_span_stays_during_a_simulation_at_another_speed(
     made.pin({"/a/signal_y": (end - 4.0, end + 1.0)})
     go_on(20)
     kept = values_in(made, end - 4.0, end)
-    assert kept[: len(shown)] == shown  # by such a clock, some of the span comes only now
-    made.pin({"/a/signal_y": (end - 5.0, end + 1.0)})  # moved: no farther than it is kept
+    assert kept[: len(shown)] == shown  # by such a clock, part of the span arrives only now
+    made.pin({"/a/signal_y": (end - 5.0, end + 1.0)})  # moved within the stored samples
     assert values_in(made, end - 4.0, end) == kept
     go_on(2, -1000.0)  # the simulation restarts
     assert values_in(made, end - 4.0, end) == kept
@@ -122,7 +122,7 @@ def test_paused_span_stays_during_a_simulation_at_another_speed(
 
 
 def values_in(made: Recorder, start: float, end: float) -> List[float]:
-    """Return what was sampled in a time span."""
+    """Return the values in a time span."""
     found = made.samples("/a/signal_y", start, end)[1]
     return [value for value in found.tolist() if not math.isnan(value)]
 

@@ -96,7 +96,7 @@ def test_statistics_over_time_restart_after_changes() -> None:
 def test_paused_page_keeps_plot_and_figures_consistent(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    """A formula that looks 5 s ahead ends 5 s after the pause, and is kept."""
+    """A formula that looks 5 s ahead is complete 5 s after the pause, and is kept."""
     monkeypatch.setattr(charts, "CHART_S", 0.0)
     name = "=highest(/a/data, 5)"
     shown: Dict[int, float] = {}
@@ -118,7 +118,7 @@ def test_paused_page_keeps_plot_and_figures_consistent(
             bins = frame["traces"][name][::2]
             shown.update((frame["first"] + place, value) for place, value in enumerate(bins))
         source.time += 1.0
-    # From 1016 s to 1020 s: of each what was highest up to 5 s after it.
+    # From 1016 s to 1020 s: for each sample the maximum up to 5 s after it.
     highest = [21.0, 22.0, 23.0, 24.0, 25.0]
     figures = reply["stats"]["traces"][name]
     assert (figures["min"], figures["max"]) == (highest[0], highest[-1])

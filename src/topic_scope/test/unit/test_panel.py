@@ -1,4 +1,4 @@
-"""Panels are what the nodes' own declarations say, and check values as the nodes do."""
+"""Panels built from the nodes' declarations, with the nodes' validation."""
 
 import json
 import math
@@ -27,7 +27,7 @@ NODE = "/lab/gauge"
 
 
 class Gauge(ParameterSet):
-    """A parameter of every kind, and every kind of end."""
+    """Parameters of every type, and with every type of limit."""
 
     level = FloatParameter(1.0, above=0.0, maximum=1e10, unit="V", help="a level")
     slope = FloatParameter(0.5, minimum=-1.0, below=1.0, help="a slope")

@@ -1,4 +1,4 @@
-"""Bags of which a topic, a message or a part cannot be read: the rest can, and the loss is told."""
+"""Bags with unreadable topics, messages or chunks: the rest is read, and the loss is reported."""
 
 import struct
 from pathlib import Path
@@ -41,7 +41,7 @@ def run(tmp_path: Path, monkeypatch: "pytest.MonkeyPatch", capsys: Any) -> Any:
 
 
 def write_with_faults(path: Path) -> str:
-    """Record a topic without a fault, one with a bad definition, and one that changes its type."""
+    """Record a valid topic, a topic with a bad definition, and a topic that changes its type."""
     bad: Dict[str, str] = {"type": "a/A", "md5sum": "1" * 32, "message_definition": "float64[ x\n"}
     with rosbag.Bag(str(path), "w") as bag:
         for number in range(3):
@@ -49,7 +49,7 @@ def write_with_faults(path: Path) -> str:
             bag.write("/good", Float64(float(number)), time)
             bag.write("/bad", Float64(1.0), time, connection_header={"topic": "/bad", **bad})
             bag.write("/twice", Float64(1.0), time)
-            # rosbag writes one type for each name; of other recorders these are one topic.
+            # rosbag writes one type per name; other recorders may write several.
             bag.write("twice", Int32(1), time)
     return str(path)
 
@@ -92,7 +92,7 @@ def test_overlay_names_the_topics_that_it_lacks(tmp_path: Path) -> None:
 
 
 def write_with_a_broken_chunk(path: Path, number: int) -> str:
-    """Record 40 messages of two topics in four chunks, and break one of these."""
+    """Record 40 messages of two topics in four chunks, and damage one chunk."""
     with rosbag.Bag(str(path), "w", compression="bz2", chunk_threshold=900) as bag:
         for index in range(40):
             time = genpy.Time(0, BEGIN + index * 10**8)
@@ -156,7 +156,7 @@ def test_truncated_message_is_left_out(tmp_path: Path, run: Any) -> None:
 
 
 def test_message_with_a_damaged_length_is_left_out(tmp_path: Path, run: Any) -> None:
-    """All messages of a small bag stand in one chunk."""
+    """All messages of a small bag are in one chunk."""
     path = tmp_path / "x.bag"
     with rosbag.Bag(str(path), "w") as bag:
         for number in range(5):
@@ -184,7 +184,7 @@ def test_message_with_a_damaged_length_is_left_out(tmp_path: Path, run: Any) -> 
 
 
 def names(path: str, *expressions: str) -> List[str]:
-    """Return the names of the columns that expressions stand for in a bag."""
+    """Return the names of the columns that expressions denote in a bag."""
     with BagFile(path) as bag:
         return [column.name for column in choose(list(expressions), first_messages(bag))]
 

@@ -17,7 +17,7 @@ seeds = st.integers(0, 2**32 - 1)
 def hertz_of(
     times: numpy.ndarray, values: numpy.ndarray, longest: float = math.inf
 ) -> "Optional[float]":
-    """Return the frequency, after its uncertainty has been looked at."""
+    """Return the frequency, after checking its uncertainty."""
     finite = numpy.isfinite(values)
     found = frequency(times[finite], values[finite], longest)
     assert found.value is None or found.uncertainty < 0.3 * found.value
@@ -38,7 +38,7 @@ def test_a_sine_has_its_frequency(hertz: float, angle: float, mean: float) -> No
 def test_two_periods_determine_the_frequency_at_any_start(
     rate: float, begin: float, peak: float, mean: float
 ) -> None:
-    # In 2 s, less what has not come yet.
+    # In 2 s, minus the samples that have not arrived yet.
     times = 1.7e9 + begin + numpy.arange(0.0, 1.99, 1.0 / rate)
     values = peak * (mean + numpy.sin(2 * math.pi * (times - 1.7e9)))
     assert hertz_of(times, values) == pytest.approx(1.0, abs=1e-4)
@@ -56,7 +56,7 @@ def test_two_periods_determine_the_frequency_at_any_start(
 def test_drifting_mean_does_not_change_the_frequency(
     hertz: float, samples: float, periods: float, drift: float, angle: float
 ) -> None:
-    """The drift is a part of the amplitude in each period."""
+    """The drift per period is a fraction of the amplitude."""
     times = 1.7e9 + numpy.arange(int(samples * periods)) / (samples * hertz)
     since = times - 1.7e9
     values = numpy.sin(2 * math.pi * hertz * since + angle) + drift * hertz * since
@@ -101,7 +101,7 @@ def test_a_square_wave_has_its_frequency() -> None:
 def test_periods_across_a_gap_are_ignored(begin: int, length: int, hertz: float) -> None:
     times = 1.7e9 + 0.01 * numpy.arange(1000)
     values = numpy.sin(2 * math.pi * hertz * times)
-    for broken in (False, True):  # no samples, or such that are no numbers
+    for broken in (False, True):  # without samples, or with NaN
         values = numpy.where((numpy.arange(1000) - begin) % 1000 < length, math.nan, values)
         there = slice(None) if broken else numpy.isfinite(values)
         found = hertz_of(times[there], values[there], 0.05)
@@ -158,7 +158,7 @@ def test_one_period_is_too_few() -> None:
 
 
 def test_noise_is_rejected_at_little_cost() -> None:
-    """Ten traces at 1 kHz are measured three times a second; sorting says how fast a machine is."""
+    """Ten traces at 1 kHz are measured three times a second; sorting calibrates the machine."""
     times = 1.7e9 + numpy.arange(10_000) / 1000.0
     noise = numpy.random.RandomState(1).standard_normal(10_000)
     numbers = noise.tolist()

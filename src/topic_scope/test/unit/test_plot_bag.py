@@ -1,4 +1,4 @@
-"""The command line: what it writes, and how it fails."""
+"""Command plot_bag: output files and errors."""
 
 import csv
 import io
@@ -37,7 +37,7 @@ def call(monkeypatch: "pytest.MonkeyPatch", *arguments: str) -> None:
 def failure(
     monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]", *arguments: str
 ) -> str:
-    """Return what is said of a call that fails."""
+    """Return the error text of a failing call."""
     before = sorted(os.listdir("."))
     with pytest.raises(SystemExit) as caught:
         call(monkeypatch, *arguments)
@@ -244,7 +244,7 @@ def test_stamps_are_exact_to_the_nanosecond_in_the_rows_of_formulas(
     monkeypatch.chdir(tmp_path)
     call(monkeypatch, bag, "/p/point/x@stamp", "=/p/point/x@stamp + 1", "-o", "out.csv")
     rows = Path("out.csv").read_text().splitlines()[1:]
-    # They count from the begin of the bag, which the first one is at.
+    # Relative to the start of the bag, which is the first message.
     assert rows == ["0.000000000,0.0,1.0", "0.099999999,1.0,2.0"]
 
 
@@ -275,7 +275,7 @@ def test_formula_errors_are_reported(
 
 
 def ramp(path: Path, start: float) -> str:
-    """Record a ramp from 0 up to 1 that begins some time after the bag, and takes 1 s."""
+    """Record a ramp from 0 to 1 that starts some time after the bag, and takes 1 s."""
     values = [min(max(0.1 * index - start, 0.0), 1.0) for index in range(40)]
     return write_bag(
         path, [("/x", Float64(one), index * 10**8) for index, one in enumerate(values)]

@@ -41,7 +41,7 @@ class Connection:
         self.receive(b"".join(map(packet, numbers)))
 
     def receive(self, data: bytes) -> None:
-        """Do what the thread of a connection does."""
+        """Deliver data as the thread of a connection does."""
         self.socket.sendall(data)
         self._topic.receive_callback(self.transport.receive_once(), self.transport)
 
@@ -51,7 +51,7 @@ def test_steady_clock_tolerates_an_interruption_between_readings() -> None:
     interruptions = iter([0.3, 0.2])
 
     def read() -> float:
-        """Return the time of the one clock; before the other is read, time may pass."""
+        """Return the time of one clock; time may pass before the other is read."""
         before = now[0]
         now[0] += next(interruptions, 0.0)
         return before

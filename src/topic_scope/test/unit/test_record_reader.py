@@ -1,4 +1,4 @@
-"""Whole messages are read by their layout as the generated classes read them, or refused."""
+"""Reader of whole messages against the generated classes, and its errors."""
 
 import io
 from typing import Any
@@ -24,7 +24,7 @@ def serialized(message: Any) -> bytes:
 
 
 def same(read: Any, message: Any) -> bool:
-    """Tell whether a message was read as it is."""
+    """Return whether a message was read correctly."""
     if isinstance(read, dict):
         return all(same(value, getattr(message, name)) for name, value in read.items())
     if hasattr(message, "to_sec"):

@@ -1,4 +1,4 @@
-"""Recorded samples and their lifetime; messages come from a source that a test fills."""
+"""Recorded samples and their lifetime, with a fake message source."""
 
 import io
 import math
@@ -20,7 +20,7 @@ TYPES = {"/a": "std_msgs/Float32", "/b": "std_msgs/Float64MultiArray", "/c": "no
 
 
 def header(message_class: type) -> Dict[str, str]:
-    """Return what a publisher says of its messages."""
+    """Return the connection header of a publisher."""
     return {
         "type": message_class._type,  # type: ignore[attr-defined]
         "md5sum": message_class._md5sum,  # type: ignore[attr-defined]
@@ -124,7 +124,7 @@ def test_mean_needs_all_of_its_samples() -> None:
         source.send(Float32, *(second + 0.01 * index for index in range(100)))
         made.update()
         times, means = made.samples("=mean(/a/data, 2)", -math.inf, math.inf)
-        # A ramp of 1/s from 1000 s on: the mean of the last two seconds is that of one ago.
+        # A ramp of 1/s from 1000 s on: the mean of the last two seconds is the value 1 s ago.
         late = times > 1002.0
         assert means[late] == pytest.approx(times[late] - 1000.995, abs=0.01)
     assert times[0] == pytest.approx(1021.99, abs=0.05)  # of ten seconds that are kept
@@ -158,7 +158,7 @@ def test_fields_stay_requested_after_a_reset() -> None:
     source.send(Float32, 1.0, 2.0)
     made.update()
     made.forget()
-    source.time -= 500.0  # earlier than all that was there
+    source.time -= 500.0  # earlier than all existing samples
     source.send(Float32, 3.0)
     source.time += 1.0
     before = made.update()
@@ -228,11 +228,11 @@ def test_elements_are_listed_by_name_after_the_first_message() -> None:
     assert after["/j/position[leg]"] == after["/j/position[arm]"] == "/j"
     made.want([], source.time)
     assert source.wanted == []
-    # What stands for several has these names, too; what is named by its index stays so.
+    # A name for several elements expands to these names; an index stays an index.
     assert made.expand("/j/position") == ["/j/position[leg]", "/j/position[arm]"]
     assert made.expand("/j/position[1]@stamp") == ["/j/position[1]@stamp"]
-    # It is recorded under the name that is listed, and begins with what has come: where that is
-    # latched nothing else may.
+    # It is recorded under the listed name, and starts with the received message: of a latched
+    # topic no other may arrive.
     made.want(["/j/position[arm]"], source.time)
     assert values(made, "/j/position[arm]") == [2.0]
     made.want(["/j/position[leg]"], source.time)
@@ -245,7 +245,7 @@ def test_elements_are_listed_by_name_after_the_first_message() -> None:
 
 
 def test_joints_of_two_publishers_have_whole_lines() -> None:
-    """Each message has the joints of its publisher alone, in an order of its own."""
+    """Each message has only the joints of its publisher, in its own order."""
     source = FakeSource()
     source.topics["/j"] = FakeSubscription()
     made = recording(source)
@@ -274,8 +274,8 @@ def test_joints_of_two_publishers_have_whole_lines() -> None:
     assert values(made, names[0]) == [float(index) for index in range(2, 40, 2)]
     assert set(values(made, names[1])) == {-1.0} and len(values(made, names[1])) >= 38
     legs = values(made, names[2])
-    assert legs[0] == 0.0 and len(legs) == 20  # it began with what had come
-    assert math.isnan(legs[15]) and numpy.isfinite(legs).sum() == 19  # what is no number is a gap
+    assert legs[0] == 0.0 and len(legs) == 20  # it started with the received message
+    assert math.isnan(legs[15]) and numpy.isfinite(legs).sum() == 19  # NaN is a gap
     assert made.longest_step(names[0]) > 0.02
 
 
@@ -295,7 +295,7 @@ def test_problems_of_fields_are_reported() -> None:
         "/d/later": "the topic does not exist yet",
         "/a/data.yaw": "there is no quaternion in data",
     }
-    # Another type: the same field is not there any more.
+    # Another type without the field.
     made.set_topics({**TYPES, "/a": "std_msgs/Empty", "/d": "std_msgs/Float32"})
     assert made.problem("/a/data") == "there is no data in std_msgs/Empty"
     assert made.problem("/d/later") == "there is no later in std_msgs/Float32"
@@ -316,7 +316,7 @@ def test_arrays_of_removed_topics_are_dropped() -> None:
     source.send(Float32, 1.0)
     made.update()
     made.set_topics({})
-    assert list(made._arrays) == ["/a"]  # it is recorded, and may come again
+    assert list(made._arrays) == ["/a"]  # it is recorded, and may reappear
     made.want([], source.time + 100.0)
     made.set_topics({})
     assert not made._arrays

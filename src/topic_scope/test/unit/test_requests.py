@@ -1,4 +1,4 @@
-"""Requests of pages: what is understood, and that nothing else gets through."""
+"""Requests of pages: valid requests, and rejection of all others."""
 
 import json
 import math
@@ -125,7 +125,7 @@ GOOD = [
 
 
 def understood(text: Any) -> Any:
-    """Return what a handler is given of a request, for the page that asks."""
+    """Return the validated request that a handler receives."""
     found = []
     page = object()
 

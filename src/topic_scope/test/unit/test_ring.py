@@ -1,4 +1,4 @@
-"""Rings keep what is recent, exactly, and no more than they may."""
+"""Ring buffers keep recent samples exactly, within their limits."""
 
 from typing import Any, List, Tuple
 
@@ -14,7 +14,7 @@ HISTORY = 10.0
 
 
 def seconds(most: float) -> "st.SearchStrategy[float]":
-    """Return times that whole nanoseconds hold exactly."""
+    """Return times that are exact in nanoseconds."""
     return st.floats(0.0, most).map(lambda time: round(time, 9))
 
 
@@ -29,7 +29,7 @@ def append(ring: Ring, times: Any, values: Any, received: Any) -> None:
 
 
 def filled(ring: Ring, batches: List[List[Tuple[float, float]]]) -> List[Tuple[float, float]]:
-    """Append batches of (time since the sample before, value); return all samples."""
+    """Append batches of (time since the previous sample, value); return all samples."""
     now, everything = 0.0, []
     for batch in batches:
         times = []
@@ -91,7 +91,7 @@ def test_memory_of_a_fast_trace_is_bounded(batch: int) -> None:
         largest = max(largest, sum(row.nbytes for row in ring._rows))
     assert len(ring) == LIMIT
     assert content(ring, times[-1])[-1] == (times[-1], times[-1])
-    assert largest <= 2 * 24 * 2**20 == 2 * 24 * LIMIT  # room to move it seldom
+    assert largest <= 2 * 24 * 2**20 == 2 * 24 * LIMIT  # spare capacity, to move samples rarely
 
 
 def test_memory_stays_what_the_history_needs() -> None:

@@ -1,4 +1,4 @@
-"""The library for recordings of ROS 2: what is said without it, and how it is fetched."""
+"""Library for ROS 2 recordings: errors without it, and its installation."""
 
 import os
 import subprocess
@@ -16,7 +16,7 @@ from topic_scope.commands import fetch_rosbags, plot_bag
 
 @pytest.fixture
 def place(tmp_path: Path, monkeypatch: "pytest.MonkeyPatch") -> Path:
-    """Return where the library would be, which is empty."""
+    """Return the empty folder of the library."""
     folder = tmp_path / "home" / "rosbags"
     monkeypatch.setattr(rosbags_library, "_places", lambda: [folder])
     monkeypatch.setattr("sys.path", list(sys.path))
@@ -52,7 +52,7 @@ def test_folder_without_recordings_is_rejected(tmp_path: Path) -> None:
 
 
 def run(folder: Path, status: int, output: str) -> Any:
-    """Return what stands for subprocess.run: the environment is made, pip ends with a status."""
+    """Return a fake of subprocess.run: creates the environment, pip exits with a status."""
 
     def call(command: List[str], **_options: Any) -> None:
         if "pip" in command:

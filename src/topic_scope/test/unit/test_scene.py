@@ -51,7 +51,7 @@ def receive(shown: Scene, topic: str, message: Any, now: float = 0.0) -> None:
 
 
 def as_json(message: Dict[str, Any]) -> Dict[str, Any]:
-    """Return what a page would get of it."""
+    """Return the message in JSON form."""
     text: Dict[str, Any] = json.loads(json.dumps(message, allow_nan=False))
     return text
 
@@ -75,7 +75,7 @@ def test_scan_is_placed_at_its_laser() -> None:
     shown = Scene()
     receive(shown, "/robot1/odom", odometry(1.0, 0.0, math.pi / 2, "robot1/odom"))
     receive(shown, "/robot1/scan", scan("robot1/laser", 1.0, math.inf, math.nan, 0.05, 3.0))
-    # No transform says where the laser is: it is taken to be on the robot of its namespace.
+    # Without a transform, the laser is assumed to be on the robot of its namespace.
     (seen,) = as_json(shown.moving(0.0))["scans"]
     assert seen["at"] == pytest.approx([0.0, 1.0, -1.0, 0.0, 1.0, 0.0], abs=1e-4)
     assert seen["ranges"] == [1000, 0, 0, 0, 3000]
@@ -145,7 +145,7 @@ def test_frames_of_removed_topics_are_dropped() -> None:
     assert x() == 103.0
     topics.remove("/a/odom")
     assert x() == 0.0
-    topics.append("/b/odom")  # it comes after the other one by name, which blocks it no more
+    topics.append("/b/odom")  # after the other topic by name, which no longer blocks it
     receive(shown, "/b/odom", odometry(4.0, 0.0, 0.0))
     assert x() == 104.0
     topics.remove("/tf_static")

@@ -16,7 +16,7 @@ SILENT = master_message("The master does not answer.")
 
 
 class DataSource:
-    """A graph without topics, of which nothing is known at first."""
+    """Data source of a graph without topics."""
 
     def __init__(self) -> None:
         values = {"clock.now.return_value": 1.7e9, "subscriptions.return_value": {}}
@@ -70,7 +70,7 @@ def test_page_before_first_topics_gets_master_state_only(session: ScopeSession) 
 def test_idle_session_sends_alive_to_ready_pages_only(session: ScopeSession) -> None:
     session.on_topics({})
     reading, busy = PageSocket(session), PageSocket(session)
-    session.halt()  # as while a bag is loaded
+    session.halt()  # as during loading of a bag
     busy.is_ready = False
     session.frames.send_alive()
     assert (reading.sent, busy.sent) == ([{"type": "alive"}], [])

@@ -1,4 +1,4 @@
-"""Values that are set: sent to the node, told or refused with the node's own words."""
+"""Setting of values: sent to the node, and accepted or rejected with the node's reason."""
 
 from typing import Any, Callable, Dict, List, Mapping, Tuple
 
@@ -14,7 +14,7 @@ NODE = "/gauge"
 
 
 class Gauge(ParameterSet):
-    """Two numbers, and two lists that must have one length."""
+    """Two numbers, and two lists of equal length."""
 
     low = FloatParameter(0.0, minimum=-100.0, maximum=100.0, help="lower limit")
     high = FloatParameter(10.0, minimum=-100.0, maximum=100.0, help="upper limit")
@@ -33,7 +33,7 @@ class Gauge(ParameterSet):
 
 
 class SlowWorker(Worker):
-    """Does work when it is told to, and delivers the result in the same moment."""
+    """Worker that runs jobs on request, and delivers results immediately."""
 
     def __init__(self) -> None:
         super().__init__(lambda function: function())
@@ -57,7 +57,7 @@ class SlowWorker(Worker):
 
 
 class World:
-    """A node whose parameters are checked as any node's, and a page."""
+    """A node with validated parameters, and a page."""
 
     def __init__(self) -> None:
         self.node = OfflineParameters(Gauge)

@@ -1,4 +1,4 @@
-"""Spectra are as scipy's, and peaks where they were put."""
+"""Spectra against scipy, and peaks against known sines."""
 
 import math
 
@@ -20,7 +20,7 @@ def decibels(amplitudes: numpy.ndarray) -> numpy.ndarray:
 
 
 def signal(seed: int, times: numpy.ndarray) -> numpy.ndarray:
-    """Return three sines in some noise, on a mean."""
+    """Return three sines with noise and a mean."""
     random = numpy.random.RandomState(seed)
     values = 5.0 + 0.01 * random.standard_normal(len(times))
     for frequency, peak in zip(random.uniform(2.0, 45.0, 3), random.uniform(0.01, 10.0, 3)):
@@ -49,7 +49,7 @@ def test_the_same_as_scipy_to_a_tenth_of_a_decibel(
     )
     assert found.step == pytest.approx(frequencies[1], rel=1e-6)
     expected = numpy.sqrt(2.0 * power)
-    # The lines at 0 Hz and at half of the rate stand for no sine.
+    # The lines at 0 Hz and at half of the rate are not sines.
     inner = slice(1, len(expected) - 1)
     difference = decibels(found.amplitudes[inner]) - decibels(expected[inner])
     assert numpy.abs(difference).max() < 0.1
@@ -147,7 +147,7 @@ def test_sines_apart_are_single_lines_each() -> None:
 
 
 def test_bunched_samples_do_not_raise_peaks() -> None:
-    # Ten at a time, as they are received on a machine that is busy.
+    # In bunches of ten, as received on a busy machine.
     index = numpy.arange(1000)
     times = index // 10 * 0.1 + index % 10 * 1e-5
     found = spectrum(times, numpy.sin(2 * math.pi * index / 100.0))

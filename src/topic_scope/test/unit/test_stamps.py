@@ -1,4 +1,4 @@
-"""A sample stands at its stamp, however late its message comes: in each way out of the scope."""
+"""Samples are placed at their stamps, however late their messages, in all outputs of the scope."""
 
 import asyncio
 import io
@@ -26,7 +26,7 @@ from topic_scope.timing.nanoseconds import to_ns
 START, PERIOD_S, COUNT, SINE_HZ = 1000.0, 0.01, 600, 1.0
 STAMPS = [START + PERIOD_S * index for index in range(COUNT)]
 SEED = random.Random(1)
-#: How late messages come, s.
+#: Delays of messages [s].
 DELAYS: Dict[str, List[float]] = {
     "0": [0.0] * COUNT,
     "0.3": [0.3] * COUNT,
@@ -34,19 +34,19 @@ DELAYS: Dict[str, List[float]] = {
     "0.4 to 0.6": [SEED.uniform(0.4, 0.6) for _ in range(COUNT)],
 }
 NAME = "/s/point/x@stamp"
-#: The same in a bag, whose times count from its begin, ns.
+#: The same in a bag, relative to its start [ns].
 EXACT, BAG_BEGIN = Column("/s", ("point", "x"), "stamp"), round(START * 1e9)
 
 late = pytest.mark.parametrize("delays", DELAYS.values(), ids=DELAYS.keys())
 
 
 def truth(times: numpy.ndarray) -> numpy.ndarray:
-    """Return the sine that is sent."""
+    """Return the published sine."""
     return numpy.sin(2.0 * math.pi * SINE_HZ * (times - START))
 
 
 def messages_of(delays: List[float]) -> List[BagMessage]:
-    """Return the messages in the order in which they are received."""
+    """Return the messages in order of receipt."""
     sent: List[BagMessage] = []
     for stamp, delay, value in zip(STAMPS, delays, truth(numpy.array(STAMPS)).tolist()):
         message = PointStamped()
@@ -57,13 +57,13 @@ def messages_of(delays: List[float]) -> List[BagMessage]:
 
 
 def in_bag(delays: List[float], later: float = 0.0) -> List[BagMessage]:
-    """Return the messages as a bag tells them, and how much later it was recorded, s."""
+    """Return the messages as in a bag that was recorded later by a time [s]."""
     more = round(later * 1e9) - BAG_BEGIN
     return [(time + more, topic, message) for time, topic, message in messages_of(delays)]
 
 
 def recorded(delays: List[float], timestamp: str = "stamp") -> Trace:
-    """Return the trace of what has come, message by message as far as ten at once."""
+    """Return the trace of the received messages, in batches of up to ten."""
     stream = Stream("/s", timestamp)
     trace = stream.record(("point", "x"), 100.0)
     layout, sent = layout_of(PointStamped), messages_of(delays)
@@ -86,7 +86,7 @@ def check(times: Any, values: Any) -> None:
 
 
 def far_ahead() -> List[BagMessage]:
-    """Return messages of which one has a stamp more than an hour ahead."""
+    """Return messages with one stamp more than an hour ahead."""
     sent = messages_of([0.0] * COUNT)
     sent[COUNT // 2][2].header.stamp += Duration(3950)
     return sent
@@ -102,21 +102,21 @@ def test_stamp_far_ahead_is_placed_at_receipt_and_displaces_nothing(timestamp: s
     sent = [(time - BAG_BEGIN, topic, message) for time, topic, message in far_ahead()]
     column = EXACT._replace(timestamp=timestamp)
     (series,) = collect(reading([column], sent, BAG_BEGIN), slices(sent))
-    there = numpy.isfinite(series.values)  # without a name, the line ends where a clock is set back
+    there = numpy.isfinite(series.values)  # the automatic source ends the line at a clock set back
     check(START + numpy.array(series.times)[there], numpy.array(series.values)[there])
 
 
 class OneTrace:
-    """Knows one trace, as a recorder does."""
+    """Recorder of one trace."""
 
     def __init__(self, trace: Trace) -> None:
         self._trace = trace
 
     def update(self) -> None:
-        """There is no more."""
+        """Do nothing."""
 
     def trace(self, _name: str) -> Trace:
-        """Return it."""
+        """Return the trace."""
         return self._trace
 
 

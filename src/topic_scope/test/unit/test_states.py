@@ -172,7 +172,7 @@ def recorder(*wanted: str) -> Tuple[Recorder, FakeSource]:
 
 
 def send(source: FakeSource, made: Recorder, *messages: Any) -> None:
-    """Send messages 1 s apart, and take them in."""
+    """Send messages 1 s apart, and update the recorder."""
     for message in messages:
         topic = "/mode" if isinstance(message, String) else "/fix"
         batch = Batch(header(type(message)), [int(source.time * 1e9)], [serialized(message)])
@@ -247,7 +247,7 @@ def test_table_has_the_latest_state_and_no_figures() -> None:
     assert "mean" not in measured and "frequency" not in measured
 
 
-# --- What is refused -----------------------------------------------------------------------------
+# --- Errors --------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(

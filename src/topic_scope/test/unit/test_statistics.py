@@ -29,7 +29,7 @@ def test_a_sine_is_measured(frequency: float, phase: float, peak: float, mean: f
 @given(st.lists(st.floats(), max_size=50), st.sampled_from([1.0, 0.0]))
 @example([0.0, 2.0, 0.0, 2.0, 0.0], 0.0)
 def test_anything_is_measured_and_the_result_is_finite(values: List[float], step: float) -> None:
-    # All stamps are the same where the time of a simulation stands.
+    # All stamps are the same in a paused simulation.
     result = measure(step * numpy.arange(len(values)), numpy.array(values, float))
     assert all(number is None or math.isfinite(number) for number in result.values())
     finite = [value for value in values if math.isfinite(value)]

@@ -42,7 +42,7 @@ def test_each_span_counts_once_until_another_request_restarts() -> None:
     assert counted(over, 1, 1.0, mean=1.0, problem=None, topic="/a", nan=0.5) == {
         "mean": {"mean": 1.0, "sigma": 0.0, "min": 1.0, "max": 1.0, "count": 1}
     }
-    assert counted(over, 1, 1.0, mean=7.0)["mean"]["count"] == 1  # the page stands still
+    assert counted(over, 1, 1.0, mean=7.0)["mean"]["count"] == 1  # the page is paused
     found = counted(over, 1, 1.25, mean=3.0, frequency=None)
     assert found == {"mean": {"mean": 2.0, "sigma": 1.0, "min": 1.0, "max": 3.0, "count": 2}}
     assert counted(over, 1, 1.5, mean=math.nan, rise=0.1)["rise"]["count"] == 1

@@ -27,7 +27,7 @@ from topic_scope.sampling.message_source import Batch
 def test_trace_without_a_sample_in_the_span_has_a_reason(
     span: Tuple[float, float], words: Optional[str]
 ) -> None:
-    """One message each 5 s, or stamps that are late by more than the window."""
+    """One message per 5 s, or stamps later than the window."""
     source = FakeSource()
     made = recording(source, "/a/data")
     times = [1000.0, 1005.0, 1010.0]
@@ -45,7 +45,7 @@ def test_trace_without_a_sample_in_the_span_has_a_reason(
 
 
 class Recorder:
-    """Knows what is wrong with one field."""
+    """Recorder with a problem of one field."""
 
     def problem(self, name: str) -> Optional[str]:
         return "the topic does not exist yet" if name == "/b" else None

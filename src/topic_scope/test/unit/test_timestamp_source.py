@@ -1,4 +1,4 @@
-"""Which time of its messages a trace goes by."""
+"""Timestamp sources of traces."""
 
 import numpy
 import pytest

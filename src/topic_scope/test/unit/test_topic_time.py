@@ -1,4 +1,4 @@
-"""Samples stand at their stamps, whatever the messages around them say: the table of all cases."""
+"""Placement of samples at their stamps, for all cases of stamps around them."""
 
 from typing import Callable, List, NamedTuple, Tuple
 
@@ -17,10 +17,10 @@ MS = NS // 1000
 
 
 class Shown(NamedTuple):
-    """Samples of a topic as they are shown.
+    """Shown samples of a topic.
 
-    :param times: of its samples by the scope's clock, in the order of reception [ns]
-    :param gaps: before which of them a line ends
+    :param times: times of its samples by the scope's clock, in order of receipt [ns]
+    :param gaps: indices of the samples after the end of a line
     """
 
     times: numpy.ndarray
@@ -28,11 +28,11 @@ class Shown(NamedTuple):
 
 
 class Topic:
-    """A topic whose messages come in batches.
+    """Topic whose messages arrive in batches.
 
-    :param clocks: those of all topics
-    :param is_stamp: whether it has stamps, or numbers with a zero of their own
-    :param is_exact: whether its stamps were named
+    :param clocks: clocks of all topics
+    :param is_stamp: whether it has stamps; otherwise numbers with an unknown zero
+    :param is_exact: whether its stamps were selected
     """
 
     def __init__(self, clocks: Clocks, is_stamp: bool = True, is_exact: bool = False) -> None:
@@ -42,7 +42,7 @@ class Topic:
         self._gaps: List[int] = []
 
     def take(self, own: numpy.ndarray, received: numpy.ndarray, is_final: bool = False) -> None:
-        """Take some messages."""
+        """Add messages."""
         self._own = numpy.append(self._own, own)
         self._received = numpy.append(self._received, received)
         for placed in self.time.place(self._own, self._received, is_final):
@@ -56,7 +56,7 @@ class Topic:
         self._placed = numpy.append(self._placed + placed.moved, placed.times)
 
     def shown(self) -> Shown:
-        """Return all samples, when no more will come."""
+        """Return all samples after the last message."""
         self.take(self._own[:0], self._own[:0], True)
         assert not len(self._own), "each message is placed"
         return Shown(self._placed + self.time.clock.offset, self._gaps)
@@ -69,7 +69,7 @@ def played(
     batch: int = 5,
     is_stamp: bool = True,
 ) -> Tuple[Topic, Shown]:
-    """Return a topic whose messages came in batches, and what is shown of it."""
+    """Return a topic whose messages arrived in batches, and its shown samples."""
     topic = Topic(Clocks(), is_stamp, is_exact)
     for start in range(0, len(own), batch):
         part = slice(start, start + batch)
@@ -163,7 +163,7 @@ def test_doubled_and_disordered_stamps_are_kept(is_exact: bool) -> None:
 
 @both
 def test_emptied_queue_does_not_set_the_clock(is_exact: bool) -> None:
-    """Twenty messages that come at once, after newer ones of another publisher."""
+    """Twenty messages arrive together, after newer messages of another publisher."""
     received = at_50_hz()
     own = received.copy()
     own[200:220] -= 5 * NS
@@ -223,7 +223,7 @@ def test_a_slow_topic_follows_a_clock_that_its_neighbour_has_found() -> None:
 def test_later_stamps_do_not_move_earlier_samples(
     is_exact: bool,
 ) -> None:
-    """As of a node that exists before the first message on /clock."""
+    """As for a node that runs before the first message on /clock."""
     received = at_50_hz(100)
     own = numpy.where(numpy.arange(100) < 50, NO_TIME, received - EPOCH + 3 * NS)
     topic, shown = played(own, received, is_exact)
@@ -238,7 +238,7 @@ def test_unset_stamps_use_the_receipt_time() -> None:
 
 
 def test_the_first_messages_decide_for_two_seconds_only() -> None:
-    """A latched message with a stamp of five seconds ago comes before the others."""
+    """A latched message with a stamp of five seconds ago arrives before the others."""
     received = at_50_hz()
     own = received.copy()
     own[0] -= 5 * NS
@@ -248,7 +248,7 @@ def test_the_first_messages_decide_for_two_seconds_only() -> None:
 
 @pytest.mark.parametrize("delay_at", [lambda at: 0.45 + 0.02 * at, lambda at: 0.55 - 0.02 * at])
 def test_choice_is_made_once_with_varying_latency(delay_at: Callable[[float], float]) -> None:
-    """About half a second, where one clock seems to be another one's."""
+    """Around half a second, the limit between one clock and another."""
     topic, is_moved = Topic(Clocks()), set()
     for index in range(1000):
         own = numpy.array([EPOCH + 10 * MS * index])
@@ -259,7 +259,7 @@ def test_choice_is_made_once_with_varying_latency(delay_at: Callable[[float], fl
 
 # --- Several topics of one clock -----------------------------------------------------------------
 
-#: By how much stamps count from elsewhere [ns].
+#: Offsets of stamps with another zero [ns].
 ELSEWHERE = {"replay": -40_000_000 * NS, "simulation": -EPOCH, "machine": -3 * NS}
 
 
@@ -291,7 +291,7 @@ def test_topics_of_one_clock_are_moved_together(
     ],
 )
 def test_topics_of_a_replay_at_another_speed_differ_by_their_stamps(speed: float) -> None:
-    """Both record the same stamps; one of them did so 0.1 s later."""
+    """Both have the same stamps; one was recorded 0.1 s later."""
     clocks = Clocks()
     topics, delays = [Topic(clocks), Topic(clocks)], (0, 100 * MS)
     stamps = EPOCH - 10_000_000 * NS + 10 * MS * numpy.arange(3000)
@@ -312,13 +312,13 @@ def test_topics_of_a_replay_at_another_speed_differ_by_their_stamps(speed: float
         if topics[1].time.has_stamps:
             assert topics[0].time.clock is topics[1].time.clock
     assert all(topic.time.outliers.rejected == 0 for topic in topics)
-    # The latest sample stands near the present, as far as batches and the tolerance let it.
+    # The latest sample is near the present, within the batch length and the tolerance.
     settled = numpy.abs(numpy.array(behind[len(behind) // 2 :])) / NS
     assert settled.max() < 0.25 + 0.05 * speed
 
 
 def test_nodes_with_their_own_zero_are_independent() -> None:
-    """Two that began 0.3 s apart count from zero; what copies the times of one follows it."""
+    """Two nodes started 0.3 s apart count from zero; a copy of one's times follows it."""
     clocks = Clocks()
     one, other, copied = (Topic(clocks, is_stamp=False) for _ in range(3))
     steps = 10 * MS * numpy.arange(500) + 1234
@@ -352,7 +352,7 @@ def test_delays_do_not_distort(begin: int, delays: List[int], batch: int) -> Non
 @settings(max_examples=60)
 @given(st.data())
 def test_each_message_is_placed_once_with_any_stamps(data: st.DataObject) -> None:
-    """Late, early, doubled and disordered stamps, clocks that are set, and missing times."""
+    """Late, early, duplicate and disordered stamps, set clocks, and missing times."""
     count = data.draw(st.integers(1, 120))
     received = (
         EPOCH
@@ -382,7 +382,7 @@ def test_trace_does_not_move_once_settled() -> None:
 
 
 def test_temporary_delay_does_not_move_the_trace() -> None:
-    """A second in which all messages wait for each other, as on a machine that is busy."""
+    """For a second all messages are delayed, as on a busy machine."""
     topic, offsets = Topic(Clocks()), []
     for index in range(500):
         own = 10 * MS * index
@@ -419,7 +419,7 @@ def test_lag_of_a_slower_simulation_is_current() -> None:
     assert abs(behind) <= SETTLED_NS + 20 * MS
 
 
-# --- Stamps that follow no clock ------------------------------------------------------------------
+# --- Stamps without a clock -----------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("kind", ["countdown", "random", "backwards from 3 s on"])

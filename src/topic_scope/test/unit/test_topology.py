@@ -1,4 +1,4 @@
-"""The graph as a page shows it, and rates from counts."""
+"""Graph message of pages, and rates from counts."""
 
 from typing import List
 

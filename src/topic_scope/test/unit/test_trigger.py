@@ -1,4 +1,4 @@
-"""Crossings are found where they are, and told as a page needs them."""
+"""Exact crossings, and the trigger messages of a page."""
 
 import math
 from typing import List, Optional
@@ -53,7 +53,7 @@ def test_each_crossing_is_between_its_samples(values: List[float], level: float)
 
 
 def test_crossing_in_a_gap_is_at_the_second_sample() -> None:
-    """Behind a gap, and where a value holds until the next one, it is crossed when that comes."""
+    """After a gap, and on a stepped trace, the crossing is at the second sample."""
     times, values = numpy.array([0.0, 0.1, 5.0, 5.1, 5.2]), numpy.array([0.0, 0.0, 1.0, 0.0, 1.0])
     for longest, moments in ((math.inf, [2.55, 5.15]), (0.5, [5.0, 5.15]), (0.0, [5.0, 5.2])):
         found = crossings(times, values, 0.5, True, longest=longest)
@@ -65,7 +65,7 @@ def test_crossing_in_a_gap_is_at_the_second_sample() -> None:
 
 
 def states_of(mode: str, moments: List[float], samples: Samples, level: float = 0.0) -> List[tuple]:
-    """Return what a page is told, looking at some moments."""
+    """Return the trigger states that a page receives at some times."""
     request = requests.Trigger(mode, "/a", level, True)
     watch = TriggerWatch(request, 0.0)
     messages: List[Optional[dict]] = []
@@ -103,7 +103,7 @@ def test_normal_reports_the_next_crossing_after_the_last_is_shown() -> None:
     found = states_of("normal", MOMENTS, sine(5.0, frequency=3.0))
     assert [state for state, _ in found] == ["armed"] + ["triggered"] * (len(found) - 1)
     times = [time for _, time in found[1:]]
-    # Held for half a window, 0.5 s: of the crossings at n / 3 s every other one.
+    # Held for half a window, 0.5 s: every other of the crossings at n / 3 s.
     assert times[:4] == pytest.approx([1 / 3, 1.0, 5 / 3, 7 / 3], abs=1e-5)
 
 
@@ -137,7 +137,7 @@ def test_noise_within_the_hysteresis_does_not_trigger(seed: int, moments: List[f
     found = crossings(times, values + noise, 0.0, True, hysteresis=0.25)
     assert found == pytest.approx([1.0, 2.0, 3.0, 4.0], abs=0.05)
     assert len(crossings(times, values + noise, 0.0, True)) > 10
-    # However often one looks, and so whatever is seen at a time.
+    # At any polling times, hence with any parts of the samples.
     request = requests.Trigger("single", "/a", 0.0, True, 0, hysteresis=0.25)
     watch, heard = TriggerWatch(request, 0.0), []
     for now in sorted(moments) + [4.95]:

@@ -1,4 +1,4 @@
-"""Steps and waves are measured as the closed forms say."""
+"""Measurements of steps and waves against closed forms."""
 
 import math
 from typing import List
@@ -17,7 +17,7 @@ scales = st.floats(1e-3, 1e6) | st.floats(-1e6, -1e-3)
 
 
 def step(damping: float) -> numpy.ndarray:
-    """Return what a system of second order, 2 rad/s, answers to a step at 0."""
+    """Return the step response of a second-order system with 2 rad/s."""
     omega, times = 2.0, numpy.maximum(TIMES, 0.0)
     damped = omega * math.sqrt(1 - damping**2)
     values = numpy.cos(damped * times) + damping * omega / damped * numpy.sin(damped * times)
@@ -30,7 +30,7 @@ def test_a_step_of_first_order(tau: float, height: float, low: float) -> None:
     values = low + height * (1.0 - numpy.exp(-numpy.maximum(TIMES, 0.0) / tau))
     found = measure_waveform(EPOCH + TIMES, values)
     assert found["rise"].value == pytest.approx(tau * math.log(9.0), abs=2e-3)
-    # From where it has left its begin by 2 % to where it is within 2 % of its end.
+    # From leaving the initial level by 2 % to staying within 2 % of the final level.
     assert found["settling"].value == pytest.approx(tau * math.log(0.98 / 0.02), abs=4e-3)
     assert found["overshoot"].value == pytest.approx(0.0, abs=0.1)
     assert found["duty"].value is None
@@ -110,7 +110,7 @@ def test_no_phase_without_a_wave() -> None:
 @example([-1.2e308, 0.0, -1.2e308, -1.2e308, 0.0], 0)  # whose sum is not finite
 @example([0.0, 2.0, 0.0, 2.0, 0.0, 2.0], 4)
 def test_anything_is_measured_and_the_result_is_finite(values: List[float], still: int) -> None:
-    # The stamps of a simulation whose time stands for a while are the same.
+    # A paused simulation repeats its stamp.
     times = numpy.maximum(numpy.arange(float(len(values))), still)
     numbers = numpy.array(values, float)
     found = {**measure_waveform(times, numbers), "phase": phase((times, numbers), (times, numbers))}
@@ -121,7 +121,7 @@ def test_anything_is_measured_and_the_result_is_finite(values: List[float], stil
 
 @pytest.mark.parametrize("counts", [20, 100, 1000])
 def test_overshoot_uncertainty_includes_quantisation(counts: int) -> None:
-    """The answer of a second order, as an encoder of few counts has it."""
+    """Second-order response, quantised by an encoder of few counts."""
     times = numpy.arange(0.0, 12.0, 0.01)
     since = numpy.maximum(times - 1.0, 0.0)
     exact = 1.0 - numpy.exp(-0.8 * since) * (

@@ -1,4 +1,4 @@
-"""Whole numbers of more digits than a float has are named as rounded."""
+"""Integers that a float cannot represent are reported as rounded."""
 
 import struct
 from pathlib import Path
@@ -26,7 +26,7 @@ CASES = pytest.mark.parametrize(
 
 
 def text(step: int) -> object:
-    """Return what is said."""
+    """Return the text about the rounding."""
     return None if step == 1 else f"whole numbers beyond 2**53: rounded to multiples of {step}"
 
 

@@ -1,4 +1,4 @@
-"""Samples of two traces are paired by time."""
+"""Samples of two traces, paired by time."""
 
 import math
 from typing import List

@@ -1,4 +1,4 @@
-"""A page's end of the WebSocket, and files over HTTP, for tests."""
+"""WebSocket client of a page, and HTTP requests, for tests."""
 
 import asyncio
 import json
@@ -20,11 +20,11 @@ Message = Dict[str, Any]
 
 
 class Client:
-    """A page that keeps all that it is told, and puts frames together as a page does.
+    """Page that stores all messages, and joins frames like a page.
 
-    :param url: where the scope is
-    :param headers: more headers of the request
-    :raises Exception: if the scope refuses the connection
+    :param url: URL of the scope
+    :param headers: additional headers of the request
+    :raises Exception: if the scope rejects the connection
     """
 
     def __init__(self, url: str, headers: Optional[Dict[str, str]] = None) -> None:
@@ -87,24 +87,24 @@ class Client:
         self._loop.add_callback(lambda: self._connection.write_message(text, binary=binary))
 
     def messages(self, kind: str) -> List[Message]:
-        """Return what has come so far of one kind, oldest first."""
+        """Return the received messages of a type, oldest first."""
         with self._lock:
             return [message for message in self._messages if message["type"] == kind]
 
     def forget(self) -> None:
-        """Forget what has come so far, but not what is on the screen."""
+        """Drop the received messages, but not the screen."""
         with self._lock:
             self._messages.clear()
 
     def wait_for(self, kind: str, condition: Callable[[Message], bool] = lambda _: True) -> Message:
-        """Return the first message that meets a condition, come already or yet to come."""
+        """Return the first message that meets a condition, among received and future messages."""
         return wait_until(
             lambda: [message for message in self.messages(kind) if condition(message)][:1],
             lambda: f"of {kind} came {str(self.messages(kind)[-3:])[:2000]}",
         )[0]
 
     def values(self, field: str) -> List[float]:
-        """Return all extremes of a field that are on the screen, by time."""
+        """Return all extremes of a field on the screen, by time."""
         with self._lock:
             bins = dict(self.bins.get(field, {}))
         pairs = (pair for _, pair in sorted(bins.items()))
@@ -114,16 +114,16 @@ class Client:
 
     @property
     def is_closed(self) -> bool:
-        """Whether the scope has ended the connection."""
+        """Whether the scope has closed the connection."""
         return self._closed
 
     @property
     def farewell(self) -> Tuple[Optional[int], Optional[str]]:
-        """With which code and which words the scope has ended the connection."""
+        """Code and reason with which the scope has closed the connection."""
         return self._connection.close_code, self._connection.close_reason
 
     def cut(self) -> None:
-        """Be gone without a word."""
+        """Drop the connection without closing it."""
 
         def cut() -> None:
             stream = self._connection.protocol.stream
@@ -134,15 +134,15 @@ class Client:
         self._loop.add_callback(cut)
 
     def close(self) -> None:
-        """End the connection."""
+        """Close the connection."""
         self._loop.add_callback(lambda: self._connection.close())
         self._thread.join(TIMEOUT_S)
 
 
 def fetch(url: str, headers: Optional[Dict[str, str]] = None) -> Tuple[int, str]:
-    """Return status and text of an answer.
+    """Return status and text of a response.
 
-    :param url: where; sent as it is, with .. too
+    :param url: the URL, sent unchanged, even with ..
     :param headers: headers of the request
     """
     try:

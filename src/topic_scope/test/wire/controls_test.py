@@ -10,10 +10,10 @@ NODE = "/signal_generator"
 
 
 class ControlsTest(SignalsTest):
-    """A scope beside the course's nodes; each test leaves their parameters as they were."""
+    """Test of a scope beside the course's nodes; each test restores their parameters."""
 
     def panelled(self) -> Client:
-        """Return a page that has the panels of both nodes."""
+        """Return a page with the panels of both nodes."""
         page = self.page()
 
         def is_complete(message: Any) -> bool:
@@ -28,7 +28,7 @@ class ControlsTest(SignalsTest):
         page.send("set", node=NODE, name=name, value=value)
 
     def restore(self, name: str) -> None:
-        """Put a parameter back with the end of the test."""
+        """Restore a parameter at the end of the test."""
         self.addCleanup(rospy.set_param, f"{NODE}/{name}", rospy.get_param(NODE + "/" + name))
 
 

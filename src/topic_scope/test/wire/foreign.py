@@ -1,10 +1,10 @@
-"""A node that knows dynamic_reconfigure and nothing of nodekit."""
+"""Node with dynamic_reconfigure and without nodekit."""
 
 from typing import Any, Dict, List, Tuple
 
 from dynamic_reconfigure.server import Server
 
-#: Name, type, default, least and greatest value, and how it is edited.
+#: Name, type, default, minimum, maximum, and edit method.
 _PARAMETERS: List[Tuple[str, str, Any, Any, Any, str]] = [
     ("gain", "double", 1.0, 0.0, 10.0, ""),
     ("count", "int", 3, -(2**31), 2**31 - 1, ""),
@@ -55,9 +55,9 @@ class Kind:
 
 
 class Foreign:
-    """Keeps the values that it was given; of the gain it takes 5 at most.
+    """Node that keeps its values, and limits the gain to 5.
 
-    :param namespace: global name that the parameters are at
+    :param namespace: global namespace of the parameters
     """
 
     def __init__(self, namespace: str) -> None:

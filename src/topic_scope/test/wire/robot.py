@@ -1,4 +1,4 @@
-"""A robot that does what it is told, and remembers it."""
+"""Robot that follows its commands and stores them."""
 
 import math
 import threading
@@ -10,12 +10,12 @@ from geometry_msgs.msg import PoseStamped, Twist
 from nav_msgs.msg import Odometry
 from sensor_msgs.msg import LaserScan
 
-#: Time between two of its odometries, s.
+#: Period of its odometry [s].
 _PERIOD_S = 0.05
 
 
 class Command(NamedTuple):
-    """Commands that it received.
+    """Received command.
 
     :param when: s on the monotonic clock
     :param speed: m/s
@@ -28,10 +28,10 @@ class Command(NamedTuple):
 
 
 class Robot:
-    """Hears ``cmd_vel`` and ``goal``, tells ``odom`` and ``scan``, all in a namespace.
+    """Robot that subscribes to ``cmd_vel`` and ``goal``, and publishes ``odom`` and ``scan``.
 
     :param space: the namespace, with a slash at its end
-    :param kind: type of the commands that it takes
+    :param kind: type of its commands
     """
 
     def __init__(self, space: str, kind: Any = Twist) -> None:

@@ -12,7 +12,7 @@ from nodekit.testing.waiting import wait_until
 
 
 class RobotsTest(SignalsTest):
-    """Has a robot for each test."""
+    """Test with robots."""
 
     def robot(self, space: str, kind: Any = Twist) -> Robot:
         """Return a robot in a namespace."""
@@ -21,7 +21,7 @@ class RobotsTest(SignalsTest):
         return robot
 
     def driver(self, topic: str) -> Client:
-        """Open a page that has the wheel of a robot."""
+        """Open a page that drives a robot."""
         page = self.page()
         page.send("robots", on=True)
         page.wait_for("targets", lambda reply: topic in reply["commands"])
@@ -30,7 +30,7 @@ class RobotsTest(SignalsTest):
         return page
 
     def drive(self, *pages: Client) -> None:
-        """Command as a page does while a key is held."""
+        """Send commands like a page while a key is held."""
         end = time.monotonic() + 0.5
         while time.monotonic() < end:
             for page in pages:
@@ -38,7 +38,7 @@ class RobotsTest(SignalsTest):
             time.sleep(0.05)
 
     def stopped(self, robot: Robot) -> List[Command]:
-        """Wait until a robot was told to stop, and return what it was told."""
+        """Wait until a robot was commanded to stop, and return its commands."""
         wait_until(
             lambda: robot.commands and robot.commands[-1].speed == 0.0,
             lambda: f"the last commands were {robot.commands[-3:]}",

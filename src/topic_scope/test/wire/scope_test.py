@@ -1,4 +1,4 @@
-"""A test of a scope by what it sends to its pages."""
+"""Base of tests of a scope's messages to its pages."""
 
 import unittest
 from typing import Any, ClassVar, List
@@ -11,9 +11,9 @@ from nodekit.testing.waiting import wait_until
 
 
 class ScopeTest(unittest.TestCase):
-    """Has a scope, shared by all tests with its command line, and pages that end with the test."""
+    """Test with a scope, shared by all tests of its arguments, and pages that close at the end."""
 
-    #: What its command line says besides the port.
+    #: Its arguments, except the port.
     ARGUMENTS: ClassVar[List[str]] = []
     scope: ClassVar[ScopeProcess]
 
@@ -25,7 +25,7 @@ class ScopeTest(unittest.TestCase):
     def page(self, *fields: str, **arguments: Any) -> Client:
         """Open a page.
 
-        :param fields: what it selects; nothing to leave that to the scope
+        :param fields: its selection; empty for the scope's default
         """
         client = Client(self.scope.url, **arguments)
         self.addCleanup(client.close)

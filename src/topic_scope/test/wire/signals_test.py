@@ -13,7 +13,7 @@ PEAK = 1e6
 
 
 class SignalsTest(ScopeTest):
-    """A scope that watches the course's signals from the start."""
+    """Test of a scope that records the course's signals."""
 
     ARGUMENTS = ["/signal/signal_y", "/proc_signal"]
 

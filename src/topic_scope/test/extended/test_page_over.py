@@ -285,7 +285,7 @@ class Over(unittest.TestCase):
         self.type_offset("0.13")
         self.wait_apart(LATE_S + 0.13)
         self.type_offset("1,5")
-        wait_until(lambda: "two ways" in browser.text("#notice"), lambda: browser.text("#notice"))
+        wait_until(lambda: "ambiguous" in browser.text("#notice"), lambda: browser.text("#notice"))
         self.assertEqual(browser.value(OFFSET), "0.13")
         self.type_offset("0")
         self.wait_apart(LATE_S)

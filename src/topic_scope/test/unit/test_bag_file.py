@@ -195,7 +195,7 @@ def test_unreadable_file_is_reported(tmp_path: Path) -> None:
     path.write_bytes(b"#ROSBAG V1.2\n")
     assert "version 2.0" in refusal(path)
     path.write_bytes(b"#ROSBAG V2.0\n")
-    assert "broken" in refusal(path)
+    assert "damaged" in refusal(path)
     with rosbag.Bag(str(path), "w"):
         pass
     assert "holds no messages" in refusal(path)

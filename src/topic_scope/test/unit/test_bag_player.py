@@ -257,7 +257,7 @@ def test_damaged_chunk_is_reported_and_others_are_output(
     loaded(player)
     found = taken(player)["/a"]
     assert 0 not in found and found == list(range(found[0], 20000, 1000))
-    assert "broken" in player.problems[0] and str(path) in player.problems[0]
+    assert "damaged" in player.problems[0] and str(path) in player.problems[0]
 
 
 def test_side_subscriptions_get_the_latest_message_however_old(

@@ -125,7 +125,7 @@ def test_damaged_chunk_loses_only_its_messages(tmp_path: Path, run: Any, number:
 def test_picture_says_that_a_part_is_missing(tmp_path: Path) -> None:
     overlay = BagOverlay(write_with_a_broken_chunk(tmp_path / "x.bag", 1), "old")
     (series,) = overlay.read(["/x/data"])
-    assert series.correction == "1 broken part of the bag left out"
+    assert series.correction == "1 damaged part of the bag left out"
 
 
 def test_topic_whose_chunks_are_all_broken_is_a_fault(tmp_path: Path, run: Any) -> None:

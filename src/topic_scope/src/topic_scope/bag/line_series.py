@@ -71,5 +71,5 @@ def series_of(
 
 
 def _with_lost(correction: Optional[str], bag: Recording) -> str:
-    text = f"{len(bag.lost)} broken part{'s' * (len(bag.lost) > 1)} of the bag left out"
+    text = f"{len(bag.lost)} damaged part{'s' * (len(bag.lost) > 1)} of the bag left out"
     return "; ".join(filter(None, (correction, text)))

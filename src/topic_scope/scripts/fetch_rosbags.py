@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Fetch the library that reads recordings of ROS 2: see topic_scope.commands.fetch_rosbags."""
+"""Fetch the library that reads ROS 2 recordings: see topic_scope.commands.fetch_rosbags."""
 
 from topic_scope.commands.fetch_rosbags import main
 

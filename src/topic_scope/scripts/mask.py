@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Check whether a trace keeps within limits around another one: see topic_scope.commands.mask."""
+"""Check whether a trace stays within limits around another trace: see topic_scope.commands.mask."""
 
 from nodekit.entry_point import main
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Plot what a bag holds, or write it to a CSV file: see topic_scope.commands.plot_bag."""
+"""Plot numbers of a bag, or write them to a CSV file: see topic_scope.commands.plot_bag."""
 
 from topic_scope.commands.plot_bag import main
 

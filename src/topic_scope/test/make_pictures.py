@@ -63,7 +63,7 @@ def wait_full(browser: Browser) -> None:
     first = browser.run("return performance.now()")
     wait_until(
         lambda: browser.run("return performance.now()") - first > 1100 * window,
-        lambda: "time stands still",
+        lambda: "time does not move",
     )
 
 

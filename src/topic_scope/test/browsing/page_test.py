@@ -168,7 +168,7 @@ class PageTest(BrowserTest):
     def wait_moving(self) -> None:
         """Wait until the picture changes."""
         first = self.browser.picture()
-        wait_until(lambda: self.browser.picture() != first, lambda: "the picture stands still")
+        wait_until(lambda: self.browser.picture() != first, lambda: "the picture does not change")
 
     def wait_still(self) -> None:
         """Wait until the picture is unchanged for some frames."""

@@ -104,12 +104,15 @@ class Panels(PanelTest):
             self.browser.choose("#window", "1")
             first_picture = self.browser.picture()
             wait_until(
-                lambda: self.browser.picture() != first_picture, lambda: "the second stands still"
+                lambda: self.browser.picture() != first_picture,
+                lambda: "the second page does not change",
             )
         self.wait_value("frequency", wanted)
         self.assertEqual(self.browser.value("#window"), "5")  # each page has its own view
         picture = self.browser.picture()
-        wait_until(lambda: self.browser.picture() != picture, lambda: "the first stands still")
+        wait_until(
+            lambda: self.browser.picture() != picture, lambda: "the first page does not change"
+        )
 
     @contextmanager
     def second_page(self) -> Iterator[None]:

@@ -259,7 +259,7 @@ class Plots(PageTest):
         self.assertIn("T 50.000", arrow.text)
         # No crossings: the mode auto runs freely.
         first = self.browser.picture()
-        wait_until(lambda: self.browser.picture() != first, lambda: "it stands still")
+        wait_until(lambda: self.browser.picture() != first, lambda: "the picture does not change")
         self.browser.press("#show-trigger")
         for name, value in (("hysteresis", "0.5"), ("holdoff", "0.1"), ("position", "20")):
             field = self.browser.wait_for(f"#trigger-{name}")
@@ -425,7 +425,7 @@ class Plots(PageTest):
         # A paused picture is laid out immediately, too, without later changes.
         self.browser.press("#run")
         paused = time.monotonic()
-        wait_until(lambda: time.monotonic() > paused + 1.5, lambda: "time stands still")
+        wait_until(lambda: time.monotonic() > paused + 1.5, lambda: "time does not move")
         self.browser.choose(f"[aria-label='plot of {SIGNAL}']", "1")
         wait_until(lambda: self.panes() == 1, lambda: self.browser.text("#plot"))
         heights = [self.browser.find(one).size["height"] for one in ("#overlay", ".pane")]
@@ -532,11 +532,11 @@ class Plots(PageTest):
         """Wait until a row of the table is unchanged for some measurements."""
         seen = [self.browser.text(f"#legend tr[{row}]")]
 
-        def stands() -> bool:
+        def is_unchanged() -> bool:
             seen.append(self.browser.text(f"#legend tr[{row}]"))
             return len(seen) > 8 and len(set(seen[-8:])) == 1
 
-        wait_until(stands, lambda: seen[-2:])
+        wait_until(is_unchanged, lambda: seen[-2:])
 
     def test_a_trace_has_a_colour_and_a_dash(self) -> None:
         wait_until(lambda: self.cell(SIGNAL, "max") > 1.9, lambda: self.browser.text("#legend"))

@@ -812,7 +812,7 @@ class View(PageTest):
         cdp("Network.setBlockedURLs", {"urls": ["*/static/js/base/numbers.js"]})
         self.browser.driver.get(self.scope.url)
         # It reloads itself repeatedly, so the page may be missing at times.
-        wait_until(lambda: self.browser.text("#link") == "loading", lambda: "it says no such thing")
+        wait_until(lambda: self.browser.text("#link") == "loading", lambda: "the text is not shown")
         cdp("Network.setBlockedURLs", {"urls": []})
         self.browser.wait_connected()
         tries = "return sessionStorage.getItem('tries')"

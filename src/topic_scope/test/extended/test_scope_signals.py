@@ -129,11 +129,11 @@ class Signals(SignalsTest):
     def test_a_type_that_is_not_installed(self) -> None:
         text = "string name\nfloat64[] levels\nInner[2] inner\n" + "=" * 80
         text += "\nMSG: nowhere/Inner\ntime stamp\nbool on\n"
-        kinds = genpy.dynamic.generate_dynamic("nowhere/Outer", text)
-        publisher = rospy.Publisher("/nowhere", kinds["nowhere/Outer"], queue_size=10, latch=True)
+        classes = genpy.dynamic.generate_dynamic("nowhere/Outer", text)
+        publisher = rospy.Publisher("/nowhere", classes["nowhere/Outer"], queue_size=10, latch=True)
         self.addCleanup(publisher.unregister)
-        message = kinds["nowhere/Outer"](name="x", levels=[1.5, 2.5])
-        message.inner = [kinds["nowhere/Inner"](stamp=rospy.Time(7, 5), on=on) for on in (0, 1)]
+        message = classes["nowhere/Outer"](name="x", levels=[1.5, 2.5])
+        message.inner = [classes["nowhere/Inner"](stamp=rospy.Time(7, 5), on=on) for on in (0, 1)]
         publisher.publish(message)
         page = self.page()
         listed = page.wait_for("fields", lambda fields: "nowhere/levels" in str(fields))["fields"]

@@ -336,12 +336,12 @@ class Bag(unittest.TestCase):
         # A key plays and pauses it.
         first = browser.picture()
         browser.keys(" ")
-        wait_until(lambda: browser.picture() != first, lambda: "it stands still")
+        wait_until(lambda: browser.picture() != first, lambda: "the picture does not change")
         wait_until(lambda: browser.text("#run") == "Pause", lambda: browser.text("#run"))
         browser.keys(" ")
         wait_until(lambda: browser.text("#run") == "Run", lambda: browser.text("#run"))
         page.wait_for("playback", lambda reply: reply["playing"])
-        wait_until(lambda: not page.messages("playback")[-1]["playing"], lambda: "it goes on")
+        wait_until(lambda: not page.messages("playback")[-1]["playing"], lambda: "it continues")
         # Moving the slider by keys seeks.
         browser.find("#playback-place").send_keys(Keys.END)
         wait_until(

@@ -177,7 +177,7 @@ def test_relative_names_become_global(tmp_path: Path) -> None:
     assert found == [(0, "/a", serialized(Int32(1))), (5, "/a", serialized(Int32(2)))]
 
 
-def refusal(path: Path) -> str:
+def error_of(path: Path) -> str:
     with pytest.raises(BagError) as caught, BagFile(str(path)) as bag:
         read(bag, {one.topic for one in bag.connections.values()}, 0)
     text = str(caught.value)
@@ -187,18 +187,18 @@ def refusal(path: Path) -> str:
 
 def test_unreadable_file_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "x.bag"
-    assert refusal(path).endswith("x.bag: No such file or directory")
-    assert refusal(tmp_path).endswith("Is a directory")
+    assert error_of(path).endswith("x.bag: No such file or directory")
+    assert error_of(tmp_path).endswith("Is a directory")
     for text in ("", "name,value\n"):
         path.write_text(text)
-        assert refusal(path).endswith("x.bag is not a bag")
+        assert error_of(path).endswith("x.bag is not a bag")
     path.write_bytes(b"#ROSBAG V1.2\n")
-    assert "version 2.0" in refusal(path)
+    assert "version 2.0" in error_of(path)
     path.write_bytes(b"#ROSBAG V2.0\n")
-    assert "damaged" in refusal(path)
+    assert "damaged" in error_of(path)
     with rosbag.Bag(str(path), "w"):
         pass
-    assert "holds no messages" in refusal(path)
+    assert "holds no messages" in error_of(path)
 
 
 def test_truncated_recording_is_distinguished_from_a_damaged_one(tmp_path: Path) -> None:
@@ -210,7 +210,7 @@ def test_truncated_recording_is_distinguished_from_a_damaged_one(tmp_path: Path)
     bag.close()
     path.write_bytes(whole)
     said = "has no index because its recording was cut off; make one: rosbag reindex "
-    assert refusal(path).endswith(f"{said}{path}")
+    assert error_of(path).endswith(f"{said}{path}")
 
 
 @pytest.mark.parametrize("part", [0.02, 0.3, 0.5, 0.7, 0.9, 0.999])
@@ -219,7 +219,7 @@ def test_truncated_bag_can_be_reindexed(tmp_path: Path, part: float) -> None:
     write_bag(path, [("/x", String("some words" * 50), time) for time in range(100)])
     content = path.read_bytes()
     path.write_bytes(content[: int(part * len(content))])
-    assert "rosbag reindex" in refusal(path)
+    assert "rosbag reindex" in error_of(path)
 
 
 def test_compressed_bag_with_wrong_bytes(tmp_path: Path) -> None:
@@ -228,7 +228,7 @@ def test_compressed_bag_with_wrong_bytes(tmp_path: Path) -> None:
     content = path.read_bytes()
     place = content.index(b"BZh") + 20
     path.write_bytes(content[:place] + b"\xff" * 64 + content[place + 64 :])
-    assert "x.bag is damaged (" in refusal(path)
+    assert "x.bag is damaged (" in error_of(path)
 
 
 @settings(max_examples=30)

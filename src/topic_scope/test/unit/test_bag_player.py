@@ -145,17 +145,17 @@ def test_messages_of_equal_times_get_distinct_times(
     player = playing(bag, clock, "/a")
     loaded(player)
     player.play()
-    came: List[Tuple[float, int]] = []
+    output: List[Tuple[float, int]] = []
     for _ in range(45):
         clock.time += 0.01
         player.now()
         for batch in player.subscriptions()["/a"].drain():
             values = [int.from_bytes(message, "little") for message in batch.messages]
-            came += zip((time / 1e9 for time in batch.times), values)
+            output += zip((time / 1e9 for time in batch.times), values)
             assert list(batch.times) == sorted(batch.times)
-    assert sorted(value for _, value in came) == list(range(count))
-    assert len({time for time, _ in came}) == count
-    for time, value in came:
+    assert sorted(value for _, value in output) == list(range(count))
+    assert len({time for time, _ in output}) == count
+    for time, value in output:
         assert time == pytest.approx(START + value // 20 * 0.01, abs=1.5e-5)
 
 

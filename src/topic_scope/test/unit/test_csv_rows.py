@@ -36,8 +36,8 @@ def test_the_numbers_come_back_exactly(
     read = list(csv.DictReader(io.StringIO(first + "".join(rows(columns, both)))))
     assert len(read) == len(one) + len(other)
     assert [float(row["time"]) for row in read] == sorted(one + other)
-    came = [float(row["received"]) for row in read if row["/a/x"]]
-    assert came == (numpy.array(one) + 0.25).tolist()
+    received_at = [float(row["received"]) for row in read if row["/a/x"]]
+    assert received_at == (numpy.array(one) + 0.25).tolist()
     for field, times, values in (("/a/x", one, x), ("/b/z", other, z), ("/a/y", one, y)):
         filled = [(float(row["time"]), float(row[field])) for row in read if row[field]]
         assert filled == list(zip(times, values))

@@ -242,12 +242,12 @@ def test_span_that_ends_later_continues() -> None:
 @given(SAMPLES, st.lists(st.floats(0.0, 2.0), max_size=60), st.lists(st.floats(0.0, 5.0)))
 def test_late_samples_are_shown_at_their_times(pairs: list, delays: list, moments: list) -> None:
     samples, screen = arrays(pairs), Screen()
-    came = samples[0] + numpy.resize([*delays, 0.0], len(samples[0]))
+    received_at = samples[0] + numpy.resize([*delays, 0.0], len(samples[0]))
     view, before = LiveView(requests.View(4.0, 50, None)), 0.0
     view.select(["/a"])
     for now in sorted({EPOCH + moment for moment in [*moments, 8.0]}):
-        new = samples[0][(before < came) & (came <= now)]
-        there = came <= now
+        new = samples[0][(before < received_at) & (received_at <= now)]
+        there = received_at <= now
         frame = view.frame(
             now,
             lambda *_, seen=there: (samples[0][seen], samples[1][seen]),

@@ -34,8 +34,8 @@ def panel() -> Panel:
 def test_all_types_have_values_and_limits() -> None:
     shown = {entry["name"]: entry for entry in panel().message()["parameters"]}
     assert {name: entry["value"] for name, entry in shown.items()} == VALUES
-    kinds = {name: entry["kind"] for name, entry in shown.items()}
-    assert kinds == {"gain": "float", "count": "int", "on": "bool", "mode": "enum"}
+    types = {name: entry["kind"] for name, entry in shown.items()}
+    assert types == {"gain": "float", "count": "int", "on": "bool", "mode": "enum"}
     assert (shown["gain"]["minimum"], shown["gain"]["maximum"]) == (0.0, 10.0)
     count = described(description(), config_of(VALUES))[1]
     assert not {"minimum", "maximum"} & set(count)  # the bounds of the type are not limits

@@ -284,9 +284,9 @@ def test_any_text_is_parsed_or_rejected_and_only_listed_nodes_are_used(text: str
         assert str(error)
         return
     plain = "".join("_f" if word.kind == "field" else word.text for word in formula.words)
-    kinds = {type(node) for node in ast.walk(ast.parse(plain, mode="eval"))}
+    node_types = {type(node) for node in ast.walk(ast.parse(plain, mode="eval"))}
     allowed = {ast.Expression, ast.BinOp, ast.UnaryOp, ast.Call, ast.Name, ast.Load, ast.Constant}
-    assert kinds <= allowed | set(parser._OPERATIONS)
+    assert node_types <= allowed | set(parser._OPERATIONS)
     again = parse_formula(formula.text())
     assert again.words == formula.words and again.fields == formula.fields
 

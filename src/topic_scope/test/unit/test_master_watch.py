@@ -31,6 +31,6 @@ def test_an_exception_does_not_end_it() -> None:
         over.set()
         watch.refresh()
         threads = threading.enumerate
-        wait_until(lambda: "master" not in [one.name for one in threads()], lambda: "it goes on")
+        wait_until(lambda: "master" not in [one.name for one in threads()], lambda: "it continues")
     assert "an invalid name" in log.call_args[0][1]
     assert states[0].published_types == {"/a": "std_msgs/Float32"}

@@ -133,9 +133,9 @@ def test_messages_of_two_publishers_are_separate(
 def test_raw_and_usual_subscriptions_coexist(
     subscription: RawSubscription, stack: contextlib.ExitStack, kind: str, heard: List[str]
 ) -> None:
-    tell = mock.Mock()
+    send = mock.Mock()
     own = RawSubscriptions(SteadyClock())
-    statuses = NodeStatuses(own, mock.Mock(), tell)
+    statuses = NodeStatuses(own, mock.Mock(), send)
     statuses.follow({"/node": TOPIC})
     stack.callback(own.adjust)
     stack.callback(own.want, [])
@@ -144,7 +144,7 @@ def test_raw_and_usual_subscriptions_coexist(
     connection.transport.header = {"type": "std_msgs/" + kind}
     connection.receive(struct.pack("<II", 8, 4) + b"idle")
     statuses.update()
-    assert [call[0][0]["nodes"]["/node"] for call in tell.call_args_list] == heard
+    assert [call[0][0]["nodes"]["/node"] for call in send.call_args_list] == heard
     assert len(subscription.drain()[0].messages) == 1
 
 

@@ -253,8 +253,8 @@ def test_request_with_any_values_is_accepted_or_rejected(kind: str, values: Any)
         wanted = understood(json.dumps({**values, "type": kind}))
     except RequestError:
         return
-    kinds = {"select": tuple, "graph": bool, "overlay": OverlayRequest}
-    assert isinstance(wanted, kinds.get(kind) or getattr(requests, kind.capitalize()))
+    types = {"select": tuple, "graph": bool, "overlay": OverlayRequest}
+    assert isinstance(wanted, types.get(kind) or getattr(requests, kind.capitalize()))
 
 
 def test_the_page_has_the_version_of_the_protocol() -> None:

@@ -182,7 +182,7 @@ def test_late_samples_of_a_pinned_span_are_kept(
         ]
         numbers = 1000.0 * index + numpy.arange(len(times))
         append(ring, numpy.array(times), numbers, numbers)
-        came = zip(times, numbers.tolist())
-        expected += [one for one in came if start <= one[0] <= start + length]
+        arrived = zip(times, numbers.tolist())
+        expected += [one for one in arrived if start <= one[0] <= start + length]
         expected.sort(key=lambda sample: sample[0])
         assert content(ring, start, start + length) == expected

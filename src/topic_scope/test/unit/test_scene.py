@@ -117,13 +117,13 @@ def test_marker_expires_after_its_lifetime() -> None:
     brief = Marker(ns="brief", type=Marker.CUBE, lifetime=rospy.Duration(0.5))
     receive(shown, "/world", MarkerArray([brief, Marker(ns="lasting", type=Marker.SPHERE)]), 10.0)
 
-    def kinds(now: float) -> List[str]:
+    def types(now: float) -> List[str]:
         return [one["kind"] for one in shown.standing(now)["markers"]]
 
-    assert kinds(10.4) == ["box", "disc"]
+    assert types(10.4) == ["box", "disc"]
     receive(shown, "/world", brief, 10.4)
-    assert kinds(10.8) == ["box", "disc"]
-    assert kinds(11.0) == ["disc"] == kinds(1e9)
+    assert types(10.8) == ["box", "disc"]
+    assert types(11.0) == ["disc"] == types(1e9)
 
 
 def test_frames_of_removed_topics_are_dropped() -> None:

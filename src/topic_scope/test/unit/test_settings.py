@@ -106,7 +106,7 @@ class World:
         self.ask(name, value)
         self.work()
 
-    def refusals(self) -> List[str]:
+    def errors(self) -> List[str]:
         return [answer["text"] for answer in self.answers if answer["type"] == "refused"]
 
 
@@ -139,7 +139,7 @@ def test_value_out_of_range_is_not_sent(world: World) -> None:
 
 def test_value_rejected_by_the_node_is_reported_with_its_reason(world: World) -> None:
     world.set("low", 50)
-    (text,) = world.refusals()
+    (text,) = world.errors()
     assert "low <= high" in text
     assert world.answers[-1] == {"type": "value", "node": NODE, "name": "low", "value": 0.0}
 
@@ -154,9 +154,9 @@ def test_newest_value_is_sent_after_a_busy_node_replies(world: World) -> None:
 
 def test_lists_that_must_have_one_length_are_changed_one_after_the_other(world: World) -> None:
     world.set("xs", "[1, 2, 3]")
-    assert len(world.refusals()) == 1
+    assert len(world.errors()) == 1
     world.set("ys", "[4, 5, 6]")
-    assert len(world.refusals()) == 1
+    assert len(world.errors()) == 1
     assert world.node.values.xs == (1.0, 2.0, 3.0) and world.node.values.ys == (4.0, 5.0, 6.0)
     assert dict(world.reply) == {"xs": (1.0, 2.0, 3.0), "ys": (4.0, 5.0, 6.0)}
 
@@ -165,7 +165,7 @@ def test_rejected_value_does_not_block_others(world: World) -> None:
     world.set("xs", "[1, 2, 3]")
     world.set("high", 20)
     assert world.node.values.high == 20.0
-    assert len(world.refusals()) == 1
+    assert len(world.errors()) == 1
     world.set("ys", "[4, 5, 6]")
     assert world.node.values.xs == (1.0, 2.0, 3.0)
 
@@ -188,7 +188,7 @@ def test_disappeared_node_is_dropped(world: World) -> None:
 def test_node_that_does_not_answer_is_named(world: World) -> None:
     world.is_silent = True
     world.set("low", 5)
-    assert world.refusals() == ["/gauge does not answer: no answer within 2 s"]
+    assert world.errors() == ["/gauge does not answer: no answer within 2 s"]
     assert world.answers[-1]["value"] == 0.0
     world.is_silent = False
     world.set("low", 6)

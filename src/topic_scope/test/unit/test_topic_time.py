@@ -211,9 +211,9 @@ def test_a_slow_topic_follows_a_clock_that_its_neighbour_has_found() -> None:
     quick, slow = Topic(clocks), Topic(clocks)
     for second in range(20):
         back = 100 * NS if second >= 10 else 0
-        came = EPOCH + second * NS + 20 * MS * numpy.arange(50)
-        quick.take(came - EPOCH + 1000 * NS - back, came)
-        slow.take(came[-1:] - EPOCH + 1000 * NS - back, came[-1:])
+        received_at = EPOCH + second * NS + 20 * MS * numpy.arange(50)
+        quick.take(received_at - EPOCH + 1000 * NS - back, received_at)
+        slow.take(received_at[-1:] - EPOCH + 1000 * NS - back, received_at[-1:])
     quick.shown(), slow.shown()
     assert quick.time.clock is slow.time.clock
     assert slow.shown().gaps == [10]
@@ -375,8 +375,8 @@ def test_each_message_is_placed_once_with_any_stamps(data: st.DataObject) -> Non
 def test_trace_does_not_move_once_settled() -> None:
     topic, offsets = Topic(Clocks()), []
     for index in range(1000):
-        came = EPOCH + 10 * MS * index + (20 * MS if index > 300 else 0)
-        topic.take(numpy.array([10 * MS * index]), numpy.array([came]))
+        received_at = EPOCH + 10 * MS * index + (20 * MS if index > 300 else 0)
+        topic.take(numpy.array([10 * MS * index]), numpy.array([received_at]))
         offsets.append(topic.time.clock.offset)
     assert len(set(offsets[250:])) == 1
 
@@ -386,8 +386,8 @@ def test_temporary_delay_does_not_move_the_trace() -> None:
     topic, offsets = Topic(Clocks()), []
     for index in range(500):
         own = 10 * MS * index
-        came = EPOCH + max(own, 3 * NS if 2700 * MS < own < 3 * NS else 0) + index
-        topic.take(numpy.array([own]), numpy.array([came]))
+        received_at = EPOCH + max(own, 3 * NS if 2700 * MS < own < 3 * NS else 0) + index
+        topic.take(numpy.array([own]), numpy.array([received_at]))
         offsets.append(topic.time.clock.offset)
     assert max(offsets) - min(offsets) <= TOLERANCE_NS
 

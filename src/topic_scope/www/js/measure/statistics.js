@@ -128,8 +128,8 @@ export function startMeasures(state, sweep, plot, requests) {
     if (timer !== null) return;
     timer = setTimeout(() => {
       timer = null;
-      const stands = state.values.end !== null || sweep.held;
-      const message = wantedMeasures(state.values, stands ? plot.shown?.reference ?? null : null);
+      const isPaused = state.values.end !== null || sweep.held;
+      const message = wantedMeasures(state.values, isPaused ? plot.shown?.reference ?? null : null);
       requests.sendMeasure(message);
     }, SOON_MS);
   }

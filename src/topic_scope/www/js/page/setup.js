@@ -78,7 +78,7 @@ export function read(setup) {
     let ok = false;
     try {
       ok = PARTS[name].ok(value);
-    } catch (error) { /* there is no such part, or its form is wrong */ }
+    } catch (error) { /* the part is missing or malformed */ }
     if (!ok) throw new Error(`the set-up has an invalid ${name}`);
     return [name, PARTS[name].read ? PARTS[name].read(value) : value];
   }));

@@ -138,9 +138,9 @@ class Page(PageTest):
         self.browser.find("#mask-value").send_keys(Keys.CONTROL + "a")
         self.browser.find("#mask-value").send_keys("5")
         self.browser.find("#mask-begin").click()
-        verdict = self.browser.find("#mask-verdict")
+        result = self.browser.find("#mask-result")
         pattern = r"mask: \d{2,} samples inside, 0 outside.*"
-        wait_until(lambda: re.fullmatch(pattern, verdict.text) is not None, lambda: verdict.text)
+        wait_until(lambda: re.fullmatch(pattern, result.text) is not None, lambda: result.text)
         upper = f"=highest({SIGNAL}, 0.05) + 5.0"
         wait_until(
             lambda: abs(self.cell(upper, "max") - 7.0) < 0.01, lambda: self.browser.text("#legend")
@@ -152,12 +152,12 @@ class Page(PageTest):
         self.browser.find("#mask-value").send_keys(Keys.CONTROL + "a")
         self.browser.find("#mask-value").send_keys("0.5")
         self.browser.find("#mask-begin").click()
-        wait_until(lambda: self.browser.text("#run") == "Run", lambda: verdict.text)
-        self.assertNotIn(" 0 outside", verdict.text)
+        wait_until(lambda: self.browser.text("#run") == "Run", lambda: result.text)
+        self.assertNotIn(" 0 outside", result.text)
         head = self.browser.downloaded("mask_failure.csv").read_text().splitlines()[0]
         self.assertIn(f'{PROCESSED},{SIGNAL},"=lowest({SIGNAL}, 0.05) - 0.5"', head)
         self.browser.find("#mask-end").click()
-        self.assertFalse(verdict.is_displayed())
+        self.assertFalse(result.is_displayed())
 
 
 class Panels(PanelTest):

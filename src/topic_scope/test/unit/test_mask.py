@@ -14,7 +14,7 @@ from test_differences import TimedSource, recording
 from test_one_clock import MS, NOW, received, stamped
 
 from topic_scope.commands import mask as mask_command
-from topic_scope.masks.limits import Mask, MaskCheck, Verdict
+from topic_scope.masks.limits import Mask, MaskCheck, MaskResult
 from topic_scope.sampling.recorder import Recorder
 from topic_scope.timing.nanoseconds import NS
 
@@ -36,7 +36,7 @@ def test_each_sample_is_checked_once_when_its_reference_is_known() -> None:
     source = TimedSource()
     made = recording(source, *MASK.names)
     check = MaskCheck(MASK, 1000.5)
-    assert check.update(made) == Verdict()
+    assert check.update(made) == MaskResult()
     times = [1000.0 + STEP_S * index for index in range(400)]
     # 0.08 s late, which is within 0.1 s; and higher by 2 in five samples.
     values = [wave(index - 8) + (2.0 if 200 <= index < 205 else 0.0) for index in range(400)]
@@ -46,14 +46,14 @@ def test_each_sample_is_checked_once_when_its_reference_is_known() -> None:
         source.receive("/a", times[part], values[part])
         source.receive("/b", times[part], [wave(index) for index in range(400)[part]])
         made.update()
-        verdict = check.update(made)
+        result = check.update(made)
     # Up to 0.1 s before the end the reference is known, and 0.51 s are before the start.
-    assert verdict.inside + verdict.outside == 400 - 51 - 10 and verdict.unchecked == 0
-    assert verdict.outside == 5 and verdict.first == pytest.approx(1002.0)
+    assert result.inside + result.outside == 400 - 51 - 10 and result.unchecked == 0
+    assert result.outside == 5 and result.first == pytest.approx(1002.0)
     # The wave rises there: the highest value is 0.1 s later.
     worst = max(wave(index - 8) + 2.0 - wave(index + 10) - 0.5 for index in range(200, 205))
-    assert verdict.worst == pytest.approx(worst)
-    assert verdict.text == "334 samples inside, 5 outside"
+    assert result.worst == pytest.approx(worst)
+    assert result.text == "334 samples inside, 5 outside"
 
 
 @pytest.mark.parametrize("time", [35.0, 80.0])
@@ -69,9 +69,9 @@ def test_samples_dropped_before_the_check_are_counted_and_reported(time: float) 
             source.receive(topic, times, [0.0] * 10)
         made.update()
         check.update(made)
-    assert check.verdict.outside == 0 and check.verdict.inside < 300
+    assert check.result.outside == 0 and check.result.inside < 300
     # All samples before the stored ones, and those that depend on them.
-    counted = check.verdict.inside + check.verdict.unchecked
+    counted = check.result.inside + check.result.unchecked
     assert counted == pytest.approx(10 * min(141 + time, 200), abs=15)
     says = f" not checked; it needs {time + 1:g} s before and {time:g} s after each, and samples"
     assert says in check.words(made)
@@ -106,10 +106,10 @@ def test_nothing_is_checked_in_a_gap_of_the_reference() -> None:
     source.receive("/b", known, [0.0] * len(known))
     source.time = 1004.0
     made.update()
-    verdict = check.update(made)
+    result = check.update(made)
     # From 0.1 s before the gap to 0.1 s after it, and 0.1 s at the start.
-    assert verdict.outside == 0 and verdict.unchecked == pytest.approx(10 + 120, abs=2)
-    assert verdict.text.endswith(" not checked")
+    assert result.outside == 0 and result.unchecked == pytest.approx(10 + 120, abs=2)
+    assert result.text.endswith(" not checked")
 
 
 @pytest.mark.parametrize(
@@ -130,19 +130,19 @@ def test_late_sample_is_checked_at_its_stamp(late: float) -> None:
     all_late[500][1].point.x = 9.0
     for some in (sorted(one_late, key=lambda one: one[0]), all_late):
         mask = Mask("/a/point/x@stamp", "/b/point/x@stamp", 0.2, 0.05)
-        verdicts = []
+        checks = []
 
         def check(recorder: Recorder) -> None:
-            if not verdicts:
-                verdicts.append(MaskCheck(mask, NOW / NS - 1.0))
-            verdicts[0].update(recorder)
+            if not checks:
+                checks.append(MaskCheck(mask, NOW / NS - 1.0))
+            checks[0].update(recorder)
 
         made = received({"/a": some, "/b": reply}, *mask.names, watch=check)
-        verdicts[0].finish(made)
-        verdict = verdicts[0].verdict
-        assert verdict.outside == 1 and verdict.first == pytest.approx(stamps[500] / NS)
-        assert verdict.inside + verdict.outside + verdict.unchecked == verdicts[0].received == 1000
-        assert verdict.unchecked <= 12
+        checks[0].finish(made)
+        result = checks[0].result
+        assert result.outside == 1 and result.first == pytest.approx(stamps[500] / NS)
+        assert result.inside + result.outside + result.unchecked == checks[0].received == 1000
+        assert result.unchecked <= 12
 
 
 @pytest.mark.extended
@@ -166,9 +166,9 @@ def test_each_sample_is_counted_once(data: st.DataObject) -> None:
     made = received({"/a": reply, "/b": others}, *mask.names, watch=check.update)
     check.update(made)
     check.finish(made)
-    verdict = check.verdict
-    assert verdict.inside + verdict.outside + verdict.unchecked == check.received == count
-    assert verdict.outside == 0
+    result = check.result
+    assert result.inside + result.outside + result.unchecked == check.received == count
+    assert result.outside == 0
 
 
 @pytest.fixture

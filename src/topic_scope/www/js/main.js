@@ -125,7 +125,7 @@ const handlers = {
   master: showMaster,
   overlays: showOverlays,
   playback: (message) => playback.onState(message),
-  mask: (message) => mask.onVerdict(message),
+  mask: (message) => mask.onResult(message),
   formula: (message) => chooser.onFormula(message),
   error: ({ text }) => notify(text),
 };

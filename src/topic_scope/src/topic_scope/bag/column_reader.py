@@ -66,13 +66,13 @@ class ColumnReader:
 
     @property
     def cut_off(self) -> Optional[str]:
-        """Count of messages that end before the field, as text; None if there are none."""
+        """Count of messages that end before the field, as text; None without any."""
         count = self._cut_off
         return f"{count} message{'s' * (count > 1)} cut off: left out" if count else None
 
     @property
     def correction(self) -> Optional[str]:
-        """Rounding and missing values, as text; None if there are none."""
+        """Rounding and missing values, as text; None without any."""
         note = self.states.note if self.states is not None else None
         return "; ".join(filter(None, (rounding_text(self.rounding), self.cut_off, note))) or None
 

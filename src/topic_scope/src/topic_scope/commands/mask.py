@@ -17,7 +17,7 @@ from topic_scope.bag.player import BagPlayer
 from topic_scope.formulas.parser import SECONDS
 from topic_scope.graph.master_watch import GraphState, MasterWatch
 from topic_scope.masks.failure_file import BEFORE_S, save_failure
-from topic_scope.masks.limits import Mask, MaskCheck, Verdict
+from topic_scope.masks.limits import Mask, MaskCheck, MaskResult
 from topic_scope.messages.fields import FieldError
 from topic_scope.messages.layouts import Layouts
 from topic_scope.sampling.raw_subscriptions import RawSubscriptions, SteadyClock
@@ -117,19 +117,19 @@ class TraceChecker:
         :raises OSError: if it cannot be saved
         """
         ended: Optional[float] = None
-        if self._check is not None and (self._arguments.all or self._check.verdict.first is None):
+        if self._check is not None and (self._arguments.all or self._check.result.first is None):
             ended = self._check.finish(self._recorder)
-        verdict = self._check.verdict if self._check is not None else Verdict()
-        print(f"mask: {verdict.text}", flush=True)
-        if verdict.first is not None and self._check is not None:
+        result = self._check.result if self._check is not None else MaskResult()
+        print(f"mask: {result.text}", flush=True)
+        if result.first is not None and self._check is not None:
             print(
-                f"mask: outside for the first time at {verdict.first:.6f} s since the epoch, at "
-                f"worst by {verdict.worst:.6g}",
+                f"mask: outside for the first time at {result.first:.6f} s since the epoch, at "
+                f"worst by {result.worst:.6g}",
                 flush=True,
             )
-            self._save(self._check.mask, verdict.first)
+            self._save(self._check.mask, result.first)
             return OUTSIDE
-        if verdict.inside == 0:
+        if result.inside == 0:
             said = [self._recorder.problem(one) for one in self._names()]
             why = next((text for text in said if text), "the reference is unknown at all samples")
             print(f"mask: no sample could be checked: {why}", file=sys.stderr)
@@ -138,7 +138,7 @@ class TraceChecker:
             name = self._names()[1]
             print(f"mask: {name} ended {ended:.2f} s before the trace did", file=sys.stderr)
             return NOT_CHECKED
-        share = 100.0 * verdict.unchecked / (verdict.inside + verdict.unchecked)
+        share = 100.0 * result.unchecked / (result.inside + result.unchecked)
         if share > self._arguments.unchecked:
             print(
                 f"mask: too many samples were not checked ({share:.3g} %, at most "

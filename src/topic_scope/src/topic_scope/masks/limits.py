@@ -69,7 +69,7 @@ class Mask(NamedTuple):
         return self.field, self.reference, self.upper, self.lower, self.excess
 
 
-class Verdict(NamedTuple):
+class MaskResult(NamedTuple):
     """Result so far.
 
     :param inside: number of samples within the limits
@@ -119,13 +119,13 @@ class MaskCheck:
     :param start: only samples received later are checked [s]
 
     :ivar mask: the limits
-    :ivar verdict: result so far
+    :ivar result: result so far
     :ivar received: number of received samples
     """
 
     def __init__(self, mask: Mask, start: float) -> None:
         self.mask = mask
-        self.verdict = Verdict()
+        self.result = MaskResult()
         self.received = 0
         self._start = to_ns(start)
         self._excess = mask.excess
@@ -142,14 +142,14 @@ class MaskCheck:
         """
         self._start = to_ns(moment)
 
-    def update(self, samplers: SampleReader) -> Verdict:
+    def update(self, samplers: SampleReader) -> MaskResult:
         """Check the new samples, and those whose reference is known now.
 
         :returns: result so far
         """
         field, excess = samplers.trace(self.mask.field), samplers.trace(self._excess)
         if field is None or excess is None:
-            return self.verdict
+            return self.result
         changed, self._updated = samplers.changed_since(self._updated), samplers.updated
         begin = min(to_ns(changed - _MORE_S), self._open_from)
         times, values, received = field.rows(begin, to_ns(math.inf))
@@ -165,7 +165,7 @@ class MaskCheck:
         else:
             self._seen = numpy.sort(numpy.append(self._seen, received[is_new]))[-LIMIT:]
         self._count(excess, times[is_open], received[is_open])
-        return self.verdict
+        return self.result
 
     def _count(self, excess: Recorded, times: numpy.ndarray, received: numpy.ndarray) -> None:
         """Count the uncounted samples whose excess is known.
@@ -173,7 +173,7 @@ class MaskCheck:
         :param times: times of all uncounted samples in memory [ns]
         :param received: their receipt times [ns]
         """
-        before = self.verdict
+        before = self.result
         span = int(times.min(initial=0)), int(times.max(initial=0))
         _, values, found = excess.rows(*span)
         order = found.argsort(kind="stable")
@@ -191,7 +191,7 @@ class MaskCheck:
         self._open = numpy.sort(received[is_open])
         self._open_from = shifted(int(times[is_open].min(initial=to_ns(math.inf))), -NS)
         counted = before.inside + inside + before.outside + len(outside)
-        self.verdict = Verdict(
+        self.result = MaskResult(
             before.inside + inside,
             before.outside + len(outside),
             self.received - counted - len(self._open),
@@ -206,13 +206,13 @@ class MaskCheck:
             if all samples are checked
         """
         left, self._open = len(self._open), self._open[:0]
-        self.verdict = self.verdict._replace(unchecked=self.verdict.unchecked + left)
-        assert sum(self.verdict[:3]) == self.received, "a sample is counted twice, or not at all"
+        self.result = self.result._replace(unchecked=self.result.unchecked + left)
+        assert sum(self.result[:3]) == self.received, "a sample is counted twice, or not at all"
         return self.ended(samplers) if left else None
 
     def words(self, samplers: SampleReader) -> str:
         """Return the result as text, with the reason if no further samples can be checked."""
-        ended, text = self.ended(samplers), self.verdict.text
+        ended, text = self.ended(samplers), self.result.text
         trace = samplers.trace(self._excess)
         if isinstance(trace, ComputedTrace) and trace.problem:
             text = f"{text}; {trace.problem}"

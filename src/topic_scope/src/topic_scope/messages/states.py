@@ -48,7 +48,7 @@ class StateTable:
 
     @property
     def note(self) -> Optional[str]:
-        """Description of dropped or shortened texts; None if there are none."""
+        """Description of dropped or shortened texts; None without any."""
         full = f"more than {TEXTS} different texts: the others are not kept"
         cut = f"texts are cut after {CHARACTERS} characters"
         notes = [full] * (len(self.texts) > TEXTS) + [cut] * self._has_cut

@@ -121,7 +121,7 @@ class Page:
             self._statistics_history.count(self.measure.over_time, span, statistics["traces"])
             self.put(statistics)
             if self.mask is not None:
-                self.put(_verdict_message(self.mask, recorder))
+                self.put(_mask_message(self.mask, recorder))
         chart = self.chart.update(now, samples, longest, self.view)
         if chart is not None:
             self.put(chart)
@@ -164,9 +164,9 @@ class Page:
         return messages
 
 
-def _verdict_message(check: MaskCheck, recorder: Recorder) -> Dict[str, Any]:
+def _mask_message(check: MaskCheck, recorder: Recorder) -> Dict[str, Any]:
     """Return the message with the result of a mask check."""
-    verdict = check.update(recorder)
+    result = check.update(recorder)
     limits = [check.mask.lower, check.mask.upper]
     text = check.words(recorder)
-    return {"type": "mask", "text": text, "limits": limits, **verdict._asdict()}
+    return {"type": "mask", "text": text, "limits": limits, **result._asdict()}

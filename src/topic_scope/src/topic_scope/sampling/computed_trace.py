@@ -107,7 +107,7 @@ class ComputedTrace:
 
     @property
     def lookaround(self) -> Tuple[float, float]:
-        """How far before and after a time samples affect the value [s]."""
+        """Time span of samples before and after a value that affect it [s]."""
         return self._tree.lookaround(self._operands)
 
     @property
@@ -129,7 +129,7 @@ class ComputedTrace:
 
     @property
     def _back(self) -> float:
-        """How far before a time samples affect the value [s]; 0 if unknown."""
+        """Time span of samples before a value that affect it [s]; 0 if unknown."""
         back = self.lookaround[0]
         return max(back, 0.0) if math.isfinite(back) else 0.0
 

@@ -8,7 +8,7 @@ const around = byId("mask-around");
 const numbers = { value: byId("mask-value"), time: byId("mask-time") };
 const stop = byId("mask-stop");
 const begin = byId("mask-begin");
-const verdict = byId("mask-verdict");
+const output = byId("mask-result");
 const end = byId("mask-end");
 
 /** Save the samples around a failure, at full resolution. */
@@ -27,7 +27,7 @@ async function save(fields, from, to) {
  * Make the controls of the mask work.
  * @param {import("../state/store.js").State} state
  * @param {function(Object): void} send sends a request
- * @returns {{choose: function(string): void, onVerdict: function(Object): void, onHello: function(): void}}
+ * @returns {{choose: function(string): void, onResult: function(Object): void, onHello: function(): void}}
  *   choose: offers a mask for a trace
  */
 export function startMask(state, send) {
@@ -37,8 +37,8 @@ export function startMask(state, send) {
   let hasStopped = false;
 
   function showOrHide() {
-    for (const element of [verdict, end]) element.hidden = asked === null;
-    setText(verdict, asked === null ? "" : "mask: …");
+    for (const element of [output, end]) element.hidden = asked === null;
+    setText(output, asked === null ? "" : "mask: …");
   }
 
   function request(wanted) {
@@ -70,13 +70,13 @@ export function startMask(state, send) {
       around.replaceChildren(...options(others));
       begin.disabled = !others.length;
     },
-    onVerdict: ({ text, first, limits }) => {
+    onResult: ({ text, first, limits }) => {
       if (asked === null) return;
       const missing = limits.filter((name) => !state.values.fields.includes(name));
       if (missing.length && !isDrawn) state.set({ fields: [...state.values.fields, ...missing] });
       isDrawn = true;
-      setText(verdict, `mask: ${text}`);
-      verdict.dataset.state = first === null ? "triggered" : "failed";
+      setText(output, `mask: ${text}`);
+      output.dataset.state = first === null ? "triggered" : "failed";
       if (first === null || hasStopped) return;
       hasStopped = true;
       if (stop.checked) stopAt(first, [asked.field, asked.reference, ...limits]);

@@ -193,7 +193,10 @@ class Typist:
             if words[:2] == ["rostopic", "echo"]:
                 return "\n---\n" in job.output()
             if words[:2] == ["rostopic", "pub"]:  # its type is right if a subscriber receives it
-                return any(graph.hearers(node, words[2]) for node in graph.publishers(words[2]))
+                return any(
+                    graph.connected_subscribers(node, words[2])
+                    for node in graph.publishers(words[2])
+                )
             expected = 1 if "rosrun" in words else len(_NODE_OF_LAUNCH.findall(job.output()))
             nodes = graph.nodes()
             return 0 < expected <= len(nodes) and graph.initialised(*nodes)

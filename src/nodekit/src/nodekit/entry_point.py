@@ -58,7 +58,7 @@ def _replace_closed_output() -> None:
 
 @contextlib.contextmanager
 def _ended_by_interrupt() -> Iterator[None]:
-    """End the process at once on Ctrl-C.
+    """End the process immediately on Ctrl-C.
 
     Many imported modules treat any exception as a missing optional module: a KeyboardInterrupt
     could be lost there, and the node would start after all.

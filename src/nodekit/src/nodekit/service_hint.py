@@ -1,6 +1,6 @@
 """Hint for a command whose node does not offer the command's service.
 
-A command finds out which node to suggest, and does not call a running node missing.
+It suggests nodes with a similar name, and tells a running node from a missing one.
 """
 
 import difflib

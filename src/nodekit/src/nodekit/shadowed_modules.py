@@ -9,7 +9,7 @@ import os
 import sys
 from typing import Mapping, Sequence
 
-#: What rospy and nodekit import, by its first name.
+#: Top-level names of the modules that rospy and nodekit import.
 USED = (
     "argparse array atexit base64 bisect calendar collections concurrent contextlib copy copyreg "
     "ctypes dataclasses datetime decimal email enum errno fcntl functools gc genericpath genmsg "
@@ -26,7 +26,7 @@ def check_script_folder(arguments: Sequence[str]) -> None:
     """End the program with one sentence if a file beside its script hides a module.
 
     :param arguments: arguments of the command line; the first is the script
-    :raises SystemExit: if a file does
+    :raises SystemExit: if a file hides a module
     """
     script = os.path.realpath(arguments[0] if arguments else "")
     folder = os.path.dirname(script)
@@ -44,7 +44,7 @@ def check_script_folder(arguments: Sequence[str]) -> None:
 
 
 def warn_of_hidden_modules(environ: Mapping[str, str]) -> None:
-    """Print a sentence for each file on ``PYTHONPATH`` that hides a module; not all do harm.
+    """Print a warning for each file on ``PYTHONPATH`` that hides a module; not all are harmful.
 
     :param environ: variables of the environment
     """
@@ -65,7 +65,7 @@ def warn_of_hidden_modules(environ: Mapping[str, str]) -> None:
 
 
 def _is_imported_from(name: str, path: str) -> bool:
-    """Return whether ``import name`` takes a file, and not a module built in or loaded before."""
+    """Return whether ``import name`` uses a file, not a built-in or already loaded module."""
     if name in sys.builtin_module_names:
         return False
     loaded = getattr(sys.modules.get(name), "__file__", None) or path

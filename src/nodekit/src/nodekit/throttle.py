@@ -1,14 +1,14 @@
 # Pure: knows no ROS.
 """Rate limit of log lines, one per instance and key. Pure: it knows no ROS.
 
-rospy's own throttles are keyed by the line of code: of two topics or two hosted nodes, one silences
-the other. rospy's "identical" throttles log each time that a number in the text changes.
+rospy's own throttles are keyed by the line of code: two topics or two hosted nodes silence each
+other. rospy's "identical" throttles log each time that a number in the text changes.
 """
 
 import time
 from typing import Dict, Hashable
 
-#: With more keys than this, those whose period is over are removed.
+#: Above this number of keys, expired keys are removed.
 _PRUNE_ABOVE = 100
 
 
@@ -27,9 +27,9 @@ class Throttle:
         self._quiet_until: Dict[Hashable, float] = {}
 
     def is_due(self, key: Hashable = None) -> bool:
-        """Return whether to log now; if so, the key is not due again before the period is over.
+        """Return whether to log now; if so, the key is not due again for one period.
 
-        :param key: what the line is about, if the owner logs more than one thing
+        :param key: subject of the line, if the owner logs about several
         """
         now = time.monotonic()
         quiet_until = self._quiet_until.get(key)

@@ -52,7 +52,7 @@ def _check_arguments(function: Callable[..., Any], what: str, arguments: int) ->
     try:
         # A decorator may call the function that it wraps with other arguments.
         signature = inspect.signature(function, follow_wrapped=False)
-    except (TypeError, ValueError):  # some functions of C have none, and proxies an odd one
+    except (TypeError, ValueError):  # C functions may lack a signature, proxies have a wrong one
         return
     try:
         signature.bind(*range(arguments))

@@ -155,7 +155,7 @@ class WithAMaster(unittest.TestCase):
         self.assert_named(lines, "master: ", f"set it to http://{uri}")
         self.assert_named(lines, "own address: ROS_IP '192.0.2.77'", "set ROS_IP to an address of")
         status, lines = self.examine(ROS_MASTER_URI=f"http://{uri}")
-        self.assert_named(lines, "master: none answers", "start one with roscore")
+        self.assert_named(lines, "master: no answer at", "start one with roscore")
 
 
 if __name__ == "__main__":

@@ -78,7 +78,7 @@ class RestartedMaster(ParameterCase):
         refusing = RefusingMaster(self.master.uri)
         self.addCleanup(refusing.close)
         node = self.launch_node("/gauge", ROS_MASTER_URI=refusing.uri)
-        refused = "the master refused to register /gauge/describe"
+        refused = "the master rejected the registration of /gauge/describe"
         node.wait_for_log("ERROR", refused)
         asked = refusing.calls.count("getPid")
         wait_until(  # at the start, twice in the first second, and once in the next two

@@ -39,10 +39,10 @@ RENAMED = {
 #: What is said of it, each once.
 SAID = [
     "a silent connection delays others",
-    "lines that are no text do not reach /rosout",
-    "nodes end after what rospy.on_shutdown was given",
+    "lines with invalid bytes do not reach /rosout",
+    "nodes end after the functions of rospy.on_shutdown",
     "changes are noticed once a second only",
-    "what is made is registered one by one",
+    "topics and services are registered one by one",
     "publishing with queues",
     "receiving one by one",
 ]

@@ -562,7 +562,7 @@ class Nested(Actions):
         self.assertEqual(client.send_goal(TestGoal(1), TIMEOUT_S).status, GoalState.SUCCEEDED)
         with self.node.default_group:
             self.assertTrue(server.waits_for_caller())
-            with self.assertRaisesRegex(GoalError, "give the server a group of its own"):
+            with self.assertRaisesRegex(GoalError, "give the server its own group"):
                 client.send_goal(TestGoal(1), TIMEOUT_S)
             future = client.send_goal_async(TestGoal(1))
         self.assertTrue(future.result().accepted)

@@ -324,7 +324,7 @@ class Table(Managed):
                 wait_until(lambda: group._queue, lambda: "the request does not wait")
                 driver._managed.lifecycle.shut_down_inside()
             waiting.join(TIMEOUT_S)
-        text = f"{driver.node.name}: activate comes too late: the node is finalized"
+        text = f"{driver.node.name}: activate is too late: the node is finalized"
         self.assertEqual(logged.output, [f"WARNING:rosout:{text}"])
         self.assertEqual((replies, driver.called), ([False], ["on_shutdown"]))
 
@@ -774,7 +774,7 @@ class Wanted(Managed):
         for cls, reason in (
             (hosting, "hosts another node"),
             (hosting_many, "hosts another node"),
-            (executing, "has an executor of its own"),
+            (executing, "has its own executor"),
         ):
             with self.subTest(cls.__name__):
                 self.unaware(True, cls)

@@ -137,7 +137,7 @@ class Start(OnMaster):
 
     def test_what_is_closed_amid_the_start_is_not_opened_either(self) -> None:
         for owner, function in (
-            (outgoing_topic, "send_at_once"),
+            (outgoing_topic, "send_directly"),
             (service, "_LoggedService"),
             (incoming_topic, "receive_in_batches"),
             (live_parameters, "open_all"),

@@ -289,13 +289,13 @@ class PublishingTest(unittest.TestCase):
 
     def test_closing_amid_the_opening_leaves_nothing_either(self):
         publisher = Publisher(self.topic, String)
-        register = outgoing_topic.send_at_once
+        register = outgoing_topic.send_directly
 
         def close_and_register(*arguments):
             publisher.close()
             return register(*arguments)
 
-        with mock.patch.object(outgoing_topic, "send_at_once", close_and_register):
+        with mock.patch.object(outgoing_topic, "send_directly", close_and_register):
             publisher.open()
         (published, _, _) = rosgraph.Master(rospy.get_name()).getSystemState()
         self.assertNotIn(self.topic, dict(published))

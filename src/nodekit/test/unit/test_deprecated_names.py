@@ -20,6 +20,7 @@ from nodekit import (
 )
 from nodekit.node.names import Names
 from nodekit.node.old_methods import OldMethods
+from nodekit.testing.graph import Graph
 
 
 class Settings(ParameterSet):
@@ -143,6 +144,16 @@ def test_short_alias_does_not_warn(alias: str, name: str) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error", DeprecationWarning)
         assert getattr(nodekit, alias) is getattr(nodekit, name)
+
+
+def test_old_method_of_the_graph_calls_the_new_one_and_warns_once(monkeypatch: Any) -> None:
+    graph = Graph.__new__(Graph)  # without a master
+    monkeypatch.setattr(Graph, "connected_subscribers", lambda self, *names: {names})
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        found = [graph.hearers("/talker", "/chatter") for _ in range(2)]
+    assert found == 2 * [{("/talker", "/chatter")}]
+    assert texts(caught) == ["hearers(): deprecated name; use connected_subscribers()"]
 
 
 @pytest.mark.parametrize("name", ["console", "costs"])

@@ -378,4 +378,4 @@ def test_processes_that_listen_to_other_machines_are_a_note(host: str) -> None:
         found = [str(each) for each in machine_checks.check_listening(system, None)]
     is_open = host == "0.0.0.0"
     assert is_open == any("every machine in the network can connect to /talker" in f for f in found)
-    assert any("cannot tell to whom /hidden" in f for f in found)
+    assert any("unknown for /hidden" in f for f in found)

@@ -55,7 +55,7 @@ def test_names_that_are_allowed(name: str) -> None:
         ),
         *((name, "already used by Python") for name in ("class", "json", "sys", "yaml")),
         ("package_name", "already used by Python"),
-        ("my_old_package", "there is one in /somewhere/my_old_package"),
+        ("my_old_package", "already exists in /somewhere/my_old_package"),
     ],
 )
 def test_names_that_are_refused(name: str, why: str) -> None:

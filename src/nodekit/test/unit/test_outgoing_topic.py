@@ -180,7 +180,7 @@ def test_largest_queue_size_of_a_topic_counts_for_connected_subscribers_too(open
 
 @pytest.mark.parametrize("queue_size", [-2, 1.5, "10"])
 def test_invalid_queue_size_is_refused(unopened, queue_size):
-    must = "must be a whole number of at least 1, or 0 or -1 for no limit of its own"
+    must = "must be a whole number of at least 1, or 0 or -1 for no limit"
     with pytest.raises(ValueError, match=f"{TOPIC}: queue_size: refused {queue_size!r}: {must}"):
         unopened(String, queue_size=queue_size)
 

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nodekit.shared_memory import channel, frame, memory, shared_connection
-from nodekit.shared_memory.channel import ChannelListener, Loan, Offer, Refusal, WriterChannel
+from nodekit.shared_memory.channel import ChannelListener, Loan, Offer, OfferRejected, WriterChannel
 from nodekit.shared_memory.frame import Frame
 from nodekit.shared_memory.memory import ReadMemory, WrittenMemory
 from nodekit.shared_memory.segment_pool import IDLE_S
@@ -373,14 +373,14 @@ def test_fifty_subscribers_that_come_and_go_get_every_message_while_there(subscr
 )
 def test_offer_that_cannot_be_taken_is_refused_with_the_reason(listener, change, why):
     before = descriptors()
-    with pytest.raises(Refusal, match=why):
+    with pytest.raises(OfferRejected, match=why):
         WriterChannel(listener.offer()._replace(**change))
     assert descriptors() == before
 
 
 def test_subscriber_of_another_user_is_refused(listener, monkeypatch):
     monkeypatch.setattr(channel.os, "geteuid", lambda: os.getuid() + 1)
-    with pytest.raises(Refusal, match="another user"):
+    with pytest.raises(OfferRejected, match="another user"):
         WriterChannel(listener.offer())
 
 
@@ -402,7 +402,7 @@ def test_refusal_is_reported_once_and_messages_go_by_the_connection(listener):
         offer = Offer("another", "host", "token")
         link = SharedConnection("receiver", ours, lock, None, TopicMemory(lock), offer)
         refused = []
-        link.on_refused = refused.append
+        link.on_rejected = refused.append
         assert not link.shares()
         assert not link.shares()
         assert refused == ["the subscriber is on another host"]

@@ -34,7 +34,9 @@ def test_managed_node_is_one_in_ros2(ros: both.Both, bridge: both.Bridge) -> Non
         states = ros.call2(GetAvailableStates, f"{NODE}/get_available_states").available_states
         assert len(states) == 11
         topic = f"{NODE}/transition_event"
-        wait_until(lambda: Graph().hearers(NODE, topic), lambda: "the bridge does not listen")
+        wait_until(
+            lambda: Graph().connected_subscribers(NODE, topic), lambda: "the bridge does not listen"
+        )
         assert not change(ros, "activate")
         assert change(ros, "configure")
         assert change(ros, "activate")

@@ -1,4 +1,4 @@
-"""GoalList: the goals that a server lists, and which of them a cancellation is for."""
+"""GoalList: a server's list of goals, which selects the goals to cancel."""
 
 from typing import Dict, Iterator, List, NamedTuple, Optional
 
@@ -15,8 +15,8 @@ class Goal:
     :param stamp: ROS time at which its client sent it [ns]
 
     :ivar state: its state
-    :ivar text: what the server says of its state
-    :ivar ended_at: monotonic time at which it ended, or was cancelled before it came [s]
+    :ivar text: the server's comment on its state
+    :ivar ended_at: monotonic time at which it ended, or was cancelled before it arrived [s]
     """
 
     __slots__ = ("id", "stamp", "state", "text", "ended_at")
@@ -37,7 +37,7 @@ class Arrival(NamedTuple):
 
     :param goal: the listed goal
     :param is_new: whether the server has to decide about it
-    :param is_recalled: whether it has just been recalled, as it was cancelled before it came
+    :param is_recalled: whether it has just been recalled: cancelled before it arrived
     """
 
     goal: Goal
@@ -56,7 +56,7 @@ class GoalList:
         return iter(list(self._goals.values()))
 
     def add(self, id: str, stamp: int, ros_time: int, now: float) -> Arrival:
-        """List a goal that arrives.
+        """Add a goal on arrival.
 
         :param id: its id
         :param stamp: ROS time at which it was sent; 0 if unknown [ns]
@@ -67,27 +67,27 @@ class GoalList:
         if known is not None:
             is_recalled = known.state is GoalState.RECALLING and known.ended_at is not None
             if is_recalled:
-                self.apply(known, GoalEvent.CANCEL, "cancelled before it came", now)
+                self.apply(known, GoalEvent.CANCEL, "cancelled before it arrived", now)
             return Arrival(known, False, is_recalled)
         goal = self._goals[id] = Goal(id, stamp or ros_time)
         if ros_time < self._cancelled_until:  # the clock was set back
             self._cancelled_until = 0
         is_recalled = 0 < stamp <= self._cancelled_until
         if is_recalled:
-            self.apply(goal, GoalEvent.CANCEL, "cancelled before it came", now)
+            self.apply(goal, GoalEvent.CANCEL, "cancelled before it arrived", now)
         return Arrival(goal, not is_recalled, is_recalled)
 
     def cancel(self, id: str, stamp: int, ros_time: int, now: float) -> List[Goal]:
-        """Return the goals that a cancellation is for.
+        """Return the goals that a cancellation selects.
 
         That is the goal with the id, and all that were sent until the stamp; all goals if both are
-        unset. A goal that comes later is cancelled too, if it has the id or was sent until then.
+        unset. A goal that arrives later is cancelled too if it has the id or was sent until then.
 
         :param id: id of a goal, or empty
         :param stamp: ROS time, or 0 [ns]; one ahead of now means now
         :param ros_time: ROS time now [ns]
         :param now: monotonic time [s]
-        :returns: goals that have not ended, and whose cancellation was not requested before
+        :returns: running goals that were not cancelled before
         """
         if id and id not in self._goals:
             early = self._goals[id] = Goal(id, stamp)
@@ -108,7 +108,7 @@ class GoalList:
 
         :param goal: a listed goal
         :param event: the event
-        :param text: what the server says of the new state
+        :param text: the server's comment on the new state
         :param now: monotonic time [s]
         :returns: whether that is allowed in its state
         """

@@ -17,10 +17,10 @@ from nodekit.parameter_server.parameter_services import CHANGE
 
 
 def main() -> None:
-    """Change parameters of one node: all, or none if one is refused."""
+    """Change parameters of one node: all, or none if one is rejected."""
     parser = argparse.ArgumentParser(
         prog="change",
-        description="Change parameters of a running node: all or, where one is refused, none.",
+        description="Change parameters of a running node: all, or none if one is rejected.",
     )
     parser.add_argument("namespace", metavar="NAMESPACE", help="the node")
     parser.add_argument(

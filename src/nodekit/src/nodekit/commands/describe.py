@@ -70,7 +70,7 @@ def _describe_together(names: List[str], wants_yaml: bool) -> bool:
             DescriptionError,
             LookupError,
             TypeError,
-        ):  # a service of that name from another kind of node
+        ):  # another node's service with the same name
             print(f"describe: {name}/{DESCRIBE} does not describe parameters", file=sys.stderr)
             missing += 1
             continue

@@ -32,17 +32,17 @@ from nodekit.process import own_address
 
 
 def main() -> None:
-    """Print what keeps a ROS system from working, a line each, with its cause and a remedy."""
+    """Print the faults of a ROS system, one per line, with cause and remedy."""
     argparse.ArgumentParser(
         prog="doctor",
         description="Check the workspace here, this machine, the master and all running nodes."
-        " Faults stand last, each with what to do. The exit status is 0 without a fault, else 1.",
+        " Faults are printed last, each with a remedy. The exit status is 1 on faults, else 0.",
     ).parse_args(rospy.myargv()[1:])
     own_address.default_to_loopback(os.environ, sys.argv)  # as nodekit's nodes do
     try:
         findings = examine()
     except KeyboardInterrupt:
-        sys.exit(130)  # as a shell puts it
+        sys.exit(130)  # a shell's status after Ctrl-C
     print(report(findings))
     sys.exit(1 if count_faults(findings) else 0)
 
@@ -60,7 +60,7 @@ def examine() -> List[Finding]:
             findings += _examine_graph(master, uri)
     except MasterUnreachable as error:
         advice = "start one with roscore or roslaunch, or set ROS_MASTER_URI to one that runs"
-        findings.append(fault("master", f"none answers at {error}", advice))
+        findings.append(fault("master", f"no answer at {error}", advice))
     return findings
 
 
@@ -86,7 +86,7 @@ def _examine_graph(master: MasterClient, uri: str) -> List[Finding]:
 
 
 def _checked_links(graph: Snapshot) -> List[Finding]:
-    """Check connections, a second time where one is missing."""
+    """Check connections; check again if one is missing."""
     findings = check_links(graph)
     return check_links(survey_links(graph)) if count_faults(findings) else findings
 

@@ -21,8 +21,8 @@ def main() -> None:
         metavar="MEMBER",
         nargs="+",
         type=member,
-        help="MODULE:CLASS, such as basic_comms.nodes.talker:Talker; its name is the module's"
-        " last, talker, unless another one and = precede it: robot1/talker=...",
+        help="MODULE:CLASS, such as basic_comms.nodes.talker:Talker; the node is named after the"
+        " module, talker, unless a name is given: robot1/talker=...",
     )
     host("host", parser.parse_args(rospy.myargv()[1:]).members)
 

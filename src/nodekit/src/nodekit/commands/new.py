@@ -28,10 +28,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         prog="new",
         description="Create a package with a node, its live parameters, its launch file and its"
-        " test: it builds, runs and passes its test as it is.",
+        " test: it builds, runs and passes its test without changes.",
     )
     parser.add_argument("name", metavar="NAME", help="name of the package")
-    where = "where to make it; by default the src of the current workspace"
+    where = "folder to create it in; by default the src of the current workspace"
     parser.add_argument("folder", metavar="FOLDER", nargs="?", help=where)
     arguments = parser.parse_args()
     packages = rospkg.RosPack()
@@ -69,7 +69,7 @@ def check_name(name: str, packages: rospkg.RosPack) -> None:
     if name == PLACEHOLDER or keyword.iskeyword(name) or _is_taken_by_python(name):
         raise NewPackageError(f"package name '{name}': already used by Python")
     if name in packages.list():
-        raise NewPackageError(f"package name '{name}': there is one in {packages.get_path(name)}")
+        raise NewPackageError(f"package name '{name}': already exists in {packages.get_path(name)}")
 
 
 def _is_taken_by_python(name: str) -> bool:
@@ -110,9 +110,9 @@ def make(name: str, folder: pathlib.Path, template: pathlib.Path) -> pathlib.Pat
 
     :param name: its name, already checked
     :param folder: the folder to create it in
-    :param template: what to make it from
+    :param template: folder of the template
     :returns: its folder
-    :raises NewPackageError: if it cannot be made
+    :raises NewPackageError: if it cannot be created
     """
     folder = folder.resolve()
     package, around = folder / name, _package_around(folder)

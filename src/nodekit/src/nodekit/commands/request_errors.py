@@ -22,4 +22,4 @@ def exit_on_error(command: str, node: str) -> Iterator[None]:
     except CallError as error:
         sys.exit(f"{command}: {node} does not answer: {error}")
     except KeyboardInterrupt:
-        sys.exit(130)  # as a shell puts it
+        sys.exit(130)  # a shell's status after Ctrl-C

@@ -18,7 +18,7 @@ class Finding(NamedTuple):
 
     :param level: the weight
     :param subject: what was checked: a node, a topic, a file
-    :param problem: what is the case
+    :param problem: the observation
     :param remedy: what to do; empty for nothing
     """
 
@@ -33,12 +33,12 @@ class Finding(NamedTuple):
 
 
 def ok(subject: str, state: str) -> Finding:
-    """Return a finding that says that all is well."""
+    """Return a finding without a problem."""
     return Finding(Level.OK, subject, state)
 
 
 def note(subject: str, problem: str, remedy: str = "") -> Finding:
-    """Return a finding that may be meant so, or of a check that was not possible."""
+    """Return a finding that may be intended, or about a check that was not possible."""
     return Finding(Level.NOTE, subject, problem, remedy)
 
 
@@ -48,7 +48,7 @@ def fault(subject: str, problem: str, remedy: str) -> Finding:
 
 
 def report(findings: Iterable[Finding]) -> str:
-    """Return a line for each finding, faults last, and one with their number."""
+    """Return one line per finding, faults last, and a line with the number of faults."""
     order = list(Level)
     lines: List[Finding] = sorted(findings, key=lambda finding: order.index(finding.level))
     faults = count_faults(lines)

@@ -10,14 +10,14 @@ from nodekit.doctor.snapshot import Snapshot, is_loopback
 
 #: Topics of ROS itself, which need no second side.
 _OF_ROS = ("/rosout", "/rosout_agg", "/clock", "/tf", "/tf_static", "/diagnostics")
-#: Least likeness of two names that are taken for one, by difflib's measure.
+#: Smallest similarity of two names that suggests a typing error, as difflib's ratio.
 _ALIKE = 0.8
-#: Largest difference of two clocks that is not named [s].
+#: Largest difference of two clocks that is not reported [s].
 _CLOCK_TOLERANCE_S = 1.0
 
 
 def check_nodes(graph: Snapshot) -> List[Finding]:
-    """Name nodes that do not answer, and those that other machines cannot reach."""
+    """Report nodes that do not answer, and nodes that other machines cannot reach."""
     findings = []
     for name, node in sorted(graph.nodes.items()):
         if node.error:
@@ -46,10 +46,10 @@ def check_nodes(graph: Snapshot) -> List[Finding]:
 
 
 def check_types(graph: Snapshot, local_md5sum: Callable[[str], Optional[str]]) -> List[Finding]:
-    """Name topics whose nodes disagree about the type, or its definition.
+    """Report topics with more than one type, or with different definitions of it.
 
     :param graph: the graph
-    :param local_md5sum: returns the checksum of a type as it is defined here, None if it is not
+    :param local_md5sum: returns the checksum of a type's local definition, None if missing
     """
     findings = []
     for topic in sorted({*graph.publishers, *graph.subscribers}):
@@ -66,7 +66,7 @@ def check_types(graph: Snapshot, local_md5sum: Callable[[str], Optional[str]]) -
 
 
 def _types_of(graph: Snapshot, topic: str) -> Dict[str, Set[str]]:
-    """Return the nodes by the type that they use for a topic; ``*`` stands for any."""
+    """Return the nodes by the type that they use for a topic; ``*`` is any type."""
     found: Dict[str, Set[str]] = collections.defaultdict(set)
     for node in graph.publishers.get(topic, []):
         if (topic, node) in graph.publications:
@@ -102,7 +102,7 @@ def _definitions(graph: Snapshot, topic: str, kind: str, local: Optional[str]) -
 
 
 def check_links(graph: Snapshot) -> List[Finding]:
-    """Name pairs of nodes that share a topic of one type and are not connected.
+    """Report pairs of nodes that share a topic of one type and are not connected.
 
     The publisher's list decides: a subscriber of rospy lists a connection that it only attempts.
     """
@@ -133,7 +133,7 @@ def check_links(graph: Snapshot) -> List[Finding]:
 
 
 def check_sides(graph: Snapshot) -> List[Finding]:
-    """Name topics with subscribers only, or with publishers only if a near name lacks them."""
+    """Report topics without publishers, and similar names that lack only subscribers."""
     findings = []
     unheard = {
         topic
@@ -195,7 +195,8 @@ def check_clocks(graph: Snapshot, use_sim_time: bool) -> List[Finding]:
     findings = []
     simulated = _simulated_time(graph) if use_sim_time else None
     if use_sim_time and graph.subscribers.get("/clock") and simulated is None:
-        findings.append(note("/clock", "no message came: the simulated time stands, as in a pause"))
+        problem = "no message received: the simulated time does not advance, as in a pause"
+        findings.append(note("/clock", problem))
     for (topic, name), publication in sorted(graph.publications.items()):
         node = graph.nodes.get(name)
         if topic == "/clock" or not publication.stamp or node is None:
@@ -227,7 +228,7 @@ def _simulated_time(graph: Snapshot) -> Optional[float]:
 
 
 def _list(names: Set[str]) -> str:
-    """Return names for a sentence, the first three by name."""
+    """Return a list of names for a sentence; more than three are only counted."""
     shown = sorted(names)[:3]
     more = len(names) - len(shown)
     return " and ".join([*shown, f"{more} more"] if more else shown)

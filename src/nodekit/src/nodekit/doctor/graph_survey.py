@@ -24,9 +24,9 @@ CALLER = "/doctor"
 _TIMEOUT_S = 3.0
 #: Longest wait for a message with a stamp [s].
 _MESSAGE_S = 1.5
-#: Most nodes asked at a time.
+#: Largest number of nodes queried at a time.
 _TOGETHER = 24
-#: Pause before a second look at connections that a first one has missed [s].
+#: Pause before connections that were not seen are checked again [s].
 _SECOND_LOOK_S = 2.0
 _ERRORS = (OSError, http.client.HTTPException, xmlrpc.client.Error, UnicodeError)
 
@@ -49,7 +49,7 @@ def survey(master: MasterClient) -> Snapshot:
             (topic, name)
             for topic, senders in publishers.items()
             for name in senders
-            # A publisher without a subscriber may have to begin work for one.
+            # A publisher without subscribers may have to start its work first.
             if subscribers.get(topic) and not nodes[name].error
         ]
         found = pool.map(lambda pair: ask_publisher(nodes[pair[1]].uri, pair[0]), pairs)
@@ -58,7 +58,7 @@ def survey(master: MasterClient) -> Snapshot:
 
 
 def survey_links(graph: Snapshot) -> Snapshot:
-    """Return a graph with the connections of its nodes read again, a moment later.
+    """Return a graph after reading its nodes' connections again, a moment later.
 
     A node that has just begun is not connected yet.
 
@@ -75,7 +75,7 @@ def survey_links(graph: Snapshot) -> Snapshot:
 
 
 def ask_node(uri: str) -> NodeState:
-    """Return what a node answers about itself.
+    """Return the state of a node, from its own reply.
 
     :param uri: URI that it has registered
     """
@@ -91,8 +91,8 @@ def ask_node(uri: str) -> NodeState:
         )
     except _ERRORS as error:
         return NodeState(uri, host, is_local, *_reason(error, uri, host))
-    except (TypeError, ValueError) as error:  # an answer of another form
-        return NodeState(uri, host, is_local, f"answers like no node at {uri!r} ({error})", _CLEAN)
+    except (TypeError, ValueError) as error:  # a malformed reply
+        return NodeState(uri, host, is_local, f"malformed reply from {uri!r} ({error})", _CLEAN)
 
 
 _CLEAN = "remove what it has registered: rosnode cleanup"
@@ -141,7 +141,7 @@ def _links(node: xmlrpc.client.ServerProxy) -> Optional[FrozenSet[Tuple[str, str
 
 
 def ask_publisher(uri: str, topic: str) -> Optional[Publication]:
-    """Return what a publisher answers to a subscriber, and the stamp of a message it sends.
+    """Return a publisher's connection header, and the stamp of a message that it sends.
 
     :param uri: URI of its node
     :param topic: global name of the topic
@@ -149,7 +149,7 @@ def ask_publisher(uri: str, topic: str) -> Optional[Publication]:
     """
     with contextlib.suppress(
         *_ERRORS,
-        LookupError,  # a header without what it must have, as one that refuses
+        LookupError,  # a header that lacks fields, such as a rejection
         TypeError,
         ValueError,
         struct.error,
@@ -175,7 +175,7 @@ def ask_publisher(uri: str, topic: str) -> Optional[Publication]:
 
 
 def stamp_offset(header: Dict[str, str]) -> Optional[int]:
-    """Return where the stamp begins in messages of a publisher [bytes].
+    """Return the offset of the stamp in messages of a publisher [bytes].
 
     :param header: fields of the publisher's connection header
     :returns: None for messages without a stamp, and for latched ones, which may be old
@@ -193,7 +193,7 @@ def stamp_offset(header: Dict[str, str]) -> Optional[int]:
 
 
 def _first_stamp(connection: socket.socket, received: bytes, offset: int) -> Optional[float]:
-    """Return the stamp of the first message on a connection [s], None if none comes in time."""
+    """Return the stamp of the first message on a connection [s], None after the timeout."""
     start = 4 + offset  # after the message's length
     end = time.monotonic() + _MESSAGE_S
     with contextlib.suppress(socket.timeout):

@@ -44,7 +44,7 @@ def check_address(environ: Mapping[str, str]) -> List[Finding]:
 
 
 def check_master_reaches(master_uri: str) -> List[Finding]:
-    """Check that the master can call nodes on this machine: a node of its own subscribes.
+    """Check that the master can call nodes on this machine, by subscribing a test node.
 
     :param master_uri: URI of the master
     """
@@ -87,7 +87,7 @@ def check_master_reaches(master_uri: str) -> List[Finding]:
 
 
 def owner_of_master(uri: str, pid: int) -> Optional[str]:
-    """Return the name of the user whose process a master on this machine is.
+    """Return the name of the user that runs the master on this machine.
 
     :param uri: URI of the master
     :param pid: its process id, as it reports it
@@ -103,7 +103,7 @@ def owner_of_master(uri: str, pid: int) -> Optional[str]:
 
 
 def check_launch_arguments() -> List[Finding]:
-    """Name arguments that a running roslaunch ignores, since no launch file declares them."""
+    """Report arguments that a running roslaunch ignores because no launch file declares them."""
     findings = []
     for pid, words in _processes():
         names = [os.path.basename(word) for word in words[:2]]
@@ -113,7 +113,7 @@ def check_launch_arguments() -> List[Finding]:
         with contextlib.suppress(OSError, ElementTree.ParseError, rospkg.ResourceNotFound):
             for problem in launch_arguments.ignored(given, os.readlink(f"/proc/{pid}/cwd")):
                 subject = f"roslaunch (process {pid})"
-                findings.append(fault(subject, problem, "correct it, or leave it out"))
+                findings.append(fault(subject, problem, "correct or remove it"))
     return findings
 
 
@@ -126,7 +126,7 @@ def _processes() -> Iterator[Tuple[int, List[str]]]:
 
 
 def check_listening(graph: Snapshot, master_pid: Optional[int]) -> List[Finding]:
-    """Name processes of the graph on this machine that listen to other machines.
+    """Report processes of the graph on this machine that listen to other machines.
 
     :param graph: the graph
     :param master_pid: process of the master, None if it is on another machine
@@ -151,7 +151,7 @@ def check_listening(graph: Snapshot, master_pid: Optional[int]) -> List[Finding]
     if "/rosout" in open_to_all:  # written in C++, it follows no setting
         open_to_all.remove("/rosout")
         problem = "every machine in the network can connect to /rosout, whatever the settings"
-        findings.append(note("ports", problem, "block its port with a firewall where that matters"))
+        findings.append(note("ports", problem, "block its port with a firewall if that matters"))
     if open_to_all:
         names = ", ".join(open_to_all[:4]) + (" …" if len(open_to_all) > 4 else "")
         findings.append(
@@ -163,7 +163,7 @@ def check_listening(graph: Snapshot, master_pid: Optional[int]) -> List[Finding]
         )
     if unreadable:
         findings.append(
-            note("ports", f"cannot tell to whom {', '.join(unreadable[:4])} listen: another user's")
+            note("ports", f"unknown for {', '.join(unreadable[:4])}: another user's process")
         )
     return findings or [ok("ports", "reached from this machine only")]
 

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""The graph at one moment: what the master lists, and what nodes and publishers answer."""
+"""Snapshot of the graph, from the master, the nodes and the publishers."""
 
 import dataclasses
 from typing import Dict, FrozenSet, List, Optional, Tuple
@@ -15,7 +15,7 @@ def is_loopback(host: str) -> bool:
 
 @dataclasses.dataclass(frozen=True)
 class NodeState:
-    """One registered node, as it answers itself.
+    """State of a registered node, from its own reply.
 
     :param uri: URI that it has registered
     :param host: host of this URI

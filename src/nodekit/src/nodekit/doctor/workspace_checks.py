@@ -19,10 +19,10 @@ def check_workspace(folder: str) -> List[Finding]:
     """
     workspace = find_workspace(folder)
     if workspace is None:
-        return [ok("workspace", "none here; what is sourced is used")]
+        return [ok("workspace", "none here; the sourced workspaces are used")]
     packages = rospkg.RosPack(ros_paths=[os.path.join(workspace, "src")])
     if not packages.list():
-        return [ok("workspace", f"no package in {workspace}; what is sourced is used")]
+        return [ok("workspace", f"no package in {workspace}; the sourced workspaces are used")]
     sourced = rospkg.RosPack()
     findings: List[Finding] = []
     unsourced = []
@@ -34,7 +34,7 @@ def check_workspace(folder: str) -> List[Finding]:
             unsourced.append(name)
             continue
         if os.path.realpath(used) != os.path.realpath(path):
-            advice = "source the workspace that is meant, in a new shell"
+            advice = "source the intended workspace in a new shell"
             findings.append(fault(name, f"{path} is hidden by the copy in {used}", advice))
             continue
         findings += _outdated_interfaces(name, path)
@@ -45,7 +45,7 @@ def check_workspace(folder: str) -> List[Finding]:
 
 
 def find_workspace(folder: str) -> Optional[str]:
-    """Return the catkin workspace that contains a folder, None if none does.
+    """Return the catkin workspace that contains a folder, None outside a workspace.
 
     :param folder: path
     """
@@ -70,12 +70,12 @@ def _unsourced(workspace: str, names: List[str]) -> Finding:
         command = "catkin build" if has_tools else "catkin_make"
         return fault(workspace, f"not built ({shown})", f"cd {workspace} && {command}")
     if os.path.join(workspace, "devel") in os.environ.get("CMAKE_PREFIX_PATH", "").split(":"):
-        return fault(shown, "found by no command, though the workspace is sourced", "build again")
+        return fault(shown, "not found, though the workspace is sourced", "build again")
     return fault(workspace, f"not sourced in this shell ({shown})", f"source {setup}")
 
 
 def _outdated_interfaces(name: str, path: str) -> Iterator[Finding]:
-    """Yield a fault for each message or service that is newer than what was built from it."""
+    """Yield a fault for each message or service that is newer than the code built from it."""
     for kind in ("msg", "srv", "action"):
         folder = os.path.join(path, kind)
         for file in sorted(os.listdir(folder)) if os.path.isdir(folder) else []:

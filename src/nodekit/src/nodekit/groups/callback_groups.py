@@ -2,7 +2,7 @@
 
 rospy makes callbacks from many threads: one per connection, one for timers, one per call of a
 service. Callbacks of a mutually exclusive group still run one after the other, in order of arrival,
-so that a node's class needs no lock of its own.
+so that a node's class needs no locks.
 
 A group is not a lock. The thread that leaves it hands it over to the next in the queue:
 
@@ -20,7 +20,7 @@ Work = Callable[[], None]
 
 
 class _WaitingThread:
-    """A thread that waits for its turn."""
+    """A thread that waits for the group."""
 
     def __init__(self) -> None:
         self.thread = threading.get_ident()
@@ -223,7 +223,7 @@ class MutuallyExclusiveCallbackGroup(CallbackGroup):
         return True
 
 
-#: Short name of the group with which a node's author keeps callbacks apart.
+#: Short name of :class:`MutuallyExclusiveCallbackGroup`.
 Group = MutuallyExclusiveCallbackGroup
 
 
@@ -262,7 +262,7 @@ class ReentrantCallbackGroup(CallbackGroup):
                     self._left.notify_all()
 
     def offer(self, work: Work) -> None:
-        """Do some work at once.
+        """Do some work immediately.
 
         :param work: what to do
         """
@@ -273,7 +273,7 @@ class ReentrantCallbackGroup(CallbackGroup):
             self.leave()
 
     def admit(self, admitted: Work) -> None:
-        """Call back at once; see :meth:`CallbackGroup.admit`."""
+        """Call back immediately; see :meth:`CallbackGroup.admit`."""
         admitted()
 
     def adopt(self) -> None:
@@ -300,4 +300,4 @@ class ReentrantCallbackGroup(CallbackGroup):
 
 
 class NoGroup(ReentrantCallbackGroup):
-    """The group of the toolkit's own callbacks for a node; no executor makes their calls."""
+    """Group of nodekit's internal callbacks for a node; no executor makes their calls."""

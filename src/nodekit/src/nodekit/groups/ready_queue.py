@@ -1,4 +1,4 @@
-"""Ready queue of an executor, and the call queue of each callback; without threads of their own.
+"""Ready queue of an executor, and the call queue of each callback.
 
 Each subscription, timer or service has a call queue for waiting items. The call queue requests
 admission to its group, and is ready only when the group is reserved for it: so no thread of the
@@ -207,7 +207,7 @@ class ReadyQueue:
 
     def _drop_rest(self) -> None:
         me = threading.get_ident()
-        if me in self._dropping:  # a recursive call: the loop below goes on with the rest
+        if me in self._dropping:  # a recursive call: the outer loop drops the rest
             return
         self._dropping.add(me)
         call = self.next_call(wait=False)

@@ -1,4 +1,4 @@
-"""Publishers and timers that work only while their node is active, and the gate they obey."""
+"""Publishers and timers that work only while their node is active, and their switch."""
 
 import threading
 from typing import Any, Callable, List, Optional, Sequence, Set, Union
@@ -57,7 +57,7 @@ class ActivationGate:
         self._notify()
 
     def allow_ticking(self, ticks: bool) -> None:
-        """Switch timers on, with a first tick at once, or off.
+        """Switch timers on, with an immediate first tick, or off.
 
         :param ticks: whether they tick
         """
@@ -95,8 +95,8 @@ class DeactivateHook(Callback):
 class ManagedPublisher(Publisher):
     """Publisher that publishes only while its node is active.
 
-    Messages at other times are dropped. The last message of a latched topic, which stands for a
-    state, is kept and sent when the node becomes active.
+    Messages at other times are dropped. The last message of a latched topic is a state: it is kept
+    and sent when the node becomes active.
 
     :param gate: says whether the node is active
     :param name: topic, resolved
@@ -145,7 +145,7 @@ class ManagedPublisher(Publisher):
 
     @property
     def _passes(self) -> bool:
-        """Whether a message is sent at once: the gate is open, and no kept message precedes it."""
+        """Whether a message is sent now: the gate is open, and no kept message precedes it."""
         return self._is_closed or (self._gate.publishes and self._kept is None)
 
     def update(self) -> None:

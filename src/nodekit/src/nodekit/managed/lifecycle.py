@@ -1,4 +1,4 @@
-"""Transitions of a managed node: callbacks of its class, and the scopes these create."""
+"""Transitions of a managed node: callbacks of its class, and their scopes."""
 
 import contextlib
 import traceback
@@ -38,7 +38,7 @@ class Lifecycle:
     """Lifecycle of a node: performs its transitions.
 
     :param node: the node
-    :param callbacks: callback of each transition state; the first two get a scope of their own
+    :param callbacks: callback of each transition state; the first two receive a scope
     :param on_step: called after each step, with its transition
     :raises TypeError: if a callback is not callable, or async
 
@@ -72,7 +72,7 @@ class Lifecycle:
         :returns: whether the callback succeeded
         """
         if self.machine.state != transition.start:  # a callback has ended the process meanwhile
-            text = "%s: %s comes too late: the node is %s"
+            text = "%s: %s is too late: the node is %s"
             rospy.logwarn(text, self._node.name, transition.label, self.machine.state.label)
             return False
         self.previous = transition.start
@@ -129,7 +129,7 @@ class Lifecycle:
             self.machine.release()
 
     def shut_down_inside(self) -> None:
-        """Go through shutdown at once, in place of a thread whose callback ends the process.
+        """Shut down immediately, in place of a thread that ends the process from a callback.
 
         That thread waits meanwhile, and must then adopt the group again. A caller that has claimed
         the machine is waiting for the group, or about to release the machine.

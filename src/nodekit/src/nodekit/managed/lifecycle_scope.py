@@ -15,12 +15,12 @@ from nodekit.node.start_queue import StartQueue
 from nodekit.node.timers import NodeTimer
 from nodekit.timing.scheduler import Scheduler
 
-#: Attributes of a Node that a scope lacks, and what a class does that uses them.
-_ONLY_OF_NODE = {"host": "hosts another node", "executor": "has an executor of its own"}
+#: Attributes of a Node that a scope lacks, with the reason for the error.
+_ONLY_OF_NODE = {"host": "hosts another node", "executor": "has its own executor"}
 
 
 class CannotManage(AttributeError):
-    """Error of a class that cannot be managed; the text says what it does."""
+    """Error of a class that cannot be managed; the text has the reason."""
 
 
 class LifecycleScope(NodeScope):
@@ -48,7 +48,7 @@ class LifecycleScope(NodeScope):
         self._gate = gate
 
     def open(self) -> None:
-        """Open what was created; what is created from now on is opened at once.
+        """Open all created resources; later ones are opened immediately.
 
         :raises rospy.ROSException: if a topic is used with two types
         """
@@ -74,6 +74,6 @@ class LifecycleScope(NodeScope):
         return ManagedPublisher(self._gate, name, data_class, *options)
 
     def _new_timer(self, scheduler: Scheduler, group: CallbackGroup, *options: Any) -> NodeTimer:
-        if isinstance(group, NoGroup):  # a timer of the toolkit itself
+        if isinstance(group, NoGroup):  # an internal timer of nodekit
             return super()._new_timer(scheduler, group, *options)
         return ManagedTimer(self._gate, scheduler, group, *options)

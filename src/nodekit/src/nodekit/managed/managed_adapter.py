@@ -41,7 +41,7 @@ class ManagedAdapter(ManagedNode):
         return False
 
     def on_cleanup(self) -> None:
-        """Drop the object; what it has created is closed in any case."""
+        """Drop the object; its resources are closed in any case."""
         self._guest = None
 
     on_shutdown = on_error = on_cleanup
@@ -51,7 +51,7 @@ def managed_class(cls: Callable[[Any], object]) -> Callable[[Node], object]:
     """Return a managed node's class for a class; a managed node's class itself.
 
     :param cls: the class, or a function that returns its object; called with a scope, which
-        rejects the use of what only a whole node has
+        rejects the attributes that only a Node has
     """
     if isinstance(cls, type) and issubclass(cls, ManagedNode):
         return cls

@@ -64,21 +64,21 @@ class ManagedNode:
     def on_configure(self, scope: NodeScope) -> Result:
         """Prepare the node.
 
-        :param scope: creates what lives until cleanup; it is opened when this has succeeded, and
-            publishes and ticks only while the node is active
+        :param scope: creates resources that last until cleanup; they are opened when this has
+            succeeded, and publish and tick only while the node is active
         """
 
     def on_activate(self, scope: NodeScope) -> Result:
         """Start to work.
 
-        :param scope: creates what lives until deactivation; opened as above
+        :param scope: creates resources that last until deactivation; opened as above
         """
 
     def on_deactivate(self) -> Result:
         """Stop working; a last message may still be published."""
 
     def on_cleanup(self) -> Result:
-        """Release what :meth:`on_configure` got, except what its scope has created."""
+        """Release resources of :meth:`on_configure` that its scope does not own."""
 
     def on_shutdown(self) -> Result:
         """Prepare for the end, from any state."""

@@ -1,4 +1,4 @@
-"""Publisher that sends at once, and that a stalled subscriber cannot block."""
+"""Publisher that sends immediately, and that a stalled subscriber cannot block."""
 
 import io
 import sys
@@ -36,7 +36,7 @@ class SubscriberStatistics(NamedTuple):
 def _depth(queue_size: int, name: str) -> int:
     """Return how many messages are held; raise a ValueError for an invalid queue size."""
     if not isinstance(queue_size, int) or queue_size < -1:
-        must = "must be a whole number of at least 1, or 0 or -1 for no limit of its own"
+        must = "must be a whole number of at least 1, or 0 or -1 for no limit"
         raise ValueError(f"topic {name}: queue_size: refused {queue_size!r}: {must}")
     return queue_size if queue_size > 0 else sys.maxsize
 
@@ -45,10 +45,10 @@ class Publisher:
     """Publisher of a topic, which sends in the calling thread.
 
     :meth:`publish` returns when the operating system has the message: latency is lowest, and a
-    subscriber that reads loses nothing. For a subscriber that does not read, as many messages are
-    held as ``queue_size`` says, the newest, and sent in the background. Without a queue size, it
-    blocks one call, for up to 50 ms; then it gets only the newest message until it reads again. Its
-    lost messages are counted and reported; messages are never split. Thread-safe.
+    subscriber that reads loses nothing. For a subscriber that does not read, the newest
+    ``queue_size`` messages are held, and sent in the background. Without a queue size, it blocks
+    one call, for up to 50 ms; then it gets only the newest message until it reads again. Its lost
+    messages are counted and reported; messages are never split. Thread-safe.
 
     Before the publisher is open, the last message of a latched topic is kept, and sent on opening.
 
@@ -109,7 +109,7 @@ class Publisher:
         topic: Optional[outgoing_topic.OutgoingTopic] = None
         with registry.topic_lock():
             if not mismatch:
-                topic = outgoing_topic.send_at_once(
+                topic = outgoing_topic.send_directly(
                     name, data_class, self._latch, self._lifespan, self._depth
                 )
             publisher = rospy.Publisher(

@@ -13,8 +13,8 @@ from nodekit.validation import check_message_class
 class Subscription:
     """Subscription to a topic.
 
-    The callback mostly gets one message; after a busy moment it gets several at once. No message is
-    dropped here.
+    The callback mostly gets one message, and several after a busy moment. No message is dropped
+    here.
 
     :param name: topic, resolved
     :param data_class: message class

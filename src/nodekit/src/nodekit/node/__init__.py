@@ -1,1 +1,1 @@
-"""The class Node: names, lifetimes, what is opened when and closed when."""
+"""The class Node: names, lifetimes, order of opening and closing."""

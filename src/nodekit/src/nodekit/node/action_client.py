@@ -26,11 +26,11 @@ from nodekit.node.callbacks import Callback
 from nodekit.node.client_goal import ClientGoalHandle, GoalFuture, GoalResult
 from nodekit.validation import check_function, check_timeout, check_wait
 
-#: Default time-out of what a server answers at once [s].
+#: Default time-out of an immediate answer of a server [s].
 ANSWER_S = 5.0
-#: How often deadlines, and the server, are checked while goals are under way [Hz].
+#: How often deadlines and the server are checked while goals are running [Hz].
 _CHECK_HZ = 20.0
-#: How long a server may be without a connection until its goals are lost [s].
+#: How long a server may be disconnected before its goals are lost [s].
 _GONE_S = 1.0
 #: How long a result may take after the goal is listed as ended [s].
 _RESULT_S = 2.0
@@ -119,7 +119,7 @@ class ActionClient:
         timeout: float,
         feedback_callback: Optional[Callable[[Any], Any]] = None,
     ) -> GoalResult:
-        """Send a goal, and wait for its result; cancel it if the time is over.
+        """Send a goal, and wait for its result; cancel it after the timeout.
 
         :param goal: of the action's goal class
         :param timeout: longest time to the result [s]
@@ -166,7 +166,7 @@ class ActionClient:
         handle = ClientGoalHandle(self, id, goal, feedback_callback, timeout)
         with self._lock:
             self._goals[id] = handle
-        self._timer.set_rate(_CHECK_HZ)  # calls at once, which sends the goal
+        self._timer.set_rate(_CHECK_HZ)  # calls immediately, which sends the goal
         return handle.answer
 
     def cancel(self, id: str = "", stamp: Optional[rospy.Time] = None) -> None:
@@ -178,7 +178,7 @@ class ActionClient:
         self._cancel.publish(GoalID(stamp or rospy.Time(), id))
 
     def close(self) -> None:
-        """Cancel the goals under way, and send no others."""
+        """Cancel the running goals, and send no others."""
         self._is_closed = True
         with self._lock:
             goals, self._goals = list(self._goals.values()), {}
@@ -196,7 +196,7 @@ class ActionClient:
         if server is not None and server.waits_for_caller():
             raise GoalError(
                 f"{self}: its server decides in the callback group or by the thread that would"
-                " wait for it; give the server a group of its own, or use send_goal_async"
+                " wait for it; give the server its own group, or use send_goal_async"
             )
 
     # Messages of the server:
@@ -262,7 +262,7 @@ class ActionClient:
                 self._timer.set_rate(0.0)
 
     def _forget(self, handle: ClientGoalHandle) -> None:
-        """Stop following a goal that no answer came for; cancel it if it was sent."""
+        """Stop following an unanswered goal; cancel it if it was sent."""
         with self._lock:
             self._goals.pop(handle.goal_id, None)
         if handle.is_sent:

@@ -24,11 +24,11 @@ class ActionMethods:
 
         When the node ends or a managed node is deactivated, all goals are cancelled; those that
         have not ended within 0.5 s are aborted. While a managed node is not active, goals are
-        aborted as they come.
+        aborted on arrival.
 
         :param name: name of the action
         :param action_class: action class, such as ``FibonacciAction``
-        :param execute_callback: called with each goal's handle, in a thread of its own and in no
+        :param execute_callback: called with each goal's handle, in its own thread and in no
             group; returns the result. The goal is aborted if the callback raises an exception, or
             returns without having ended it
         :param goal_callback: called with each goal's message; returns whether it is accepted, or

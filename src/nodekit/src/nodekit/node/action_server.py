@@ -40,7 +40,7 @@ class _GoalCallback(Callback):
 
 
 class _ExecuteCallback(_GoalCallback):
-    """Execute callback, called in threads of its own, of which no group or executor waits."""
+    """Execute callback, called in its own threads, which no group or executor waits for."""
 
     kind = "execute"
 
@@ -219,7 +219,7 @@ class ActionServer:
             return f"{type(error).__name__}: {error}"
 
     def _replace_others(self, handle: ServerGoalHandle) -> None:
-        """End the earlier goals, or request their end where execute callbacks run."""
+        """End the earlier goals, or request their end if execute callbacks run."""
         for other in list(self._handles.values()):
             if other is handle:
                 continue
@@ -320,17 +320,17 @@ class ActionServer:
                 handle.outcome = (event, text)
                 return
         if handle.outcome is not None or not self._end(handle, event, result, text):
-            self._refuse_ended(handle, event.value)
+            self._check_not_ended(handle, event.value)
 
     def publish_feedback(self, handle: ServerGoalHandle, feedback: Any) -> None:
         """Send feedback of a goal; see :meth:`.ServerGoalHandle.publish_feedback`."""
         check_message(feedback, self._messages.feedback, f"{self}: feedback")
         if not handle.is_active:
-            self._refuse_ended(handle, "publish_feedback")
+            self._check_not_ended(handle, "publish_feedback")
             return
         self._topics.publish_feedback(handle.goal, feedback)
 
-    def _refuse_ended(self, handle: ServerGoalHandle, what: str) -> None:
+    def _check_not_ended(self, handle: ServerGoalHandle, what: str) -> None:
         if not handle.is_ended_by_server:
             state = (handle.outcome[0] if handle.outcome else handle.status).name
             raise GoalError(f"{self}: {what}: goal {handle.goal_id} has ended before: {state}")
@@ -343,7 +343,7 @@ class ActionServer:
         return has_ended
 
     def _abort_unaccepted(self, handle: ServerGoalHandle) -> None:
-        """Abort a goal that comes while the node is not active."""
+        """Abort a goal that arrives while the node is not active."""
         with self._lock:
             handle.is_ended_by_server = True
             self._apply(handle, GoalEvent.ACCEPT, "")
@@ -371,7 +371,7 @@ class ActionServer:
     def _apply(
         self, handle: ServerGoalHandle, event: GoalEvent, text: str, result: Any = None
     ) -> bool:
-        """Change a goal's state, and queue what that sends; return whether it is allowed.
+        """Change a goal's state, and queue its messages; return whether it is allowed.
 
         Called with the lock, so that messages are queued in the order of the changes.
         """

@@ -52,7 +52,7 @@ class ServerTopics:
         self.queue_status()
 
     def send(self) -> None:
-        """Send what is queued: one thread does, and no other waits for it."""
+        """Send the queued messages, in one thread that no other waits for."""
         while self._outbox and self._sending.acquire(False):
             try:
                 while self._outbox:
@@ -64,7 +64,7 @@ class ServerTopics:
                 self._sending.release()
 
     def publish_feedback(self, goal: Goal, feedback: Any) -> None:
-        """Send feedback at once: its author may change it for the next message.
+        """Send feedback immediately: its author may change it for the next message.
 
         :param goal: a goal
         :param feedback: of the action's feedback class

@@ -17,7 +17,7 @@ class GoalError(rospy.ROSException):
 
 
 class GoalTimeout(GoalError):
-    """Error of a goal without an answer of its server in time."""
+    """Error of a goal that its server does not answer in time."""
 
 
 class GoalLost(GoalError):
@@ -88,6 +88,6 @@ def status_message(id: str, stamp: int, state: GoalState, text: str) -> GoalStat
     :param id: its id
     :param stamp: ROS time at which it was sent [ns]
     :param state: its state
-    :param text: what the server says of the state
+    :param text: the server's comment on the state
     """
     return GoalStatus(GoalID(rospy.Time(*divmod(stamp, 10**9)), id), int(state), text)

@@ -32,12 +32,12 @@ MOST_CALLS = 1000
 def check_queue_size(queue_size: Optional[int]) -> None:
     """Check a queue size.
 
-    :param queue_size: what the user has set, None if unset, -1 for no limit
+    :param queue_size: the user's value, None if unset, -1 for no limit
     :raises ValueError: if it is neither positive nor -1
     """
     if queue_size in (None, -1) or (isinstance(queue_size, int) and queue_size > 0):
         return
-    allowed = "must be a whole number of at least 1, or -1 for no limit of its own"
+    allowed = "must be a whole number of at least 1, or -1 for no limit"
     raise ValueError(f"queue_size: refused {queue_size!r}: {allowed}")
 
 
@@ -73,7 +73,7 @@ class Callback:
 
     #: Type of the callback in reports.
     kind = "callback"
-    #: Number of arguments of its function, if that is the same for all of the kind.
+    #: Number of arguments of its function, if that is the same for the whole class.
     takes: Optional[int] = None
 
     def __init__(self, group: CallbackGroup, function: Callable[..., Any], what: str) -> None:
@@ -282,7 +282,7 @@ class SubscriptionCallback(Callback):
             self.group.leave()
         else:
             self._keep(messages)
-            if may_wait:  # the calling thread must go on to read, or its messages would grow old
+            if may_wait:  # the calling thread must return to reading, or its messages grow old
                 self._deliver_in_thread()
             else:
                 self._retry.trigger()
@@ -297,7 +297,7 @@ class SubscriptionCallback(Callback):
             rospy.logwarn("%s: callback is too slow, messages are dropped", self.what)
 
     def _deliver_in_thread(self) -> None:
-        """Deliver the kept messages in a thread that waits for the group, if none does already."""
+        """Deliver the kept messages in a thread that waits for the group; start only one."""
         with self._keeping:
             if not self._has_thread:
                 threading.Thread(target=self._wait_and_deliver, name=self.what, daemon=True).start()

@@ -20,7 +20,7 @@ class GoalResult(NamedTuple):
     """End of a goal.
 
     :param status: its state: SUCCEEDED, ABORTED, PREEMPTED, REJECTED or RECALLED
-    :param text: what the server says of it
+    :param text: the server's comment on it
     :param result: of the action's result class
     """
 
@@ -107,7 +107,7 @@ class ClientGoalHandle:
 
     :ivar goal_id: its id
     :ivar status: its latest known state
-    :ivar text: what the server says of that
+    :ivar text: the server's comment on that
     :ivar answer: the future with this handle, done once the goal is accepted or rejected
     :ivar is_sent: whether it was sent to a server
     :ivar ended_at: monotonic time at which its end was seen before its result, or None [s]
@@ -206,10 +206,10 @@ class ClientGoalHandle:
             return True
 
     def see(self, state: GoalState, text: str, now: float) -> None:
-        """Take note of the state in which the server lists the goal.
+        """Process the state in which the server lists the goal.
 
         :param state: the state
-        :param text: what the server says of it
+        :param text: the server's comment on it
         :param now: monotonic time [s]
         """
         with self._lock:
@@ -222,7 +222,7 @@ class ClientGoalHandle:
         self._settle_early()
 
     def is_missing(self) -> bool:
-        """Return whether the goal is lost, as a list of the server does not have it."""
+        """Return whether the goal is lost because the server does not list it."""
         with self._lock:
             self._missing += self._is_listed
             return self._missing >= _MISSING_LISTS and self.ended_at is None
@@ -267,7 +267,7 @@ class ClientGoalHandle:
         return self.answer.expire(now)
 
     def _settle_early(self) -> None:
-        """Settle what the present state answers."""
+        """Settle the futures that the present state answers."""
         with self._lock:
             state, cancels = self.status, []
             if state in CANCELING or state in ENDED:

@@ -72,15 +72,15 @@ class _Server:
         """
         expected = self._class._request_class
         if not isinstance(request, expected):
-            self._refuse(f"refused {request!r}: must be a {expected.__name__}")
+            self._raise_not_called(f"refused {request!r}: must be a {expected.__name__}")
         buffer = io.BytesIO()
         try:
             request.serialize(buffer)
         except genpy.SerializationError as error:
-            self._refuse(f"its request is refused: {error}")
+            self._raise_not_called(f"its request is refused: {error}")
         return buffer.getvalue()
 
-    def _refuse(self, why: str) -> NoReturn:
+    def _raise_not_called(self, why: str) -> NoReturn:
         raise CallError(f"{self.name} is not called: {why}") from None
 
     def request(self, call: ServiceCall, request: bytes) -> Any:
@@ -124,7 +124,7 @@ class _Server:
             raise ConnectionError("no node offers it")
         try:
             host, port = host_and_port(found.replace("rosrpc://", "http://", 1))
-            host.encode("idna")  # raises what connecting would
+            host.encode("idna")  # the error that connecting would raise
         except ValueError as error:
             raise ConnectionError(f"it is offered at {found!r}: {error}") from None
         return host, port
@@ -187,7 +187,7 @@ class CallFuture(concurrent.futures.Future):
         self._client.done.call_inside(function, self)
 
     def run(self, request: bytes) -> None:
-        """Make the call; run in a thread of its own.
+        """Make the call; runs in its own thread.
 
         :param request: serialized request
         """
@@ -296,7 +296,7 @@ class Client:
         if callback is not None and callback.waits_for_caller():
             raise NestedCall(
                 f"{self.name} is not called: it is answered in the callback group or by the thread"
-                " that would wait for it; give the service a group of its own, or call it"
+                " that would wait for it; give the service its own group, or call it"
                 " asynchronously"
             )
 

@@ -1,7 +1,7 @@
 """Guard of callbacks that fork: a child process ends with the callback.
 
-Otherwise the child would continue in its parent's place, with the parent's connections: read what
-is sent to the parent, publish in its name, or wait for threads that the child does not have.
+Otherwise the child would continue in its parent's place, with the parent's connections: read the
+parent's messages, publish in its name, or wait for threads that the child does not have.
 """
 
 import contextlib
@@ -37,8 +37,8 @@ def call(function: Callable[..., Any], *arguments: Any) -> Any:
 def _end_child(error: Optional[BaseException] = None) -> NoReturn:
     """End this process without calling its parent's exit handlers.
 
-    :param error: exception of the function: the status is that of a SystemExit, 1 for any other,
-        which is printed
+    :param error: exception of the function: a SystemExit sets the status; any other is printed,
+        and the status is 1
     """
     status = 0
     if isinstance(error, SystemExit):

@@ -1,4 +1,4 @@
-"""ServerGoalHandle: a goal that a server has accepted, as its callbacks see it."""
+"""ServerGoalHandle: handle of an accepted goal for the callbacks of its server."""
 
 from typing import Any, Optional, Tuple
 
@@ -7,7 +7,7 @@ from nodekit.actions.goal_states import RUNNING, GoalEvent, GoalState
 
 
 class ServerGoalHandle:
-    """A goal, through which the callbacks of its server follow and end it. Thread-safe.
+    """Handle through which the callbacks of a server follow and end a goal. Thread-safe.
 
     :param server: the :class:`.ActionServer`
     :param goal: its entry in the server's list
@@ -15,7 +15,7 @@ class ServerGoalHandle:
 
     :ivar request: the goal's message
     :ivar outcome: how the running execute callback has ended it, until it returns the result
-    :ivar is_ended_by_server: whether the server has ended it, and not a callback
+    :ivar is_ended_by_server: whether the server, not a callback, has ended it
     :ivar executing_thread: id of the thread of its execute callback; 0 without one, -1 before and
         after the call
     """
@@ -62,7 +62,7 @@ class ServerGoalHandle:
         self._server.publish_feedback(self, feedback)
 
     def execute(self) -> None:
-        """Call the server's execute callback for this goal, in a thread of its own.
+        """Call the server's execute callback for this goal, in its own thread.
 
         Without a ``handle_accepted_callback``, the server does so itself.
 
@@ -73,7 +73,7 @@ class ServerGoalHandle:
     def succeed(self, result: Any = None, text: str = "") -> None:
         """End the goal as succeeded.
 
-        Without a result, the goal ends with what the running execute callback returns. No effect
+        Without a result, the goal ends with the result of the running execute callback. No effect
         if the server has ended the goal meanwhile.
 
         :param result: of the action's result class
@@ -88,5 +88,5 @@ class ServerGoalHandle:
         self._server.end(self, GoalEvent.ABORT, result, text)
 
     def canceled(self, result: Any = None, text: str = "") -> None:
-        """End the goal as cancelled, PREEMPTED in actionlib's words; see :meth:`succeed`."""
+        """End the goal as cancelled, PREEMPTED in actionlib; see :meth:`succeed`."""
         self._server.end(self, GoalEvent.CANCEL, result, text)

@@ -12,8 +12,8 @@ class Names(NamedTuple):
     """Resolver of the names that a node's class uses.
 
     :param node: global name of the node
-    :param is_hosted: whether it is hosted; otherwise it is the process's own node, whose names
-        rospy resolves
+    :param is_hosted: whether it is hosted; otherwise it is the process's own node, and rospy
+        resolves its names
     """
 
     node: str

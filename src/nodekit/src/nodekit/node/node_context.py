@@ -14,7 +14,7 @@ class NodeContext:
     """State that all scopes of a node share.
 
     :param names: resolves the node's names
-    :param start_queue: opens what the scopes create
+    :param start_queue: opens the scopes' resources
 
     :ivar group: the default group of callbacks
     :ivar rates: timers whose rates follow the node's parameters

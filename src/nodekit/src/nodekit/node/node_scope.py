@@ -1,4 +1,4 @@
-"""NodeScope: creates what a node uses, and closes it together."""
+"""NodeScope: creates the publishers, subscriptions, services and timers of a node."""
 
 import contextlib
 from typing import Any, Callable, Collection, Iterator, List, Optional, Type
@@ -39,17 +39,17 @@ from nodekit_msgs.srv import SetParameters
 
 
 class NodeScope(ActionMethods, OldMethods, ResourceOwner):
-    """Creates what a node uses, owns it, and closes it.
+    """Factory and owner of a node's publishers, subscriptions, services and timers.
 
     A :class:`.Node` is a scope; :meth:`create_scope` returns one, and callbacks of a managed node
     receive one. A class that needs only a NodeScope can be run, hosted and managed; a class that
     hosts other nodes or has an executor needs a Node.
 
-    Resources created before the node's start are opened with it, later ones at once. Names are
+    Resources created before the node's start are opened with it, later ones immediately. Names are
     relative, private (``~name``) or global. Callbacks run in the node's default group, one at a
-    time, unless another ``group`` is given. An argument of the wrong type raises a TypeError at
-    once: a callback that is not a function or is ``async def``, a class that is not a message or
-    service class.
+    time, unless another ``group`` is given. An argument of the wrong type raises a TypeError: a
+    callback that is not a function or is ``async def``, a class that is not a message or service
+    class.
 
     :param context: the node's
     :param parent: the scope that this one is closed with, None for a node
@@ -99,7 +99,7 @@ class NodeScope(ActionMethods, OldMethods, ResourceOwner):
         :param data_class: message class
         :param latch: whether later subscribers get the last message
         :param queue_size: how many messages are held for a subscriber that does not read, the
-            newest; 0 or -1 for no limit of its own. By default, such a subscriber delays one call
+            newest; 0 or -1 for no limit. By default, such a subscriber delays one call
             by up to 50 ms, then gets the newest only
         :param lifespan: how long later subscribers get the last message of a topic that is not
             latched [s]; do not change that message after publishing it
@@ -128,8 +128,8 @@ class NodeScope(ActionMethods, OldMethods, ResourceOwner):
         :param finite: ignore, with a warning, messages with NaN or infinity in a field
         :param group: the callback's group; the node's default group by default
         :param views: whether fields of type ``uint8[]`` and ``char[]`` are read-only memoryviews,
-            of shared memory where the publisher has it: large messages are not copied. Keep no more
-            than one or two such messages: their publisher has only so much memory
+            of shared memory if the publisher uses it: large messages are not copied. Keep at most
+            one or two such messages: their publisher's memory is limited
         :raises ValueError: if the queue size is neither positive nor -1
         """
         check_function(callback, self.resolve(name), 1)
@@ -226,7 +226,7 @@ class NodeScope(ActionMethods, OldMethods, ResourceOwner):
         steady: bool = False,
         group: Optional[CallbackGroup] = None,
     ) -> NodeTimer:
-        """Call a function at a fixed rate without drift, the first time at once.
+        """Call a function at a fixed rate without drift, the first time immediately.
 
         :param rate_hz: calls per second; 0 pauses. A function is called for the rate at the
             start and after each change of this node's parameters
@@ -294,12 +294,12 @@ class NodeScope(ActionMethods, OldMethods, ResourceOwner):
     def _publish(
         self, name: str, data_class: type, latch: bool = False, queue_size: Optional[int] = None
     ) -> Publisher:
-        """Publish a topic of the toolkit itself, in any state of a managed node."""
+        """Publish an internal topic of nodekit, in any state of a managed node."""
         name = self.resolve(name)
         return self._open(Publisher(name, data_class, latch, queue_size=queue_size))
 
     def _serve(self, name: str, service_class: type, handler: Callable[[Any], Any]) -> None:
-        """Offer a service of the toolkit itself, in no group: it never waits for a callback."""
+        """Offer an internal service of nodekit, in no group: it never waits for a callback."""
         self._open(Service(self.resolve(name), service_class, handler))
 
     def on_parameter(
@@ -326,11 +326,11 @@ class NodeScope(ActionMethods, OldMethods, ResourceOwner):
         return log
 
     def create_scope(self) -> "NodeScope":
-        """Return another scope of the node, whose ``close`` closes only what it has created."""
+        """Return another scope of the node, which can be closed separately."""
         return self.own(NodeScope(self._context, self))
 
     def own(self, thing: Thing) -> Thing:
-        """Close an object together with what this scope has created.
+        """Own an object: close it together with this scope's resources.
 
         :param thing: anything with a method ``close``
         :returns: the object
@@ -341,13 +341,13 @@ class NodeScope(ActionMethods, OldMethods, ResourceOwner):
         return super().own(thing)
 
     def close(self) -> None:
-        """Close what this scope has created, the latest first; see :meth:`.ResourceOwner.close`."""
+        """Close this scope's resources, the latest first; see :meth:`.ResourceOwner.close`."""
         super().close()
         if self._parent is not None:
             self._parent.disown(self)
 
     def on_shutdown(self, callback: Callable[[], Any]) -> None:
-        """Call a function when the process is told to end, while everything still works.
+        """Call a function when the process has to end, while everything still works.
 
         These functions are called first, in reverse order of registration. Then managed nodes go
         through shutdown, calls of services are cancelled, and executors and timers stop.
@@ -360,7 +360,7 @@ class NodeScope(ActionMethods, OldMethods, ResourceOwner):
         """Call a function whenever the node stops being active, while it still publishes.
 
         A managed node calls it on its way through shutdown too. Any other node is active until the
-        process is told to end: the function is then called as by :meth:`on_shutdown`.
+        process has to end: the function is then called as by :meth:`on_shutdown`.
 
         :param callback: the function; a managed node calls it in its default group
         """

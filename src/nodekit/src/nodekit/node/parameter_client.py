@@ -69,7 +69,7 @@ class ParameterClient:
         text = request_text(values)
         answer = call_service(service, SetParameters, text, timeout=self._timeout).result()
         if not answer.success:
-            raise ChangeRefused(answer.message or "refused without a reason")
+            raise ChangeRefused(answer.message or "rejected without a reason")
         try:
             in_force = yaml_text.load(answer.values)
         except ValueError:

@@ -1,4 +1,4 @@
-"""ResourceOwner: owns resources, and closes them with itself."""
+"""ResourceOwner: owns resources, and closes them when it is closed."""
 
 import threading
 import time
@@ -25,7 +25,7 @@ class Closed(RuntimeError):
 class ResourceOwner:
     """Opens resources through a start queue, and closes them together.
 
-    :param start_queue: opens them at the node's start, later ones at once
+    :param start_queue: opens them at the node's start, later ones immediately
     """
 
     def __init__(self, start_queue: StartQueue) -> None:
@@ -58,8 +58,8 @@ class ResourceOwner:
     def close(self) -> None:
         """Close all resources, the latest first; a second call has no effect.
 
-        None of their callbacks begins after this has returned. Running callbacks are waited for,
-        but not the caller's own, and not for longer than :data:`CLOSE_WAIT_S`.
+        No callback starts after this has returned. Running callbacks except the caller's own are
+        waited for, up to :data:`CLOSE_WAIT_S`.
         """
         groups: Set[CallbackGroup] = set()
         with registrar.together():

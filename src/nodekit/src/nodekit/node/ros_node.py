@@ -46,7 +46,7 @@ class Node(NodeScope):
         """Create another node in this process.
 
         Its topics are in its namespace, its private names in ``namespace/name``. It starts with
-        this node, or at once if this one has started.
+        this node, or immediately if this one has started.
 
         :param name: base name
         :param namespace: its namespace; relative to that of this node

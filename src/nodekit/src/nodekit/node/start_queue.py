@@ -15,7 +15,7 @@ from nodekit.rospy_internals import registrar
 
 
 class StartQueue:
-    """Keeps resources until the start; opens later ones at once."""
+    """Queue of resources to open at the start; opens later ones immediately."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -23,7 +23,7 @@ class StartQueue:
 
     @property
     def has_started(self) -> bool:
-        """Whether resources are opened at once."""
+        """Whether resources are opened immediately."""
         return self._waiting is None
 
     def add(self, things: List[Any]) -> None:
@@ -40,7 +40,7 @@ class StartQueue:
     def remove(self, things: Iterable[Any]) -> None:
         """Remove resources that were closed before the start.
 
-        :param things: some that were added
+        :param things: resources that were added
         """
         gone = set(map(id, things))
         with self._lock:

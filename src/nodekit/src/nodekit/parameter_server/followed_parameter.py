@@ -46,7 +46,7 @@ class FollowedParameter:
     def report_again(self) -> None:
         """Call the callback soon with the current value, also if it is unchanged.
 
-        For users that get the value in a second way too, and cannot tell which one is older.
+        For callers that also get the value from elsewhere, and do not know which is older.
         """
         self._reported = _UNKNOWN
         self._watcher.request_report([self._watched])

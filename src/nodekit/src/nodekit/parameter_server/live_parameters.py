@@ -169,7 +169,7 @@ class LiveParameters(Generic[Snapshot]):
         self.values = self._reconciler.values
 
     def _resolved(self, values: Mapping[str, Any]) -> Dict[str, Any]:
-        """Return values by global name; an empty name stands for the namespace."""
+        """Return values by global name; an empty name is the namespace."""
         return {f"{self.namespace}/{n}".rstrip("/"): value for n, value in values.items()}
 
     def _report_changes(self) -> None:
@@ -192,8 +192,8 @@ class LiveParameters(Generic[Snapshot]):
                 rospy.loginfo("%s/%s: %s -> %s%s", self.namespace, name, *texts, late)
         for error in decision.errors:
             kept = {name: in_force[name] for name in error.names if name in in_force}
-            told = "in force is " + _settings(kept) if kept else "all values stay in force"
-            rospy.logwarn("%s; %s", error.in_namespace(self.namespace), told)
+            result = "in force is " + _settings(kept) if kept else "all values stay in force"
+            rospy.logwarn("%s; %s", error.in_namespace(self.namespace), result)
         for name, nearest in decision.unknown.items():
             hint = f"; did you mean {nearest}?" if nearest else ""
             rospy.logwarn("parameter %s/%s is not used by this node%s", self.namespace, name, hint)

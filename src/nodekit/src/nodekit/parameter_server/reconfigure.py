@@ -82,7 +82,7 @@ class ReconfigureInterface:
         self._publish()
 
     def _publish(self) -> None:
-        # Two threads may publish at once: the values published last must be the current ones.
+        # Two threads may publish together: the values published last must be the current ones.
         published = None
         while published is not self._live.values:
             published = self._live.values

@@ -1,7 +1,7 @@
 """Watcher of the parameter server: detects each change within a second, most within 0.1 s.
 
 The master notifies subscribers of most changes, but not of all: not of a namespace replaced by a
-scalar, not after its own restart, and of no change while three of its subscribers hang. So a
+scalar, not after its own restart, and of nothing while three of its subscribers hang. So a
 notification only wakes the watcher's thread, one for each process. The thread then reads the
 server, and also reads it once a second.
 """
@@ -82,7 +82,7 @@ class Watcher:
 
     @contextlib.contextmanager
     def reading_ahead(self, keys: Sequence[str]) -> Iterator[Dict[str, Any]]:
-        """Read many keys at once, each for one call of :meth:`first_reading` in this context.
+        """Read many keys together, each for one call of :meth:`first_reading` in this context.
 
         :returns: the raw values by key
         :raises MasterUnreachable: if the master does not answer
@@ -141,7 +141,7 @@ class Watcher:
         if not self._ended:
             self._unsubscribe({one.key for one in gone} - self._keys())
         with self._changed:
-            if self._thread is not threading.current_thread():  # it would wait for itself
+            if self._thread is not threading.current_thread():  # which would wait for itself
                 self._changed.wait_for(lambda: self._running not in gone, CLOSE_LIMIT_S)
 
     def wake(self) -> None:
@@ -218,7 +218,7 @@ class Watcher:
             if reachable:
                 rospy.loginfo("the master answers again")
             else:
-                rospy.logwarn("the master does not answer (%s): settings stay as they are", error)
+                rospy.logwarn("the master does not answer (%s): settings are kept", error)
 
     def _read_and_hand_over(self, turn: List[WatchedKey]) -> None:
         """Read keys that may have changed; wait until changes settle.

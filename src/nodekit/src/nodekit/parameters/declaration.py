@@ -93,7 +93,7 @@ def rule(*names: str) -> Callable[[Method], Method]:
     It must be quick, make no request and take no lock: the lock of the parameters is held.
 
     If the values are inconsistent, the method raises :class:`ValueError`
-    with a clause that states the condition, such as "low must be at most high":
+    with the condition as a clause, such as "low must be at most high":
     it follows the names and the rejected values in the message.
 
     :param names: the parameters of the rule
@@ -101,7 +101,7 @@ def rule(*names: str) -> Callable[[Method], Method]:
     :raises TypeError: if no names are given
     """
     if not names or not all(isinstance(name, str) for name in names):
-        raise TypeError("a rule names the parameters that it is about: @rule('low', 'high')")
+        raise TypeError("rule: names of its parameters missing; write @rule('low', 'high')")
 
     def mark(method: Method) -> Method:
         setattr(method, "parameters", names)
@@ -162,7 +162,7 @@ class ParameterSet:
 
         No rule has validated it yet: if one rejects the defaults, a value must be set.
         """
-        if type(cls._as_declared) is not cls:  # it may be that of the base class
+        if type(cls._as_declared) is not cls:  # may be the base class's snapshot
             defaults = {name: item.default for name, item in cls.declared.items()}
             cls._as_declared = cls.from_coerced(defaults)
         snapshot: Snapshot = cls._as_declared
@@ -170,7 +170,7 @@ class ParameterSet:
 
     @classmethod
     def with_defaults(cls: Type[Snapshot], **defaults: Any) -> Type[Snapshot]:
-        """Return the same declaration with other defaults, for nodes that another one hosts.
+        """Return the same declaration with other defaults, for hosted nodes.
 
         :param defaults: by name
         :raises ParameterError: if a default is not allowed

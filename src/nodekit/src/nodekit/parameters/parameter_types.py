@@ -1,4 +1,4 @@
-"""Base class of parameter types, and the types that are not numeric.
+"""Base class of parameter types, and the non-numeric types.
 
 Text is not converted to a boolean, nor a number to text. Errors name the parameter, the value and
 the allowed values.
@@ -301,7 +301,7 @@ def format_value(value: Any, limit: int = 80) -> str:
 
 
 class NoValue:
-    """Placeholder of a raw value; a type of its own, which no parameter accepts.
+    """Placeholder of a raw value, of a type that no parameter accepts.
 
     :param text: text of the placeholder
     """

@@ -1,10 +1,10 @@
 """Reconciliation of a node's values with a parameter server that other programs write to.
 
-Users write valid values, invalid ones, and parts of a consistent set; the server has no
-compare-and-set, so that a write that resets an invalid value may overwrite a newer, valid one, of
-which only a notification tells. :class:`Reconciler` gets the read and the notified values, and
-returns the current values, the values to write and the errors to report. It knows neither the
-server nor a clock: its owner reads, writes and locks.
+Users write valid values, invalid values, and parts of a consistent set. The server has no
+compare-and-set: a write that resets an invalid value may overwrite a newer, valid value, which only
+a notification reveals. :class:`Reconciler` gets the read and the notified values, and returns the
+current values, the values to write and the errors to report. It has no access to the server or a
+clock: its owner reads, writes and locks.
 """
 
 import math
@@ -133,8 +133,8 @@ class Reconciler(Generic[Snapshot]):
         self._odd: Dict[str, Any] = dict.fromkeys(declaration.declared, _UNKNOWN)
         #: Time of the last write [s]: older reads are outdated.
         self._last_write = -math.inf
-        #: Recent writes with name and time [s]; each may have overwritten a newer value, whose
-        #: notification is still to come.
+        #: Recent writes with name and time [s]; each may have overwritten a newer value, with the
+        #: notification still under way.
         self._own: List[Tuple[str, Any, float]] = []
         #: Time since which values on the server are inconsistent [s]; None if they are consistent.
         self._broken_since: Optional[float] = None
@@ -183,9 +183,9 @@ class Reconciler(Generic[Snapshot]):
         :param changes: new values by name
         :raises ParameterError: if values are invalid; names all of them
         """
-        coerced, refused = validate_each(self.values, changes, missing=self.values.as_dict())
+        coerced, errors = validate_each(self.values, changes, missing=self.values.as_dict())
         values, broken = apply_rules(self.values, coerced, self._rules)
-        raise_all([*unknown_name_errors(self.values.declared, changes), *refused, *broken])
+        raise_all([*unknown_name_errors(self.values.declared, changes), *errors, *broken])
         wire = on_wire(values)
         # Unchanged values too: other programs may have set values that are not read yet.
         return Decision(values, {name: wire[name] for name in changes}, [], {})
@@ -228,13 +228,13 @@ class Reconciler(Generic[Snapshot]):
         tree = self._tree(seen.raw)
         defaults = {name: item.default for name, item in self.values.declared.items()}
         missing = self.values.as_dict() if seen.forgotten else defaults
-        coerced, refused = validate_each(self.values, tree, missing)
-        bad = {error.name for error in refused}
+        coerced, errors = validate_each(self.values, tree, missing)
+        bad = {error.name for error in errors}
         coerced.update(last_valid(self.values, bad | self._still_own(tree, now), seen.pushed))
         if not _is_namespace(seen.raw):
-            refused = [ParameterError("", seen.raw, "a namespace with the node's parameters")]
+            errors = [ParameterError("", seen.raw, "a namespace with the node's parameters")]
         values, broken = apply_rules(self.values, coerced, self._rules)
-        return values, [*refused, *broken]
+        return values, [*errors, *broken]
 
     def _still_own(self, tree: Mapping[str, Any], now: float) -> Set[str]:
         """Return the parameters whose value was written recently by a step."""
@@ -270,11 +270,11 @@ class Reconciler(Generic[Snapshot]):
                 self._own += [(each, held[each], now) for each in names]
             else:
                 self._odd.update(dict.fromkeys(names, _UNKNOWN))
-        told, self._reported_errors = self._reported_errors, tuple(map(str, errors))
+        reported, self._reported_errors = self._reported_errors, tuple(map(str, errors))
         names = [name for name in leaf_names(tree) if name not in self._reported_unknown]
         unknown = unknown_names(values.declared, names, self._exempt)
         self._reported_unknown = {*self._reported_unknown, *unknown} or ()
-        return Decision(values, writes, [e for e in errors if str(e) not in told], unknown)
+        return Decision(values, writes, [e for e in errors if str(e) not in reported], unknown)
 
 
 def _is_namespace(raw: Any) -> bool:

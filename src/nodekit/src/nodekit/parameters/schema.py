@@ -70,7 +70,7 @@ def describe(values: ParameterSet, takes_effect: str = AT_START) -> List[Dict[st
 
 
 def help_of(parameter: Parameter[Any], takes_effect: str) -> str:
-    """Return the help of a parameter, and when a change takes effect if not at once.
+    """Return the help of a parameter, and when a change takes effect if not immediately.
 
     :param parameter: the parameter
     :param takes_effect: when changes of parameters that are read once take effect
@@ -126,7 +126,7 @@ def parameter_of(entry: Mapping[str, Any]) -> Parameter[Any]:
 
 
 def _is_finite(limit: Any) -> bool:
-    """Return whether a limit is a finite number; an infinite one is no limit."""
+    """Return whether a limit is a finite number; an infinite limit has no effect."""
     return type(limit) in (int, float) and -math.inf < limit < math.inf
 
 
@@ -153,5 +153,5 @@ def description_in(text: str) -> List[Dict[str, Any]]:
         raise DescriptionError("the description is not a list of parameters")
     for entry in entries:
         if not isinstance(entry, dict) or not _NEEDED.issubset(entry):
-            raise DescriptionError(f"the description of a parameter lacks something: {entry!r:.80}")
+            raise DescriptionError(f"malformed description of a parameter: {entry!r:.80}")
     return entries

@@ -78,7 +78,7 @@ def _accept(parameter: Parameter[Any], raw: Any, current: Any) -> Any:
 
 
 def _denotes(raw: Any, value: Any) -> bool:
-    """Return whether the server's value may stay: 5 may for 5.0, '5' may not."""
+    """Return whether the server's value denotes the same value: 5 does for 5.0, '5' does not."""
     if isinstance(value, list):
         return isinstance(raw, list) and len(raw) == len(value) and all(map(_denotes, raw, value))
     return bool(raw == value) and isinstance(raw, bool) == isinstance(value, bool)
@@ -117,10 +117,10 @@ def last_valid(
 
 
 def leaf_names(tree: Mapping[str, Any]) -> List[str]:
-    """Return the names that may be meant as parameters of the node.
+    """Return the names that may be intended as parameters of the node.
 
-    A namespace is not, since no parameter type accepts one: it holds the parameters of another
-    node, whose name begins with that of this one.
+    Namespaces are omitted, because no parameter type accepts one: they hold the parameters of other
+    nodes whose names begin with this node's name.
 
     :param tree: raw values by name on the server
     """

@@ -1,6 +1,6 @@
 """Checks of a node's command line and environment, before rospy reads them.
 
-rospy reacts to malformed arguments with a traceback, or waits for ever.
+rospy reacts to malformed arguments with a traceback, or waits forever.
 """
 
 import re
@@ -72,7 +72,7 @@ def misspelt_settings(
 
 
 def surprising_values(argv: Sequence[str]) -> List[str]:
-    """Return a warning for each private parameter whose value YAML does not read as it looks.
+    """Return a warning for each private parameter with a value that YAML reads unexpectedly.
 
     :param argv: arguments of the command line
     """
@@ -95,7 +95,7 @@ def _check_parameter(argument: str) -> None:
     """Check an argument if it sets a private parameter, such as ``_rate:=5``."""
     try:
         for value in load_command_line_node_params([argument]).values():
-            # Both ways: the XML parser rejects characters that the writer accepts.
+            # Write and read: the XML parser rejects characters that the writer accepts.
             xmlrpc.client.loads(xmlrpc.client.dumps((value,)))
     except Exception:  # of any type: YAML and XML-RPC have many
         raise ArgumentError(f"argument '{argument}': {_VALUE}") from None

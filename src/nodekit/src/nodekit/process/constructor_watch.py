@@ -1,4 +1,4 @@
-"""Warning of a node's constructor that waits, as for a message that comes only after its end."""
+"""Warning about a node's constructor that waits, as for a message that cannot arrive yet."""
 
 import contextlib
 import os
@@ -10,11 +10,11 @@ from typing import Iterator, Optional
 
 import rospy
 
-#: Longest time that a constructor may wait before it is warned of [s].
+#: Longest time that a constructor may wait without a warning [s].
 PATIENCE_S = 5.0
-#: A constructor that computes for more than this part of the time is at work.
+#: A constructor that computes for more than this part of the time is not waiting.
 _BUSY = 0.5
-#: Folders whose code waits for others: Python's library, rospy, nodekit.
+#: Folders with code that waits on behalf of its caller: Python's library, rospy, nodekit.
 _LIBRARIES = tuple(
     os.path.dirname(os.path.abspath(path)) + os.sep
     for path in (threading.__file__, rospy.__file__, os.path.dirname(__file__))

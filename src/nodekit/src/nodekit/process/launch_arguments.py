@@ -74,7 +74,7 @@ def _launch_files(words: Sequence[str], folder: str) -> List[str]:
 
 
 def _collect(path: str, taken: Set[str], seen: Set[str]) -> None:
-    """Add the declared arguments of a launch file, and of those it passes all to.
+    """Add the declared arguments of a launch file, and of included files that get all arguments.
 
     :param path: path of the file
     :param taken: collects the names

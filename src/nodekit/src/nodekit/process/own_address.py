@@ -19,9 +19,9 @@ class AddressError(ValueError):
 
 
 def default_to_loopback(environ: MutableMapping[str, str], argv: Sequence[str]) -> None:
-    """Have rospy listen on the loopback device only, unless the user has set an address.
+    """Make rospy listen on the loopback device only, unless the user has set an address.
 
-    A master on another machine is an address too: its nodes must reach this one.
+    A master on another machine counts as an address: nodes there must reach this process.
 
     :param environ: variables of the environment, which are changed
     :param argv: arguments of the command line
@@ -35,7 +35,7 @@ def default_to_loopback(environ: MutableMapping[str, str], argv: Sequence[str]) 
 
 
 def _has_ipv6_loopback() -> bool:
-    """Return whether ``localhost`` has an address of IPv6, which not each machine gives it."""
+    """Return whether ``localhost`` has an IPv6 address, which depends on the machine."""
     try:
         return bool(socket.getaddrinfo("localhost", None, socket.AF_INET6))
     except OSError:
@@ -43,7 +43,7 @@ def _has_ipv6_loopback() -> bool:
 
 
 def source(environ: Mapping[str, str], argv: Sequence[str]) -> str:
-    """Return what sets the address, such as ``ROS_IP '192.0.2.1'``; empty for nothing.
+    """Return the setting of the address, such as ``ROS_IP '192.0.2.1'``; empty if unset.
 
     In rospy's order of precedence.
 

@@ -39,7 +39,7 @@ _REFUSALS = (
     ParameterError,
 )
 
-#: Longest wait for a running start when the node is told to end [s].
+#: Longest wait for a running start when the node has to end [s].
 _START_WAIT_S = 1.0
 
 
@@ -109,7 +109,7 @@ def init_node(name: str) -> Node:
 
 
 def _tighten_timer_slack() -> None:
-    """Let the kernel wake threads on time, not up to 50 us later to save energy.
+    """Make the kernel wake threads on time, instead of up to 50 us late to save energy.
 
     Applies to the calling thread and those it starts from now on, see ``proc(5)``. Nothing changes
     if the kernel has no such setting.
@@ -122,7 +122,7 @@ def _tighten_timer_slack() -> None:
 
 
 def _wait_for_master(name: str) -> None:
-    """Wait until the master responds or the node is told to end.
+    """Wait until the master responds or the node has to end.
 
     ``rospy.init_node`` waits too, but holds a lock that its signal handler needs.
     """
@@ -140,12 +140,12 @@ def _wait_for_master(name: str) -> None:
 
 
 def _start_beside(name: str, cls: NodeClass) -> List[object]:
-    """Start a node in a thread of its own, so that this one can handle signals.
+    """Start a node in another thread, so that this thread can handle signals.
 
-    rospy handles a signal by a request to the master, over a connection with a lock. In a thread
-    that is registering a topic over it, it would deadlock.
+    rospy handles a signal by a request to the master, over a connection with a lock. A thread
+    that is registering a topic over that connection would deadlock.
 
-    :returns: the node and the object of its class; empty if a signal came first
+    :returns: the node and the object of its class; empty if a signal arrived first
     :raises Exception: from the start, unless the node is shutting down
     """
     watch = ConstructorWatch()
@@ -196,7 +196,7 @@ def selected_class(cls: NodeClass, node: str, held: Any) -> NodeClass:
     :param cls: the class
     :param node: global name of the node
     :param held: raw value of its private parameters; ``managed`` selects the class
-    :raises ParameterError: if ``managed`` is not a truth value, or ``transport`` no such word
+    :raises ParameterError: if ``managed`` is not a truth value, or ``transport`` not a valid word
     """
     known = OwnParameters.declared
     given = {name: held[name] for name in known if name in held} if isinstance(held, dict) else {}

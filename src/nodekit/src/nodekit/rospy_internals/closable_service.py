@@ -1,4 +1,4 @@
-"""Service whose persistent connections end with it; rospy's threads would keep running."""
+"""Service that ends its persistent connections on shutdown; rospy would keep them open."""
 
 import contextlib
 import socket

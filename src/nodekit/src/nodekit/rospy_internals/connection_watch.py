@@ -1,7 +1,7 @@
-"""Warnings about publishers that a subscriber of this process does not get a connection to.
+"""Warnings about publishers that subscribers of this process cannot connect to.
 
-rospy logs neither an unreachable publisher nor one that rejects the subscriber's message type: the
-subscriber waits for ever.
+rospy logs neither an unreachable publisher nor a publisher that rejects the subscriber's message
+type: the subscriber waits forever.
 """
 
 import socket
@@ -73,7 +73,7 @@ class ConnectionWatch:
                         with self._lock:
                             del self._missing[topic, uri]
                             self._errors.pop((topic, uri), None)
-                except (ConnectionError, ValueError):  # the master does not answer; later, it will
+                except (ConnectionError, ValueError):  # the master does not answer; retry later
                     pass
                 except Exception:  # a topic that is being closed, for example
                     rospy.logdebug("%s", traceback.format_exc())
@@ -83,7 +83,7 @@ class ConnectionWatch:
                     return
 
     def _is_settled(self, topic: str, uri: str, since: float) -> bool:
-        """Return whether to expect no connection any longer; warn if it is late."""
+        """Return whether to stop expecting a connection; warn if it is late."""
         subscribed = get_topic_manager().get_subscriber_impl(topic)
         if subscribed is None or rospy.core.is_shutdown_requested() or _is_linked(subscribed, uri):
             return True

@@ -1,7 +1,7 @@
 """Subscribed topic that receives in batches, in place of rospy's implementation object.
 
 One object serves all subscribers of a topic in a process, and each publisher's connection has a
-reading thread. The messages of one read are unpacked at once and passed on together, without
+reading thread. The messages of one read are unpacked and passed on together, without
 rospy's chain of buffers. Publishers in the same process call the subscriber in their own thread.
 """
 
@@ -57,7 +57,7 @@ def subscriber_mismatch() -> str:
         ):
             missing = [name for name in names.split() if not hasattr(part, name)]
             if missing:
-                return f"{type(part).__name__} has no {', '.join(missing)}"
+                return f"{type(part).__name__} lacks {', '.join(missing)}"
         if list(inspect.signature(topic.receive_callback).parameters) != ["msgs", "connection"]:
             return "receive_callback has other parameters"
         topic.close()
@@ -191,7 +191,7 @@ class IncomingTopic(_Topic):
         """Pass messages to the callbacks.
 
         :param msgs: the messages
-        :param connection: the connection they came from; None for this process
+        :param connection: their connection; None for this process
         """
         callbacks, takes_views = self._batch_callbacks, self._takes_views
         viewed = msgs
@@ -225,7 +225,7 @@ class IncomingTopic(_Topic):
 
     def intraprocess_link(self) -> Optional[IntraprocessLink]:
         """Return the link to the publisher in this process; None without one."""
-        if not self.hears(get_topic_manager().get_publisher_impl(self.resolved_name)):
+        if not self.receives_from(get_topic_manager().get_publisher_impl(self.resolved_name)):
             return None
         if self._link is None:
             self._link = self._new_link()
@@ -273,8 +273,8 @@ class IncomingTopic(_Topic):
             messages.append(message)
         return messages
 
-    def hears(self, publisher: Any) -> bool:
-        """Return whether a publisher's messages come through :meth:`receive_directly`.
+    def receives_from(self, publisher: Any) -> bool:
+        """Return whether a publisher's messages arrive through :meth:`receive_directly`.
 
         :param publisher: rospy's object for the topic's publishers in this process
         """
@@ -337,11 +337,11 @@ class IncomingTopic(_Topic):
         :param uri: URI of the publishing node
         """
         publisher = get_topic_manager().get_publisher_impl(self.resolved_name)
-        return uri == rospy.get_node_uri() and self.hears(publisher)
+        return uri == rospy.get_node_uri() and self.receives_from(publisher)
 
 
 def _remove_if_rejected(topic: Any, connection: Any) -> None:
-    """Remove a connection at once if the publisher rejects it.
+    """Remove a connection immediately if the publisher rejects it.
 
     rospy removes it after a second, and considers it valid until then: a publisher that was just
     created again would never be connected.

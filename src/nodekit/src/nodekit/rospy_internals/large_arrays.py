@@ -1,4 +1,4 @@
-"""Messages with one large array of bytes, such as a picture, which is not copied.
+"""Serialization of messages with one large array of bytes, such as a picture, without a copy.
 
 genpy's ``serialize`` copies each field several times, and its ``deserialize`` needs the whole
 message in one object. Here they are given the message without the array, which is put in its place
@@ -15,7 +15,7 @@ from typing import Any, Callable, Optional, Tuple, cast
 LEAST_BYTES = 65_536
 
 _LENGTH = struct.Struct("<I")
-#: Stands for an array in a serialized message, where it must be found again.
+#: Placeholder of an array in a serialized message, to find its position.
 _PLACEHOLDER = os.urandom(16)
 _NO_ARRAY = _LENGTH.pack(0)
 
@@ -31,11 +31,11 @@ def byte_fields(data_class: Any) -> Tuple[int, ...]:
 
 
 class SplitMessage:
-    """Serialized message in three parts: what comes before a large array, it, and what follows.
+    """Serialized message in three parts: the bytes before a large array, the array, the rest.
 
     :param head: with the lengths of the message and of the array
     :param array: the array, bytes or a bytearray
-    :param tail: what follows
+    :param tail: the bytes after the array
     :param field: number of the array's field
     """
 
@@ -128,8 +128,8 @@ def fill(message: Any, head: bytes, tail: bytes, field: int, array: Any) -> None
     """Deserialize a message.
 
     :param message: the message to be filled
-    :param head: what comes before the array, with the array's length
-    :param tail: what follows
+    :param head: the bytes before the array, with the array's length
+    :param tail: the bytes after the array
     :param field: number of the array's field
     :param array: the array
     :raises genpy.DeserializationError: if the rest is malformed

@@ -35,7 +35,7 @@ def receive_latched(name: str, callback: BatchCallback, is_late: bool) -> None:
     if not isinstance(topic, IncomingTopic):
         return
     messages = [one.latch for one in topic.connections if is_late and one.latch is not None]
-    if topic.hears(publisher) and publisher.latch is not None:
+    if topic.receives_from(publisher) and publisher.latch is not None:
         buffer = io.BytesIO()
         publisher.latch.serialize(buffer)
         messages += topic.copies([buffer.getvalue()], publisher.local_header)
@@ -44,7 +44,7 @@ def receive_latched(name: str, callback: BatchCallback, is_late: bool) -> None:
 
 
 def subscribe_without_loss(name: str, data_class: type, callback: Callable[[Any], None]) -> Any:
-    """Subscribe as with rospy alone, without losing a message that arrives at once.
+    """Subscribe as with rospy alone, without losing a message that arrives immediately.
 
     rospy registers a topic before it adds the callback, so that on a busy machine a latched message
     may arrive in between, and is lost.

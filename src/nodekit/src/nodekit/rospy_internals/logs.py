@@ -76,7 +76,7 @@ def patch_logs() -> None:
     if to_rosout is not None:
         rospy.impl.rosout._rosout = escaped_to_rosout
     else:
-        rospy.logwarn("unsupported rospy version: lines that are no text do not reach /rosout")
+        rospy.logwarn("unsupported rospy version: lines with invalid bytes do not reach /rosout")
 
 
 def _flush_console(handler: RosStreamHandler) -> None:

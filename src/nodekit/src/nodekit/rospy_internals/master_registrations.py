@@ -1,8 +1,8 @@
 """Registrations of this process with the master, restored when the master loses them.
 
-The master loses all of them in a restart, or by ``rosnode cleanup``. And a service belongs to the
-node that registered it last: when that node ends, the master lists no node for the service, and
-this process has to register it again.
+The master loses all of them in a restart, or by ``rosnode cleanup``. A service belongs to the node
+that registered it last: when that node ends, the master lists no node for the service, and this
+process has to register it again.
 """
 
 from typing import List, Optional, Set

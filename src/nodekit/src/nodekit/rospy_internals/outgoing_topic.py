@@ -64,7 +64,7 @@ def publisher_mismatch() -> str:
         for part, names in ((topic, _PUBLISHER_ATTRIBUTES), (transport, _TRANSPORT_ATTRIBUTES)):
             missing = [name for name in names.split() if not hasattr(part, name)]
             if missing:
-                return f"{type(part).__name__} has no {', '.join(missing)}"
+                return f"{type(part).__name__} lacks {', '.join(missing)}"
         if list(inspect.signature(topic.publish).parameters) != ["message", "connection_override"]:
             return "publish has other parameters"
         topic.close()
@@ -75,7 +75,7 @@ def publisher_mismatch() -> str:
         return repr(error)
 
 
-def send_at_once(
+def send_directly(
     name: str, data_class: type, latch: bool, lifespan: float, depth: Optional[int] = None
 ) -> Optional["OutgoingTopic"]:
     """Send a topic's messages through :mod:`nodekit.transport.delivery`.
@@ -271,7 +271,7 @@ class OutgoingTopic(_Topic):
     def _listener(self) -> Optional[IncomingTopic]:
         """Return the subscribed topic in this process that gets messages directly, if any."""
         topic = self._subscriptions.get(self.resolved_name)
-        return topic if isinstance(topic, IncomingTopic) and topic.hears(self) else None
+        return topic if isinstance(topic, IncomingTopic) and topic.receives_from(self) else None
 
     def _link_within(self) -> IntraprocessLink:
         if self._intraprocess is None:

@@ -20,7 +20,7 @@ def on_push(handle: Callable[[str, Any], bool]) -> bool:
         return False
     update: Callable[[str, Any], None] = cache.update
 
-    def update_and_tell(key: str, value: Any) -> None:
+    def update_and_notify(key: str, value: Any) -> None:
         followed = handle(key, value)
         try:
             update(key, value)
@@ -28,7 +28,7 @@ def on_push(handle: Callable[[str, Any], bool]) -> bool:
             if not followed:
                 raise  # rospy answers the master that it is not subscribed
 
-    cache.update = update_and_tell
+    cache.update = update_and_notify
     return True
 
 

@@ -36,7 +36,7 @@ _OWN_SERVER_S = 5.0
 #: Most services named in one log line.
 _NAMED = 5
 
-#: Methods of the master's interface that add and remove each kind. Publishers come first, so that
+#: Methods of the master's interface that add and remove each type. Publishers are first, so that
 #: subscribers learn of them from the reply to their own registration, without a call by the master.
 _ADD = {
     Registration.PUB: "registerPublisher",
@@ -66,7 +66,7 @@ class _Registrar(RegistrationListener):
     :param request: sends calls to the master
 
     :ivar services: URIs of registered services, by name; without the node's private services,
-        whose names no other node can take
+        because no other node can take their names
     """
 
     def __init__(self, listener: Any, request: Request) -> None:
@@ -124,7 +124,7 @@ class _Registrar(RegistrationListener):
             ]
             for (kind, name, type_or_uri), answer in zip(part, request(calls)):
                 if answer[0] != 1:
-                    rospy.logerr("the master refused to register %s: %s", name, answer[1])
+                    rospy.logerr("the master rejected the registration of %s: %s", name, answer[1])
                     continue
                 taken = True
                 if kind == Registration.SUB:
@@ -142,7 +142,7 @@ class _Registrar(RegistrationListener):
         self.remove([entry for entry in batch.added if entry[:2] not in made])
 
     def _ask_until_answered(self, calls: List[Tuple[Any, ...]]) -> List[Any]:
-        # rospy unregisters everything at shutdown; nothing must be registered after that.
+        # rospy unregisters everything at shutdown; later registrations would remain.
         told = False
         while not rospy.core.is_shutdown_requested():
             try:
@@ -155,7 +155,7 @@ class _Registrar(RegistrationListener):
         return []
 
     def remove(self, entries: List[Entry]) -> None:
-        """Unregister entries; a master that does not reply is not asked again.
+        """Unregister entries; do not retry if the master does not reply.
 
         :param entries: closed topics and services
         """
@@ -171,7 +171,7 @@ class _Registrar(RegistrationListener):
             for start in range(0, len(calls), _TOGETHER):
                 self.request(calls[start : start + _TOGETHER])
         except ConnectionError as error:
-            rospy.logwarn("cannot unregister yet what was closed: %s", error)
+            rospy.logwarn("cannot unregister closed topics and services yet: %s", error)
 
     def connect(self, name: str, publishers: List[str]) -> None:
         """Connect to publishers of a topic, given by URI, unless they need no connection."""
@@ -219,7 +219,7 @@ def install(request: Request) -> None:
             _registrar = _Registrar(found[0], request)
             listeners.listeners = [_registrar]
     if _registrar is None:
-        rospy.logwarn("unsupported rospy version: what is made is registered one by one")
+        rospy.logwarn("unsupported rospy version: topics and services are registered one by one")
 
 
 def connect(name: str, publisher: str) -> None:

@@ -1,6 +1,6 @@
-"""Registry of the topics and services of this process, as rospy keeps it.
+"""Registry of the topics and services of this process, read from rospy.
 
-A topic has one type: rospy would silently use the first type for a second one in the process.
+A topic has one type: rospy would silently use the first type for all its users in the process.
 """
 
 from typing import Any, ContextManager, List, Tuple
@@ -9,7 +9,7 @@ import rospy
 import rospy.names
 from rospy.impl.registration import Registration, get_service_manager, get_topic_manager
 
-#: Kind, name, and the type of a topic or the URI of a service.
+#: Entry type, name, and the message type of a topic or the URI of a service.
 Entry = Tuple[str, str, str]
 
 
@@ -39,13 +39,13 @@ def name_before_remapping(name: str) -> str:
 
 
 def topic_lock() -> ContextManager[Any]:
-    """Return the lock that keeps rospy from closing a topic while it gets a new user."""
+    """Return the lock that prevents rospy from closing a topic while a user is added."""
     lock: ContextManager[Any] = get_topic_manager().lock
     return lock
 
 
 class NameTaken(rospy.ROSException):
-    """Name that this process uses for something else already; the text names it."""
+    """Error of a name that is in use in this process already; the text has the name."""
 
 
 def check_topic_type(topic: Any, data_class: Any) -> None:

@@ -1,4 +1,4 @@
-"""Connection of a published topic to a subscriber, whose losses are logged."""
+"""Connection of a published topic to a subscriber, which logs lost messages."""
 
 import contextlib
 import socket
@@ -13,7 +13,7 @@ from nodekit.shared_memory.shared_connection import SharedConnection, TopicMemor
 
 
 class RosSubscriberConnection(SharedConnection):
-    """Connection to a subscriber, whose losses are logged.
+    """Connection to a subscriber, which logs lost messages.
 
     :param transport: rospy's object for it
     :param lock: the topic's lock
@@ -50,10 +50,10 @@ class RosSubscriberConnection(SharedConnection):
     def on_shared(self) -> None:
         name_transport(self._transport)
 
-    def on_refused(self, why: str) -> None:
+    def on_rejected(self, why: str) -> None:
         text = "%s: large messages to %s go by TCP: %s"
         what = (text, self._topic, self.name, why)
-        # The topic's lock is held, which a thread that logs may wait for, if the topic is /rosout.
+        # The topic's lock is held: on /rosout, a thread that logs would wait for it.
         threading.Thread(target=rospy.logdebug, args=what, daemon=True).start()
 
     def report(self, stalled: bool, lost: int) -> None:

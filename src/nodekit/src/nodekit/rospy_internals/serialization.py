@@ -12,12 +12,12 @@ _USERS = (rospy.msg, rospy.topics, rospy.impl.tcpros_base)
 def patch_serialization() -> None:
     """Clear the buffer if a message cannot be serialized.
 
-    rospy leaves the fields before the invalid one in the buffer. They corrupt all later messages,
+    rospy leaves the fields before the invalid field in the buffer. They corrupt all later messages,
     and the client of a service gets them as a response.
     """
     serialise = rospy.msg.serialize_message
 
-    def serialise_or_clear(buffer: Any, *arguments: Any) -> None:
+    def serialize_or_clear(buffer: Any, *arguments: Any) -> None:
         try:
             serialise(buffer, *arguments)
         except BaseException:
@@ -27,4 +27,4 @@ def patch_serialization() -> None:
 
     for module in _USERS:
         if getattr(module, "serialize_message", None) is serialise:
-            setattr(module, "serialize_message", serialise_or_clear)
+            setattr(module, "serialize_message", serialize_or_clear)

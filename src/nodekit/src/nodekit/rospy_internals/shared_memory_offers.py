@@ -1,8 +1,8 @@
 """Offers of shared memory in the headers of connections between nodes.
 
-A subscriber adds a field to its header; publishers that do not know it ignore it, as TCPROS has it.
-So nothing changes for other nodes, and a connection has the same messages in the same order with
-and without shared memory.
+A subscriber adds a field to its header; publishers ignore unknown fields, as TCPROS requires. So
+nothing changes for other nodes, and a connection has the same messages in the same order with and
+without shared memory.
 """
 
 import contextlib
@@ -21,7 +21,7 @@ _offers: "weakref.WeakKeyDictionary[Any, Offer]" = weakref.WeakKeyDictionary()
 
 
 def disable() -> None:
-    """Send and receive by TCP only, over connections that are made from now on."""
+    """Send and receive by TCP only, over connections that are opened from now on."""
     global _is_enabled
     _is_enabled = False
 

@@ -1,4 +1,4 @@
-"""Shutdown of rospy, and the phases in which functions are called then."""
+"""Shutdown of rospy, and phases of shutdown hooks."""
 
 import enum
 import traceback
@@ -17,8 +17,8 @@ _HUNG_UP = "incoming connection failed"
 def patch_shutdown() -> None:
     """Prevent tracebacks and errors at shutdown.
 
-    A server whose first client connects during shutdown listens on a closed socket. And a client
-    that disconnects before its request is read, such as one that is interrupted, is no error of
+    A server listens on a closed socket if its first client connects during shutdown. A client that
+    disconnects before its request is read, for example when it is interrupted, is not an error of
     this node: the client reports it.
     """
     serve, log_error = TCPServer.run, getattr(tcpros_service, "logerr", rospy.logerr)
@@ -33,7 +33,9 @@ def patch_shutdown() -> None:
     TCPServer.run = serve_until_shutdown
     tcpros_service.logerr = partial(log_service_error, log_error)
     if _hooks is None:
-        rospy.logwarn("unsupported rospy version: nodes end after what rospy.on_shutdown was given")
+        rospy.logwarn(
+            "unsupported rospy version: nodes end after the functions of rospy.on_shutdown"
+        )
 
 
 def log_service_error(log_error: Callable[..., None], text: str, *args: object) -> None:
@@ -65,7 +67,7 @@ _functions: Dict[ShutdownPhase, List[Callable[[], object]]] = {phase: [] for pha
 def at_end(phase: ShutdownPhase, function: Callable[[], object]) -> Callable[[], None]:
     """Call a function at shutdown.
 
-    During a shutdown, a function of the toolkit is called at once, and maybe a second time.
+    During a shutdown, a function of nodekit is called immediately, and maybe a second time.
 
     :param phase: the phase of the shutdown
     :param function: the function, called before those added earlier for the phase
@@ -86,7 +88,7 @@ def _call_all() -> None:
                 traceback.print_exc()
 
 
-# First of all, also before functions that rospy.on_shutdown() got before this import.
+# First, even before functions that were passed to rospy.on_shutdown() before this import.
 _hooks: Optional[List[Any]] = getattr(rospy.core, "_client_shutdown_hooks", None)
 if _hooks is not None:
     _hooks.insert(0, _call_all)

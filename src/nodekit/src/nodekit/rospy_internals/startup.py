@@ -34,9 +34,9 @@ def apply_patches() -> None:
 def register_signals() -> None:
     """Shut the node down on SIGINT and SIGTERM, and when its terminal is closed.
 
-    ``rospy.init_node`` handles the first two if the main thread calls it. But rospy's handler of a
-    second signal interrupts that of the first, and is not reentrant (it writes to the log file):
-    the node hung, or ended with a traceback. Here only the first signal is handled.
+    ``rospy.init_node`` handles the first two if the main thread calls it. But a second signal
+    interrupts rospy's handler, which is not reentrant (it writes to the log file): the node hung,
+    or ended with a traceback. Here only the first signal is handled.
     """
     rospy.core.register_signals()
     shut_down: Any = signal.getsignal(signal.SIGTERM)

@@ -1,4 +1,4 @@
-"""Reader of a publisher's connection; unpacks all messages of one read at once.
+"""Reader of a publisher's connection; unpacks all messages of one read together.
 
 Large messages may be announced there, and read from shared memory.
 """
@@ -22,9 +22,9 @@ from nodekit.shared_memory.channel import FIELD, ChannelListener, Loan, Offer, R
 
 _LENGTH = struct.Struct("<I")
 _PREFIX = _LENGTH.size
-#: Longest time to go on reading after a message, for callbacks that want the newest [s].
+#: Longest time to continue reading after a message, for callbacks that want the newest [s].
 _UNTIL_EMPTY_S = 0.05
-#: Time between two checks for memory that is not used again, while no message comes: a ``timeval``.
+#: Time between two checks for unused memory while no message arrives: a ``timeval``.
 _CHECK_EVERY = struct.pack("ll", 5, 0)
 
 
@@ -32,7 +32,7 @@ class Reader:
     """Reader of complete messages from one connection.
 
     :param transport: rospy's object for the connection
-    :param topic: the subscribed topic, whose ``reads_until_empty`` and ``takes_views`` are followed
+    :param topic: the subscribed topic; ``reads_until_empty`` and ``takes_views`` are its settings
     """
 
     def __init__(self, transport: TCPROSTransport, topic: Any) -> None:
@@ -99,7 +99,7 @@ class Reader:
         return messages
 
     def _begin(self) -> bytes:
-        """Start with a new connection; return the data that came with its header."""
+        """Start with a new connection; return the data received with its header."""
         sock = self._transport.socket
         if sock is None:
             raise TransportInitError("connection not initialized")
@@ -123,7 +123,7 @@ class Reader:
         return bytes(self._buffer[:size])
 
     def _receive_into(self) -> int:
-        """Wait for data; with a channel, also drop memory that is not used again."""
+        """Wait for data; with a channel, also drop unused memory."""
         while True:
             try:
                 return int(self._socket.recv_into(self._buffer))
@@ -135,7 +135,7 @@ class Reader:
     def _read_until_empty(self, messages: List[Any]) -> None:
         """Add the messages that have arrived meanwhile, without waiting.
 
-        :param messages: those that are read already
+        :param messages: the messages read so far
         """
         deadline = time.monotonic() + _UNTIL_EMPTY_S
         with contextlib.suppress(OSError):  # nothing is left, or the next call reports the error
@@ -214,7 +214,7 @@ class Reader:
         if listener is None or offer is None:
             raise ValueError("a message in shared memory, which was not offered")
         channel = listener.take(offer)
-        # Wakes the thread up, to give up memory.
+        # Wakes the thread up, to release memory.
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, _CHECK_EVERY)
         shared_memory_offers.name_transport(self._transport)
         return channel

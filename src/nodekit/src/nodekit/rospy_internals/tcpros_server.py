@@ -26,7 +26,7 @@ HEADER_TIMEOUT_S = 10.0
 #: Most connections with incomplete headers. At this limit, no connection is accepted until the
 #: oldest is closed.
 MOST_WAITING = 100
-#: Timeout of a header at that limit [s]: a process that connects to hundreds of topics at once
+#: Timeout of a header at that limit [s]: a process that connects to hundreds of topics
 #: sends its headers a little later.
 GRACE_S = 1.0
 #: Longest header [bytes]. The message definition, its longest part, has a few thousand.
@@ -34,7 +34,7 @@ LONGEST_HEADER = 1_000_000
 
 #: Timeout for sending a rejection [s].
 _ANSWER_S = 0.1
-#: Pause after a connection could not be accepted, as without a free descriptor [s].
+#: Pause after a failed accept(), as without a free descriptor [s].
 _PAUSE_S = 0.5
 #: Longest logged reason [characters]: rospy's reasons hold all topics, and the whole header.
 _LONGEST_REASON = 500
@@ -220,7 +220,7 @@ class _Acceptor:
             raise TransportInitError(f"{error} {header}")
 
     def _drop_expired(self) -> None:
-        """Close connections whose time is over."""
+        """Close connections after their timeout."""
         for pending in list(self._pending.values()):
             left = self._time_left()
             if left is None or left > 0.0:

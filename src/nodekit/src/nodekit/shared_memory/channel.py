@@ -1,12 +1,12 @@
 """Channel between a publisher and a subscriber for descriptors of segments, and their return.
 
-A subscriber's process listens on one local socket, whose name it gives to publishers in the header
-of each connection, with a token of the connection. A publisher connects when it has a first large
+A subscriber's process listens on one local socket. The header of each connection tells publishers
+the socket's name and a token of the connection. A publisher connects when it has a first large
 message, sends the token, and each segment's descriptor before the first message in that segment.
 The subscriber sends back the numbers of segments that it has read. The messages themselves are
 announced on the topic's connection, see :mod:`.frame`.
 
-Both ends are of the same user: the system names the user of the other end, see ``unix(7)``.
+Both ends belong to the same user, which the system verifies, see ``unix(7)``.
 """
 
 import contextlib
@@ -18,9 +18,9 @@ from typing import Dict, List, NamedTuple, Optional, Set
 
 from nodekit.shared_memory.memory import ReadMemory
 
-#: Field of the connection header, whose value is :meth:`Offer.text`.
+#: Field of the connection header; its value is :meth:`Offer.text`.
 FIELD = "nodekit_shared_memory"
-#: Longest wait for its token, which the publisher sends at once [s].
+#: Longest wait for its token, which the publisher sends immediately [s].
 _TOKEN_S = 0.5
 _TOKEN_BYTES = 16
 _NUMBER = struct.Struct("<I")
@@ -30,7 +30,7 @@ _BOOT_ID = "/proc/sys/kernel/random/boot_id"
 
 
 class ChannelError(OSError):
-    """Error of a channel that the other end does not use as it should."""
+    """Error of a channel: the other end has closed it or breaks the protocol."""
 
 
 class Offer(NamedTuple):
@@ -58,7 +58,7 @@ def parse_offer(text: str) -> Optional[Offer]:
 
 
 def boot_id() -> str:
-    """Return what identifies this start of this machine; empty if the system does not say."""
+    """Return the id of this machine's current boot; empty if unknown."""
     try:
         with open(_BOOT_ID) as file:
             return file.read().strip()
@@ -73,31 +73,32 @@ def _is_of_this_user(sock: socket.socket) -> bool:
     return user == os.geteuid()
 
 
-class Refusal(Exception):
-    """Why an offer is not taken, in one sentence."""
+class OfferRejected(Exception):
+    """Error of an offer that cannot be used; the text has the reason."""
 
 
 class WriterChannel:
     """A publisher's end of the channel to one subscriber.
 
     :param offer: the subscriber's offer
-    :raises Refusal: if the subscriber is on another host, of another user, or cannot be reached
+    :raises OfferRejected: if the subscriber is on another host, belongs to another user, or cannot
+        be reached
     """
 
     def __init__(self, offer: Offer) -> None:
         if not offer.boot_id or offer.boot_id != boot_id():
-            raise Refusal("the subscriber is on another host")
+            raise OfferRejected("the subscriber is on another host")
         self._socket = socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET)
         try:
             self._socket.setblocking(False)
             self._socket.connect("\0" + offer.name)
             if not _is_of_this_user(self._socket):
-                raise Refusal("the subscriber is of another user")
+                raise OfferRejected("the subscriber belongs to another user")
             self._socket.send(offer.token.encode())
         except OSError as error:
             self._socket.close()
-            raise Refusal(f"its local socket cannot be reached: {error}") from None
-        except Refusal:
+            raise OfferRejected(f"its local socket cannot be reached: {error}") from None
+        except OfferRejected:
             self._socket.close()
             raise
         #: segments that the subscriber has, and those of them that hold an announced message
@@ -126,7 +127,7 @@ class WriterChannel:
         self.in_flight.add(number)
 
     def retire(self, number: int) -> None:
-        """Tell the subscriber, now or later, that a segment is not used again.
+        """Notify the subscriber, now or later, that a segment is no longer used.
 
         :param number: the segment's number
         """
@@ -206,7 +207,7 @@ class ReaderChannel:
         return memory
 
     def update(self) -> None:
-        """Map the segments that have been sent, and drop those that are not used again.
+        """Map the segments that have been sent, and drop segments that are no longer used.
 
         :raises OSError: if one cannot be mapped
         """
@@ -217,7 +218,7 @@ class ReaderChannel:
                 )
             except BlockingIOError:
                 return
-            except ConnectionResetError:  # once, before what the publisher sent until its end
+            except ConnectionResetError:  # raised once, before the data sent until the end
                 continue
             if len(data) != _NUMBER.size:
                 return  # closed; what was sent before is complete
@@ -232,7 +233,7 @@ class ReaderChannel:
                         os.close(descriptor)
 
     def give_back(self, number: int) -> None:
-        """Tell the publisher that a message is read. From any thread, without waiting.
+        """Notify the publisher that a message is read. From any thread, without waiting.
 
         A forked child has copies of the loans, and ends none.
 
@@ -293,7 +294,7 @@ class ChannelListener:
                 self._keep(self._socket.accept()[0])
 
     def _keep(self, sock: socket.socket) -> None:
-        """Keep a channel; close it if it is of another user or of a connection that has ended."""
+        """Keep a channel; close it if its user is another, or its connection has ended."""
         token = ""
         with contextlib.suppress(OSError, UnicodeDecodeError):
             sock.settimeout(_TOKEN_S)

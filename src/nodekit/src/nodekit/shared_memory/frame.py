@@ -1,8 +1,8 @@
 """Announcement of a message in a segment, in place of the message on a topic's connection.
 
-Messages of TCPROS begin with their length; an announcement begins with a length that no message
-has. A message with one large array of bytes is announced with the array's place: the rest is small,
-and the array is read, or viewed, where it is.
+TCPROS messages begin with their length; an announcement begins with an impossible length. A message
+with one large array of bytes is announced with the array's position: the rest is small, and the
+array is read, or viewed, in place.
 """
 
 import struct
@@ -24,7 +24,7 @@ class Frame(NamedTuple):
     segment: int
     #: length of the serialized message, from the segment's beginning [bytes]
     size: int
-    #: where the array begins and ends in it [bytes]
+    #: begin and end of the array in it [bytes]
     start: int
     stop: int
     #: number of the array's field in the message, or :data:`NO_FIELD`
@@ -40,9 +40,9 @@ class Frame(NamedTuple):
 def unpack_from(data: bytes, position: int) -> Frame:
     """Return an announcement.
 
-    :param data: what was received
-    :param position: where the announcement begins [bytes]
-    :raises ValueError: if its parts lie outside of each other
+    :param data: received data
+    :param position: offset of the announcement [bytes]
+    :raises ValueError: if the array is not within the message
     """
     frame = Frame._make(_FRAME.unpack_from(data, position)[1:])
     if not 0 <= frame.start <= frame.stop <= frame.size:

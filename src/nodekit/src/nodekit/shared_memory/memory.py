@@ -1,7 +1,7 @@
 """Anonymous memory that one process writes and others read, as file descriptors.
 
 Both ends use ``mmap(2)``. The reader's mapping is made by the C library itself: Python's ``mmap``
-objects keep a descriptor each, and cannot say when the last view of one message is gone.
+objects keep a descriptor each, and cannot report the end of the last view of a message.
 """
 
 import ctypes
@@ -12,7 +12,7 @@ from typing import Any, Sequence
 
 _ADD_SEALS = getattr(fcntl, "F_ADD_SEALS", 1033)
 _SEAL_SEAL, _SEAL_SHRINK, _SEAL_GROW = 1, 2, 4
-#: Since Linux 5.1: mappings that exist may write, and nothing else; see ``fcntl(2)``.
+#: Since Linux 5.1: only existing mappings may write; see ``fcntl(2)``.
 _SEAL_FUTURE_WRITE = 16
 
 _libc = ctypes.CDLL(None, use_errno=True)
@@ -37,7 +37,7 @@ class WrittenMemory:
             raise OSError("this Python has no memfd_create")
         self.descriptor = os.memfd_create("nodekit", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
         try:
-            # Otherwise a full memory would end the process by a signal at the first write.
+            # Otherwise a signal would end the process at the first write to full memory.
             os.posix_fallocate(self.descriptor, 0, size)
             self._map = mmap.mmap(self.descriptor, size)
             self._seal()
@@ -92,16 +92,16 @@ class ReadMemory:
     def read(self, start: int, stop: int) -> bytes:
         """Return a copy of a part.
 
-        :param start: where it begins [bytes]
-        :param stop: where it ends [bytes]
+        :param start: its begin [bytes]
+        :param stop: its end [bytes]
         """
         return ctypes.string_at(self._address + start, stop - start)
 
     def view(self, start: int, stop: int, kept: object) -> memoryview:
         """Return a read-only view of a part.
 
-        :param start: where it begins [bytes]
-        :param stop: where it ends [bytes]
+        :param start: its begin [bytes]
+        :param stop: its end [bytes]
         :param kept: kept as long as any view of this part exists, such as a slice or an array
         """
         part: Any = (ctypes.c_ubyte * (stop - start)).from_address(self._address + start)

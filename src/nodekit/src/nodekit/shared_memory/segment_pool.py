@@ -1,4 +1,4 @@
-"""Pool of a publisher's memory segments: which one may be written, and who holds which.
+"""Pool of a publisher's memory segments, and the readers that hold them.
 
 A segment is written only while no reader holds it. Readers of a message hold its segment until they
 give it back, or are gone. A pool without a free segment grows, up to its limit in bytes.
@@ -17,7 +17,7 @@ Memory = TypeVar("Memory")
 
 
 def capacity_for(size: int) -> int:
-    """Return the size of a new segment: some more, so that growing messages rarely need another.
+    """Return the size of a new segment, with a reserve for growing messages.
 
     :param size: size of the message [bytes]
     :returns: the next multiple of an eighth of the largest power of two within the size [bytes]
@@ -71,7 +71,7 @@ class SegmentPool(Generic[Memory]):
         return sum(segment.capacity for segment in self._segments.values())
 
     def take(self, size: int, now: float) -> Optional[Segment[Memory]]:
-        """Return a segment to write: of the free ones that fit, the smallest, then the latest used.
+        """Return a segment to write: the smallest free one that fits, then the latest used.
 
         A larger one is created if none fits; the free ones, which are too small, are given up.
 
@@ -100,7 +100,7 @@ class SegmentPool(Generic[Memory]):
         return segment
 
     def lend(self, segment: Segment[Memory], reader: Hashable) -> None:
-        """Keep a segment as it is until a reader gives it back.
+        """Keep a segment unchanged until a reader gives it back.
 
         :param segment: the segment, from :meth:`take`
         :param reader: the reader

@@ -1,7 +1,7 @@
 """Connection to a subscriber that reads large messages from shared memory.
 
-The connection announces them, in order with the others. A message waits for the subscriber as any
-other does if it has as many unread ones as :data:`MOST_IN_FLIGHT`.
+The connection announces them, in order with the others. A message is held like any other if the
+subscriber has :data:`MOST_IN_FLIGHT` unread messages.
 """
 
 import contextlib
@@ -11,7 +11,7 @@ import threading
 import time
 from typing import Any, ContextManager, Dict, NamedTuple, Optional, Sequence, Set, Tuple
 
-from nodekit.shared_memory.channel import ChannelError, Offer, Refusal, WriterChannel
+from nodekit.shared_memory.channel import ChannelError, Offer, OfferRejected, WriterChannel
 from nodekit.shared_memory.frame import Frame
 from nodekit.shared_memory.memory import WrittenMemory
 from nodekit.shared_memory.segment_pool import IDLE_S, Segment, SegmentPool
@@ -21,7 +21,7 @@ from nodekit.transport.subscriber_connection import Delivery, SubscriberConnecti
 #: take less time by TCP.
 LEAST_BYTES = 262_144
 #: Most announced messages that a subscriber has not read; fewer with a smaller depth, but always
-#: two, so that it may look at one while the next comes.
+#: two, so that it may use one while the next arrives.
 MOST_IN_FLIGHT, LEAST_IN_FLIGHT = 4, 2
 
 
@@ -29,7 +29,7 @@ class SharedMessage(NamedTuple):
     """Message in a segment."""
 
     segment: Segment[WrittenMemory]
-    #: length of the message, and where its large array begins and ends [bytes]
+    #: length of the message, and begin and end of its large array [bytes]
     size: int
     start: int
     stop: int
@@ -62,10 +62,10 @@ class TopicMemory:
         """Write a message to a free segment.
 
         :param parts: the message's parts, bytes-like
-        :param start: where its large array begins [bytes]
-        :param stop: where it ends [bytes]
+        :param start: begin of its large array [bytes]
+        :param stop: end of the array [bytes]
         :param field: number of the array's field
-        :returns: the message, to be sent to subscribers at once; None without a free segment
+        :returns: the message, to be sent to subscribers immediately; None without a free segment
         """
         self.collect()
         size = sum(map(len, parts))
@@ -85,7 +85,7 @@ class TopicMemory:
         self._pool.give_back(number, channel)
 
     def collect(self) -> None:
-        """Take back what subscribers have read; forget those that are gone."""
+        """Reclaim segments that subscribers have read; remove subscribers that are gone."""
         for channel in list(self._channels):
             try:
                 for number in channel.returned():
@@ -103,7 +103,7 @@ class TopicMemory:
     def close(self) -> None:
         """Give back all memory; subscribers keep what they have not read."""
         channels, self._channels = self._channels, set()
-        for channel in channels:  # first: a subscriber drops a segment that is not used again
+        for channel in channels:  # first: a subscriber then drops its segments
             channel.close()
         self._pool.close()
 
@@ -114,7 +114,7 @@ class TopicMemory:
 
 
 class _Announcement(Delivery):
-    """Announcement of a message, whose segment is kept for the subscriber.
+    """Announcement of a message; keeps the segment for the subscriber.
 
     :param message: the message
     :param link: the connection
@@ -155,7 +155,7 @@ class SharedConnection(SubscriberConnection):
     :param lock: lock of all deliveries to this connection
     :param depth: as in :class:`.SubscriberConnection`
     :param memory: memory of the topic
-    :param offer: where the subscriber expects a channel; None if it does not
+    :param offer: address of the subscriber's channel; None without one
     """
 
     def __init__(
@@ -177,8 +177,8 @@ class SharedConnection(SubscriberConnection):
             offer, self._offer = self._offer, None
             try:
                 self._channel = WriterChannel(offer)
-            except Refusal as error:
-                self.on_refused(str(error))
+            except OfferRejected as error:
+                self.on_rejected(str(error))
                 return False
             self._memory.add(self._channel)
             self.on_shared()
@@ -187,7 +187,7 @@ class SharedConnection(SubscriberConnection):
     def on_shared(self) -> None:
         """Handle that large messages go through shared memory from now on."""
 
-    def on_refused(self, why: str) -> None:
+    def on_rejected(self, why: str) -> None:
         """Handle that large messages go over the connection, since there is no channel.
 
         :param why: the reason
@@ -254,7 +254,7 @@ class SharedConnection(SubscriberConnection):
 
 
 class _Keeper:
-    """Thread that gives back unused memory of topics; it ends with the last of it."""
+    """Thread that gives back unused memory of topics; ends when no memory is left."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()

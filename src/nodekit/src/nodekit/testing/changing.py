@@ -10,7 +10,7 @@ from nodekit.node.parameter_client import ParameterClient
 def change(node: str, **values: Any) -> None:
     """Change parameters; the node handles later messages with the new values.
 
-    After ``rosparam set`` there is no such point: the log line comes before the node's class is
+    After ``rosparam set`` that moment is unknown: the node logs the change before its class is
     notified.
 
     :param node: global name of the node

@@ -4,6 +4,7 @@ import os
 from typing import Any, Dict, Set
 from xmlrpc.client import ServerProxy
 
+from nodekit.deprecated import OldMethod
 from nodekit.master import MISSING, MasterClient, Registrations
 from nodekit.testing.waiting import wait_until
 
@@ -80,13 +81,15 @@ class Graph:
             pairs = (text.partition("=") for text in variables.read().split("\0") if text)
             return {name: value for name, _, value in pairs}
 
-    def hearers(self, node: str, topic: str) -> Set[str]:
+    def connected_subscribers(self, node: str, topic: str) -> Set[str]:
         """Return the names of the nodes connected to a topic of a running node."""
         connections: Any = self._node(node).getBusInfo(self._caller_id)
         return {entry[1] for entry in connections[2] if entry[2] == "o" and entry[4] == topic}
 
+    hearers = OldMethod("connected_subscribers")
+
     def niceness(self, node: str) -> int:
-        """Return the niceness of a running node; a higher one has a lower priority."""
+        """Return the niceness of a running node; the higher, the lower its priority."""
         return os.getpriority(os.PRIO_PROCESS, self.pid(node))
 
     def kill(self, node: str) -> None:
@@ -94,7 +97,7 @@ class Graph:
         try:
             self._node(node).shutdown(self._caller_id, "ended by a test")
         except ConnectionError:
-            pass  # it ended before it had responded
+            pass  # the node ended before its response
 
     def wait_for_nodes(self, *names: str, under: str = "/") -> None:
         """Wait until exactly these nodes exist, and have finished init_node.
@@ -115,24 +118,24 @@ class Graph:
         services = {service for service, _ in self._master.system_state().services}
         return all(name + "/set_logger_level" in services for name in names)
 
-    def wait_until_heard(self, node: str, topic: str, *hearers: str) -> None:
+    def wait_until_heard(self, node: str, topic: str, *subscribers: str) -> None:
         """Wait until all these nodes are connected to a topic of a running node.
 
         rospy's subscriber reports a connection when it only begins to connect.
 
         :param node: name of the publishing node
         :param topic: global name of the topic
-        :param hearers: names of the subscribing nodes
+        :param subscribers: names of the subscribing nodes
         """
         wait_until(
-            lambda: self.hearers(node, topic).issuperset(hearers),
-            lambda: f"{topic} of {node} is received by {sorted(self.hearers(node, topic))}",
+            lambda: self.connected_subscribers(node, topic).issuperset(subscribers),
+            lambda: f"subscribers of {topic}: {sorted(self.connected_subscribers(node, topic))}",
         )
 
     def wait_for_parameters(self, namespace: str, expected: Dict[str, Any]) -> None:
         """Wait until some parameters have these values.
 
-        :param namespace: namespace of the parameters, or the node whose private ones they are
+        :param namespace: namespace of the parameters; a node's name for its private parameters
         :param expected: values by name
         """
 
@@ -147,7 +150,7 @@ class Graph:
 
         wait_until(
             lambda: found() == expected,
-            lambda: f"in {namespace} there is {found()}, not {expected}",
+            lambda: f"{namespace} has {found()}, not {expected}",
         )
 
     def wait_for_publishers(self, topic: str, *names: str) -> None:

@@ -92,7 +92,7 @@ class Launched:
 def launched(*commands: str) -> Iterator[Launched]:
     """Start launch files as roslaunch does; on exit, end their nodes and delete their parameters.
 
-    Several at once take little longer than one; ``__ns:=`` keeps them apart.
+    Several together take little longer than one; ``__ns:=`` separates them.
 
     :param commands: arguments of ``roslaunch``: ``basic_comms cw1.launch ns:=a``, or
         a path and arguments

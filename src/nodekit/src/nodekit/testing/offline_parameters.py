@@ -12,7 +12,7 @@ _BETWEEN_S = 10.0
 
 
 class OfflineParameters(Generic[Snapshot]):
-    """A node's parameters with a parameter server of their own.
+    """A node's parameters with a private parameter server.
 
     :param declaration: the class that declares them
 

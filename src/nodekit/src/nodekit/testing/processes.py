@@ -141,7 +141,7 @@ class Master:
             start_new_session=self._start_new_session,
         )
         try:
-            wait_until(self._pid_there, lambda: "no answer of the master")
+            wait_until(self._pid_there, lambda: "the master does not respond")
         except BaseException:
             self.kill()
             raise
@@ -197,7 +197,7 @@ def hanging(pid: int) -> Iterator[None]:
 
 
 class Server:
-    """Parameter server as another node sees it.
+    """Client of the parameter server, independent of the tested node.
 
     :param uri: URI of the master; the test's own by default
     """

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Run a node with a wall clock that jumps an hour back on SIGUSR1, an hour ahead on SIGUSR2.
 
-The machine's clock stays as it is: only Python code of the node reads the wrong time. The first
+The machine's clock is unchanged: only Python code of the node reads the wrong time. The first
 argument is the name of the node's module, e.g. ``basic_comms.nodes.talker``.
 """
 

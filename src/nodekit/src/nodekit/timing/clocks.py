@@ -41,7 +41,7 @@ class MonotonicClock:
             self._wake.acquire(timeout=timeout)
 
     def wake(self) -> None:
-        """End the current wait, or else the next one at once."""
+        """End the current wait, or else the next one immediately."""
         try:
             self._wake.release()
         except RuntimeError:
@@ -81,5 +81,5 @@ class SimulatedClock:
         self._moved.clear()
 
     def wake(self) -> None:
-        """End the current wait, or else the next one at once."""
+        """End the current wait, or else the next one immediately."""
         self._moved.set()

@@ -1,4 +1,4 @@
-"""Timers without drift, whose rate can change at once.
+"""Timers without drift, with rates that can change immediately.
 
 One thread serves all timers of a clock. It waits on absolute deadlines, so that a late call never
 delays the next, and is woken when a rate changes. With /use_sim_time it follows /clock: at most one
@@ -42,7 +42,7 @@ def checked_rate(rate: float) -> float:
     raise ValueError(f"a rate of {rate!r} Hz: must be a number in [0, {HIGHEST_HZ:g}]")
 
 
-def _at_once(work: Work) -> None:
+def _call_now(work: Work) -> None:
     work()
 
 
@@ -71,7 +71,7 @@ class Timer:
         catch_up = scheduler.allowed_catch_up(catch_up)
         self._catches_up = catch_up > 0.0
         #: Calls a function, now or later.
-        self.dispatch: Dispatch = dispatch or _at_once
+        self.dispatch: Dispatch = dispatch or _call_now
         self.timetable = Timetable(checked_rate(rate), catch_up)
         #: Pending calls, by the time since the first call [s].
         self._due: List[float] = []
@@ -116,7 +116,7 @@ class Timer:
         del self._due[:1]
 
     def tick(self) -> None:
-        """Make one pending call; each is dispatched by itself."""
+        """Make one pending call; calls are dispatched one by one."""
         try:
             elapsed = self._due.pop(0)
         except IndexError:
@@ -154,7 +154,7 @@ class Scheduler:
         return catch_up if isinstance(self._clock, MonotonicClock) else 0.0
 
     def start(self, timers: Iterable[Timer]) -> None:
-        """Start timers; the first call is due at once.
+        """Start timers; the first call is due immediately.
 
         Timers of one rate stay due at the same moments. Called one after the other, they need about
         half the processor time, because of warm caches.
@@ -188,7 +188,7 @@ class Scheduler:
         self._clock.wake()
 
     def _plan(self, timer: Timer) -> None:
-        """Queue a timer for its next deadline; a new timer is due at once."""
+        """Queue a timer for its next deadline; a new timer is due immediately."""
         deadline = timer.timetable.deadline
         if deadline is not None:
             heapq.heappush(self._queue, (deadline, next(self._order), timer))

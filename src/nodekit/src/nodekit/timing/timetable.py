@@ -71,7 +71,7 @@ class Timetable:
         if self._anchor == -math.inf:
             self.begin(now)
         following = self._next + 1
-        # With a new rate, deadlines may lie in the past that the old rate did not have.
+        # Deadlines of a new rate may lie in the past.
         catch_up = 0.0 if self._is_retimed else self._catch_up
         if now - self.next_deadline > catch_up:
             latest = max(following, self._first_after(now, self._anchor))
@@ -105,7 +105,7 @@ class Timetable:
         self._rate = rate
 
     def restart(self, now: float) -> None:
-        """Continue after the clock was set back: due at once, one period later.
+        """Continue after the clock was set back: due now, and one period later.
 
         :param now: the new time of the clock [s]
         """

@@ -1,9 +1,9 @@
-"""Delivery of messages over stream sockets, in which no receiver can block the others.
+"""Delivery of messages over stream sockets; a receiver cannot block the others.
 
-Messages are sent from the caller's own thread. What a receiver does not take at once is sent by a
-background thread, see :mod:`nodekit.transport.subscriber_connection`: at once if its connection has
-a depth, otherwise after a wait of up to :data:`PATIENCE_S`, once. The thread exists only while data
-is held.
+Messages are sent from the caller's own thread. Data that a receiver's socket does not accept is
+held and sent by a background thread, see :mod:`nodekit.transport.subscriber_connection`:
+immediately if its connection has a depth, otherwise after one wait of up to :data:`PATIENCE_S`. The
+thread exists only while data is held.
 
 A delivery holds one or more messages: they share a system call, which takes longer than all other
 work for a small message.
@@ -138,7 +138,7 @@ class _Drain:
                 links = list(self._links)
             try:
                 self._serve(links)
-            except Exception:  # without the thread, what is held would never be sent
+            except Exception:  # without the thread, held data would never be sent
                 logging.getLogger(__name__).exception("delivery in the background failed")
                 time.sleep(DRAIN_PERIOD_S)
 

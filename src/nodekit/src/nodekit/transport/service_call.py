@@ -28,7 +28,7 @@ class ServiceCall:
     :param timeout: longest time from now to the response [s]
 
     :ivar deadline: end of that time on the monotonic clock [s]
-    :ivar said: the server's header, once received: its ``type`` and more
+    :ivar said: the server's header, once received: ``type`` and other fields
     """
 
     def __init__(self, timeout: float) -> None:

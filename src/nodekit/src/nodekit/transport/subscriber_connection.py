@@ -1,9 +1,9 @@
 """Connection to one subscriber: sent, held and lost messages.
 
-For a receiver that does not read, the partly sent delivery is held, the rest of which is sent first
-(a message is never split), and the newest messages, up to the depth that was asked for and to
-:data:`MOST_HELD`. Without a depth that is the newest delivery, so that the last value of a slow
-stream arrives. Older deliveries are lost, counted and reported.
+For a receiver that does not read, the rest of the partly sent delivery is held and sent first (a
+message is never split), then the newest messages, up to the requested depth and :data:`MOST_HELD`.
+Without a depth, only the newest delivery is held, so that the last value of a slow stream arrives.
+Older deliveries are lost, counted and reported.
 """
 
 import collections
@@ -18,13 +18,13 @@ PROBATION_S = 10.0
 #: Most data that is held for a receiver, apart from the newest delivery [bytes]: forty pictures of
 #: 1920 x 1080 pixels.
 MOST_HELD = 256_000_000
-#: Most deliveries that are sent at once: publish() waits meanwhile.
+#: Most deliveries that are sent in one go: publish() waits meanwhile.
 MOST_AT_ONCE = 100
-#: What an empty delivery takes of memory [bytes], measured with CPython 3.11.
+#: Memory of an empty delivery [bytes], measured with CPython 3.11.
 _OVERHEAD = 400
 #: A receiver that takes no data for this long has stalled [s].
 STALL_S = 0.05
-#: Shortest time between two reports of the same kind about the same receiver [s].
+#: Shortest time between two reports of the same type about the same receiver [s].
 REPORT_PERIOD_S = 10.0
 
 
@@ -43,13 +43,13 @@ class Phase(enum.Enum):
     ============  ==============================================  ============
     """
 
-    #: accepts each delivery at once
+    #: accepts each delivery immediately
     KEEPING_UP = enum.auto()
     #: has time to read; its delivery may be partly sent
     WAITED_FOR = enum.auto()
     #: gets the held deliveries in the background
     STALLED = enum.auto()
-    #: accepts each delivery at once again, but has stalled before
+    #: accepts each delivery immediately again, but has stalled before
     ON_PROBATION = enum.auto()
     #: the other end is closed
     GONE = enum.auto()
@@ -76,27 +76,27 @@ class Delivery:
         return len(self.unsent) < self.size
 
     def prepare(self) -> None:
-        """Do what has to be done before the next part is sent.
+        """Prepare the next part for sending.
 
         :raises BlockingIOError: if that must wait; see :meth:`SubscriberConnection.awaited`
         :raises OSError: if the receiver has gone
         """
 
     def drop(self) -> None:
-        """Give up what is not sent."""
+        """Give up the unsent data."""
 
 
 class LossReports:
-    """Rate limit of reports about a receiver's losses: one of each kind in REPORT_PERIOD_S.
+    """Rate limit of reports about a receiver's losses: one of each type in REPORT_PERIOD_S.
 
-    One kind reports losses while the receiver is stalled, the other that it keeps up again. Each
+    One type reports losses while the receiver is stalled, the other that it keeps up again. Each
     loss is reported exactly once.
     """
 
     def __init__(self) -> None:
         self._reported = 0  # messages
         self._awaits_return = False  # a stall was reported, its end not yet
-        self._quiet_until = {True: 0.0, False: 0.0}  # by kind
+        self._quiet_until = {True: 0.0, False: 0.0}  # by type
 
     def is_pending(self, stalled: bool, lost: int) -> bool:
         """Return whether there is something to report, now or later.
@@ -155,7 +155,7 @@ class SubscriberConnection:
         self._socket.close()
 
     def report(self, stalled: bool, lost: int) -> None:
-        """Report a stalled receiver that loses messages, or one that keeps up again.
+        """Report that a receiver is stalled and loses messages, or keeps up again.
 
         :param stalled: whether the receiver is stalled
         :param lost: messages lost since the last report

@@ -33,10 +33,10 @@ async def check(_self: object) -> None:
 @pytest.mark.parametrize(
     "members, error, text",
     [
-        ({"a": IntParameter}, TypeError, r"Mine\.a: the kind alone: write IntParameter\("),
-        ({"a": 5}, TypeError, r"Mine\.a = 5: is no parameter"),
-        ({"a": None}, TypeError, r"Mine\.a = None: is no parameter"),
-        ({"__annotations__": {"a": int}}, TypeError, r"Mine\.a: a type alone declares nothing"),
+        ({"a": IntParameter}, TypeError, r"Mine\.a: brackets missing: write IntParameter\("),
+        ({"a": 5}, TypeError, r"Mine\.a = 5: not a parameter"),
+        ({"a": None}, TypeError, r"Mine\.a = None: not a parameter"),
+        ({"__annotations__": {"a": int}}, TypeError, r"Mine\.a: an annotation is not enough"),
         ({"\u00e4": IntParameter(1, help="")}, ValueError, "Mine\\.\u00e4: must be a letter"),
         ({"_a": IntParameter(1, help="")}, ValueError, r"Mine\._a: must be a letter"),
         ({"managed": BoolParameter(True, help="")}, TypeError, "every node has a parameter"),
@@ -115,7 +115,7 @@ def test_a_hidden_parameter_is_named_with_the_ways_out() -> None:
 
     assert str(caught.value) == (
         "Mine.is_on = True: hides a parameter: write BoolParameter(…) for another default,"
-        " or property(lambda self: …) to do without"
+        " or property(lambda self: …) to remove it"
     )
 
 

@@ -55,13 +55,15 @@ def check_types(graph: Snapshot, local_md5sum: Callable[[str], Optional[str]]) -
     for topic in sorted({*graph.publishers, *graph.subscribers}):
         sides = _types_of(graph, topic)
         if len(sides) > 1:
-            uses = ", ".join(f"{kind} in {_list(nodes)}" for kind, nodes in sorted(sides.items()))
+            uses = ", ".join(
+                f"{msg_type} in {_list(nodes)}" for msg_type, nodes in sorted(sides.items())
+            )
             findings.append(
                 fault(topic, f"has several types: {uses}", "remap one of them, or correct its type")
             )
             continue
-        for kind in sides:
-            findings += _definitions(graph, topic, kind, local_md5sum(kind))
+        for msg_type in sides:
+            findings += _definitions(graph, topic, msg_type, local_md5sum(msg_type))
     return findings
 
 
@@ -74,10 +76,10 @@ def _types_of(graph: Snapshot, topic: str) -> Dict[str, Set[str]]:
     for node in graph.subscribers.get(topic, []):
         if node in graph.nodes and topic in graph.nodes[node].subscriptions:
             found[graph.nodes[node].subscriptions[topic]].add(node)
-    return {kind: nodes for kind, nodes in found.items() if kind not in ("*", "")}
+    return {msg_type: nodes for msg_type, nodes in found.items() if msg_type not in ("*", "")}
 
 
-def _definitions(graph: Snapshot, topic: str, kind: str, local: Optional[str]) -> List[Finding]:
+def _definitions(graph: Snapshot, topic: str, msg_type: str, local: Optional[str]) -> List[Finding]:
     """Compare the definitions of one type by their checksums."""
     sums: Dict[str, Set[str]] = collections.defaultdict(set)
     for node in graph.publishers.get(topic, []):
@@ -88,8 +90,8 @@ def _definitions(graph: Snapshot, topic: str, kind: str, local: Optional[str]) -
         return [
             note(
                 topic,
-                f"the definition of {kind} is not available here, so rostopic echo cannot show it",
-                f"build and source the workspace of {kind.partition('/')[0]} in this shell",
+                f"the definition of {msg_type} is not available here, so rostopic echo cannot show it",
+                f"build and source the workspace of {msg_type.partition('/')[0]} in this shell",
             )
         ]
     if local is not None:
@@ -97,8 +99,8 @@ def _definitions(graph: Snapshot, topic: str, kind: str, local: Optional[str]) -
     if len(sums) < 2:
         return []
     uses = ", ".join(f"md5sum {md5} in {_list(nodes)}" for md5, nodes in sorted(sums.items()))
-    advice = f"build all of them with the same definition of {kind}"
-    return [fault(topic, f"different definitions of {kind}: {uses}", advice)]
+    advice = f"build all of them with the same definition of {msg_type}"
+    return [fault(topic, f"different definitions of {msg_type}: {uses}", advice)]
 
 
 def check_links(graph: Snapshot) -> List[Finding]:
@@ -143,11 +145,11 @@ def check_sides(graph: Snapshot) -> List[Finding]:
     for topic, nodes in sorted(graph.subscribers.items()):
         if graph.publishers.get(topic) or topic in _OF_ROS:
             continue
-        kinds = set(_types_of(graph, topic))
+        types = set(_types_of(graph, topic))
         alike = {
             other
             for other in unheard
-            if (not kinds or graph.types.get(other) in kinds)
+            if (not types or graph.types.get(other) in types)
             and not {*nodes} & {*graph.publishers[other]}
         }
         near = nearest_topic(topic, alike)

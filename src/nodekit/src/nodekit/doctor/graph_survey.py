@@ -85,7 +85,9 @@ def ask_node(uri: str) -> NodeState:
         is_local = rosgraph.network.is_local_address(host)
         node = xmlrpc.client.ServerProxy(uri, transport=TimeoutTransport(_TIMEOUT_S))
         pid: Any = _value(node.getPid(CALLER))
-        subscriptions = {topic: kind for topic, kind in _value(node.getSubscriptions(CALLER)) or []}
+        subscriptions = {
+            topic: msg_type for topic, msg_type in _value(node.getSubscriptions(CALLER)) or []
+        }
         return NodeState(
             uri, host, is_local, pid=pid, subscriptions=subscriptions, links=_links(node)
         )

@@ -76,8 +76,8 @@ def _unsourced(workspace: str, names: List[str]) -> Finding:
 
 def _outdated_interfaces(name: str, path: str) -> Iterator[Finding]:
     """Yield a fault for each message or service that is newer than the code built from it."""
-    for kind in ("msg", "srv", "action"):
-        folder = os.path.join(path, kind)
+    for suffix in ("msg", "srv", "action"):
+        folder = os.path.join(path, suffix)
         for file in sorted(os.listdir(folder)) if os.path.isdir(folder) else []:
             stem, ending = os.path.splitext(file)
             if ending not in _INTERFACES:

@@ -37,16 +37,18 @@ def check_members(cls: type, taken: Collection[str], of_every_node: Collection[s
             if other != name:
                 raise TypeError(f"{where}: is the same object as {other}: declare each for itself")
         elif isinstance(item, type) and issubclass(item, Parameter):
-            raise TypeError(f"{where}: the kind alone: write {item.__name__}(…), with its default")
+            raise TypeError(
+                f"{where}: brackets missing: write {item.__name__}(…), with its default"
+            )
         elif inspect.iscoroutinefunction(item) and hasattr(item, "parameters"):
-            raise TypeError(f"{where}: a rule is checked at once: write def instead of async def")
+            raise TypeError(f"{where}: must not be async: write def instead of async def")
         elif not (name.startswith("_") or _is_ordinary(item) or _is_inherited(cls, name)):
-            advice = "write FloatParameter(1.0, help=…) or another kind; a constant begins with _"
-            raise TypeError(f"{where} = {item!r:.40}: is no parameter: {advice}")
+            advice = "write FloatParameter(1.0, help=…) or another type; a constant begins with _"
+            raise TypeError(f"{where} = {item!r:.40}: not a parameter: {advice}")
     for name in _annotated(cls):
         if not name.startswith("_") and name not in taken and not hasattr(cls, name):
-            advice = f"write {name} = FloatParameter(1.0, help=…) or another kind"
-            raise TypeError(f"{cls.__name__}.{name}: a type alone declares nothing: {advice}")
+            advice = f"write {name} = FloatParameter(1.0, help=…) or another type"
+            raise TypeError(f"{cls.__name__}.{name}: an annotation is not enough: {advice}")
 
 
 def _check_inherited(cls: type) -> None:
@@ -62,12 +64,14 @@ def _check_inherited(cls: type) -> None:
     }
     for name, parameter in inherited.items():
         item = inspect.getattr_static(cls, name)
-        is_kind = isinstance(item, type) and issubclass(
+        is_type = isinstance(item, type) and issubclass(
             item, Parameter
         )  # rejected below, with advice
-        if not (isinstance(item, (Parameter, property)) or is_kind):
-            kind = f"{type(parameter).__name__}(…)"
-            advice = f"write {kind} for another default, or property(lambda self: …) to do without"
+        if not (isinstance(item, (Parameter, property)) or is_type):
+            declaration = f"{type(parameter).__name__}(…)"
+            advice = (
+                f"write {declaration} for another default, or property(lambda self: …) to remove it"
+            )
             raise TypeError(f"{cls.__name__}.{name} = {item!r:.40}: hides a parameter: {advice}")
 
 

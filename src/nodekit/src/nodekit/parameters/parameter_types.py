@@ -246,8 +246,8 @@ class ListParameter(Parameter[Tuple[Any, ...]]):
 
     @property
     def range(self) -> str:
-        kind = self.element.range or self.element.type_name
-        return f"{self.min_length} to {self.max_length} of {kind}"
+        element = self.element.range or self.element.type_name
+        return f"{self.min_length} to {self.max_length} of {element}"
 
     def coerce(self, raw: Any) -> Tuple[Any, ...]:
         if not isinstance(raw, (list, tuple)) or not self.min_length <= len(raw) <= self.max_length:

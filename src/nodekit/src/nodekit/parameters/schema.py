@@ -20,7 +20,7 @@ from nodekit.parameters.parameter_types import (
     to_wire,
 )
 
-_KINDS: Dict[str, Type[Parameter[Any]]] = {
+_TYPES: Dict[str, Type[Parameter[Any]]] = {
     "bool": BoolParameter,
     "bytes": BytesParameter,
     "int": IntParameter,
@@ -86,8 +86,8 @@ def _limits(parameter: Parameter[Any]) -> Dict[str, Any]:
     found: Dict[str, Any] = {key: limit for key, limit in limits.items() if _is_finite(limit)}
     if isinstance(parameter, EnumParameter):
         found["choices"] = list(parameter.choices)
-    kind = _KINDS.get(parameter.type_name)
-    exact = kind is not None and type(parameter).coerce is kind.coerce
+    parameter_class = _TYPES.get(parameter.type_name)
+    exact = parameter_class is not None and type(parameter).coerce is parameter_class.coerce
     if isinstance(parameter, ListParameter):
         element = parameter.element
         found["element"] = {
@@ -116,9 +116,9 @@ def parameter_of(entry: Mapping[str, Any]) -> Parameter[Any]:
             limits["choices"] = list(map(str, entry["choices"]))
         if "element" in entry:
             limits["element"] = parameter_of(entry["element"])
-        kind = _KINDS[entry["type"]]
+        parameter_class = _TYPES[entry["type"]]
         unit, help_ = str(entry.get("unit") or ""), str(entry.get("help") or "")
-        parameter = kind(entry.get("default", ()), unit=unit, help=help_, **limits)
+        parameter = parameter_class(entry.get("default", ()), unit=unit, help=help_, **limits)
     except (KeyError, TypeError) as error:
         raise ValueError(f"not a description of a parameter: {error}") from None
     parameter.name = str(entry.get("name", ""))

@@ -308,8 +308,8 @@ class IncomingTopic(_Topic):
         reader = self._readers.pop(c.id, None)
         if reader is not None:
             reader.close()
-        told = self._notified_at.pop(c.endpoint_id, -math.inf)
-        if time.monotonic() - told < SUCCESSOR_S and not self.closed:
+        notified = self._notified_at.pop(c.endpoint_id, -math.inf)
+        if time.monotonic() - notified < SUCCESSOR_S and not self.closed:
             registrar.connect(self.resolved_name, c.endpoint_id)
 
     def add_connection(self, c: Any) -> bool:

@@ -120,16 +120,16 @@ class _Registrar(RegistrationListener):
             part = entries[start : start + _TOGETHER]
             _warn_of_others({name: uri for k, name, uri in part if k == Registration.SRV}, request)
             calls: List[Tuple[Any, ...]] = [
-                (_ADD[kind], name, type_or_uri, uri) for kind, name, type_or_uri in part
+                (_ADD[reg_type], name, type_or_uri, uri) for reg_type, name, type_or_uri in part
             ]
-            for (kind, name, type_or_uri), answer in zip(part, request(calls)):
+            for (reg_type, name, type_or_uri), answer in zip(part, request(calls)):
                 if answer[0] != 1:
                     rospy.logerr("the master rejected the registration of %s: %s", name, answer[1])
                     continue
                 taken = True
-                if kind == Registration.SUB:
+                if reg_type == Registration.SUB:
                     self.connect(name, answer[2])
-                elif kind == Registration.SRV and not name.startswith(self._private):
+                elif reg_type == Registration.SRV and not name.startswith(self._private):
                     self.services[name] = type_or_uri
             if rospy.core.is_shutdown_requested():  # rospy may have unregistered everything already
                 self.remove(part)
@@ -143,14 +143,14 @@ class _Registrar(RegistrationListener):
 
     def _ask_until_answered(self, calls: List[Tuple[Any, ...]]) -> List[Any]:
         # rospy unregisters everything at shutdown; later registrations would remain.
-        told = False
+        warned = False
         while not rospy.core.is_shutdown_requested():
             try:
                 return self.request(calls)
             except ConnectionError as error:
-                if not told:
+                if not warned:
                     rospy.logwarn("cannot register yet: %s", error)
-                    told = True
+                    warned = True
                 time.sleep(_PAUSE_S)
         return []
 
@@ -159,13 +159,13 @@ class _Registrar(RegistrationListener):
 
         :param entries: closed topics and services
         """
-        for kind, name, _ in entries:
-            if kind == Registration.SRV:
+        for reg_type, name, _ in entries:
+            if reg_type == Registration.SRV:
                 self.services.pop(name, None)
         uri = rospy.get_node_uri()
         calls: List[Tuple[Any, ...]] = [
-            (_REMOVE[kind], name, type_or_uri if kind == Registration.SRV else uri)
-            for kind, name, type_or_uri in entries
+            (_REMOVE[reg_type], name, type_or_uri if reg_type == Registration.SRV else uri)
+            for reg_type, name, type_or_uri in entries
         ]
         try:
             for start in range(0, len(calls), _TOGETHER):

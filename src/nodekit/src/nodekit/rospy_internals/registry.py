@@ -17,12 +17,12 @@ def all_entries() -> List[Entry]:
     """Return every topic and service of this process."""
     topics, services = get_topic_manager(), get_service_manager()
     entries: List[Entry] = []
-    for found, kind in (
+    for found, reg_type in (
         (topics.get_publications(), Registration.PUB),
         (topics.get_subscriptions(), Registration.SUB),
         (services.get_services(), Registration.SRV),
     ):
-        entries += [(kind, name, type_or_uri) for name, type_or_uri in found]
+        entries += [(reg_type, name, type_or_uri) for name, type_or_uri in found]
     return entries
 
 

@@ -1,1 +1,1 @@
-"""A motor in a closed loop, and tools that judge, identify and tune."""
+"""Motor in a closed loop, and tools that judge, identify and tune."""

@@ -1,4 +1,4 @@
-"""Parameters under the course's names: beside the node, not private to it."""
+"""Parameters under the course's names: in the node's namespace, not private."""
 
 from typing import Type
 

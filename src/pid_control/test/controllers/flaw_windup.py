@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The integral goes on growing while the output is limited."""
+"""The integral keeps growing while the output is limited."""
 
 from student import Student, main
 

@@ -29,7 +29,7 @@ class JudgeFaults(JudgeCase):
         (self.folder / "class" / "cleo" / "scripts" / "Controller.py").touch()
         output = self.folder / "out"
         words = ["--output", output, "--only", "windup", "--class", self.folder / "class"]
-        self.assert_judged(1, "anna: failed: the integral goes on growing", *words)
+        self.assert_judged(1, "anna: failed: the integral keeps growing", *words)
         with (output / "class.csv").open() as file:
             rows = {row["controller"]: row for row in csv.DictReader(file)}
         self.assertEqual(
@@ -51,13 +51,13 @@ class JudgeFaults(JudgeCase):
         self.assertTrue((output / "anna.svg").is_file())
 
     def test_judge_time_time_is_not_judged(self) -> None:
-        says = "not judged: it goes by the machine's clock (time.time(), time.sleep())"
+        says = "not judged: it uses the machine's clock (time.time(), time.sleep())"
         self.assert_judged(125, says, CONTROLLERS / "flaw_time_time.py")
 
     def test_batch_judges_a_package_named_pid_control(self) -> None:
         self.make_package("pid_control", "flaw_windup.py")
         words = ["--output", self.folder, "--only", "windup", "--class", self.folder / "class"]
-        says = "pid_control: failed: the integral goes on growing"
+        says = "pid_control: failed: the integral keeps growing"
         self.assert_judged(1, says, *words)
 
     def test_judge_ctrl_c_ends_all_child_processes(self) -> None:

@@ -72,7 +72,7 @@ class RealPlantFaults(RealPlantCase):
     def test_without_a_master_there_is_no_plant(self) -> None:
         no_master = f"http://localhost:{free_port()}"
         words = ("--real-plant", *self.controller)
-        self.assert_refused("on your own master", *words, ROS_MASTER_URI=no_master)
+        self.assert_refused("needs your own master", *words, ROS_MASTER_URI=no_master)
 
     def test_judge_real_time_accepts_machine_clock(self) -> None:
         """Here the motor is the judge's own, which a busy machine makes late."""

@@ -90,7 +90,7 @@ FLAWED = (
         [(PROCESS, "    global signal_data\n", ""), (PROCESS, "    global time_data\n", "")],
         ["process"],
         ["constant"],
-        "/proc_signal/data stays the same, whatever the signal",
+        "/proc_signal/data is constant, whatever the signal",
     ),
     Case(
         "too_seldom",
@@ -98,7 +98,7 @@ FLAWED = (
         [(GENERATOR, "rospy.Rate(10)", "rospy.Rate(4)")],
         ["signal"],
         ["too seldom"],
-        "the signal generator sends too seldom: its loop is below 10 Hz",
+        "the signal generator sends too seldom: its loop is slower than 10 Hz",
     ),
     Case(
         "triangle",
@@ -133,7 +133,7 @@ FLAWED = (
         ],
         ["signal", "process"],
         ["fields"],
-        "the messages say amplitude 0, frequency 0.4, but the signal's amplitude is 1.5",
+        "the messages have amplitude 0, frequency 0.4, but the signal's amplitude is 1.5",
     ),
     Case(
         "own_clock",
@@ -144,7 +144,7 @@ FLAWED = (
         ],
         ["restart"],
         ["free-running"],
-        "the output goes on oscillating when no signal comes",
+        "the output keeps oscillating without a signal",
     ),
     Case(
         "counted_time",
@@ -181,7 +181,7 @@ FLAWED = (
         ],
         ["parameters"],
         ["hard-coded"],
-        "no parameter changes anything of the signal generator",
+        "no parameter affects the signal generator",
     ),
     Case(
         "not_used",
@@ -192,7 +192,7 @@ FLAWED = (
         ],
         ["parameters"],
         ["unread"],
-        "/signal_omega changes nothing: one of: it is not read, or read and not used",
+        "/signal_omega has no effect: one of: it is not read, or read and not used",
     ),
     Case(
         "read_elsewhere",
@@ -200,7 +200,7 @@ FLAWED = (
         [("scripts/rectify_proc.py", '"~gain"', '"/gain", 0.6')],
         ["parameters"],
         ["unread"],
-        "/rectifier/gain changes nothing, but /gain does",
+        "/rectifier/gain has no effect, but /gain has",
     ),
     Case(
         "yaml_not_loaded",

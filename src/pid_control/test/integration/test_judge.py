@@ -19,7 +19,7 @@ class Judge(JudgeCase):
         xml = self.folder / "windup.xml"
         text = self.assert_judged(
             1,
-            "the integral goes on growing while the output is limited; stop it there",
+            "the integral keeps growing while the output is limited; stop it there",
             *[*files, "--limits", limits, "--only", "windup"],
             *[CONTROLLERS / "flaw_windup.py", f"--gtest_output=xml:{xml}", "__name:=judge"],
         )

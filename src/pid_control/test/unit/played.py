@@ -17,7 +17,7 @@ def pi(kp: float = 0.08, ki: float = 1.5, **settings: float) -> Callable[[], Law
 
 
 def play(scenario: Scenario, law: Law) -> Record:
-    """Run a scenario with a law that leaves out what is not a number."""
+    """Run a scenario with a law that ignores NaN."""
     return simulate(scenario, law)
 
 

@@ -1,4 +1,4 @@
-"""Tests of the judgement of a coursework: figures, causes, what cannot be told."""
+"""Tests of the judgement of a coursework: figures, causes, unknown values."""
 
 import math
 import pathlib
@@ -100,7 +100,7 @@ def test_limits_name_only_metrics() -> None:
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
-        ({"signal": lambda time: 1.0}, "/signal/data does not go up and down"),
+        ({"signal": lambda time: 1.0}, "/signal/data does not oscillate"),
         (
             {"signal": lambda time: math.copysign(1.0, math.sin(2.0 * time))},
             "/signal/data is not a sine",
@@ -124,7 +124,7 @@ def test_limits_name_only_metrics() -> None:
         ),
         (
             {"constants": {"amplitude": 1.0, "omega": 2.0}},
-            "the messages say amplitude 1, omega 2, but the signal's amplitude is 2",
+            "the messages have amplitude 1, omega 2, but the signal's amplitude is 2",
         ),
     ],
 )
@@ -159,7 +159,7 @@ def test_flaw_of_the_messages_is_the_first_cause(changes: Dict[str, Any], says: 
         ),
         (
             Tried("/a/b", 2.0, "", set(), is_mentioned=False),
-            "/a/b changes nothing: no source mentions it",
+            "/a/b has no effect: no source mentions it",
         ),
         (Tried("/a/b", 2.0, "", set(), ["/b"]), "/a/b changes nothing, but /b does"),
         (
@@ -237,7 +237,7 @@ def test_yaml_namespace_and_launch_say_which() -> None:
         (Broken("ended", "/process", "NameError: x"), "/process ended by itself: NameError: x"),
         (Broken("flood", "/process"), "/process computes without a pause"),
         (Broken("writes without end", "/process"), "/process writes to its log without end"),
-        (Broken("not connected", "", "a; b"), "no node hears the other one: a; b"),
+        (Broken("not connected", "", "a; b"), "neither node receives the other's topic: a; b"),
     ],
 )
 def test_broken_trial_is_a_failure(broken: Broken, says: str) -> None:
@@ -256,7 +256,7 @@ def test_too_short_record_cannot_be_judged() -> None:
     # Nor can a ramp, which may be a slow sine.
     ramp = judge(evidence(signal=lambda time: time), LIMITS, ["signal", "process"])
     assert ramp.reason == judgement.reason
-    assert judgement.reason.startswith("cannot tell: less than one period and a fifth")
+    assert judgement.reason.startswith("unknown signal: less than 1.2 periods")
 
 
 def test_reason_without_a_failure_is_not_judged() -> None:

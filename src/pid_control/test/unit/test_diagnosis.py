@@ -84,14 +84,14 @@ def without(topic: str) -> Callable[[], Law]:
 @pytest.mark.parametrize(
     "make, says",
     [
-        (student(winds_up=True), ["windup: time to leave", "integral goes on growing"]),
-        (student(limit=0.9, winds_up=True), ["integral goes on growing"]),
+        (student(winds_up=True), ["windup: time to leave", "integral keeps growing"]),
+        (student(limit=0.9, winds_up=True), ["integral keeps growing"]),
         (student(least=-1e9), ["the input is not limited below: keep it"]),
-        (student(least=-1e9, winds_up=True), ["not limited below", "goes on growing"]),
+        (student(least=-1e9, winds_up=True), ["not limited below", "keeps growing"]),
         (student(dt=0.001, ki=15.0), ["dt is a constant, not measured"]),
-        (student(ki=0.0, kp=0.1), ["P alone leaves an error"]),
-        (student(unit=255.0), ["a correct law in other units", "divide it by 255"]),
-        (student(unit=12.0), ["a correct law in other units", "divide it by 12"]),
+        (student(ki=0.0, kp=0.1), ["P alone leaves a steady error"]),
+        (student(unit=255.0), ["a correct controller in other units", "divide it by 255"]),
+        (student(unit=12.0), ["a correct controller in other units", "divide it by 12"]),
         (student(sign=lambda error: -error), ["the sign is wrong: the error is the set point"]),
         (student(sign=abs), ["the sign is wrong for an error below 0 only"]),
         (student(sign=lambda error: -abs(error)), ["the sign is wrong for an error above 0 only"]),
@@ -141,7 +141,7 @@ def test_judge_unknown_cause_is_said_to_be_unknown(make: Callable[[], Law]) -> N
 
 def test_judge_constant_interval_of_a_loop_that_catches_up_is_a_fact() -> None:
     records = play_all(student(dt=0.001, ki=15.0), LOOP_S)
-    # rospy.Rate makes two turns at the same time where the loop is slow: each grows as much.
+    # rospy.Rate makes two iterations at the same time in a slow loop: each grows as much.
     [index] = [i for i, record in enumerate(records) if record.scenario.name == "rate"]
     begin, end = records[index].scenario.slow
     answers, grown, before = [], 0.0, 0.0
@@ -160,7 +160,7 @@ def test_judge_constant_interval_of_a_loop_that_catches_up_is_a_fact() -> None:
 def test_judge_gains_are_blamed_only_if_a_faultless_law_with_them_fails_too() -> None:
     judgement = judged(student(kp=0.005, ki=0.2))
     assert judgement.flaws() == ["gains"]
-    assert "kp 0.005 and ki 0.2/s do not suit: tune them" in as_sentences(judgement)
+    assert "kp 0.005 and ki 0.2/s are unsuitable: tune them" in as_sentences(judgement)
 
 
 def test_judge_several_faults_are_all_named_worst_first() -> None:

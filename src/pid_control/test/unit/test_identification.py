@@ -63,7 +63,12 @@ def test_uncertainty_grows_with_correlated_residuals() -> None:
         ([(0.0, 0.0), (3.0, 0.1)], Model(2.0, 1.0, 0.0, 0.2), 9.0, "the output never changes: it"),
         ([(0.0, 0.0), (1.0, 1.0)], Model(2.0, 50.0), 2.0, "lasts 2 s, and the plant is slower"),
         ([(0.0, 0.0), (1.0, 1.0)], Model(2.0, 1e-6), 9.0, "s apart, and the plant is faster"),
-        ([(0.0, 0.0), (20.0, 1.0)], SLOW, 9.0, "the input changes only where there are no outputs"),
+        (
+            [(0.0, 0.0), (20.0, 1.0)],
+            SLOW,
+            9.0,
+            "the input changes only outside the time of the outputs",
+        ),
     ],
 )
 def test_identify_unusable_record_raises(

@@ -100,7 +100,7 @@ def test_judge_windup_reports_cause_and_figure() -> None:
     assert judgement.flaws() == ["windup"]
     text = as_sentences(judgement)
     assert "windup: time to leave the limit 1." in text
-    assert "the integral goes on growing while the output is limited; stop it there" in text
+    assert "the integral keeps growing while the output is limited; stop it there" in text
     assert text.endswith("failed: windup")
 
 
@@ -169,7 +169,7 @@ STEPS = BY_NAME["steps"]
         (Record(STEPS, RESTLESS), "restless", "computes without a pause"),
         (Record(STEPS, RESTLESS, answers=[(0.0, 0.0)] * 900), "flood", "sends without a pause"),
         (Record(STEPS, SILENT), "silent", "sends nothing on motor_input"),
-        (Record(STEPS, SILENT, answers=[(1.5, 0.0)]), "crash", "nothing any more after 1.50 s"),
+        (Record(STEPS, SILENT, answers=[(1.5, 0.0)]), "crash", "nothing after 1.50 s"),
         (
             Record(STEPS, NOT_CONNECTED, missing=["motor_input"], hint="it publishes /u"),
             "silent",
@@ -300,7 +300,7 @@ def test_the_picture_shows_every_scenario_and_marks_what_failed() -> None:
     assert all(len(list(panel.iter(f"{SVG}polyline"))) == 3 for panel in panels[:-1])
     assert "nan" not in svg.replace("nan: NaN", "").lower().replace("nan as", "")
     assert len(svg) < 400_000
-    # The leap of the input is in the picture, however many rows are left out.
+    # The jump of the input is in the picture, however many rows are left out.
     windup = panels[list(SCENARIO_METRICS).index("windup")]
     points = list(windup.iter(f"{SVG}polyline"))[2].get("points").split()
     heights = [float(point.split(",")[1]) for point in points]

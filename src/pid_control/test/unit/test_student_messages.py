@@ -14,7 +14,7 @@ from pid_control.programs.program_command import ProgramCommand
 from pid_control.runner.loop_messages import (
     course_messages,
     loop_message,
-    told_message,
+    given_message,
 )
 from pid_control.runner.student_messages import StudentMessages, read_messages
 
@@ -98,10 +98,10 @@ def test_message_without_a_float_names_its_fields(tmp_path: pathlib.Path) -> Non
 
 
 def test_told_type_and_field_are_used() -> None:
-    message = told_message("set_point", "std_msgs/Float32/data", {})
+    message = given_message("set_point", "std_msgs/Float32/data", {})
     assert (message.message_class, message.field) == (Float32, "data")
     assert message.filled(2.5, 1.0).data == 2.5
-    assert told_message("motor_output", "pid_control/motor_output", {}).field == "output"
+    assert given_message("motor_output", "pid_control/motor_output", {}).field == "output"
 
 
 @pytest.mark.parametrize(
@@ -114,7 +114,7 @@ def test_told_type_and_field_are_used() -> None:
 )
 def test_told_type_that_does_not_exist_is_refused(text: str, says: str) -> None:
     with pytest.raises(MessageTypeError, match=says):
-        told_message("set_point", text, {})
+        given_message("set_point", text, {})
 
 
 def test_message_of_the_course_has_value_time_and_status() -> None:

@@ -288,7 +288,7 @@ def test_roster_maps_folders_and_archives_to_students(tmp_path: pathlib.Path) ->
     "text, says",
     [
         ("a\n", "line 1: must be a folder or archive, and a student"),
-        ("a,Anna\na.zip,Ben\n", "line 2: a.zip is there twice"),
+        ("a,Anna\na.zip,Ben\n", "line 2: a.zip appears twice"),
     ],
 )
 def test_roster_invalid_row_is_refused(tmp_path: pathlib.Path, text: str, says: str) -> None:

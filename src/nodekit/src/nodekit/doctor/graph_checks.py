@@ -90,7 +90,7 @@ def _definitions(graph: Snapshot, topic: str, msg_type: str, local: Optional[str
         return [
             note(
                 topic,
-                f"the definition of {msg_type} is not available here, so rostopic echo cannot show it",
+                f"definition of {msg_type} missing here, so rostopic echo cannot show it",
                 f"build and source the workspace of {msg_type.partition('/')[0]} in this shell",
             )
         ]

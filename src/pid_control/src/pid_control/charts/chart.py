@@ -117,7 +117,7 @@ def _path(points: List[Tuple[float, float]], curve: Curve) -> str:
 
 
 def _thinned(curve: Curve, most: float) -> List[Tuple[float, float]]:
-    """Return the points to draw: all, or the least and the largest value of each stretch."""
+    """Return the points to draw: all, or the extremes of each interval."""
     points = [
         (time, value) for time, value in zip(curve.times, curve.values) if math.isfinite(value)
     ]

@@ -39,7 +39,7 @@ def main() -> None:
     except (DriveError, FieldError) as error:
         _fail(error, _WRONG)
     except KeyboardInterrupt:
-        sys.exit(130)  # as a shell puts it
+        sys.exit(130)  # a shell's status after Ctrl-C
 
 
 def _fail(why: object, status: int) -> NoReturn:
@@ -48,7 +48,7 @@ def _fail(why: object, status: int) -> NoReturn:
 
 
 def _check_files(arguments: argparse.Namespace) -> None:
-    """Exit if an output file cannot be written, before the plant is driven in vain."""
+    """Exit if an output file cannot be written, before the plant is driven for nothing."""
     try:
         for path in (arguments.model, arguments.picture):
             if path is not None:

@@ -74,7 +74,7 @@ def _parser() -> Parser:
     parser.add_argument(
         "--launch",
         metavar="FILE",
-        help="launch file whose parameters the program gets; one of its package by default",
+        help="launch file with the program's parameters; one of its package by default",
     )
     for topic in _TOPICS:
         parser.add_argument(

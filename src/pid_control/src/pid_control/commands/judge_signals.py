@@ -99,7 +99,7 @@ def _judge_or_not(
 
 
 def _evidence(arguments: argparse.Namespace, scenarios: Sequence[str]) -> Tuple[Evidence, str]:
-    """Run the trials of a coursework; return what they show, and why some were not run.
+    """Run the trials of a coursework; return the evidence, and why some were not run.
 
     :raises JudgingError: if it cannot be judged
     """

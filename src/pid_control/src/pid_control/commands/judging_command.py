@@ -20,7 +20,7 @@ _XML, _ADDED = "--gtest_output=xml:", ("__name:=", "__log:=")
 
 
 class Parser(argparse.ArgumentParser):
-    """Parser of a command that judges: a wrong option ends it with the status of NOT_JUDGED."""
+    """Parser of a command that judges; exits with the status of NOT_JUDGED on a wrong option."""
 
     def error(self, message: str) -> NoReturn:
         """Print the usage and a message, and exit."""
@@ -109,7 +109,7 @@ class Command:
     :param limits_file: name of the file with the default limits
     :param figures: names of the figures of each scenario
     :param subject: what is judged, in tables
-    :param judge: judges one, and returns the judgement and the drawing of its picture
+    :param judge: judges one submission; returns the judgement and a function that draws it
     :param judge_class: judges a class, and returns the exit status
     """
 
@@ -179,7 +179,7 @@ class Command:
 
 
 def check_class(parser: Parser, arguments: argparse.Namespace, invalid: Sequence[str]) -> None:
-    """Check the options of a class run; a wrong one ends the command.
+    """Check the options of a class run; a wrong option ends the command.
 
     :param parser: the parser
     :param arguments: the options
@@ -205,7 +205,7 @@ def class_options(arguments: argparse.Namespace) -> List[str]:
 
 
 def roster_of(parser: Parser, arguments: argparse.Namespace) -> Dict[str, str]:
-    """Return the roster of a class run; a wrong one ends the command."""
+    """Return the roster of a class run; an invalid roster ends the command."""
     from pid_control.programs.submissions import RosterError, read_roster
 
     try:

@@ -45,7 +45,7 @@ def main() -> None:
     except OSError as error:
         _fail(f"{error.filename or arguments.model}: {error.strerror or error}")
     except KeyboardInterrupt:
-        sys.exit(130)  # as a shell puts it
+        sys.exit(130)  # a shell's status after Ctrl-C
 
 
 def _fail(why: str) -> NoReturn:

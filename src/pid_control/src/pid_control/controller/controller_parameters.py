@@ -48,7 +48,7 @@ class ControllerParameters(ParameterSet):
     anti_windup = EnumParameter(
         CLAMPING,
         choices=ANTI_WINDUPS,
-        help="what keeps the integral from growing while the output is limited",
+        help="anti-windup: limits the integral while the output is limited",
     )
     tracking_time = FloatParameter(
         0.1,

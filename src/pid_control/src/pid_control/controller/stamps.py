@@ -6,7 +6,7 @@ a measurement is the time at which the plant was measured.
 
 from typing import NamedTuple, Optional
 
-#: Kinds of stamps. FIRST: no previous stamp. NEXT: follows the previous one. LATE: not after the
+#: Classes of stamps. FIRST: no previous stamp. NEXT: follows the previous one. LATE: not after the
 #: previous one, so the measurement is not new. GAP: measurements were missing for longer than the
 #: timeout. RESTART: the plant's time started again.
 FIRST, NEXT, LATE, GAP, RESTART = "first", "next", "late", "gap", "restart"
@@ -17,7 +17,7 @@ _LATEST_S = 0.1
 
 
 class ClassifiedStamp(NamedTuple):
-    """The kind of a stamp, and the interval before it.
+    """The class of a stamp, and the interval before it.
 
     :ivar kind: FIRST, NEXT, LATE, GAP or RESTART
     :ivar interval: dt, time since the previous measurement; 0 except for NEXT [s]
@@ -38,8 +38,8 @@ class StampClassifier:
 
         :param stamp: time of the measurement in the plant's time, finite [s]
         :param longest: longest time without a measurement [s]. A stamp that goes back by more than
-            that, or by more than a message may be late, means a restarted plant; one that goes back
-            by less, a message that came late or twice
+            that, or by more than a message may be late, means a restarted plant; by less, a late or
+            repeated message
         """
         latest = self._latest
         if latest is None:

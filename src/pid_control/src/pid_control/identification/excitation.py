@@ -5,8 +5,8 @@ from typing import List, NamedTuple, Optional
 #: The ramp that finds the dead zone: share of the duration, end as a share of the largest input,
 #: and number of steps. A larger dead zone is found by the steps, less accurately.
 _RAMP_SHARE, _RAMP_END, _RAMP_STEPS = 0.4, 0.4, 400
-#: The steps that follow, as shares of the largest input or, if negative, of the least input. They
-#: go up and down, to the output's limit and below it.
+#: The following steps, as shares of the largest input or, if negative, of the least input: up and
+#: down, to the output's limit and below it.
 _STEPS = (0.0, 1.0, 0.0, 0.5, 0.8, 0.3, -1.0, 0.6, -0.5, 0.0)
 #: Longest progress of the experiment from one input to the next [s].
 _LONGEST_STEP_S = 0.1
@@ -43,7 +43,7 @@ def excitation(least: float, largest: float, seconds: float) -> List[Change]:
 
 
 class Progress:
-    """Progress of an experiment, and the input that is due.
+    """Progress of an experiment, and its current input.
 
     If the machine stalls, the experiment takes longer instead of skipping a step.
 
@@ -57,7 +57,7 @@ class Progress:
         self._asked_at: Optional[float] = None
 
     def input_at(self, time: float) -> Optional[float]:
-        """Return the input that is due, or None after the end of the experiment.
+        """Return the current input, or None after the end of the experiment.
 
         :param time: now, by any clock [s]
         """

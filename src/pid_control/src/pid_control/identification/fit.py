@@ -45,7 +45,7 @@ class Identified(NamedTuple):
 
 
 def identify(record: Record) -> Identified:
-    """Identify K, T and dead time, and dead zone, limit, offset and friction if there are any.
+    """Identify K, T and dead time, and dead zone, limit, offset and friction if present.
 
     Those four are part of the model only if they improve the Bayesian information criterion, see
     :mod:`.term_selection`; otherwise they are 0, and the limit infinite. For the uncertainty see

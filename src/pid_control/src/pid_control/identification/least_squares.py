@@ -26,7 +26,7 @@ _95_PERCENT = 1.96
 #: Longest delay with which an input may have been recorded after it acted, in [s] and as a share of
 #: the record: a recorder may connect later than the plant. The fitted dead time is negative then.
 _EARLIEST_S, _EARLIEST = 0.5, 0.05
-#: Number of dead zone thresholds that are tried at once.
+#: Number of dead zone thresholds that are tried together.
 ZONES = 40
 #: Error that counts as rounding, as a share of the outputs' span.
 ROUNDING = 1e-7
@@ -37,7 +37,7 @@ Terms = FrozenSet[int]
 
 
 class Fit:
-    """Least-squares fit of a record; the dead zone stays as it is.
+    """Least-squares fit of a record with a fixed dead zone.
 
     :param record: a record of the plant
     :param row: start values, as in :func:`.responses`
@@ -76,7 +76,7 @@ class Fit:
     def uncertainty(self) -> Model:
         """Return the half width of the 95 % confidence interval of each value; infinite if unknown.
 
-        It is that of the linearised problem with autocorrelated noise: with the slopes J and the
+        Computed for the linearised problem with autocorrelated noise: with the slopes J and the
         noise's covariance S, ``(J' J)^-1 J' S J (J' J)^-1`` (Ljung: System Identification, 2nd
         edition, section 9.4).
         """

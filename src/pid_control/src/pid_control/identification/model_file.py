@@ -17,7 +17,7 @@ NAMES = {
     "dead_zone": "system_min_input",
     "limit": "system_max_speed",
 }
-#: Terms that the node system does not have, and what they do.
+#: Terms that the node system lacks, with a description.
 _COMMENTS = {
     "offset": "the output without an input",
     "friction": "the part of the input that friction takes",

@@ -1,4 +1,4 @@
-"""Autocorrelated noise: how many outputs count as independent, and what that costs."""
+"""Autocorrelated noise: effective sample size, and covariance of sums."""
 
 import numpy
 from scipy.signal import lfilter

@@ -70,7 +70,7 @@ def record_of(
 ) -> Record:
     """Make a record from samples; the input is held from one sample to the next.
 
-    A sporadic input is 0 before its first message, as a motor's is. If the input is a stream, the
+    A sporadic input is 0 before its first message, like a motor's. If the input is a stream, the
     record begins with it.
 
     :param input_times: times of the inputs [s]
@@ -100,7 +100,7 @@ def record_of(
     if len(given) == 1:
         raise IdentificationError(f"the input never changes: it is {given[0]:g} throughout")
     if len(times) < LEAST_OUTPUTS or changed_at[1] >= times[-1]:
-        raise IdentificationError("the input changes only where there are no outputs")
+        raise IdentificationError("the input changes only outside the time of the outputs")
     if numpy.ptp(measured) == 0.0:
         raise IdentificationError(
             f"the output never changes: it is {measured[0]:g} throughout, while the input goes "

@@ -30,16 +30,16 @@ def as_text(record: Record, found: Identified, reading: Optional[StepReading]) -
         _line("dead time", model.dead_time, uncertainty.dead_time, " s"),
         _line("dead zone", model.dead_zone, uncertainty.dead_zone, "")
         if model.dead_zone
-        else f"{'dead zone':12}none that shows",
+        else f"{'dead zone':12}not found",
         _line("limit", model.limit, uncertainty.limit, "")
         if math.isfinite(model.limit)
         else f"{'limit':12}not met",
         _line("offset", model.offset, uncertainty.offset, "")
         if model.offset
-        else f"{'offset':12}none that shows",
+        else f"{'offset':12}not found",
         _line("friction", model.friction, uncertainty.friction, "")
         if model.friction
-        else f"{'friction':12}none that shows",
+        else f"{'friction':12}not found",
         f"{'residual':12}{found.residual:.3g} rms, {100.0 * found.residual / record.span:.2g} % of "
         f"the outputs' range",
     ]
@@ -57,7 +57,7 @@ def as_text(record: Record, found: Identified, reading: Optional[StepReading]) -
     if model.dead_time < -uncertainty.dead_time:
         lines.append(
             "The output begins before its input, which was recorded late by "
-            f"{-model.dead_time:.2g} s or more: the dead time cannot be told."
+            f"{-model.dead_time:.2g} s or more: the dead time is unknown."
         )
     return "\n".join(lines)
 
@@ -70,9 +70,9 @@ def trust_in(found: Identified) -> List[str]:
     test = found.test
     doubts = []
     if test.follows_input:
-        doubts.append("the residual follows the input, so the plant has something else")
+        doubts.append("the residual follows the input, so the model lacks a term")
     if not test.is_noise:
-        doubts.append("the residual is not like noise")
+        doubts.append("the residual is not noise")
     if not test.can_tell:
         doubts.append(f"the record has only {test.independent:.0f} independent outputs")
     sentences = [f"does not hold in 95 of 100: {why}" for why in doubts]

@@ -1,4 +1,4 @@
-"""Test of a residual: whether the model explains all that the input does to the output."""
+"""Test of a residual: whether the model explains the whole effect of the input."""
 
 from typing import NamedTuple
 
@@ -25,7 +25,7 @@ class ResidualTest(NamedTuple):
 
     :ivar is_white: whether the residual is like white noise
     :ivar is_noise: whether it is like white noise, or AR(1) noise of any correlation
-    :ivar follows_input: whether it depends on the input: the model lacks something
+    :ivar follows_input: whether it depends on the input: the model lacks a term
     :ivar can_tell: whether the record has enough independent outputs to see that
     :ivar independent: number of independent outputs
     """
@@ -47,10 +47,10 @@ def examine(record: Record, errors: numpy.ndarray, model: Model) -> ResidualTest
 
     Whiteness is the statistic N (r1^2 + ... + rM^2) of the autocorrelations, and the
     cross-correlation with past inputs has the variance that the residual's own autocorrelation
-    gives it (Ljung: System Identification, 2nd edition, section 16.6); that of several lags
-    together is tested as in Soderstrom and Stoica: System Identification, 1989, chapter 11. The
-    squares of the inputs are among them, for what is not linear (Billings and Voon: Correlation
-    based model validity tests for non-linear models, International Journal of Control 44, 1986).
+    gives it (Ljung: System Identification, 2nd edition, section 16.6); several lags are tested
+    together as in Soderstrom and Stoica: System Identification, 1989, chapter 11. The squares of
+    the inputs are included, to detect nonlinearity (Billings and Voon: Correlation based model
+    validity tests for non-linear models, International Journal of Control 44, 1986).
 
     :param record: the record of the fit
     :param errors: the residual

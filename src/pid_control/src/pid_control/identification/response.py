@@ -99,8 +99,8 @@ def _braked(
     is_above = state > 0.0
     ahead = numpy.where(is_above, above, below)
     moved = ahead + (state - ahead) * decay
-    # Beyond 0 the friction changes its sign: the same share of the way is left, but of the way to
-    # the state that the input reaches there; none if the friction holds the plant at 0.
+    # Beyond 0 the friction changes its sign: the same share remains, of the distance to the state
+    # that the input reaches there; no distance if the friction holds the plant at 0.
     beyond = numpy.where(is_above, numpy.minimum(below, 0.0), numpy.maximum(above, 0.0))
     passed = beyond * moved / numpy.where(ahead == 0.0, 1.0, ahead)
     braked: numpy.ndarray = numpy.where((moved > 0.0) == is_above, moved, passed)
@@ -116,8 +116,7 @@ def _braked_states(
 ) -> numpy.ndarray:
     """Return the outputs at the changes of the input, one after the other.
 
-    They are those of :func:`_braked`, with single numbers: for a few plants, arrays take ten times
-    as long.
+    As :func:`_braked`, with single numbers: for a few plants, arrays take ten times as long.
     """
     states = numpy.empty_like(above)
     for row, most in enumerate(limit[:, 0].tolist()):

@@ -100,9 +100,11 @@ def why_they_differ(record: Record, found: Identified, reading: StepReading) -> 
     if ratio < _SETTLED:
         causes.append(f"the step holds for {max(ratio, 0.0):.1f} T: the output is not steady yet")
     if found.residual > _OF_STEP * step:
-        causes.append("with noise, the first output beyond 63.2 % comes too early")
+        causes.append("with noise, the first output beyond 63.2 % is too early")
     if record.interval > _OF_TIME * model.time_constant:
-        causes.append(f"the outputs are {record.interval:.3g} s apart, and no time between is read")
+        causes.append(
+            f"the outputs are {record.interval:.3g} s apart, which limits the reading of T"
+        )
     off = max(
         abs(reading.gain / model.gain - 1.0),
         abs(reading.time_constant / model.time_constant - 1.0),

@@ -35,7 +35,7 @@ _GAINS = (1.0, 1.4, 2.0, 4.0)
 _LIMITS = (1.0, 0.85, 0.7)
 _FRICTIONS = (0.02, 0.05, 0.1, 0.2, 0.4)
 _SEARCH_OUTPUTS, _SEARCH_LEVELS = 250, 40
-#: Outputs by which the terms are chosen, and those of the final fit: more take time and add little
+#: Number of outputs for the choice of terms, and for the final fit: more take time and add little
 #: accuracy.
 _CHOICE_OUTPUTS, _FIT_OUTPUTS = 1000, 6000
 #: Extra penalty for each additional value, see :class:`_Evidence`.
@@ -53,7 +53,7 @@ def best_fit(record: Record) -> Fit:
     few = record.thinned(_CHOICE_OUTPUTS)
     evidence = _Evidence(few)
     fits = _first_fits(few)
-    # The whole model first: the residual of a smaller one does not tell what noise there is.
+    # The whole model first: the residual of a smaller model is more than noise.
     for term in (DEAD_ZONE, LIMIT, OFFSET):
         closest = min(fits, key=lambda fit: fit.square)
         if term not in closest.terms:
@@ -75,8 +75,8 @@ def best_fit(record: Record) -> Fit:
 class _Evidence:
     """Bayesian information criterion (Schwarz, Annals of Statistics 6, 1978).
 
-    How many outputs are independent is read from the residual of the closest fit so far: that of a
-    plant without a necessary term has another reason to be autocorrelated.
+    The number of independent outputs is computed from the residual of the closest fit so far: a
+    missing term would also make a residual autocorrelated.
     """
 
     def __init__(self, record: Record) -> None:
@@ -149,12 +149,12 @@ def _line(record: Record) -> numpy.ndarray:
 
 
 def _without_friction(terms: Terms) -> List[Terms]:
-    """Return the terms with one more or one less, other than friction."""
+    """Return the terms with one added or removed, other than friction."""
     return [terms ^ {term} for term in (DEAD_ZONE, LIMIT, OFFSET)]
 
 
 def _with_friction(terms: Terms) -> List[Terms]:
-    """Return the terms with friction more or less, and with it for a dead zone or back."""
+    """Return the terms with friction added or removed, or swapped with the dead zone."""
     choices = [terms ^ {FRICTION}]
     if len(terms & {DEAD_ZONE, FRICTION}) == 1:
         choices.append(terms ^ {DEAD_ZONE, FRICTION})

@@ -1,7 +1,7 @@
 """Diagnosis: the cause of a figure beyond its limit.
 
-A cause is stated as a fact only if the records rule its rivals out; else all of them are listed, or
-the cause is said to be unknown.
+A cause is stated as a fact only if the records rule out all others; else all are listed, or the
+cause is reported as unknown.
 """
 
 import math
@@ -23,7 +23,7 @@ Figures = Dict[Tuple[str, str], Optional[float]]
 #: Returns True if a figure breaks its limit: scenario, metric, figure.
 IsBroken = Callable[[str, str, Optional[float]], bool]
 
-#: Messages during a pause of the clock that are more than any loop with a rate sends.
+#: Number of messages during a pause of the clock above which a loop has no rate.
 _FLOOD = 200
 
 
@@ -80,12 +80,12 @@ _RESPONSES = ("set_point_response", "output_response")
 
 _MACHINE_CLOCK = Cause(
     "machine clock",
-    "it goes by the machine's clock (time.time(), time.sleep()), not by ROS's"
+    "it uses the machine's clock (time.time(), time.sleep()), not ROS's"
     " (rospy.get_time(), rospy.Rate): judge it with --real-time",
 )
 _FLOOD_CAUSE = Cause("flood", "it sends without a pause: a loop without rospy.Rate")
 _RESTLESS_CAUSE = Cause("restless", "it computes without a pause: a loop without rospy.Rate")
-_SELDOM = Cause("too seldom", "it answers too seldom: its loop is far below 100 Hz")
+_SELDOM = Cause("too seldom", "it answers too seldom: its loop is far slower than 100 Hz")
 _IGNORES = {
     "motor_output": Cause(
         "stale", "the input does not depend on motor_output: its callback's value is lost"
@@ -96,13 +96,13 @@ _IGNORES = {
 }
 _NO_ANSWER = Cause(
     "no answer",
-    "the input is always the same, whatever comes: one of: its gains are 0 (are its parameters"
+    "the input never changes: one of: its gains are 0 (are its parameters"
     " loaded, by its launch file?), or the values of its callbacks are lost",
 )
 _SIGN = Cause("sign", "the sign is wrong: the error is the set point less the output")
-_NO_INTEGRAL = Cause("no integral", "P alone leaves an error, as without one the input is 0: add I")
-_WINDUP = Cause("windup", "the integral goes on growing while the output is limited; stop it there")
-_INTERVAL = "the integral does not go by the time that passes: dt is a constant, not measured"
+_NO_INTEGRAL = Cause("no integral", "P alone leaves a steady error: add I")
+_WINDUP = Cause("windup", "the integral keeps growing while the output is limited; stop it there")
+_INTERVAL = "the integral does not follow the elapsed time: dt is a constant, not measured"
 
 
 def cause_of(
@@ -124,7 +124,7 @@ def cause_of(
     if clock is not None:
         return clock
     if metric == "processor":
-        return Cause("too slow", "a turn of its loop takes longer than its period")
+        return Cause("too slow", "one loop iteration takes longer than its period")
     if metric == "late":
         return _SELDOM
     return (
@@ -154,7 +154,7 @@ def _clock_cause(metric: str, figures: Figures) -> Optional[Cause]:
 
 
 def _law_cause(metric: str, figures: Figures, evidence: Evidence) -> Optional[Cause]:
-    """Return a fault of the law itself, of which everything in the loop follows."""
+    """Return a fault of the control law itself, which explains all other faults."""
     if metric not in (*_RESPONSES, *_CLOSED_LOOP):
         return None
     if len(evidence.ignores) > 1:
@@ -170,7 +170,7 @@ def _law_cause(metric: str, figures: Figures, evidence: Evidence) -> Optional[Ca
         side = "above" if evidence.wrong_above else "below"
         return Cause("sign", f"the sign is wrong for an error {side} 0 only")
     if metric in _RESPONSES:
-        return Cause("unexplained", "the input hardly answers an error")
+        return Cause("unexplained", "the input hardly depends on the error")
     if _is_late(figures) and metric != "leave_time":
         return _SELDOM
     return None
@@ -184,14 +184,14 @@ def _is_late(figures: Figures) -> bool:
 def _limit_cause(
     scenario: str, metric: str, figures: Figures, evidence: Evidence
 ) -> Optional[Cause]:
-    """Return a fault at the limits, or of what is no number."""
+    """Return a fault at the limits, or with NaN."""
     limit = evidence.own_limit
     if evidence.is_in_other_units and metric in ("peak_input", "kick", *_CLOSED_LOOP):
         if not (metric == "leave_time" and evidence.winds_up):
             return Cause(
                 "units",
-                f"a correct law in other units: its input is limited to ±{limit:.6g}, the motor's"
-                f" to ±1; divide it by {limit:.6g}",
+                f"a correct controller in other units: its input is limited to ±{limit:.6g}, the"
+                f" motor's to ±1; divide it by {limit:.6g}",
             )
     if metric == "peak_input" and limit is not None:
         return Cause(
@@ -205,7 +205,7 @@ def _limit_cause(
         side = f" {evidence.beyond[0]}" if len(evidence.beyond) == 1 else ""
         return Cause("no clamp", f"the input is not limited{side}: keep it within -1 and 1")
     if scenario == "nan" and metric in ("not_finite", "recovery_time") and _keeps_nan(figures):
-        what = "what is not a number stays in its state: leave such messages out"
+        what = "NaN stays in its state: ignore such messages"
         return Cause("nan", what)
     if metric == "leave_time" or (scenario == "windup" and metric == "recovery_time"):
         if _figure(figures, "windup", "leave_time", 0.0) > 0.1:
@@ -222,7 +222,7 @@ def _windup_or_delay() -> Cause:
 
 
 def _keeps_nan(figures: Figures) -> bool:
-    """Return whether answers are not finite, or only messages that are not are never got over."""
+    """Return whether answers are not finite, or the loop never recovers from NaN messages."""
     others = [
         value
         for (scenario, metric), value in figures.items()
@@ -243,14 +243,14 @@ def _integral_cause(metric: str, figures: Figures, evidence: Evidence) -> Option
     if metric == "interval_error":
         return Cause(
             "interval",
-            "the integral grows otherwise where the loop is slow: one of: dt is a constant, or is"
+            "the integral grows at another rate in a slow loop: one of: dt is a constant, or is"
             " limited",
         )
     if metric == "kick":
         return Cause(
             "derivative kick",
-            "the derivative is that of the error, which a step of the set point makes leap:"
-            " take that of the output",
+            "the derivative is of the error, which jumps at a step of the set point:"
+            " use the derivative of the output",
         )
     if metric in _SLOW and evidence.lacks_integral:
         return _NO_INTEGRAL
@@ -264,28 +264,28 @@ def _loop_cause(
     evidence: Evidence,
     is_broken: IsBroken,
 ) -> Cause:
-    """Return whether the gains explain a figure: whether a faultless law with them has it too."""
-    flaw, what = "gains", _SYMPTOMS.get(metric, "it is slow, or swings for long")
+    """Return whether the gains explain a figure: a faultless controller with them has it too."""
+    flaw, what = "gains", _SYMPTOMS.get(metric, "it is slow, or oscillates for long")
     if metric == "chatter":
         flaw = "chatter"
     if not evidence.was_probed:
         rival = "a fault that the scenario held would show"
-        return Cause(flaw, f"{what}: one of: kp and ki that do not suit, or {rival}")
+        return Cause(flaw, f"{what}: one of: unsuitable kp and ki, or {rival}")
     law = evidence.law
     if law is None and evidence.has_derivative:
-        rivals = "kp, ki or kd that do not suit, or a derivative that is not filtered"
+        rivals = "unsuitable kp, ki or kd, or a derivative without a filter"
         return Cause(flaw, f"{what}: one of: {rivals}")
     if law is None:
         return Cause(
             "unexplained",
-            f"{what}: the cause cannot be told, as its answers to small errors are not those of P"
-            " or PI: one of: it switches, is rounded, delayed or limited, or its integral leaks",
+            f"{what}: unknown cause, because its answers to small errors are not those of P or PI:"
+            " one of: it switches, is rounded, delayed or limited, or its integral leaks",
         )
     if is_broken(scenario, metric, faultless_figures(law, scenario).get(metric)):
         if metric in _SLOW and evidence.grows_per_turn:
-            return Cause("interval", "the integral is as slow as its constant dt is wrong")
+            return Cause("interval", "the integral is too slow, by the error of its constant dt")
         gains = f"kp {law.gain:.3g} and ki {law.growth:.3g}/s"
-        return Cause(flaw, f"{what}: {gains} do not suit: tune them")
+        return Cause(flaw, f"{what}: {gains} are unsuitable: tune them")
     if scenario in ("missing", "early", "windup") and evidence.winds_up:
         return _WINDUP
     return Cause(
@@ -296,9 +296,9 @@ def _loop_cause(
 
 
 _SYMPTOMS = {
-    "overshoot": "it swings",
-    "chatter": "the input trembles",
-    "effort": "the input is larger than it need be",
+    "overshoot": "it oscillates",
+    "chatter": "the input chatters",
+    "effort": "the input is larger than necessary",
 }
 
 
@@ -309,11 +309,11 @@ def cause_of_failure(record: Record) -> Cause:
     """
     words = f": {record.words}" if record.words else ""
     if record.failure == ENDED and record.is_simulated and "ZeroDivisionError" in record.words:
-        # By the machine's clock, the time between two turns is never 0.
+        # By the machine's clock, the time between two iterations is never 0.
         return Cause(
             "division by 0",
             f"the controller ended by itself{words}; one of: a fault of its own, or a dt of 0, as"
-            " two turns can be at the same time by a simulated clock: judge it with --real-time",
+            " two iterations can have the same simulated time: judge it with --real-time",
         )
     if record.failure == ENDED:
         return Cause("crash", f"the controller ended by itself{words}")
@@ -323,7 +323,7 @@ def cause_of_failure(record: Record) -> Cause:
         return _FLOOD_CAUSE if len(record.answers) > _FLOOD else _RESTLESS_CAUSE
     if record.failure == SILENT and record.answers:
         latest = record.answers[-1][0]
-        return Cause("crash", f"the controller sends nothing any more after {latest:.2f} s{words}")
+        return Cause("crash", f"the controller sends nothing after {latest:.2f} s{words}")
     if record.failure == SILENT:
         return Cause("silent", f"the controller sends nothing on motor_input{words}")
     assert record.failure == NOT_CONNECTED, record.failure

@@ -19,7 +19,7 @@ _NONE, _LEAP = 1e-3, 0.2
 _GROWN = 0.3
 #: Time in which a limited input is constant [s], and the largest limit that may be the motor's.
 _FLAT_S, _MOTORS = 0.2, 1.05
-#: Relative change of a growth that is one [1].
+#: Smallest relative change of a growth that counts [1].
 _CHANGED = 0.25
 #: Settling time and overshoot of a law that suits the motor [s, %].
 _SETTLED_S, _OVERSHOT = 0.8, 25.0
@@ -43,17 +43,17 @@ class Law(NamedTuple):
 
 
 class Evidence(NamedTuple):
-    """Properties of a law that the records show. Each is measured, or None or False.
+    """Properties of a control law, from the records. Each is measured, or None or False.
 
     :ivar was_measured: True if there is a complete record
     :ivar was_probed: True if small errors were tried
     :ivar ignores: topics on which the input does not depend
-    :ivar law: the PI law; None if its answers are others, or it has a derivative
+    :ivar law: the PI law; None if its answers do not fit one, or it has a derivative
     :ivar wrong_signs: topics to which the input answers the wrong way for errors of both signs
     :ivar wrong_above: True if it does so only for errors above 0, False if only below
     :ivar lacks_integral: True if the input is constant while the error is
     :ivar has_derivative: True if the input leaps at a step of the error
-    :ivar grows_per_turn: True if the integral grows with each turn, not with time
+    :ivar grows_per_turn: True if the integral grows with each iteration, not with time
     :ivar winds_up: True if the input leaves its limit the later the longer it was there
     :ivar own_limit: limit at which the input stays on both sides, if it is not the motor's
     :ivar is_in_other_units: True if the law suits the motor when it is divided by own_limit
@@ -172,14 +172,14 @@ def _grows_per_turn(record: Record) -> bool:
 
 def _period(record: Record, part: Tuple[float, float, float]) -> float:
     times = [time for time, _ in record.answers if part[0] + 0.2 <= time < part[1]]
-    # The mean: rospy.Rate catches up by turns at the same time.
+    # The mean: rospy.Rate catches up with iterations at the same time.
     return (times[-1] - times[0]) / (len(times) - 1) if len(times) > 1 else math.nan
 
 
 def _with_limits(evidence: Evidence, record: Record) -> Evidence:
     left = leave_times(record)
     stays = [end - begin for begin, end, _ in STAYS]
-    # The longer stay comes first: a delay that grows with time cannot explain it.
+    # The longer stay is first: a delay that grows with time cannot explain it.
     grown = [
         left[i] - left[i + 1] > _GROWN * (stays[i] - stays[i + 1]) and math.isfinite(left[i + 1])
         for i in (0, 2)

@@ -30,7 +30,7 @@ class Output(NamedTuple):
 
 
 class Outgoing(NamedTuple):
-    """Messages to the controller at one time; None if not due."""
+    """Messages to the controller at one time; None for no message."""
 
     set_point: Optional[float]
     output: Optional[Output]
@@ -39,7 +39,7 @@ class Outgoing(NamedTuple):
 class Experiment:
     """Motor and set point of a scenario, by any clock.
 
-    Before the scenario begins, while the controller connects, the motor stands or is held and does
+    Before the scenario begins, while the controller connects, the motor is at rest or held and does
     not follow its input.
 
     :param scenario: the scenario
@@ -62,7 +62,7 @@ class Experiment:
 
     @property
     def has_motor(self) -> bool:
-        """True if the motor is there before the scenario begins."""
+        """True if the motor runs before the scenario begins."""
         return self._scenario.silence[0] > 0.0
 
     def begin_at(self, clock: float) -> None:

@@ -26,7 +26,7 @@ _NO_GROWTH = 1e-4
 _STEADY = 0.98
 #: Relative difference of growths, or of times, that are equal.
 _EQUAL = 0.2
-#: Shortest way that counts as a step of the speed, for an overshoot [share of the step].
+#: Smallest change of speed that counts as a step, for an overshoot [share of the step].
 _MOVED = 0.02
 #: Time after a NaN message in which answers may be NaN [s].
 _NAN_S = 0.1
@@ -209,7 +209,7 @@ def _output_response(record: Record) -> Optional[float]:
 def _response(record: Record, is_output: bool) -> Optional[float]:
     """Return the smaller answer of both signs, 0 without any [1/(rad/s)].
 
-    None if no probe has an answer that a linear law explains, as of an input in steps, or of one
+    None if no linear law explains the answer to any probe, as for an input in steps, or an input
     that is always at its limit.
     """
     if is_constant(record.answers, is_output):
@@ -225,7 +225,7 @@ def _is_always_limited(record: Record) -> bool:
 
 
 def _kick(record: Record) -> Optional[float]:
-    """Return the peak of the input at a step beyond what follows [1/(rad/s)]."""
+    """Return the peak of the input at a step above its later value [1/(rad/s)]."""
     fit = best_fit(record.answers, is_output=False)
     return None if fit is None else fit.leap
 
@@ -253,7 +253,7 @@ def _line(record: Record, begin: float, end: float) -> Optional[Line]:
 def _standstill_jump(record: Record) -> Optional[float]:
     """Return the time by which the integral grew while the clock was paused [s].
 
-    None if it did not grow in proportion to the pauses: then it does not follow their clock.
+    None if it did not grow in proportion to the pauses: then it does not use the machine's clock.
     """
     leaps, slopes = [], []
     for pause, (begin, _, sign) in zip(record.pauses, RATE_PARTS):
@@ -284,8 +284,8 @@ def _points(record: Record, begin: float, end: float) -> List[Tuple[float, float
 def growths(record: Record) -> Optional[Tuple[float, float]]:
     """Return the integral's growth in the quick and in the slow loop [1/s].
 
-    None if it cannot be told: the input does not grow steadily, or the loop that is quick again
-    differs from the quick one.
+    None if unknown: the input does not grow steadily, or the growth differs once the loop is quick
+    again.
     """
     found = []
     for begin, end, sign in RATE_PARTS:
@@ -312,10 +312,12 @@ METRICS: Dict[str, Metric] = {
         "answer to the set point", "1/(rad/s)", _set_point_response, is_least=True
     ),
     "output_response": Metric("answer to the motor", "1/(rad/s)", _output_response, is_least=True),
-    "kick": Metric("leap of the input at a step", "1/(rad/s)", _kick),
-    "standstill_answers": Metric("answers while the clock stands", "", _standstill_answers),
-    "standstill_rest": Metric("rest while the clock stands", "", _standstill_rest, is_least=True),
-    "standstill_jump": Metric("time that passed meanwhile", "s", _standstill_jump),
+    "kick": Metric("jump of the input at a step", "1/(rad/s)", _kick),
+    "standstill_answers": Metric("answers while the clock is paused", "", _standstill_answers),
+    "standstill_rest": Metric(
+        "idle share while the clock is paused", "", _standstill_rest, is_least=True
+    ),
+    "standstill_jump": Metric("integrated time during pauses", "s", _standstill_jump),
     "processor": Metric("processor time for each second", "s", _processor),
     "interval_error": Metric("integral off at another rate", "", _interval_error),
     "rise_time": Metric("rise time", "s", lambda record: _worst(record, _rise)),
@@ -330,7 +332,7 @@ METRICS: Dict[str, Metric] = {
     "late": Metric("share of time without answer", "", _late),
     "leave_time": Metric("time to leave the limit", "s", _leave),
     "recovery_time": Metric("time to recover", "s", _recovery),
-    "not_finite": Metric("answers that are no numbers", "", _not_finite),
+    "not_finite": Metric("answers that are not finite", "", _not_finite),
 }
 
 _HELD = ("set_point_response", "output_response", "kick")

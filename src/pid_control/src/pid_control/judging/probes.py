@@ -4,10 +4,10 @@ from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 import numpy as np
 
-#: Error of each probe [rad/s], from one that no gain drives to a limit to one that shows any
-#: dependence; each is asked for by the set point first, and then by the motor.
+#: Error of each probe [rad/s]: the smallest reaches no limit with any gain, the largest shows any
+#: dependence; each error is made by the set point first, then by the motor.
 AMPLITUDES = (0.001, 0.01, 0.1, 1.0, 10.0)
-#: Start of the first probe, and duration of one with the rest after it [s].
+#: Start of the first probe, and duration of a probe with the rest after it [s].
 FIRST_AT, PROBE_S = 0.2, 0.5
 #: Corners of the error of a probe: time in the probe [s], and sign. The integral ends at 0.
 _SIGNS = ((0.0, 1.0), (0.1, -1.0), (0.3, 1.0), (0.4, 0.0))
@@ -15,7 +15,7 @@ _SIGNS = ((0.0, 1.0), (0.1, -1.0), (0.3, 1.0), (0.4, 0.0))
 _PARTS = ((0.0, 0.1), (0.1, 0.3), (0.3, 0.4))
 #: Time after a step in which a derivative, or its filter, may act [s].
 _STEP_S = 0.04
-#: Longest delay of an answer that is looked for [s].
+#: Longest delay of an answer that is searched for [s].
 _LONGEST_DELAY_S = 0.06
 #: Share of the answer's variance that a linear law has to explain.
 _EXPLAINED = 0.98
@@ -37,7 +37,7 @@ class Fit(NamedTuple):
     :ivar gain_below: the proportional answer to an error below 0, else as ``gain``
     :ivar growth_below: the integral's answer to an error below 0
     :ivar delay: time from an error to the answer [s]
-    :ivar leap: answer at a step beyond the linear one [1/(rad/s)]
+    :ivar leap: jump at a step beyond the linear answer [1/(rad/s)]
     :ivar explained: explained share of the variance
     """
 
@@ -101,8 +101,8 @@ def is_constant(answers: Answers, is_output: bool) -> bool:
 def best_fit(answers: Answers, is_output: bool) -> Optional[Fit]:
     """Return the linear law that explains the answers to two probes of a topic; None without one.
 
-    The answer to a single probe may be linear by chance: one that switches between two values has
-    a gain at each amplitude, but another one.
+    The answer to a single probe may be linear by chance: a switching controller has a gain at each
+    amplitude, but a different one.
 
     :param answers: time [s] and input of each answer
     :param is_output: True for the motor's probes
@@ -128,7 +128,7 @@ def _are_equal(one: Fit, other: Fit) -> bool:
 
 
 def _fit_of(answers: Answers, amplitude: float) -> Optional[Fit]:
-    """Return the law for the answers to a probe, one-sided only if no other explains them."""
+    """Return the law for the answers to a probe; a one-sided law only if no other fits."""
     if len(answers) < _FEWEST:
         return None
     times = np.array([time for time, _ in answers])
@@ -186,7 +186,7 @@ def _fit(
         for step, near in _steps(times, amplitude)
         if near.any()
     ]
-    # A turn's share of the integral is no leap.
+    # One iteration's share of the integral is not a jump.
     leap = min(leaps) - 1.5 * period * float(np.abs(growths).max()) if leaps else 0.0
     return Fit(
         amplitude,
@@ -201,7 +201,7 @@ def _fit(
 
 
 def _steps(times: np.ndarray, amplitude: float) -> List[Tuple[float, np.ndarray]]:
-    """Return the height of each step of the error, and which answers come just after it."""
+    """Return the height of each step of the error, and the answers just after it."""
     before, found = 0.0, []
     for corner, value in _SIGNS[:-1]:
         near = (times >= corner - 1e-6) & (times < corner + _STEP_S)

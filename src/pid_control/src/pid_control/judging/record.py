@@ -34,7 +34,7 @@ class Pause(NamedTuple):
     :ivar time: time in the scenario [s]
     :ivar length: duration by the machine's clock [s]
     :ivar rest: share of it in which the controller was idle
-    :ivar answers: number of answers in its second half; late ones come in the first
+    :ivar answers: number of answers in its second half; late answers arrive in the first
     """
 
     time: float
@@ -50,12 +50,12 @@ class Record(NamedTuple):
     :ivar failure: the failure that ended it early, or empty
     :ivar words: last line of the controller's output, for a failure
     :ivar missing: topics that the controller did not connect to
-    :ivar hint: what the controller publishes instead
+    :ivar hint: text about the topics that the controller publishes instead
     :ivar rows: state of the loop over time
     :ivar answers: time [s] and input of each message, finite or not
     :ivar busy: processor time of the controller [s]
     :ivar is_simulated: True if the clock was simulated
-    :ivar pauses: pauses of the clock; none by the machine's clock
+    :ivar pauses: pauses of the clock; empty with the machine's clock
     """
 
     scenario: Scenario

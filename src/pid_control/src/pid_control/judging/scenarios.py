@@ -7,7 +7,7 @@ from first_order_sys_sim.first_order_plant import PlantSettings
 from pid_control.judging import probes
 from pid_control.plant.system_parameters import SystemParameters
 
-#: Corners of a piecewise linear signal, (time [s], value); two at the same time are a step.
+#: Corners of a piecewise linear signal, (time [s], value); two corners at the same time are a step.
 Corners = Sequence[Tuple[float, float]]
 #: The course's motor.
 MOTOR = SystemParameters().plant
@@ -35,7 +35,7 @@ class Scenario(NamedTuple):
     :ivar restarts: True if the motor restarts, with time 0 and speed 0, after its silence
     :ivar not_a_number: times at which the next message is NaN [s], and its topic
     :ivar slow: begin and end of the time in which clock and motor have the period SLOW_STEP_S [s]
-    :ivar pauses: times at which the clock is paused [s], each for longer than the one before
+    :ivar pauses: times at which the clock is paused [s], each pause longer than the previous
     :ivar events: times from which the controller has to recover from a disturbance [s]
     """
 
@@ -183,8 +183,8 @@ SCENARIOS: Tuple[Scenario, ...] = (
         4.5,
         steps((0.2, 5.0), (1.2, 9.0), (2.2, 3.0), (3.2, -4.0)),
     ),
-    Scenario("ramp", "ever faster", 2.0, ((0.0, 0.0), (0.2, 0.0), (2.0, 9.0))),
-    Scenario("sine", "to and fro, at 1 Hz", 2.2, sine(5.0, 3.0, 1.0, 0.2, 2.2)),
+    Scenario("ramp", "a ramp", 2.0, ((0.0, 0.0), (0.2, 0.0), (2.0, 9.0))),
+    Scenario("sine", "a sine of 1 Hz", 2.2, sine(5.0, 3.0, 1.0, 0.2, 2.2)),
     Scenario(
         "windup",
         "out of reach on either side, and back",
@@ -195,7 +195,7 @@ SCENARIOS: Tuple[Scenario, ...] = (
     Scenario("noise", "a noisy measurement", 1.5, steps((0.2, 5.0)), noise=0.1),
     Scenario(
         "load",
-        "something pulls at the motor",
+        "a load acts on the motor",
         2.0,
         steps((0.2, 5.0)),
         load=steps((1.0, -0.2)),
@@ -203,14 +203,14 @@ SCENARIOS: Tuple[Scenario, ...] = (
     ),
     Scenario(
         "slower",
-        "a motor that is slower than said, and weaker",
+        "a motor that is slower and weaker than specified",
         2.2,
         steps((0.2, 5.0), (1.2, 8.0)),
         motor=MOTOR._replace(gain=0.8 * MOTOR.gain, time_constant=2.0 * MOTOR.time_constant),
     ),
     Scenario(
         "faster",
-        "a motor that is faster than said, and stronger",
+        "a motor that is faster and stronger than specified",
         2.2,
         steps((0.2, 5.0), (1.2, 8.0)),
         motor=MOTOR._replace(gain=1.2 * MOTOR.gain, time_constant=0.5 * MOTOR.time_constant),
@@ -234,7 +234,7 @@ SCENARIOS: Tuple[Scenario, ...] = (
     ),
     Scenario(
         "early",
-        "the controller is there before the motor",
+        "the controller starts before the motor",
         1.8,
         ((0.0, 5.0),),
         silence=(-math.inf, 0.6),

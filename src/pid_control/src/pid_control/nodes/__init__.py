@@ -1,1 +1,1 @@
-"""The nodes: what wires the motor, its set point and its controller to ROS."""
+"""The nodes: motor, set point generator and controller."""

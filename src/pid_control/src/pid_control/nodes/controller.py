@@ -21,9 +21,9 @@ _WARN_EVERY_S = 10.0
 class Controller:
     """P, PI or PID controller that answers each motor output with an input; see :class:`.Pid`.
 
-    The interval between two outputs is that of their stamps, see :class:`.StampClassifier`; the
-    input carries the stamp of the output that it answers. If the motor restarts, or a few outputs
-    are missing, the next input continues from the last one.
+    The interval between two outputs is computed from their stamps, see :class:`.StampClassifier`;
+    each input carries the stamp of its output. If the motor restarts, or a few outputs are missing,
+    the next input continues from the last one.
 
     The controller stops the motor with one input of 0 while the set point is missing, or older than
     the command timeout, or the controller is disabled; when the motor is silent for longer than the

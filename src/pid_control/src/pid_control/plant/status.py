@@ -2,7 +2,7 @@
 
 TURNING, NOT_TURNING, MAX_SPEED = "Motor Turning", "Motor Not Turning", "Motor Max Speed"
 
-#: Share of the greatest speed below which a motor counts as standing: a coasting one never stops.
+#: Share of the greatest speed below which a motor counts as stopped: a coasting motor never stops.
 _STANDS = 1e-3
 
 

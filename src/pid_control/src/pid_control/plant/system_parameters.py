@@ -51,6 +51,6 @@ class SystemParameters(ParameterSet):
             gain=self.system_param_K,
             time_constant=self.system_param_T,
             max_output=self.system_max_speed,
-            # Inputs are float32, and the one next to 0.05 is greater than 0.05.
+            # Inputs are float32, and the nearest float32 of 0.05 is greater than 0.05.
             min_input=to_float32(self.system_min_input),
         )

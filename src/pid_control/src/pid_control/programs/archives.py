@@ -1,4 +1,4 @@
-"""Archives of students: unpacked with bounds, and never outside of a folder."""
+"""Unpacking of students' archives, with limits, and only into one folder."""
 
 import bz2
 import gzip
@@ -14,7 +14,7 @@ from typing import IO, Any, Callable, Dict, Iterator, Optional, Tuple
 _LARGEST, _MOST = 200_000_000, 10_000
 _ENDINGS = (".zip", ".tar", ".tar.gz", ".tgz", ".tar.bz2", ".tbz2", ".tar.xz", ".txz")
 _CHUNK = 1 << 16
-#: What opens a compressed file, by the bytes that it starts with.
+#: Decompressor of a file, by its first bytes.
 _OPENERS: Dict[bytes, Callable[..., Any]] = {
     b"\x1f\x8b": gzip.open,
     b"BZh": bz2.open,
@@ -29,7 +29,7 @@ class ArchiveError(Exception):
 
 
 def stem_of(name: str) -> str:
-    """Return the name of an archive without its ending, any other name as it is."""
+    """Return the name of an archive without its ending, any other name unchanged."""
     for ending in _ENDINGS:
         if name.lower().endswith(ending):
             return name[: -len(ending)]
@@ -37,12 +37,12 @@ def stem_of(name: str) -> str:
 
 
 def is_archive(path: str) -> bool:
-    """Return True for a file that is called like an archive."""
+    """Return True for a file with an archive's ending."""
     return os.path.isfile(path) and stem_of(path) != path
 
 
 def unpack(path: str, target: str) -> None:
-    """Unpack the files of an archive; links and devices are left out.
+    """Unpack the files of an archive; skip links and devices.
 
     :param path: path of the archive
     :param target: folder, created
@@ -71,7 +71,7 @@ def unpack(path: str, target: str) -> None:
 
 
 class _Bounded:
-    """Unpacked content of a tar file, refused where it becomes too large.
+    """Unpacked content of a tar file; raises an error if it becomes too large.
 
     :param file: the content
     """
@@ -92,7 +92,7 @@ class _Bounded:
 
 
 def _files(path: str) -> Iterator[Tuple[str, int, Optional[IO[bytes]]]]:
-    """Yield name, mode and content of each member; the content of what is no file is None."""
+    """Yield name, mode and content of each member; the content is None unless it is a file."""
     if path.lower().endswith(".zip"):
         with zipfile.ZipFile(path) as archive:
             for info in archive.infolist():
@@ -111,7 +111,7 @@ def _files(path: str) -> Iterator[Tuple[str, int, Optional[IO[bytes]]]]:
                 source = packed.extractfile(member) if member.isfile() else None
                 yield member.name, member.mode, source
         while content.read(_CHUNK):
-            pass  # to its end, where the sum is that shows damage
+            pass  # to its end, where the checksum is
 
 
 def _place(target: str, name: str) -> str:

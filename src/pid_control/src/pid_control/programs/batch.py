@@ -1,4 +1,4 @@
-"""Batch run: judges all packages in a folder, each in a process of its own."""
+"""Batch run: judges all packages in a folder, each in its own process."""
 
 import contextlib
 import csv
@@ -27,7 +27,7 @@ _BUILD_S, _BEYOND_S = 180.0, 60.0
 _IS_BUILT = re.compile(r"^\s*(add_executable|catkin_python_setup|generate_messages)\b", re.M)
 #: Error line in the output of a build.
 _ERROR = re.compile(r"error", re.IGNORECASE)
-#: Message package of the course in a workspace of its own, for programs in C++.
+#: Message package of the course in a separate workspace, for programs in C++.
 _MESSAGES = ("motor_input.msg", "motor_output.msg", "set_point.msg")
 _MESSAGES_XML = """<package format="2">
   <name>pid_control</name><version>1.0.0</version><description>messages</description>
@@ -71,7 +71,7 @@ class Batch:
         self._options, self._time_limit = list(options), time_limit
         self._rows: List[Dict[str, str]] = []
         self._files: Dict[str, List[str]] = {}
-        #: Names of files, without their endings, that are taken.
+        #: Used names of files, without their endings.
         self._stems = {"class"}
 
     def run(self) -> int:
@@ -153,7 +153,7 @@ class Batch:
         return row
 
     def _new_stem(self, name: str) -> str:
-        """Return a name for the files of a submission that no other one has."""
+        """Return a unique name for the files of a submission."""
         first = re.sub(r"[^\w.-]", "_", name)
         numbered = (f"{first}-{number}" for number in itertools.count(2))
         stem = next(one for one in itertools.chain([first], numbered) if one not in self._stems)
@@ -184,7 +184,7 @@ def _needs_build(package: str) -> bool:
 
 
 def build(package: str, scratch: str, siblings: Sequence[str] = ()) -> Tuple[str, List[str]]:
-    """Build a package, and those that it needs, in a new workspace.
+    """Build a package and its dependencies in a new workspace.
 
     :param package: folder of the package
     :param scratch: folder for the workspace
@@ -213,9 +213,9 @@ def build(package: str, scratch: str, siblings: Sequence[str] = ()) -> Tuple[str
 
 
 def _add_messages(packages: Sequence[str], sources: str) -> None:
-    """Add the course's messages to a workspace whose packages use them and lack them.
+    """Add the course's messages to a workspace if its packages use but lack them.
 
-    Where they were built without C++, there are no headers.
+    Built without C++, they have no headers.
     """
     texts = []
     files = ("CMakeLists.txt", "package.xml")

@@ -10,7 +10,7 @@ from typing import Iterator, List
 def exit_on_signals() -> None:
     """Make SIGTERM and SIGHUP raise SystemExit, as Ctrl-C raises KeyboardInterrupt.
 
-    Their default action ends the process at once, without its child processes.
+    Their default action ends the process immediately, without its child processes.
     """
     for number in (signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) is not signal.SIG_IGN:  # keep nohup working
@@ -27,9 +27,9 @@ def deferred_signals() -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    came: List[int] = []
+    received: List[int] = []
     before = {
-        number: signal.signal(number, lambda given, _frame: came.append(given))
+        number: signal.signal(number, lambda given, _frame: received.append(given))
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
     }
     try:
@@ -37,5 +37,5 @@ def deferred_signals() -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-        for given in came:  # also after an exception, which the signal may have caused
+        for given in received:  # also after an exception, which the signal may have caused
             signal.raise_signal(given)

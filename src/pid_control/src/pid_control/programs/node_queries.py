@@ -1,4 +1,4 @@
-"""Queries to other nodes: the types of their topics, and their connections."""
+"""Queries of other nodes: types of their topics, and connections."""
 
 import xmlrpc.client
 from typing import Any, Dict, NamedTuple, Set

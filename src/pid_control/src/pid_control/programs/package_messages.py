@@ -1,4 +1,4 @@
-"""Messages of a package that need not be built: generated for Python."""
+"""Python modules of a package's messages, generated without a build."""
 
 import contextlib
 import io
@@ -14,7 +14,7 @@ import genpy.generator
 import rospkg
 import roslib.message
 
-#: Legal name of a package that has messages: it becomes a folder, and a name in Python.
+#: Legal name of a package with messages: it becomes a folder and a Python name.
 _LEGAL = re.compile("[A-Za-z][A-Za-z0-9_]*")
 _INIT = "import pkgutil\n\n__path__ = pkgutil.extend_path(__path__, __name__)\n"
 

@@ -1,4 +1,4 @@
-"""Watch of a controller's processes: are they idle, and how much processor time do they use.
+"""Watch of a controller's processes: whether they are idle, and their processor time.
 
 Linux marks a thread as ready to run when a message reaches it, before the sender's call returns. So
 when all threads wait, all messages have been processed, however busy the machine is: a thread that
@@ -33,7 +33,7 @@ def own_children() -> Set[int]:
 
 
 class ProcessWatch:
-    """Watch of a controller's processes, of those that it waits for, and of this process's threads.
+    """Watch of a controller's processes, its companions, and this process's threads.
 
     The controller's processes are the descendants of this process that are not older than the
     controller, whatever their session and environment. This process's threads, except the caller's,
@@ -79,7 +79,7 @@ class ProcessWatch:
         if now - self._searched_at > _SEARCH_EVERY_S or self._has_other_threads():
             self._search()
             self._searched_at = now
-        # Twice: a thread may have woken one that was already checked, and be waiting since.
+        # Twice: a thread may have woken a thread that was already checked, and wait since.
         return self._all_wait() and self._all_wait()
 
     def wait_idle(self, longest: float) -> bool:
@@ -96,7 +96,7 @@ class ProcessWatch:
         return True
 
     def kill(self, patience: float) -> None:
-        """Kill all processes at once.
+        """Kill all processes together.
 
         :param patience: timeout [s]
         """

@@ -18,7 +18,7 @@ from pid_control.programs.python_program import start_words
 
 #: Timeout for reading the environment of a workspace [s].
 _ENVIRONMENT_S = 20.0
-#: Least resemblance of a name that is offered for another, from 0 to 1.
+#: Smallest similarity of a suggested name, from 0 to 1.
 _NEAR = 0.75
 
 
@@ -35,7 +35,7 @@ class ProgramCommand(NamedTuple):
     :ivar parameters: parameters to set, by global name
     :ivar of_others: private parameters of the other nodes of its launch file, by global name
     :ivar package: folder of its package; empty without one
-    :ivar notes: repairs that were needed to start it, and what was found for it
+    :ivar notes: repairs that were needed to start it, and files found for it
     """
 
     name: str
@@ -55,13 +55,13 @@ def find_controller(
 ) -> ProgramCommand:
     """Find the controller that a command line names.
 
-    :param words: a path and arguments, or a package, a name in it and arguments; the arguments are
-        those of rosrun for a program, of roslaunch for a launch file
+    :param words: a path and arguments, or a package, a name in it and arguments; as for rosrun with
+        a program, as for roslaunch with a launch file
     :param node: name of the node in a launch file; by default the node whose name or program
         contains "control"
     :param workspace: the controller's workspace if not this one: its folder, devel or install
-    :param launch: launch file that starts the program, whose parameters it gets; by default one of
-        its package, if the program has no arguments
+    :param launch: launch file that starts the program and has its parameters; by default one of its
+        package, if the program has no arguments
     :raises CommandError: if the controller cannot be found
     """
     environment = workspace_environment(workspace) if workspace is not None else dict(os.environ)
@@ -77,12 +77,12 @@ def find_controller(
     start, notes = _start(path, environment)
     command = ProgramCommand(path, [*start, *arguments], environment, {}, {}, notes, package)
     if arguments and launch is None:
-        return command  # it is run as told
+        return command  # run with the given arguments
     return _with_launch_file(command, path, launch)
 
 
 def _package_of(path: str, words: Sequence[str], environment: Dict[str, str]) -> str:
-    """Return the folder of the package of a file, or of that named; empty without one."""
+    """Return the folder of a file's package, or of the named one; empty without one."""
     folder = os.path.dirname(os.path.realpath(path))
     while folder != os.path.dirname(folder):
         if os.path.isfile(os.path.join(folder, "package.xml")):
@@ -106,7 +106,7 @@ def _with_launch_file(command: ProgramCommand, path: str, launch: Optional[str])
                     continue
                 variables = setup_env(nodes[0], local_machine(), "", command.environment)
             arguments = shlex.split(nodes[0].args or "")
-        except Exception as error:  # of any kind: $(eval …) runs what the student wrote
+        except Exception as error:  # of any kind: $(eval …) runs the student's code
             problems.append(f"{file} cannot be used: {' '.join(str(error).split())[:200]}")
             continue
         node = nodes[0]
@@ -126,7 +126,7 @@ def _with_launch_file(command: ProgramCommand, path: str, launch: Optional[str])
 
 
 def _launch_files(package: str, path: str) -> List[str]:
-    """Return the launch files of a package that name a program, and those that cannot be read."""
+    """Return the launch files of a package that name a program or cannot be read."""
     found = []
     for file in sorted(files_in(package)) if package else []:
         if file.endswith(".launch"):
@@ -134,7 +134,7 @@ def _launch_files(package: str, path: str) -> List[str]:
                 with open(file, encoding="utf-8", errors="replace") as opened:
                     names_it = os.path.basename(path) in opened.read()
             except OSError:
-                names_it = True  # roslaunch will say what is wrong with it
+                names_it = True  # roslaunch reports its error
             if names_it:
                 found.append(file)
     return found
@@ -300,7 +300,7 @@ def _command_of_launch_file(
         variables = setup_env(node, local_machine(), "", environment)
     except CommandError:
         raise
-    except Exception as error:  # of any kind: $(eval …) runs what the student wrote
+    except Exception as error:  # of any kind: $(eval …) runs the student's code
         raise CommandError(f"{path}: {error}") from None
     finally:
         os.environ.clear()

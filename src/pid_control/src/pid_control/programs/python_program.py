@@ -1,4 +1,4 @@
-"""Start of a Python program that the kernel cannot start as it is."""
+"""Start of a Python program that the kernel cannot execute."""
 
 import contextlib
 import os

@@ -15,8 +15,7 @@ from pid_control.programs.wanted import Wanted
 _DEEPEST, _DEEPEST_OF_ENTRY = 3, 5
 #: Folders of a workspace that have no sources.
 _BUILT = ("build", "devel", "install", "logs")
-#: Elements of a package.xml that name a package without which it is not built, or does not run;
-#: the last one is of format 1.
+#: Elements of a package.xml with a dependency to build or run; the last one is of format 1.
 _NEEDS = ("depend", "build_depend", "exec_depend", "run_depend")
 
 
@@ -25,7 +24,7 @@ class RosterError(Exception):
 
 
 class Submission(NamedTuple):
-    """A package to judge, or an entry that has none.
+    """A package to judge, or an entry without a package.
 
     :ivar name: path below the folder of the class
     :ivar entry: name of the folder, archive or file in the folder of the class
@@ -102,7 +101,7 @@ def _of_entry(entry: str, place: str, wanted: Wanted, scratch: str) -> List[Subm
                 f"it has no package.xml: not a ROS package{wanted.hint(place)}",
             )
         ]
-    # Of several packages those with what is judged count: the others are messages or tools.
+    # Of several packages, those with the judged part count: the others are messages or tools.
     chosen = [one for one in packages if wanted.is_in(one)]
     chosen = chosen or [one for one in packages if wanted.is_built_by(one)] or packages[:1]
     return [
@@ -116,7 +115,7 @@ def _of_entry(entry: str, place: str, wanted: Wanted, scratch: str) -> List[Subm
     ]
 
 
-#: Files that name other packages, and their lines that do.
+#: Files that name other packages, and a pattern of those lines.
 _SOURCES = (".py", ".cpp", ".cc", ".h", ".hpp")
 _IMPORTS = re.compile(
     r"^\s*(?:import|from)\s+[^\n]*|^\s*#\s*include\b[^\n]*|\bfind_package\s*\([^)]*", re.MULTILINE
@@ -125,7 +124,7 @@ _WORD = re.compile(r"\w+")
 
 
 def needed_siblings(package: str, siblings: Sequence[str]) -> List[str]:
-    """Return those packages beside a package that it needs, also through each other.
+    """Return the sibling packages that a package depends on, directly or indirectly.
 
     :param package: folder of the package
     :param siblings: folders of the packages beside it; of those with one name, the first counts
@@ -146,7 +145,7 @@ def needed_siblings(package: str, siblings: Sequence[str]) -> List[str]:
 
 
 def _name_and_needs(package: str) -> Tuple[str, List[str]]:
-    """Return the name of a package, and those that it declares or mentions in its files.
+    """Return the name of a package, and the packages that it declares or mentions.
 
     A build in a workspace works without a declaration, so many packages have none.
     """
@@ -180,15 +179,15 @@ def read_roster(path: str) -> Dict[str, str]:
             if len(cells) < 2 or not cells[0] or not cells[1]:
                 raise RosterError(f"line {number}: must be a folder or archive, and a student")
             if stem_of(cells[0]) in found:
-                raise RosterError(f"line {number}: {cells[0]} is there twice")
+                raise RosterError(f"line {number}: {cells[0]} appears twice")
             found[stem_of(cells[0])] = cells[1]
     return found
 
 
 def missing_in(submissions: Sequence[Submission], roster: Dict[str, str]) -> List[Submission]:
-    """Return a submission with nothing to judge for each entry of a roster that is not there.
+    """Return a submission with nothing to judge for each missing entry of a roster.
 
-    :param submissions: those that are there
+    :param submissions: the existing submissions
     :param roster: student of each folder or archive
     """
     there = {stem_of(one.entry) for one in submissions}

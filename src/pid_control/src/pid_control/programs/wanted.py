@@ -43,7 +43,7 @@ class Wanted(Protocol):
 
 
 class ProgramWanted:
-    """A program, by its name.
+    """A program as the subject of a class run, by its name.
 
     :param name: name of the program in each package
     :param arguments: its arguments

@@ -16,7 +16,7 @@ def read_record(
     """Read a record from a bag.
 
     Outputs have their own time stamps if present, see :meth:`.Samples.times`. Inputs have the time
-    of recording: a stamp in them may be of another clock.
+    of recording, because their stamps may have another clock.
 
     :param path: the bag
     :param input_name: the plant's input, as topic and field

@@ -40,7 +40,7 @@ _SETTLE_S = 0.1
 
 
 class BenchRunner:
-    """Runner with the test bench; each scenario has a controller process of its own.
+    """Runner with the test bench; each scenario has its own controller process.
 
     :param bench: the test bench
     :param command: command of the controller
@@ -50,7 +50,7 @@ class BenchRunner:
     :param master: process of the bench's master
     :param classes: message classes of the controller's package by type
 
-    :ivar notes: types that the bench follows since the controller has them
+    :ivar notes: notes on types that the bench has adopted from the controller
     """
 
     #: Largest delay of this process with the machine's clock [s]: it simulates the motor.
@@ -94,7 +94,7 @@ class BenchRunner:
         return record
 
     def _start_and_run(self, scenario: Scenario) -> Optional[Record]:
-        """Run one scenario; return None if it is to be run again, with other types."""
+        """Run one scenario; return None if it must be run again, with other types."""
         self._wait_until_alone()
         self._clock = _FIRST_CLOCK
         controller: Optional[ProgramProcess] = None
@@ -109,7 +109,7 @@ class BenchRunner:
     def _follow_types(self) -> bool:
         """Adopt the controller's types of topics that are not connected; return False without any.
 
-        Once: the types that it was told itself cannot be the reason.
+        Only once: types that the user has given are not replaced.
         """
         if self.notes:
             return False
@@ -200,7 +200,7 @@ class BenchRunner:
                 and now > end
                 and (watch.is_idle() or watch.busy() > _FIRST_TOPIC_S)
             ):
-                return False  # not while it still starts, on a busy machine
+                return False  # only if it has started, on a busy machine
             self._bench.send(experiment.send(self._clock), self._clock)
             if self._bench.has_clock_listener() or answer_end < math.inf:
                 self._clock += STEP_S
@@ -210,7 +210,7 @@ class BenchRunner:
     def _patience(self, experiment: Experiment) -> float:
         """Return the longest time of the clock until the first answer [s].
 
-        A controller may answer only a motor: without one, it gets the time that it took before.
+        A controller may answer only a motor: without a motor, the limit is its earlier time.
         """
         return _FIRST_ANSWER_S if experiment.has_motor else self._first_answer_s
 
@@ -219,7 +219,7 @@ class BenchRunner:
         end = time.monotonic() + _GONE_S
         nothing = Outgoing(0.0, Output(0.0, 0.0, NOT_TURNING))
         while self._bench.is_connected() and time.monotonic() < end:
-            self._bench.send(nothing, self._clock)  # a dead connection is noticed by writing to it
+            self._bench.send(nothing, self._clock)  # only a write detects a dead connection
             time.sleep(STEP_S)
 
     def _check_time(self) -> None:

@@ -22,7 +22,7 @@ class Clock(Protocol):
         """Start the clock at 0."""
 
     def wait(self, until: float) -> bool:
-        """Wait until the next step is due.
+        """Wait until the next step.
 
         :param until: time of the next step [s]
         :returns: True if the controller is idle
@@ -87,7 +87,7 @@ class WallClock:
         self._began = time.monotonic()
 
     def wait(self, until: float) -> bool:
-        """Sleep until the next step is due."""
+        """Sleep until the next step."""
         left = self._began + until - time.monotonic()
         if left > 0.0:
             time.sleep(left)

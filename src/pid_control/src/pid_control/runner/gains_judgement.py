@@ -28,7 +28,7 @@ def judge_gains(
     :param several: the sets of gains
     :param scenarios: scenarios to run
     :param time_limit: time limit per set of gains [s]
-    :returns: each set of gains, with the text of its judgement
+    :returns: each set of gains and the text of its judgement
     """
     limits = default_limits()
     master = PrivateMaster()

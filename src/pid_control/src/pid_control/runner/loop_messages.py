@@ -77,7 +77,7 @@ def course_messages() -> Dict[str, LoopMessage]:
     return {topic: loop_message(topic, one) for topic, one in COURSE_CLASSES.items()}
 
 
-def told_message(topic: str, text: str, own: Dict[str, Any]) -> LoopMessage:
+def given_message(topic: str, text: str, own: Dict[str, Any]) -> LoopMessage:
     """Return the message that an option names.
 
     :param topic: name of the topic

@@ -8,10 +8,10 @@ from pid_control.judging.record import ENDED, RESTLESS, SILENT, WRITES_WITHOUT_E
 from pid_control.judging.scenarios import Scenario
 from pid_control.programs.program_process import ProgramProcess
 
-#: Processor time without a rest that makes a controller restless, and time without a rest, and
-#: without that much processor time, that makes the machine too busy [s].
+#: Processor time without a rest above which a controller is restless, and time without a rest above
+#: which, with less processor time, the machine is too busy [s].
 _RESTLESS_S, _STARVED_S = 3.0, 30.0
-#: Signal with which a machine without memory ends processes.
+#: Signal by which a machine out of memory ends processes.
 _KILLED = -signal.SIGKILL
 
 
@@ -58,7 +58,7 @@ class Restlessness:
         self._before: Optional[float] = None
 
     def update(self, is_idle: bool) -> None:
-        """Take note of whether the controller became idle in the latest step."""
+        """Record whether the controller became idle in the latest step."""
         if is_idle:
             self._before = None
         elif self._before is None:
@@ -67,7 +67,7 @@ class Restlessness:
     def is_its_own(self) -> bool:
         """Return True if the controller computes without a pause.
 
-        :raises JudgingError: if it has waited for the machine for long
+        :raises JudgingError: if it has waited too long for the machine
         """
         if self._before is None:
             return False
@@ -88,7 +88,7 @@ def failure_of(controller: ProgramProcess, is_restless: bool = False) -> str:
     :raises JudgingError: if the machine ended it
     """
     if controller.status == _KILLED:
-        raise JudgingError("the controller was killed (signal 9), as by a machine without memory")
+        raise JudgingError("the controller was killed (signal 9), maybe for lack of memory")
     if controller.status is not None:
         return ENDED
     if controller.writes_without_end:

@@ -19,7 +19,7 @@ _CLASSES = {"motor_input": motor_input, "motor_output": motor_output, "set_point
 _SILENCE_S = 0.8
 #: Timeout for the plant's first output and standstill [s], and interval of the checks [s].
 _STOP_S, _CHECK_S = 5.0, 0.01
-#: Speed below which the plant counts as standing [rad/s]: encoders are coarse.
+#: Speed below which the plant counts as stopped [rad/s]: encoders are coarse.
 _STANDS = 0.5
 
 
@@ -111,7 +111,7 @@ class RealPlant:
         }
 
     def check_alone(self) -> None:
-        """Check that the controller started no plant or set point of its own.
+        """Check that the controller did not start its own plant or set point.
 
         :raises PlantError: if another node publishes their topics
         """
@@ -123,7 +123,7 @@ class RealPlant:
         for topic in (self._topic, self._wanted.resolved_name):
             several = publishers.get(topic, [])
             if len(several) > 1:
-                raise PlantError(f"{' and '.join(several)} publish {topic}: one is to do that")
+                raise PlantError(f"{' and '.join(several)} publish {topic}; stop all but one")
 
     def check_node(self) -> None:
         """Check that the node is running.
@@ -171,9 +171,9 @@ def _check_graph() -> None:
             simulates_time = master.read(["/use_sim_time"]).values["/use_sim_time"] is True
             types, state = master.topic_types(), master.system_state()
     except MasterUnreachable as error:
-        raise PlantError(f"a real plant is on your own master: {error}") from None
+        raise PlantError(f"a real plant needs your own master: {error}") from None
     if simulates_time:
-        raise PlantError("/use_sim_time is true: a real plant goes by the machine's clock")
+        raise PlantError("/use_sim_time is true: a real plant uses the machine's clock")
     for name, topic in topics.items():
         if types.get(topic, _CLASSES[name]._type) not in (_CLASSES[name]._type, "*"):
             raise PlantError(f"{topic} has {types[topic]}, not {_CLASSES[name]._type}")

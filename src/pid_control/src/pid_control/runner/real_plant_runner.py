@@ -28,7 +28,7 @@ _SETTLE_S = 0.5
 
 
 class RealPlantRunner:
-    """Runner with a real plant; each scenario has a controller process of its own.
+    """Runner with a real plant; each scenario has its own controller process.
 
     However a scenario ends, the controller ends before the plant gets its last input, 0.
 
@@ -50,7 +50,7 @@ class RealPlantRunner:
         self.latest = 0.0
         self._controller: Optional[ProgramProcess] = None
         plant.on_shutdown(self._end_controller)
-        for key, value in command.parameters.items():  # not those of the plant that is judged with
+        for key, value in command.parameters.items():  # not the plant's own parameters
             rospy.set_param(key, value)
 
     def run(self, scenario: Scenario) -> Record:
@@ -58,8 +58,8 @@ class RealPlantRunner:
 
         :param scenario: a scenario that suits any plant
         :raises TimeLimitExceeded: if the deadline has passed
-        :raises PlantError: if the plant becomes silent, does not stand at first, or the node is
-            shut down
+        :raises PlantError: if the plant becomes silent, is not at rest first, or the node is shut
+            down
         :raises OSError: if the controller cannot be started
         """
         self._plant.wait_until_it_stands()
@@ -70,7 +70,7 @@ class RealPlantRunner:
             with deferred_signals():
                 controller = self._controller = ProgramProcess(self._command, environment)
             record = self._connect_and_run(scenario, controller, before)
-            self._plant.check_node()  # a shutdown ends the controller: not its failure
+            self._plant.check_node()  # a shutdown ends the controller: not a failure
             return record
         finally:
             try:

@@ -12,7 +12,7 @@ from pid_control.judging.record import Record
 from pid_control.judging.scenarios import BY_NAME, Scenario
 from pid_control.programs.program_command import ProgramCommand
 from pid_control.programs.package_messages import MessageTypeError
-from pid_control.runner.loop_messages import told_message
+from pid_control.runner.loop_messages import given_message
 from pid_control.runner.outcome import (
     BusyMachineError,
     JudgingError,
@@ -27,10 +27,10 @@ class Session:
     """One judgement of a controller; the time limit starts when the session is created.
 
     :param command: command of the controller
-    :param only: scenarios to run; None for all that suit the plant
+    :param only: scenarios to run; None for all that the plant supports
     :param limits: limits of the figures
     :param time_limit: time limit [s]
-    :param types: ``PACKAGE/TYPE/FIELD`` of topics whose type is not to be found, by topic
+    :param types: ``PACKAGE/TYPE/FIELD`` given for topics, by topic
 
     :ivar records: records of the scenarios so far
     :ivar notes: notes on the types of the controller's messages
@@ -63,7 +63,7 @@ class Session:
 
             found = read_messages(self._command, os.path.join(master.folder, "messages"))
             told = {
-                topic: told_message(topic, text, found.classes)
+                topic: given_message(topic, text, found.classes)
                 for topic, text in self._types.items()
             }
             self.notes = list(found.command.notes)
@@ -102,7 +102,7 @@ class Session:
 
         wanted, left_out = self._for_real_plant()
         if self._command.parameters.get("/use_sim_time"):
-            what = "it sets /use_sim_time, by which the plant would go too: leave that out"
+            what = "it sets /use_sim_time, which would also affect the plant; remove that"
             raise JudgingError(f"{self._command.name}: {what}")
         try:
             plant = RealPlant()
@@ -116,7 +116,7 @@ class Session:
         return judge(self.records, self._limits, reason)._replace(left_out=left_out)
 
     def _for_real_plant(self) -> Tuple[Sequence[Scenario], List[str]]:
-        """Return the scenarios to run, and the names of those that do not suit a real plant."""
+        """Return the scenarios to run, and the names of scenarios unsuitable for a real plant."""
         possible = [one for one in BY_NAME.values() if one.suits_any_plant]
         for scenario in self._only or ():
             if scenario not in possible:

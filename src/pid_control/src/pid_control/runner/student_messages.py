@@ -1,4 +1,4 @@
-"""Messages of a student's own package, generated for Python if need be."""
+"""Messages of a student's own package, generated for Python if necessary."""
 
 import contextlib
 import os
@@ -20,7 +20,7 @@ from pid_control.runner.loop_messages import (
     loop_message,
 )
 
-#: Package that the course's messages are in, in a student's workspace too.
+#: Package with the course's messages, in a student's workspace too.
 _COURSE = "pid_control"
 
 
@@ -77,7 +77,7 @@ def describe(message: LoopMessage) -> str:
     """Return the text of a note on a message that is not the course's, with both definitions."""
     own, course = message.message_class, COURSE_CLASSES[message.topic]
     return (
-        f"{message.topic} is {own._type} with {_fields(own)}, where the course has"
+        f"{message.topic} is {own._type} with {_fields(own)}, in the course"
         f" {_fields(course)}; the field {message.field} is used"
     )
 

@@ -81,7 +81,7 @@ class TestBench:
         self._open()
 
     def types_of_controller(self) -> Dict[str, str]:
-        """Return the types of the topics that other nodes publish and subscribe to, as they say."""
+        """Return the types of other nodes' topics, from the nodes themselves."""
         return self._types()[0]
 
     def _types(self) -> Tuple[Dict[str, str], List[str]]:
@@ -122,7 +122,7 @@ class TestBench:
                 return f"its {name} has another definition of {kind} than the judge"
         others = ", ".join(sorted(topic for topic in types if topic not in own))
         if not others and silent:
-            return f"cannot tell its types: {', '.join(silent)} does not answer"
+            return f"its types are unknown: {', '.join(silent)} does not answer"
         return f"it has the topics {others}" if others else ""
 
     def check_publishers(self) -> None:
@@ -134,9 +134,7 @@ class TestBench:
             others = [node for node in nodes if node != rospy.get_name()]
             if topic in ("/motor_output", "/set_point") and others:
                 who = " and ".join(others)
-                raise PublisherConflict(
-                    f"{who} publishes {topic[1:]}, which the judge does: leave that out"
-                )
+                raise PublisherConflict(f"{who} publishes {topic[1:]}, like the judge; remove that")
 
     def _connections(self) -> Dict[str, int]:
         topics = {"motor_output": self._output, "set_point": self._set_point}

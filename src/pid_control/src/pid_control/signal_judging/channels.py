@@ -1,11 +1,11 @@
-"""Channels: the numbers in the messages of a node, and which of them is the signal."""
+"""Channels: the numeric fields in a node's messages, and the choice of the signal."""
 
 import math
 from typing import List, NamedTuple, Optional, Sequence
 
 from pid_control.signal_judging.sine_fit import is_constant
 
-#: Parts of names of a signal, the most telling first.
+#: Parts of names of a signal, the most specific first.
 _NAMES = ("signal", "proc", "sin", "output", "value", "data", "y")
 
 
@@ -64,7 +64,7 @@ def signal_of(channels: Sequence[Channel]) -> Optional[Channel]:
     """Return the channel that is a signal; None if none oscillates.
 
     :param channels: all channels of a node
-    :raises AmbiguousChannelsError: if several oscillate, and their names do not tell
+    :raises AmbiguousChannelsError: if several oscillate, and their names do not decide
     """
     found = [channel for channel in channels if oscillates(channel)]
     if len(found) <= 1:

@@ -56,7 +56,7 @@ def judge(
 ) -> Judgement:
     """Judge a coursework.
 
-    :param evidence: what its trials have shown
+    :param evidence: evidence of its trials
     :param limits: limits of the figures
     :param scenarios: names of the scenarios to judge
     :param reason: why not all trials were run, if so
@@ -88,14 +88,11 @@ def judge(
 
 
 def _unknown(evidence: Evidence, scenarios: Sequence[str]) -> str:
-    """Return why nothing can be said about the signal, or an empty text."""
+    """Return why the signal is unknown, or an empty text."""
     baseline = evidence.baseline
     if baseline is None or is_known(baseline.features) or not {"signal", "process"} & {*scenarios}:
         return ""
-    return (
-        "cannot tell: less than one period and a fifth of the signal was seen; judge it with a"
-        " higher frequency"
-    )
+    return "unknown signal: less than 1.2 periods were recorded; judge it with a higher frequency"
 
 
 def _cause_of_broken(broken: Broken) -> Cause:
@@ -105,7 +102,7 @@ def _cause_of_broken(broken: Broken) -> Cause:
     if broken.flaw == "writes without end":
         return Cause("endless output", f"{broken.node} writes to its log without end")
     if broken.flaw == "not connected":
-        return Cause("not connected", f"no node hears the other one{words}")
+        return Cause("not connected", f"neither node receives the other's topic{words}")
     return Cause("crash", f"{broken.node} ended by itself{words}")
 
 
@@ -122,7 +119,7 @@ def _rate(node: str, rate_of: Callable[[Baseline], Optional[float]]) -> "_Explai
     def explain(evidence: Evidence, figures: Figures) -> Cause:
         if not rate_of(_baseline(evidence)):
             return Cause("silent", f"the {node} sends nothing")
-        return Cause("too seldom", f"the {node} sends too seldom: its loop is below 10 Hz")
+        return Cause("too seldom", f"the {node} sends too seldom: its loop is slower than 10 Hz")
 
     return explain
 
@@ -134,8 +131,8 @@ def _distorted_signal(evidence: Evidence, figures: Figures) -> Cause:
     if baseline.features.signal.sine is None or not oscillates(baseline.signal):
         return Cause(
             "constant",
-            f"{baseline.signal.name} does not go up and down: one of: its amplitude or frequency is"
-            " 0, or its time does not go on",
+            f"{baseline.signal.name} does not oscillate: one of: its amplitude or frequency is"
+            " 0, or its time does not advance",
         )
     return Cause("distorted", f"{baseline.signal.name} is not a sine")
 
@@ -189,14 +186,14 @@ def _fields(evidence: Evidence, figures: Figures) -> Cause:
     baseline = _baseline(evidence)
     sine = baseline.features.signal.sine
     assert sine is not None
-    said = ", ".join(
+    stated = ", ".join(
         f"{name} {value:g}"
         for name, value in baseline.constants.items()
         if any(part in name.lower() for part in ("ampl", "freq", "omega"))
     )
     return Cause(
         "fields",
-        f"the messages say {said}, but the signal's amplitude is {sine.amplitude:.3g} and its"
+        f"the messages have {stated}, but the signal's amplitude is {sine.amplitude:.3g} and its"
         f" frequency {sine.frequency:.3g} rad/s",
     )
 
@@ -206,13 +203,12 @@ def _distorted_output(evidence: Evidence, figures: Figures) -> Cause:
     if len(baseline.output.values) < 3:
         return Cause("silent", "the process node sends nothing")
     if baseline.features.process is None:
-        return Cause("constant", f"{baseline.output.name} stays the same, whatever the signal")
+        return Cause("constant", f"{baseline.output.name} is constant, whatever the signal")
     return Cause(
         "distorted",
         f"{baseline.output.name} is neither a sine of the signal's frequency, nor a rectified one:"
-        " one of: the phase is shifted by a formula that does not hold all the time (the sign of"
-        " the cosine), by an amplitude or frequency that the signal does not have, or values are"
-        " lost",
+        " one of: the phase is shifted by a formula that is not always valid (the sign of the"
+        " cosine), by an amplitude or frequency that the signal does not have, or values are lost",
     )
 
 
@@ -255,7 +251,7 @@ def _phase(evidence: Evidence, figures: Figures) -> Cause:
 def _free_running(evidence: Evidence, figures: Figures) -> Cause:
     return Cause(
         "free-running",
-        "the output goes on oscillating when no signal comes: it is computed from a clock, not from"
+        "the output keeps oscillating without a signal: it is computed from a clock, not from"
         " the messages",
     )
 
@@ -265,14 +261,14 @@ def _restart(evidence: Evidence, figures: Figures) -> Cause:
         return Cause("restart", "after a restart of the generator, no output follows the signal")
     return Cause(
         "restart",
-        "after a restart of the generator the output differs: one of: something of the first run is"
+        "after a restart of the generator the output differs: one of: state of the first run is"
         " kept, such as its time, or the output depends on when the generator starts",
     )
 
 
 def _hard_coded(node: str) -> "_Explain":
     return lambda evidence, figures: Cause(
-        "hard-coded", f"no parameter changes anything of the {node}: its values are in the code"
+        "hard-coded", f"no parameter affects the {node}: its values are in the code"
     )
 
 
@@ -281,13 +277,11 @@ def _unread(evidence: Evidence, figures: Figures) -> Cause:
     parts = []
     for one in evidence.parameters.unread():
         if one.other_names:
-            parts.append(f"{one.name} changes nothing, but {' or '.join(one.other_names)} does")
+            parts.append(f"{one.name} has no effect, but {' or '.join(one.other_names)} has")
         elif not one.is_mentioned:
-            parts.append(f"{one.name} changes nothing: no source mentions it")
+            parts.append(f"{one.name} has no effect: no source mentions it")
         else:
-            parts.append(
-                f"{one.name} changes nothing: one of: it is not read, or read and not used"
-            )
+            parts.append(f"{one.name} has no effect: one of: it is not read, or read and not used")
     return Cause("unread", "; ".join(parts))
 
 
@@ -302,7 +296,7 @@ def _namespace(evidence: Evidence, figures: Figures) -> Cause:
     stays = "stays" if len(evidence.outside or ()) == 1 else "stay"
     return Cause(
         "namespace",
-        f"{names} {stays} outside the namespace of the nodes: leave out the / at the start of the"
+        f"{names} {stays} outside the namespace of the nodes: remove the / at the start of the"
         " name",
     )
 

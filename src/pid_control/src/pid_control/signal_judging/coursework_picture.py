@@ -1,4 +1,4 @@
-"""SVG picture of a coursework: the signal, the output, and the sines that were fitted."""
+"""SVG picture of a coursework: the signal, the output, and the fitted sines."""
 
 from typing import List
 
@@ -11,9 +11,9 @@ _SIGNAL, _OUTPUT, _SINE, _ZERO = "#0072b2", "#d55e00", "#888888", "#bbbbbb"
 
 
 def as_picture(evidence: Evidence, title: str) -> str:
-    """Return the SVG picture; one without a trial has its title only.
+    """Return the SVG picture; without a trial, only its title.
 
-    :param evidence: what the trials have shown
+    :param evidence: evidence of the trials
     :param title: title of the picture
     """
     baseline, restart = evidence.baseline, evidence.restart

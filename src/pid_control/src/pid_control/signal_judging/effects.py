@@ -64,7 +64,7 @@ def _differ(one: Optional[float], other: Optional[float], least: float) -> bool:
 def is_as_predicted(
     role: str, node: str, values: Tuple[Number, Number], before: Features, after: Features
 ) -> bool:
-    """Return True if one feature has changed as a parameter with a role changes it.
+    """Return True if one feature has changed as expected from the parameter's role.
 
     :param role: role of the parameter
     :param node: GENERATOR or PROCESS

@@ -5,7 +5,7 @@ from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tup
 from pid_control.signal_judging.channels import Channel
 from pid_control.signal_judging.features import ProcessFeatures, SignalFeatures
 
-#: Roles of what every signal and output has.
+#: Roles of parameters that every signal and output has.
 _ALWAYS = ("amplitude", "frequency", "gain", "phase_shift")
 GENERATOR, PROCESS = "signal generator", "process node"
 
@@ -15,7 +15,7 @@ class Broken(NamedTuple):
 
     :ivar flaw: how it failed
     :ivar node: the node
-    :ivar words: what it wrote last
+    :ivar words: last line of its output
     """
 
     flaw: str
@@ -27,7 +27,7 @@ class Features(NamedTuple):
     """Features of both nodes in one trial.
 
     :ivar signal: of the generator
-    :ivar process: of the process node; None if its output, or its input, is no sine
+    :ivar process: of the process node; None if its output, or its input, is not a sine
     """
 
     signal: SignalFeatures
@@ -35,7 +35,7 @@ class Features(NamedTuple):
 
 
 class Baseline(NamedTuple):
-    """The trial of the coursework as it is.
+    """The trial of the unchanged coursework.
 
     :ivar features: features of both nodes
     :ivar signal: the generator's signal
@@ -52,7 +52,7 @@ class Baseline(NamedTuple):
 class Restart(NamedTuple):
     """The generator stopped and started again.
 
-    :ivar oscillates: whether the output went on oscillating without an input
+    :ivar oscillates: whether the output kept oscillating without an input
     :ivar after: features of the process node after the restart; None without any
     :ivar signal: the generator's signal, from before the stop to the end
     :ivar output: the process node's output
@@ -71,9 +71,9 @@ class Tried(NamedTuple):
     :ivar value: value in the launch file
     :ivar role: role of the parameter; empty if unknown
     :ivar of: the nodes that changed with it
-    :ivar other_names: names under which a change had an effect, if this one had none
+    :ivar other_names: names under which a change had an effect, if this name had none
     :ivar is_mentioned: whether a source mentions the name
-    :ivar is_predicted: whether its change has changed what its role says, and as much
+    :ivar is_predicted: whether the effect is the one expected from its role, in kind and size
     """
 
     name: str
@@ -88,7 +88,7 @@ class Tried(NamedTuple):
 class Parameters(NamedTuple):
     """Effects of the parameters.
 
-    :ivar tried: those of the launch file
+    :ivar tried: parameters of the launch file
     :ivar hidden: nodes that changed with parameters that only their sources name
     :ivar unused_files: YAML files of numbers that do not reach the nodes, and why not
     :ivar has_files: whether there are YAML files of numbers
@@ -106,8 +106,8 @@ class Parameters(NamedTuple):
     def unread(self) -> List[Tried]:
         """Return the parameters that are certainly not used.
 
-        One that a source mentions, and that changes nothing, may be used in other cases; not so the
-        only one for what every signal has.
+        A parameter without effect that a source mentions may be used in other cases, unless it is
+        the only one for a property that every signal has.
         """
         return [
             one
@@ -124,9 +124,9 @@ class Parameters(NamedTuple):
         return any(one.role == role and one.of for one in self.tried)
 
     def value_of(self, node: str, role: str) -> Optional[Tuple[str, float]]:
-        """Return name and value of the only parameter that changes what its role says.
+        """Return name and value of the only parameter with the effect expected from a role.
 
-        One that does not do so as predicted has another unit or meaning.
+        A parameter with another effect has another unit or meaning.
         """
         found = [
             one for one in self.tried if one.role == role and node in one.of and one.is_predicted
@@ -138,7 +138,7 @@ class Evidence:
     """All that is known about a coursework.
 
     :ivar missing: why no launch file starts both nodes; empty if one does
-    :ivar baseline: the coursework as it is
+    :ivar baseline: trial of the unchanged coursework
     :ivar restart: the generator stopped and started again
     :ivar parameters: effects of the parameters
     :ivar outside: topics that leave the namespace of their nodes

@@ -9,7 +9,7 @@ from pid_control.signal_judging.sine_fit import SineFit, fit_sine, wrapped
 
 #: Shapes of an output: a sine, its magnitude, or its positive half.
 SINE, RECTIFIED, HALF = "sine", "rectified", "half-wave"
-#: Distortion up to which a rectified shape is taken for one.
+#: Distortion up to which a shape counts as rectified.
 _SURE = 0.1
 #: Distortion up to which an output without an input counts as a sine.
 _GOES_ON = 0.3
@@ -21,7 +21,7 @@ class SignalFeatures(NamedTuple):
     """Features of a generator's signal.
 
     :ivar rate: messages per second
-    :ivar sine: the sine; None if it has none
+    :ivar sine: the sine; None without one
     """
 
     rate: Optional[float]
@@ -33,9 +33,9 @@ class ProcessFeatures(NamedTuple):
 
     :ivar rate: messages per second
     :ivar shape: SINE, RECTIFIED or HALF
-    :ivar gain: amplitude of the output, per that of the input
+    :ivar gain: amplitude of the output per amplitude of the input
     :ivar shifts: lead of the output over the input that it was computed from, from -pi to pi [rad]:
-        by the latest message before the output, and by the one before that if both arrived at once
+        by the latest message before the output, and by the previous one if both arrived together
     :ivar offset: mean of the sine
     :ivar lowest: least value
     :ivar distortion: RMS of the residual, as a share of the amplitude
@@ -52,15 +52,15 @@ class ProcessFeatures(NamedTuple):
     not_finite: int
 
     def shift_error(self, expected: float) -> float:
-        """Return the distance of the phase shift from another one [rad].
+        """Return the distance of the phase shift from an expected one [rad].
 
-        :param expected: the other one; for a rectified sine, pi makes no difference [rad]
+        :param expected: expected phase shift, modulo pi for a rectified sine [rad]
         """
         turn = math.pi if self.shape == RECTIFIED else 2.0 * math.pi
         return min(abs(math.remainder(shift - expected, turn)) for shift in self.shifts)
 
     def shift_distance(self, other: "ProcessFeatures", move: float = 0.0) -> float:
-        """Return the distance of the phase shift from that of another record [rad].
+        """Return the distance between the phase shifts of two records [rad].
 
         :param other: features of the other record
         :param move: expected difference [rad]
@@ -79,7 +79,7 @@ def process_features(
 ) -> Optional[ProcessFeatures]:
     """Return the features of a process node's output; None if it is constant.
 
-    A loop answers with what it last received, at any time before the next message. So each output
+    A loop answers with its last received value, at any time before the next message. So each output
     is compared with the input at the arrival of that message, not at its own time.
 
     :param output: the output
@@ -112,7 +112,7 @@ def process_features(
 
 
 def is_sine_like(output: Channel, frequency: float) -> bool:
-    """Return True if an output goes on as a sine, and does not just settle.
+    """Return True if an output continues as a sine, and does not just settle.
 
     :param output: at least one period of it
     :param frequency: angular frequency of the sine [rad/s]
@@ -132,7 +132,7 @@ def _latest(arrivals: Sequence[float], time: float, bisect_of: object) -> float:
 def _shape(
     times: Sequence[float], values: Sequence[float], frequency: float
 ) -> Tuple[str, Optional[SineFit]]:
-    """Return the shape that fits best, a sine unless another one clearly does."""
+    """Return the shape that fits best, a sine unless another shape clearly fits better."""
     sine = _fit(SINE, times, values, frequency)
     if sine is not None and sine.distortion <= _SURE:
         return SINE, sine
@@ -187,7 +187,7 @@ def _rectified(
 def _half_wave(
     times: Sequence[float], values: Sequence[float], frequency: float
 ) -> Optional[SineFit]:
-    """Fit a sine to the samples above 0; the others have to be 0, and the sine below that."""
+    """Fit a sine to the samples above 0; all others must be 0, with the sine below 0."""
     least = _ABOVE * max(values)
     above = [index for index, value in enumerate(values) if value > least]
     others = [index for index, value in enumerate(values) if value <= least]

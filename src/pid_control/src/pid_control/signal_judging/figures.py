@@ -11,7 +11,7 @@ from pid_control.signal_judging.parameter_roles import GENERATOR_ROLES, role_of
 Figures = Dict[Tuple[str, str], Optional[float]]
 #: Fewest periods by which a sine is known.
 _FEWEST_PERIODS = 1.2
-#: Distortion from which a signal is no sine; then its process node cannot be judged.
+#: Distortion from which a signal is not a sine; then its process node cannot be judged.
 _DISTORTED = 0.05
 
 
@@ -40,7 +40,7 @@ def figures_of(evidence: Evidence) -> Figures:
 
 
 def is_known(features: Features) -> bool:
-    """Return True if the signal is a sine of which enough was seen."""
+    """Return True if the signal is a sine that was recorded for long enough."""
     sine = features.signal.sine
     return sine is not None and sine.periods >= _FEWEST_PERIODS
 
@@ -89,7 +89,7 @@ def _of_process(evidence: Evidence) -> Dict[str, Optional[float]]:
     }
     sine = baseline.features.signal.sine
     if sine is None or sine.distortion > _DISTORTED or not is_known(baseline.features):
-        return found  # what it was to shift is not known
+        return found  # the input of the shift is unknown
     if process is None:
         found["distortion"] = 1.0
         return found
@@ -122,7 +122,7 @@ def _shift_error(
 ) -> float:
     """Return the distance from a phase in rad or degrees, a lead or a lag [rad].
 
-    A node may hold a sample for one turn before it answers: so much is no difference.
+    A node may hold a sample for one iteration before it answers: that difference is ignored.
     """
     angles = (value, math.radians(value))
     errors = [process.shift_error(sign * one) for one in angles for sign in (1.0, -1.0)]
@@ -133,7 +133,7 @@ def frequency_error(frequency: float, value: float) -> float:
     """Return the relative difference from a frequency in rad/s or in Hz.
 
     :param frequency: measured [rad/s]
-    :param value: the other one
+    :param value: the other frequency
     """
     return min(_relative(frequency, abs(value)), _relative(frequency, 2.0 * math.pi * abs(value)))
 

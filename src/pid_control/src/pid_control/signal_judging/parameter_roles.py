@@ -28,7 +28,7 @@ _FAR_PHASE = 20.0
 
 
 def role_of(name: str, roles: Dict[str, Tuple[str, ...]]) -> str:
-    """Return the role of a parameter; empty if its name does not tell.
+    """Return the role of a parameter by its name; empty if unknown.
 
     :param name: last part of its name
     :param roles: GENERATOR_ROLES or PROCESS_ROLES
@@ -41,7 +41,7 @@ def role_of(name: str, roles: Dict[str, Tuple[str, ...]]) -> str:
 
 
 def is_number(value: object) -> bool:
-    """Return True for a number that is no truth value."""
+    """Return True for a number that is not a boolean."""
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
@@ -50,7 +50,7 @@ def changed(value: Number, role: str, is_far: bool = False) -> Number:
 
     :param value: the present one
     :param role: role of the parameter; empty if unknown
-    :param is_far: True for a value further away: 20 rad and 20 degrees are both seen
+    :param is_far: True for a value further away: 20 rad and 20 degrees both have an effect
     """
     if role in _SUMMANDS:
         new = value + (_FAR_PHASE if is_far and "phase" in role else _SUMMANDS[role])

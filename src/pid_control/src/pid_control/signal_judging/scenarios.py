@@ -16,7 +16,7 @@ class Metric(NamedTuple):
     is_least: bool = False
 
 
-#: What happens in each scenario.
+#: Description of each scenario.
 SCENARIOS = {
     "launch": "a launch file starts both nodes",
     "signal": "the generator's messages",
@@ -53,13 +53,13 @@ METRICS: Dict[str, Dict[str, Metric]] = {
         "shift_error": Metric("difference from the phase's parameter", "rad"),
     },
     "restart": {
-        "free_running": Metric("output that goes on without a signal"),
+        "free_running": Metric("output without a signal"),
         "change": Metric("change of the output after the restart"),
     },
     "parameters": {
         "of_generator": Metric("parameters that change the signal", "", True),
         "of_process": Metric("parameters that change the output", "", True),
-        "unread": Metric("parameters that change nothing"),
+        "unread": Metric("parameters without effect"),
     },
     "yaml": {"unused": Metric("YAML files without effect")},
     "namespace": {"outside": Metric("topics outside the namespace")},

@@ -11,7 +11,7 @@ _FEWEST, _LEAST_PERIODS = 8, 0.8
 #: Frequencies tried per period of the whole time, and the highest one as a share of half the
 #: sampling rate.
 _PER_PERIOD, _HIGHEST = 8, 0.98
-#: Frequencies that are tried at once: bounds the memory.
+#: Number of frequencies that are tried together: bounds the memory.
 _CHUNK = 256
 #: Spread of values that are all the same, relative to their magnitude.
 _CONSTANT = 1e-6
@@ -56,7 +56,7 @@ def fit_sine(
 ) -> Optional[SineFit]:
     """Fit a sine.
 
-    :param times: ascending; several samples may have the same one [s]
+    :param times: ascending; several samples may have the same time [s]
     :param values: finite value at each time
     :param frequency: angular frequency, if known [rad/s]
     :returns: the sine; None for values that are constant, too few, or less than 0.8 periods

@@ -27,7 +27,7 @@ _PROCESS, _GENERATOR = ("proc",), ("gen", "sig", "sin", "pub")
 _READS = re.compile(
     r"""(?:get_param|getParam|[Pp]aram)\w*(?:<[^>]*>)?\(\s*["'](~?[\w/]+)["']\s*,?\s*([^\n),]*)"""
 )
-#: Starts of defaults that are no numbers, and the number for one that is not a literal.
+#: Starts of defaults that are not numbers, and the number for a default that is not a literal.
 _NOT_NUMBERS, _UNKNOWN = ('"', "'", "True", "False", "[", "{", "true", "false"), 1.1
 _SOURCES = (".py", ".cpp", ".cc", ".h", ".hpp")
 #: Most nodes of a package that are started.
@@ -60,11 +60,11 @@ class Coursework(NamedTuple):
     :ivar folder: folder of the package
     :ivar package: name of the package
     :ivar launch_file: path of the launch file; empty without one
-    :ivar nodes: nodes to start, those that look like a process node first
+    :ivar nodes: nodes to start, likely process nodes first
     :ivar arguments: arguments of the launch file
     :ivar parameters: parameters of the launch file, by global name
     :ivar missing: why no launch file starts both nodes; empty if one does
-    :ivar notes: repairs that were needed, and what was chosen or left out
+    :ivar notes: repairs that were needed, choices, and omissions
     """
 
     folder: str
@@ -133,9 +133,9 @@ def find_coursework(
     """Find the nodes of a coursework.
 
     :param folder: folder of the package
-    :param words: a launch file of the package and its arguments, if told
+    :param words: a launch file of the package and its arguments, if given
     :param environment: environment variables of the nodes
-    :param programs: programs to start instead of those that are found
+    :param programs: programs to start instead of the found ones
     :raises CommandError: if there are no two nodes
     """
     name = package_name(folder)
@@ -234,7 +234,7 @@ class _Finder:
             why = "; ".join(problems) or "it has no launch file"
             raise CommandError(
                 "no signal generator and process node found: no launch file starts two nodes of"
-                f" the package ({why}), and no two programs are called like these; name both:"
+                f" the package ({why}), and no two programs have such names; name both:"
                 " --nodes PROGRAM,PROGRAM"
             )
         missing = "; ".join(problems) or "the package has no launch file"

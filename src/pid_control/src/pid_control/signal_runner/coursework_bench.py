@@ -21,13 +21,13 @@ from pid_control.signal_runner.coursework import find_coursework, package_folder
 
 
 class Request(NamedTuple):
-    """A coursework to judge, and how.
+    """A coursework to judge, and the options of the judgement.
 
     :ivar folder: folder of the package
-    :ivar words: its launch file, and arguments, if told
+    :ivar words: its launch file, and arguments, if given
     :ivar scenarios: names of the scenarios
     :ivar environment: environment variables of the nodes
-    :ivar is_built: whether these are those of the package's workspace
+    :ivar is_built: whether this is the environment of the package's workspace
     :ivar programs: the only programs to start; empty for all
     :ivar real_time: True for the machine's clock, False for a simulated one
     :ivar time_limit: time limit [s]
@@ -50,7 +50,7 @@ def find_request(
 ) -> Request:
     """Return the request to judge a coursework, after a check of the words.
 
-    :param words: package or its folder, and its launch file with arguments, if told
+    :param words: package or its folder, and its launch file with arguments, if given
     :param scenarios: names of the scenarios
     :param workspace: the package's workspace if not this one
     :raises CommandError: if package or workspace are not found
@@ -91,7 +91,7 @@ class CourseworkBench:
         """Find a coursework, and run its trials.
 
         :param request: the coursework, and how to judge it
-        :returns: what the trials show, and why some were not run
+        :returns: evidence of the trials, and why some were not run
         :raises JudgingError: if it cannot be judged
         :raises CommandError: if it is not found
         :raises MessageTypeError: if the package's messages cannot be used

@@ -8,11 +8,11 @@ _MOST, _DEEPEST = 8, 3
 
 
 def numbers_in(message: Any, prefix: str = "", depth: int = 0) -> Dict[str, float]:
-    """Return the numbers of a message; times, headers and texts are left out.
+    """Return the numbers of a message, without times, headers and texts.
 
     :param message: a ROS message
-    :param prefix: names of the fields that it is in
-    :param depth: number of messages that it is in
+    :param prefix: names of the enclosing fields
+    :param depth: number of enclosing messages
     """
     found: Dict[str, float] = {}
     for name in getattr(message, "__slots__", ()):

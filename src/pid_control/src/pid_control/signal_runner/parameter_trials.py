@@ -1,4 +1,4 @@
-"""Trials with other parameters: by the YAML files, by the launch file's names, by hidden ones."""
+"""Trials with other parameters: from the YAML files, the launch file, and the sources."""
 
 import os
 import shutil
@@ -38,15 +38,15 @@ _MOST = 8
 class ParameterTrials:
     """Trials of a coursework with other parameters.
 
-    All numbers are changed at once first, those of YAML files in a copy of the package. Those that
-    have not changed what their names say are then changed one by one.
+    All numbers are changed together first, in YAML files of a copy of the package. Parameters
+    without the effect that their names suggest are then changed one by one.
 
     :param coursework: the coursework
     :param pair: both nodes
-    :param baseline: the coursework as it is
+    :param baseline: the trial of the unchanged coursework
     :param features: runs a coursework, and returns its features
 
-    :ivar notes: what was left out
+    :ivar notes: notes on omissions
     """
 
     def __init__(
@@ -99,7 +99,7 @@ class ParameterTrials:
         unread = parameters.unread()
         idle = [one.name for one in tried if not one.of and one not in unread]
         if idle:
-            self.notes.append(f"parameters that change nothing here: {', '.join(idle)}")
+            self.notes.append(f"parameters without effect here: {', '.join(idle)}")
         return parameters
 
     def _copy_with_other_numbers(self, scratch: str) -> Tuple[Coursework, Set[str]]:
@@ -119,7 +119,9 @@ class ParameterTrials:
                 ignore_dangling_symlinks=True,
             )
         except OSError as error:
-            self.notes.append(f"YAML files: not changed, as the package cannot be copied ({error})")
+            self.notes.append(
+                f"YAML files: not changed, because the package cannot be copied ({error})"
+            )
             return self._coursework, set()
         for path in yaml_files(folder):
             with open(path, encoding="utf-8", errors="replace") as file:
@@ -152,7 +154,7 @@ class ParameterTrials:
         return self._changed("/" + name, content) if is_number(content) else content
 
     def _unused(self, reached: Set[str]) -> Mapping[str, str]:
-        """Return the YAML files with numbers of which none reaches the nodes, and why not."""
+        """Return the YAML files with numbers that do not reach the nodes, and why not."""
         if not self._numbered or reached:
             return {}
         texts = []
@@ -175,13 +177,13 @@ class ParameterTrials:
         return found
 
     def _try_all(self, copy: Coursework, wanted: Mapping[str, Any]) -> Set[str]:
-        """Change all numbers; return the parameters that change what their names say."""
+        """Change all numbers; return the parameters with the effect that their names suggest."""
         numbers = self._coursework.numbers()
         try:
             parameters = {**copy.parameters, **wanted}
             after = self._features(copy._replace(parameters=parameters))
         except (TrialError, NotConnectedError):
-            return set()  # one by one, it will show which
+            return set()  # found later, one by one
         roles = [self._role(name) for name in numbers]
         return {
             name
@@ -200,7 +202,7 @@ class ParameterTrials:
         node, role = self._role(name)
         found: Set[str] = set()
         is_predicted = False
-        for is_far in (True, False):  # one that is far away may be refused
+        for is_far in (True, False):  # a far value may be rejected
             new = changed(value, role, is_far)
             after = self._after({name: new})
             found = {GENERATOR, PROCESS} if after is None else changed_nodes(self._before, after)

@@ -46,13 +46,13 @@ class SignalBench:
         rospy.signal_shutdown("the judgement is complete")
 
     def use_classes(self, classes: Mapping[str, Any]) -> None:
-        """Use the message classes of a package, by type, for what is listened to from now on."""
+        """Use the message classes of a package, by type, for later subscriptions."""
         self._classes = dict(classes)
 
     def use_clock(self, is_simulated: bool) -> None:
         """Use a clock from now on.
 
-        :param is_simulated: True to publish the clock, False to go by the machine's
+        :param is_simulated: True to publish the clock, False to use the machine's
         """
         self._is_simulated = is_simulated
 
@@ -67,10 +67,10 @@ class SignalBench:
         return int(self._clock.get_num_connections())
 
     def listen(self, types: Mapping[str, str]) -> None:
-        """Record the messages of topics, from now on, in place of those before.
+        """Record the messages of these topics from now on, in place of the previous ones.
 
         :param types: type of each topic
-        :raises MessageTypeError: if a type is not there
+        :raises MessageTypeError: if a type is missing
         """
         self._scope.close()
         self._scope = self._node.create_scope()
@@ -85,7 +85,7 @@ class SignalBench:
             )
 
     def unheard(self) -> List[str]:
-        """Return the topics that are listened to without a connection."""
+        """Return the subscribed topics without a connection."""
         return [name for name, one in self._subscriptions.items() if not one.get_num_connections()]
 
     def pop_count(self) -> int:
@@ -107,7 +107,7 @@ class SignalBench:
         return [Channel(topic, field, *series) for field, series in fields.items()]
 
     def topics_of(self, node: str) -> Optional[NodeTopics]:
-        """Return the topics of a node without those of every node; None until it answers."""
+        """Return the topics of a node except /rosout and /clock; None until it answers."""
         uri = self._uri(node)
         if uri is None:
             return None
@@ -132,7 +132,7 @@ class SignalBench:
             return set()
 
     def nodes(self) -> Set[str]:
-        """Return the names of all nodes but this one and rosout, as the master has them."""
+        """Return the names of all nodes on the master except this one and rosout."""
         state = rospy.get_master().getSystemState()[2]
         names = {str(node) for part in state for _, nodes in part for node in nodes}
         return names - {rospy.get_name(), "/rosout"}

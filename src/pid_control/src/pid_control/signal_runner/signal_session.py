@@ -28,10 +28,9 @@ from pid_control.signal_runner.parameter_trials import ParameterTrials
 from pid_control.signal_runner.signal_bench import SignalBench
 from pid_control.signal_runner.trial import STEP_S, NotConnectedError, Pair, Trial, TrialError
 
-#: Time by the clock [s]: before a record begins, shortest and longest of a record, shortest of the
-#: stop.
+#: Times by the clock [s]: before a record begins, shortest and longest record, shortest stop.
 _SETTLE_S, _SHORTEST_S, _LONGEST_S, _STOPPED_S = 1.0, 5.0, 30.0, 2.0
-#: Time after the stop in which messages may still be under way [s].
+#: Time after the stop in which messages may still arrive [s].
 _AFTER_STOP_S = 0.5
 #: Largest delay of the judge in that trial [s].
 _MOST_LATE_S = 0.05
@@ -44,13 +43,13 @@ _PERIODS = 2.2
 _GROUP = "/judged_group"
 #: Most trials by the machine's clock, each of which a busy machine may spoil.
 _WALL_TRIALS = 3
-#: Distortion from which a trial is repeated by the machine's clock, and the share of it that is
-#: left there if the simulated clock was the reason.
+#: Distortion from which a trial is repeated by the machine's clock, and the share of it that
+#: remains there if the simulated clock was the reason.
 _DISTORTED, _GONE = 0.05, 0.3
 
 
 class MachineClockError(JudgingError):
-    """The coursework goes by the machine's clock."""
+    """The coursework uses the machine's clock."""
 
 
 class SignalSession:
@@ -60,12 +59,12 @@ class SignalSession:
     :param scenarios: names of the scenarios to run
     :param real_time: True for the machine's clock, False for a simulated one
     :param time_limit: time limit [s]
-    :param told: names of the signal's and of the output's channel, ``TOPIC/FIELD``, where told
+    :param told: names of the signal's and of the output's channel, ``TOPIC/FIELD``, if given
     :param master: the private master
     :param bench: the bench on that master
 
-    :ivar evidence: all that the trials have shown
-    :ivar notes: what was chosen
+    :ivar evidence: evidence of the trials
+    :ivar notes: notes on choices
     """
 
     def __init__(
@@ -190,8 +189,8 @@ class SignalSession:
             return False
         if self._step / _FINER < _FINEST_S:
             raise JudgingError(
-                f"cannot tell: more than {max(rates):.0f} messages per second; lower the rate, or"
-                " judge it with --real-time"
+                f"unknown signal: more than {max(rates):.0f} messages per second; lower the rate,"
+                " or judge it with --real-time"
             )
         return True
 
@@ -200,7 +199,7 @@ class SignalSession:
         trial.run(_SETTLE_S)
         begin = trial.now
         trial.run(_SETTLE_S)
-        answers = trial.answers_while_paused()  # in which the machine's clock goes on
+        answers = trial.answers_while_paused()  # the machine's clock continues meanwhile
         self._run_periods(trial, pair, begin)
         if max(answers, trial.answers_while_paused()) > 1:
             raise MachineClockError(_MACHINE_CLOCK)
@@ -296,10 +295,10 @@ class SignalSession:
         )
 
     def _check_clock(self) -> None:
-        """Run by the machine's clock; if the distortion is gone there, the nodes go by it.
+        """Run by the machine's clock; without the distortion there, the nodes use that clock.
 
         :raises MachineClockError: if they do
-        :raises BusyMachineError: if the machine is too busy to tell
+        :raises BusyMachineError: if the machine is too busy to decide
         """
         for left in reversed(range(_WALL_TRIALS)):
             try:
@@ -336,7 +335,7 @@ class SignalSession:
     def _channels(self, pair: Pair, begin: float) -> Tuple[Channel, Channel]:
         """Return the signal and the output from a time on.
 
-        :raises JudgingError: if it cannot be told which they are
+        :raises JudgingError: if they are ambiguous
         """
         signal = self._channel(GENERATOR, [*pair.inputs, *pair.others], begin)
         return signal, self._channel(PROCESS, list(pair.outputs), begin)
@@ -395,6 +394,6 @@ def _distortion(features: Features) -> float:
 
 
 _MACHINE_CLOCK = (
-    "it goes by the machine's clock (time.time(), time.sleep()), not by ROS's"
+    "it uses the machine's clock (time.time(), time.sleep()), not ROS's"
     " (rospy.get_time(), rospy.Rate): judge it with --real-time"
 )

@@ -17,7 +17,7 @@ from pid_control.runner.outcome import Restlessness, TimeLimitExceeded, failure_
 from pid_control.signal_runner.coursework import StudentNode
 from pid_control.signal_runner.signal_bench import SignalBench
 
-#: Step of the clock, unless another one is told [s]: loops of up to 100 Hz keep their rate.
+#: Default step of the clock [s]: loops of up to 100 Hz keep their rate.
 STEP_S = 0.01
 #: First time of the simulated clock [s], for programs that divide by it.
 _FIRST_CLOCK = 0.01
@@ -28,8 +28,8 @@ _PATIENCE_S = 3.0
 #: Time for further topics, once two nodes are connected [s].
 _MORE_S = 0.5
 #: By a simulated clock, loops that start at the same time would always wake together, and the
-#: order of their turns would be random. So nodes start some time apart [s]. Whatever time the first
-#: one has begun with, a jump of the clock makes its loop begin again [s].
+#: order of their iterations would be random. So nodes start some time apart [s]. A jump of the
+#: clock restarts the first node's loop, whatever its start time [s].
 _APART_S, _JUMP_S = 0.03, 1.0
 #: Pause between two steps of a wait, and interval of the questions to the nodes [s].
 _STEP_PAUSE_S = 0.005
@@ -42,8 +42,8 @@ class TrialError(Exception):
     """A node fails in a trial.
 
     :ivar flaw: short name
-    :ivar node: name of the node; empty if it is not one of them
-    :ivar words: what it wrote last
+    :ivar node: name of the node; empty if unknown
+    :ivar words: last line of its output
     """
 
     def __init__(self, flaw: str, node: str, words: str = "") -> None:
@@ -52,13 +52,13 @@ class TrialError(Exception):
 
 
 class Pair(NamedTuple):
-    """The two nodes, by what they publish and subscribe to.
+    """The two nodes, and their topics.
 
     :ivar generator: the signal generator
     :ivar process: the process node
-    :ivar inputs: type of each topic from the first to the second
-    :ivar outputs: type of each topic that only the second publishes
-    :ivar others: type of each topic that only the first publishes
+    :ivar inputs: type of each topic from the generator to the process node
+    :ivar outputs: type of each topic that only the process node publishes
+    :ivar others: type of each topic that only the generator publishes
     """
 
     generator: StudentNode
@@ -69,11 +69,11 @@ class Pair(NamedTuple):
 
 
 class NotConnectedError(Exception):
-    """No node hears another one; the message has the topics of each."""
+    """Neither node subscribes to the other; the message has the topics of each."""
 
 
 class Trial:
-    """Run of a student's nodes; a context manager, which ends them.
+    """Run of a student's nodes; a context manager that ends them.
 
     :param bench: the bench
     :param master: the private master
@@ -138,7 +138,7 @@ class Trial:
     def start(self) -> None:
         """Start all nodes.
 
-        :raises TrialError: if one cannot be started
+        :raises TrialError: if a node cannot be started
         """
         for node in self._nodes:
             self.start_node(node)
@@ -154,7 +154,7 @@ class Trial:
             self.run(_APART_S)
 
     def start_node(self, node: StudentNode) -> None:
-        """Start a node; by a simulated clock, time stands still until it has the clock.
+        """Start a node; a simulated clock pauses until the node receives it.
 
         :raises TrialError: if it cannot be started
         """
@@ -172,16 +172,16 @@ class Trial:
             self._wait_for_clock()
 
     def stop_node(self, node: StudentNode) -> None:
-        """End a node as Ctrl-C does; one that goes on is killed. Younger nodes end with it."""
+        """End a node as Ctrl-C does, or kill it. Nodes started later end with it."""
         process = self._running.pop(node.global_name)
         process.interrupt()
         process.end()
 
     def find_pair(self) -> Pair:
-        """Run until one node hears another, and return both.
+        """Run until one node receives another's topic, and return both.
 
         :raises TrialError: if a node ends
-        :raises NotConnectedError: if none hears another
+        :raises NotConnectedError: if no node does
         """
         found: Dict[str, NodeTopics] = {}
         changed_at = self.now, time.monotonic()
@@ -201,7 +201,7 @@ class Trial:
             published = [one.published.items() for one in found.values()]
             with contextlib.suppress(MessageTypeError):  # to notice a flood
                 self._bench.listen(dict(kind for kinds in published for kind in kinds))
-            self.run(_MORE_S)  # the topics may come one by one
+            self.run(_MORE_S)  # topics may appear one by one
             has_topics()
         pair = _pair(self._nodes, found)
         if pair is None:
@@ -211,7 +211,7 @@ class Trial:
     def _is_over(
         self, found: Mapping[str, NodeTopics], changed: float, changed_by_machine: float
     ) -> bool:
-        """Return True if all nodes have topics, wait, and have had no others for long."""
+        """Return True if all nodes have topics, wait, and have added none for long."""
         watch = next(iter(self._running.values())).watch
         return (
             len(found) == len(self._nodes)
@@ -303,9 +303,9 @@ class Trial:
             watch.wait_idle(_CLOCK_S)
 
     def run_past(self, topic: str) -> None:
-        """Run until a loop that publishes a topic is between two turns.
+        """Run until a loop that publishes a topic is between two iterations.
 
-        :param topic: the topic; without any message lately, nothing is done
+        :param topic: the topic; no effect without recent messages
         """
         begin = self.now
         while self.now - begin < _CLOCK_S:
@@ -344,14 +344,14 @@ class Trial:
             first = next(iter(self._running.values()))
             self.step()
             time.sleep(_STEP_PAUSE_S)
-            # Not while it still starts, on a busy machine.
+            # Only if it has started, on a busy machine.
             if self.now - begin > _PATIENCE_S and now > end:
                 if first.watch.is_idle() or first.watch.busy() > _CONNECT_S:
                     return False
 
 
 def _pair(nodes: Sequence[StudentNode], found: Mapping[str, NodeTopics]) -> Optional[Pair]:
-    """Return the nodes of which one hears the other, and publishes something else."""
+    """Return two nodes: one subscribes to the other's topic, and publishes another."""
     pairs: List[Tuple[int, Pair]] = []
     for process in nodes:
         for generator in nodes:
@@ -375,7 +375,7 @@ def _pair(nodes: Sequence[StudentNode], found: Mapping[str, NodeTopics]) -> Opti
 
 
 def _description(nodes: Sequence[StudentNode], found: Mapping[str, NodeTopics]) -> str:
-    """Return which topics each node has."""
+    """Return the topics of each node as text."""
     parts = []
     for node in nodes:
         topics = found.get(node.global_name)

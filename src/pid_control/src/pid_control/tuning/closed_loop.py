@@ -75,7 +75,7 @@ def respond(model: Model, gains: Gains, period: float, least: float, largest: fl
     :param largest: upper limit of the controller's output
     """
     plant = PlantSettings(model.gain, model.time_constant, model.limit, model.dead_zone)
-    # Short against the plant's time constant, whatever the period.
+    # Short compared with the plant's time constant, for any period.
     sample_time = min(period, 0.01 * model.time_constant)
     motor = DelayedPlant(SampledPlant(plant, sample_time), model.dead_time)
     settings = PidSettings(gains.mode, gains.kp, gains.ki, gains.kd, gains.filter_time)

@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""Verdicts on what students hand in: figures, limits, causes, and reports. Pure."""
+"""Verdicts on submissions: figures, limits, causes, and reports. Pure."""

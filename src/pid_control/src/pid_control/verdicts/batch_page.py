@@ -30,8 +30,8 @@ def as_html(rows: Sequence[Dict[str, str]], subject: str, files: Dict[str, List[
         f"<style>{_STYLE}</style></head><body><h1>{len(rows)} {subject}s</h1><p>{counts}</p>",
     ]
     if flaws:
-        said = ", ".join(f"{escape(flaw)} ({count})" for flaw, count in flaws.most_common())
-        lines.append(f"<p>Flaws: {said}</p>")
+        counted = ", ".join(f"{escape(flaw)} ({count})" for flaw, count in flaws.most_common())
+        lines.append(f"<p>Flaws: {counted}</p>")
     has_students = any("student" in row for row in rows)
     head = "<th>student</th>" if has_students else ""
     lines.append(f"<table><tr>{head}<th>{subject}</th><th>verdict</th><th>why</th><th></th></tr>")

@@ -1,4 +1,4 @@
-"""Judgement of what a student handed in: its figures, its failures, and their causes."""
+"""Judgement of a submission: figures, failures, and their causes."""
 
 import math
 from typing import Dict, List, NamedTuple, Optional, Sequence
@@ -94,7 +94,7 @@ def found(
     unit: str = "",
     is_least: bool = False,
 ) -> Finding:
-    """Compare a figure with its limit; one that is not measurable breaks none.
+    """Compare a figure with its limit; a figure that is not measurable passes.
 
     :param scenario: name of the scenario
     :param metric: name of the metric

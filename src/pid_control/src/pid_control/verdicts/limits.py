@@ -16,7 +16,7 @@ class LimitsError(ValueError):
 
 
 class _Loader(yaml.SafeLoader):
-    """YAML loader that rejects duplicate keys, of which YAML would silently use the last."""
+    """YAML loader that rejects duplicate keys; YAML would silently use the last."""
 
 
 def _mapping_of(loader: _Loader, node: yaml.MappingNode) -> Dict[Any, Any]:

@@ -120,7 +120,7 @@ def as_csv(
 
     :param judgements: name and judgement of each
     :param figures: names of the figures of each scenario
-    :param subject: what is judged: the heading of the names
+    :param subject: heading of the column with the names
     """
     measured = [(scenario, name) for scenario, names in figures.items() for name in names]
     text = io.StringIO()

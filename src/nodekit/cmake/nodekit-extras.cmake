@@ -1,7 +1,7 @@
-# The tests of a package, where they are expected: pytest on test/unit, rostest on each
-# test/integration/*.test and test/extended/*.test, and a check of the folder launch, as far as
-# there are any. Arguments are passed on to roslaunch_add_file_check. A build needs neither rostest nor roslaunch: without them
-# there are no tests, and one line says so for all packages of a build.
+# The tests of a package: pytest on test/unit, rostest on each test/integration/*.test and
+# test/extended/*.test, and a check of the folder launch, as far as these exist. Arguments are passed
+# on to roslaunch_add_file_check. Without rostest or roslaunch, the build skips the tests and says so
+# once for all packages.
 #
 #   if(CATKIN_ENABLE_TESTING)
 #     nodekit_tests()

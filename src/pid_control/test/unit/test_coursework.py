@@ -145,8 +145,8 @@ def test_find_coursework_without_two_nodes_names_the_option(tmp_path: pathlib.Pa
     folder = package(tmp_path, {}, "a.py", "b.py")
     with pytest.raises(CommandError, match="--nodes PROGRAM,PROGRAM"):
         find_coursework(folder, [], dict(ENVIRONMENT))
-    told = find_coursework(folder, [], dict(ENVIRONMENT), ["a.py", "b.py"])
-    assert [node.program for node in told.nodes] == ["a.py", "b.py"]
+    found = find_coursework(folder, [], dict(ENVIRONMENT), ["a.py", "b.py"])
+    assert [node.program for node in found.nodes] == ["a.py", "b.py"]
 
 
 def test_names_in_source_have_their_default_unless_it_is_no_number() -> None:

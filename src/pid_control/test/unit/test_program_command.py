@@ -222,8 +222,8 @@ def test_find_controller_program_with_arguments_is_run_as_told(tmp_path: pathlib
     program = package_with_launch_file(tmp_path, LAUNCH)
     command = find_controller([str(program), "_kp:=1"])
     assert (command.argv, command.parameters) == ([str(program), "_kp:=1"], {})
-    told = find_controller([str(program), "_kp:=1"], launch=f"{tmp_path}/launch/loop.launch")
-    assert told.parameters["/kp"] == 0.5 and told.argv[1] == "_kp:=1"
+    found = find_controller([str(program), "_kp:=1"], launch=f"{tmp_path}/launch/loop.launch")
+    assert found.parameters["/kp"] == 0.5 and found.argv[1] == "_kp:=1"
 
 
 def test_find_controller_launch_file_that_cannot_be_used_is_noted(tmp_path: pathlib.Path) -> None:

@@ -126,9 +126,9 @@ def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, Li
         raise JudgingError(str(error)) from None
     print(f"judge: {command.name}", flush=True)
     types = {topic: getattr(arguments, topic) for topic in _TOPICS}
-    told = {topic: text for topic, text in types.items() if text is not None}
+    given = {topic: text for topic, text in types.items() if text is not None}
     only = None if arguments.only is None else [BY_NAME[name] for name in arguments.only]
-    session = Session(command, only, limits, arguments.time_limit, told)
+    session = Session(command, only, limits, arguments.time_limit, given)
     try:
         if arguments.real_plant:
             full_speed = arguments.full_speed or MOTOR.max_output

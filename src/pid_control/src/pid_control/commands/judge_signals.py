@@ -113,13 +113,13 @@ def _evidence(arguments: argparse.Namespace, scenarios: Sequence[str]) -> Tuple[
         raise JudgingError("package missing; give its name or its folder")
     print(f"judge: {arguments.words[0]}", flush=True)
     options = {node: getattr(arguments, name) for node, name in _CHANNELS.items()}
-    told = {node: text for node, text in options.items() if text is not None}
+    given = {node: text for node, text in options.items() if text is not None}
     try:
         request = find_request(arguments.words, scenarios, arguments.workspace)._replace(
             programs=arguments.nodes or [],
             real_time=arguments.real_time,
             time_limit=arguments.time_limit,
-            told=told,
+            given=given,
         )
     except CommandError as error:
         raise JudgingError(str(error)) from None

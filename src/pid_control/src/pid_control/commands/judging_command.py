@@ -108,7 +108,7 @@ class Command:
     :param parser: its parser
     :param limits_file: name of the file with the default limits
     :param figures: names of the figures of each scenario
-    :param subject: what is judged, in tables
+    :param subject: heading of the judged part in tables
     :param judge: judges one submission; returns the judgement and a function that draws it
     :param judge_class: judges a class, and returns the exit status
     """

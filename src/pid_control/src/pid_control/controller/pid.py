@@ -1,4 +1,4 @@
-"""A PID controller whose output is limited: proportional, integral, derivative, feed-forward.
+"""PID controller with a limited output: proportional, integral, derivative, feed-forward.
 
 In continuous time, with set point r, measurement y and unlimited output v::
 
@@ -111,7 +111,7 @@ class Pid:
     A change of settings or mode does not make the output jump if the integral term is active: it
     absorbs the difference. With ki 0 the integral is held; the modes without it clear it.
 
-    Not safe for several threads at once.
+    Not thread-safe.
 
     :param settings: the controller's settings
     """

@@ -55,7 +55,7 @@ class Record(NamedTuple):
         return self._replace(times=self.times[::every], outputs=self.outputs[::every])
 
     def coarse(self, levels: int) -> "Record":
-        """Return a record whose input is rounded, so that it changes less often.
+        """Return a record with a rounded input, which changes less often.
 
         :param levels: number of levels from 0 to the largest magnitude
         """

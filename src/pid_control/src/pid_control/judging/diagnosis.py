@@ -117,7 +117,7 @@ def cause_of(
     :param scenario: name of the scenario
     :param metric: name of the metric
     :param figures: all figures of the controller
-    :param evidence: what the records show of its law
+    :param evidence: evidence about its law
     :param is_broken: returns True if another figure would break that limit, too
     """
     clock = _clock_cause(metric, figures)
@@ -312,7 +312,7 @@ def cause_of_failure(record: Record) -> Cause:
         # By the machine's clock, the time between two iterations is never 0.
         return Cause(
             "division by 0",
-            f"the controller ended by itself{words}; one of: a fault of its own, or a dt of 0, as"
+            f"the controller ended by itself{words}; one of: its own fault, or a dt of 0, as"
             " two iterations can have the same simulated time: judge it with --real-time",
         )
     if record.failure == ENDED:

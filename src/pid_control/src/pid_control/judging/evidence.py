@@ -93,7 +93,7 @@ def evidence_of(records: Sequence[Record]) -> Evidence:
 
 
 def adapted(scenario: Scenario, records: Sequence[Record]) -> Scenario:
-    """Return a scenario whose errors suit the controller's answers in ``held``, if known.
+    """Return a scenario with errors adapted to the controller's answers in ``held``, if known.
 
     :param scenario: the next scenario
     :param records: records of those before it

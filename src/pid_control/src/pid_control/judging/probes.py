@@ -1,4 +1,4 @@
-"""Probes of a controller whose motor is held: small to large errors of both signs."""
+"""Probes of a controller with a held motor: small to large errors of both signs."""
 
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 

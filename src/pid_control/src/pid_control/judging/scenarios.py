@@ -145,7 +145,7 @@ def _windup() -> Corners:
 
 
 def scaled(scenario: Scenario, gain: float, growth: float) -> Scenario:
-    """Return a scenario whose error suits the controller: its input stays off its limits.
+    """Return a scenario with an error that keeps the controller's input within its limits.
 
     :param scenario: any scenario; only ``rate`` is changed
     :param gain: the controller's proportional answer to an error [1/(rad/s)]

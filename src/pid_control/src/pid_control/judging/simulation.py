@@ -1,4 +1,4 @@
-"""Simulation of a scenario with a known law: what a faultless controller would do."""
+"""Simulation of a scenario with a known control law, as a faultless controller."""
 
 import math
 from typing import Callable, List

@@ -8,9 +8,9 @@ from first_order_sys_sim.sampled_plant import SampledPlant
 
 
 class DelayedPlant:
-    """A :class:`.SampledPlant` whose inputs act after a dead time.
+    """A :class:`.SampledPlant` with a dead time at its input.
 
-    The times of the calls never decrease. Not safe for several threads at once.
+    The times of the calls never decrease. Not thread-safe.
 
     :param plant: the plant
     :param dead_time: delay of each input, >= 0 [s]

@@ -65,7 +65,7 @@ def unpack(path: str, target: str) -> None:
     except ArchiveError:
         shutil.rmtree(target, ignore_errors=True)
         raise
-    except Exception as error:  # of any kind: the modules do not check what they read
+    except Exception as error:  # of any type: the modules do not check what they read
         shutil.rmtree(target, ignore_errors=True)
         raise ArchiveError(f"it cannot be unpacked: {error}") from None
 

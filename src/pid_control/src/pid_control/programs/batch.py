@@ -49,7 +49,7 @@ class Batch:
     """Batch run over the packages of a class.
 
     :param folder: folder of the packages
-    :param wanted: what is judged of each package
+    :param wanted: the judged part of each package
     :param options: options of each judge
     :param output: folder for the files
     :param time_limit: time limit per package [s]

@@ -26,11 +26,11 @@ def ask_topics(caller: str, uri: str) -> NodeTopics:
     :param caller: name of the caller
     :param uri: XML-RPC URI of the node
     :raises ConnectionRefusedError: if it has ended
-    :raises Exception: of any kind, if it does not answer as a node would
+    :raises Exception: of any type, if it does not answer as a node would
     """
     with xmlrpc.client.ServerProxy(uri, transport=TimeoutTransport(_NODE_S)) as proxy:
         answers: Any = (proxy.getPublications(caller), proxy.getSubscriptions(caller))
-    found = [{str(name): str(kind) for name, kind in one[2]} for one in answers]
+    found = [{str(name): str(msg_type) for name, msg_type in one[2]} for one in answers]
     return NodeTopics(found[0], found[1])
 
 
@@ -39,7 +39,7 @@ def ask_links(caller: str, uri: str) -> Set[str]:
 
     :param caller: name of the caller
     :param uri: XML-RPC URI of the node
-    :raises Exception: of any kind, if it does not answer as a node would
+    :raises Exception: of any type, if it does not answer as a node would
     """
     with xmlrpc.client.ServerProxy(uri, transport=TimeoutTransport(_NODE_S)) as proxy:
         answer: Any = proxy.getBusInfo(caller)

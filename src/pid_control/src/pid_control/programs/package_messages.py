@@ -93,28 +93,28 @@ def generate(name: str, texts: Dict[str, str], scratch: str) -> Dict[str, Any]:
         return {}
 
 
-def _class(kind: str, search: Dict[str, List[str]]) -> Any:
+def _class(msg_type: str, search: Dict[str, List[str]]) -> Any:
     context = genmsg.MsgContext.create_default()
-    spec = genmsg.load_msg_by_type(context, kind, search)
+    spec = genmsg.load_msg_by_type(context, msg_type, search)
     genmsg.load_depends(context, spec, search)
     text = genmsg.compute_full_text(context, spec)
-    return genpy.dynamic.generate_dynamic(kind, text)[kind]
+    return genpy.dynamic.generate_dynamic(msg_type, text)[msg_type]
 
 
-def class_of(topic: str, kind: str, own: Dict[str, Any]) -> Any:
+def class_of(topic: str, msg_type: str, own: Dict[str, Any]) -> Any:
     """Return the class of a type.
 
     :param topic: name of the topic
-    :param kind: ``PACKAGE/TYPE``
+    :param msg_type: ``PACKAGE/TYPE``
     :param own: classes of the student's package by type
     :raises MessageTypeError: if there is no such type
     """
-    found = own.get(kind)
+    found = own.get(msg_type)
     if found is None:
         try:
-            found = roslib.message.get_message_class(kind)
+            found = roslib.message.get_message_class(msg_type)
         except (ImportError, ValueError, AttributeError):
             found = None
     if found is None:
-        raise MessageTypeError(f"{topic}: type not found ({kind}); build its package first")
+        raise MessageTypeError(f"{topic}: type not found ({msg_type}); build its package first")
     return found

@@ -106,7 +106,7 @@ def _with_launch_file(command: ProgramCommand, path: str, launch: Optional[str])
                     continue
                 variables = setup_env(nodes[0], local_machine(), "", command.environment)
             arguments = shlex.split(nodes[0].args or "")
-        except Exception as error:  # of any kind: $(eval …) runs the student's code
+        except Exception as error:  # of any type: $(eval …) runs the student's code
             problems.append(f"{file} cannot be used: {' '.join(str(error).split())[:200]}")
             continue
         node = nodes[0]
@@ -300,7 +300,7 @@ def _command_of_launch_file(
         variables = setup_env(node, local_machine(), "", environment)
     except CommandError:
         raise
-    except Exception as error:  # of any kind: $(eval …) runs the student's code
+    except Exception as error:  # of any type: $(eval …) runs the student's code
         raise CommandError(f"{path}: {error}") from None
     finally:
         os.environ.clear()

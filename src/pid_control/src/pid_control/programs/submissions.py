@@ -61,7 +61,7 @@ def submissions_in(folder: str, wanted: Wanted, scratch: str) -> List[Submission
     """Return at least one submission for each entry of a folder that is not hidden.
 
     :param folder: absolute path of the folder of the class
-    :param wanted: what is judged of each package
+    :param wanted: the judged part of each package
     :param scratch: folder for unpacked archives
     """
     if os.path.isfile(os.path.join(folder, "package.xml")):

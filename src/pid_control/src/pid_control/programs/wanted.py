@@ -17,7 +17,7 @@ class NothingToJudge(Exception):
 class Wanted(Protocol):
     """Subject of a class run, in any package.
 
-    :ivar subject: what is judged, in tables
+    :ivar subject: heading of the judged part in tables
     :ivar figures: names of the figures of each scenario
     """
 

@@ -115,10 +115,10 @@ class BenchRunner:
             return False
         types, messages = self._bench.types_of_controller(), dict(self._bench.messages)
         for topic, message in messages.items():
-            kind = types.get("/" + topic, message.message_class._type)
-            if kind != message.message_class._type:
+            msg_type = types.get("/" + topic, message.message_class._type)
+            if msg_type != message.message_class._type:
                 with contextlib.suppress(MessageTypeError):
-                    messages[topic] = loop_message(topic, class_of(topic, kind, self._classes))
+                    messages[topic] = loop_message(topic, class_of(topic, msg_type, self._classes))
                     self.notes.append(describe(messages[topic]))
         if self.notes:
             self._bench.follow(messages)

@@ -60,11 +60,11 @@ def loop_message(topic: str, message_class: Any, field: Optional[str] = None) ->
     :raises MessageTypeError: if the class has no such field
     """
     types = _types(message_class)
-    floats = [name for name, kind in types.items() if kind in _FLOATS]
+    floats = [name for name, field_type in types.items() if field_type in _FLOATS]
     values = [name for name in floats if name not in _TIMES] or floats
     chosen = field or (values[0] if values else "")
     if chosen not in floats:
-        fields = ", ".join(f"{kind} {name}" for name, kind in types.items()) or "none"
+        fields = ", ".join(f"{field_type} {name}" for name, field_type in types.items()) or "none"
         wanted = f"float field {field}" if field else "float field"
         raise MessageTypeError(
             f"{topic}: {message_class._type} has no {wanted}; its fields are: {fields}"
@@ -88,8 +88,10 @@ def given_message(topic: str, text: str, own: Dict[str, Any]) -> LoopMessage:
     parts = text.split("/")
     if len(parts) not in (2, 3):
         raise MessageTypeError(f"{topic}: must be PACKAGE/TYPE/FIELD ({text})")
-    kind = "/".join(parts[:2])
-    return loop_message(topic, class_of(topic, kind, own), parts[2] if len(parts) == 3 else None)
+    msg_type = "/".join(parts[:2])
+    return loop_message(
+        topic, class_of(topic, msg_type, own), parts[2] if len(parts) == 3 else None
+    )
 
 
 def _types(message_class: Any) -> Dict[str, str]:

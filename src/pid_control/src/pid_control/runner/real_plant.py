@@ -85,7 +85,7 @@ class RealPlant:
         self._drive.publish(motor_input(0.0, 0.0))
 
     def wait_until_it_stands(self) -> None:
-        """Stop the plant, and wait until it stands.
+        """Stop the plant, and wait until it is at rest.
 
         :raises PlantError: if it does not stop, is silent, or the node was shut down
         """

@@ -62,12 +62,12 @@ class Session:
             from pid_control.runner.test_bench import PublisherConflict, TestBench
 
             found = read_messages(self._command, os.path.join(master.folder, "messages"))
-            told = {
+            given = {
                 topic: given_message(topic, text, found.classes)
                 for topic, text in self._types.items()
             }
             self.notes = list(found.command.notes)
-            bench = TestBench({**found.by_topic, **told})
+            bench = TestBench({**found.by_topic, **given})
             runner = BenchRunner(
                 bench,
                 found.command,

@@ -62,9 +62,9 @@ def read_messages(command: ProgramCommand, scratch: str) -> StudentMessages:
         return StudentMessages(_with_notes(command, [note]), {}, course_messages())
     by_topic = course_messages()
     for topic in by_topic:
-        kind = f"{name}/{topic}"
-        if kind in classes:
-            by_topic[topic] = loop_message(topic, classes[kind])
+        msg_type = f"{name}/{topic}"
+        if msg_type in classes:
+            by_topic[topic] = loop_message(topic, classes[msg_type])
     notes += [describe(one) for one in by_topic.values() if not one.is_of_course]
     path = os.pathsep.join(filter(None, [scratch, command.environment.get("PYTHONPATH")]))
     environment = {**command.environment, "PYTHONPATH": path}
@@ -84,7 +84,7 @@ def describe(message: LoopMessage) -> str:
 
 def _fields(message_class: Any) -> str:
     pairs = zip(message_class._slot_types, message_class.__slots__)
-    return "(" + ", ".join(f"{kind} {name}" for kind, name in pairs) + ")"
+    return "(" + ", ".join(f"{field_type} {name}" for field_type, name in pairs) + ")"
 
 
 def _with_notes(command: ProgramCommand, notes: List[str]) -> ProgramCommand:

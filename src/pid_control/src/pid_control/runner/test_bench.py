@@ -37,7 +37,7 @@ def ask_types(uris: Dict[str, str]) -> Tuple[Dict[str, str], List[str]]:
             found.update({**topics.published, **topics.subscribed})
         except ConnectionRefusedError:
             continue
-        except Exception:  # of any kind: a student's node may reply anything
+        except Exception:  # of any type: a student's node may reply anything
             silent.append(node)
     return found, silent
 
@@ -115,11 +115,11 @@ class TestBench:
         types, silent = self._types()
         for name in self.missing():
             message_class = self.messages[name].message_class
-            kind = types.get("/" + name, message_class._type)
-            if kind != message_class._type:
-                return f"its {name} is {kind}, not {message_class._type}"
+            msg_type = types.get("/" + name, message_class._type)
+            if msg_type != message_class._type:
+                return f"its {name} is {msg_type}, not {message_class._type}"
             if "/" + name in types:
-                return f"its {name} has another definition of {kind} than the judge"
+                return f"its {name} has another definition of {msg_type} than the judge"
         others = ", ".join(sorted(topic for topic in types if topic not in own))
         if not others and silent:
             return f"its types are unknown: {', '.join(silent)} does not answer"

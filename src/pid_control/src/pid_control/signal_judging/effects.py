@@ -17,7 +17,7 @@ def changed_nodes(before: Features, after: Features) -> Set[str]:
     """Return the nodes whose features have changed.
 
     :param before: features of a trial
-    :param after: features of another one
+    :param after: features of another trial
     """
     found = set()
     if _has_signal_changed(before.signal, after.signal):

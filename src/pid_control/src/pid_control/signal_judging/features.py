@@ -159,7 +159,7 @@ def _rectified(
     """Fit the magnitude of a sine without offset, plus an offset.
 
     The square of the sine has twice the frequency: a^2 sin^2 x = a^2 (1 - cos 2x) / 2. The offset
-    is the least value, where the magnitude is 0 but for the sampling; so that is refined once.
+    is the least value, where the magnitude is nearly 0 because of sampling; so it is refined once.
     """
     offset = min(values)
     squares: Optional[SineFit] = None

@@ -141,7 +141,7 @@ def find_coursework(
     name = package_name(folder)
     finder = _Finder(folder, name, environment, set(programs))
     if words:
-        return finder.of_launch_file(_told(folder, words[0]), list(words[1:]))
+        return finder.of_launch_file(_launch_file_of(folder, words[0]), list(words[1:]))
     return finder.of_package()
 
 
@@ -164,7 +164,7 @@ def launch_files(folder: str) -> List[str]:
     return sorted(path for path in files_in(folder) if path.endswith(".launch"))
 
 
-def _told(folder: str, word: str) -> str:
+def _launch_file_of(folder: str, word: str) -> str:
     if not word.endswith(".launch"):
         raise CommandError(f"must be a launch file of the package ({word})")
     if os.path.isfile(word):
@@ -206,7 +206,7 @@ class _Finder:
             found, missing = self._load(file, arguments)
         except CommandError:
             raise
-        except Exception as error:  # of any kind: $(eval …) runs what the student wrote
+        except Exception as error:  # of any type: $(eval …) runs the student's code
             raise CommandError(f"{file}: {_one_line(error)}") from None
         if len(found.nodes) < 2:
             raise CommandError(f"{file}: {missing}")
@@ -220,7 +220,7 @@ class _Finder:
             place = os.path.relpath(file, self._folder)
             try:
                 found, missing = self._load(file, [])
-            except Exception as error:  # of any kind: $(eval …) runs what the student wrote
+            except Exception as error:  # of any type: $(eval …) runs the student's code
                 problems.append(f"{place} cannot be loaded: {_one_line(error)}")
                 continue
             if missing:

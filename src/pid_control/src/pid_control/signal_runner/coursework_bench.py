@@ -31,7 +31,7 @@ class Request(NamedTuple):
     :ivar programs: the only programs to start; empty for all
     :ivar real_time: True for the machine's clock, False for a simulated one
     :ivar time_limit: time limit [s]
-    :ivar told: names of channels by node
+    :ivar given: names of channels by node
     """
 
     folder: str
@@ -42,7 +42,7 @@ class Request(NamedTuple):
     programs: Sequence[str] = ()
     real_time: bool = False
     time_limit: float = 120.0
-    told: Mapping[str, str] = {}
+    given: Mapping[str, str] = {}
 
 
 def find_request(
@@ -108,7 +108,7 @@ class CourseworkBench:
             request.scenarios,
             request.real_time,
             request.time_limit,
-            request.told,
+            request.given,
             self._master,
             self._bench,
         )
@@ -146,6 +146,6 @@ def _is_built(folder: str, name: str, classes: Mapping[str, Any]) -> bool:
     """
     with contextlib.suppress(rospkg.ResourceNotFound, ImportError, ValueError, AttributeError):
         if os.path.realpath(rospkg.RosPack().get_path(name)) == os.path.realpath(folder):
-            found = {kind: roslib.message.get_message_class(kind) for kind in classes}
-            return all(found[kind]._md5sum == classes[kind]._md5sum for kind in classes)
+            found = {msg_type: roslib.message.get_message_class(msg_type) for msg_type in classes}
+            return all(found[msg_type]._md5sum == classes[msg_type]._md5sum for msg_type in classes)
     return False

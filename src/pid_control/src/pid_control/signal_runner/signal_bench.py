@@ -77,8 +77,8 @@ class SignalBench:
         self._subscriptions.clear()
         with self._lock:
             self._messages = {topic: [] for topic in types}
-        for topic, kind in types.items():
-            message_class = class_of(topic, kind, self._classes)
+        for topic, msg_type in types.items():
+            message_class = class_of(topic, msg_type, self._classes)
             on_message = functools.partial(self._on_message, topic)
             self._subscriptions[topic] = self._scope.create_subscription(
                 topic, message_class, on_message
@@ -113,10 +113,10 @@ class SignalBench:
             return None
         try:
             found = ask_topics(NAME, uri)
-        except Exception:  # of any kind: a student's node may reply anything
+        except Exception:  # of any type: a student's node may reply anything
             return None
         chosen = [
-            {topic: kind for topic, kind in one.items() if topic not in _OWN_TOPICS}
+            {topic: msg_type for topic, msg_type in one.items() if topic not in _OWN_TOPICS}
             for one in found
         ]
         return NodeTopics(chosen[0], chosen[1])
@@ -128,7 +128,7 @@ class SignalBench:
             return set()
         try:
             return ask_links(NAME, uri)
-        except Exception:  # of any kind: a student's node may reply anything
+        except Exception:  # of any type: a student's node may reply anything
             return set()
 
     def nodes(self) -> Set[str]:

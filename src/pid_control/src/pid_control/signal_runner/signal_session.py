@@ -59,7 +59,7 @@ class SignalSession:
     :param scenarios: names of the scenarios to run
     :param real_time: True for the machine's clock, False for a simulated one
     :param time_limit: time limit [s]
-    :param told: names of the signal's and of the output's channel, ``TOPIC/FIELD``, if given
+    :param given: names of the signal's and of the output's channel, ``TOPIC/FIELD``, if given
     :param master: the private master
     :param bench: the bench on that master
 
@@ -73,13 +73,13 @@ class SignalSession:
         scenarios: Sequence[str],
         real_time: bool,
         time_limit: float,
-        told: Mapping[str, str],
+        given: Mapping[str, str],
         master: PrivateMaster,
         bench: SignalBench,
     ) -> None:
         self._master, self._bench = master, bench
         self._coursework, self._scenarios = coursework, scenarios
-        self._real_time, self._told = real_time, told
+        self._real_time, self._given = real_time, given
         self._deadline, self._time_limit = time.monotonic() + time_limit, time_limit
         self.evidence = Evidence()
         self.evidence.missing = coursework.missing
@@ -344,13 +344,13 @@ class SignalSession:
         channels = [
             channel.between(begin) for topic in topics for channel in self._bench.channels(topic)
         ]
-        told = self._told.get(node)
-        if told is not None:
+        given = self._given.get(node)
+        if given is not None:
             for channel in channels:
-                if told.strip("/") in (channel.name.strip("/"), channel.topic.strip("/")):
+                if given.strip("/") in (channel.name.strip("/"), channel.topic.strip("/")):
                     return channel
             names = ", ".join(channel.name for channel in channels) or "none"
-            raise JudgingError(f"{told}: not found; the {node} has: {names}")
+            raise JudgingError(f"{given}: not found; the {node} has: {names}")
         before = self.evidence.baseline
         if before is not None:
             chosen = before.signal if node == GENERATOR else before.output

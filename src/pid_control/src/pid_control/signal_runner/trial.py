@@ -122,7 +122,7 @@ class Trial:
 
     def __exit__(
         self,
-        kind: Optional[Type[BaseException]],
+        error_type: Optional[Type[BaseException]],
         error: Optional[BaseException],
         traceback: Optional[TracebackType],
     ) -> None:
@@ -200,7 +200,7 @@ class Trial:
         if self._wait(has_topics):
             published = [one.published.items() for one in found.values()]
             with contextlib.suppress(MessageTypeError):  # to notice a flood
-                self._bench.listen(dict(kind for kinds in published for kind in kinds))
+                self._bench.listen(dict(pair for topics in published for pair in topics))
             self.run(_MORE_S)  # topics may appear one by one
             has_topics()
         pair = _pair(self._nodes, found)
@@ -361,13 +361,13 @@ def _pair(nodes: Sequence[StudentNode], found: Mapping[str, NodeTopics]) -> Opti
                 continue
             theirs, own = found[generator.global_name], found[process.global_name]
             inputs = {
-                topic: kind
-                for topic, kind in theirs.published.items()
-                if own.subscribed.get(topic) in (kind, "*")
+                topic: type_
+                for topic, type_ in theirs.published.items()
+                if own.subscribed.get(topic) in (type_, "*")
             }
-            outputs = {t: kind for t, kind in own.published.items() if t not in theirs.published}
+            outputs = {t: type_ for t, type_ in own.published.items() if t not in theirs.published}
             if inputs and outputs:
-                others = {t: kind for t, kind in theirs.published.items() if t not in inputs}
+                others = {t: type_ for t, type_ in theirs.published.items() if t not in inputs}
                 likely = ("proc" in process.name + process.program) * 2
                 likely += process.namespace == generator.namespace
                 pairs.append((likely, Pair(generator, process, inputs, outputs, others)))
@@ -382,10 +382,14 @@ def _description(nodes: Sequence[StudentNode], found: Mapping[str, NodeTopics]) 
         if topics is None:
             parts.append(f"{node.program} does not answer")
             continue
-        published = ", ".join(f"{name} ({kind})" for name, kind in sorted(topics.published.items()))
-        heard = ", ".join(f"{name} ({kind})" for name, kind in sorted(topics.subscribed.items()))
+        published = ", ".join(
+            f"{name} ({type_})" for name, type_ in sorted(topics.published.items())
+        )
+        subscribed = ", ".join(
+            f"{name} ({type_})" for name, type_ in sorted(topics.subscribed.items())
+        )
         parts.append(
             f"{node.program} publishes {published or 'nothing'} and subscribes to"
-            f" {heard or 'nothing'}"
+            f" {subscribed or 'nothing'}"
         )
     return "; ".join(parts)

@@ -1,1 +1,1 @@
-"""The project's own tests, checks, measurements and releases; each folder is one subject."""
+"""The project's own tests, checks, measurements and releases, a folder for each subject."""

@@ -15,14 +15,14 @@ from .processes import Session
 from .results import Results
 from .runner import Runner
 
-#: Of the main rows, only first rounds begin after this time [s].
+#: After this time, the main rows begin only first rounds [s].
 LIMIT_S = 260.0
 
 
 def main() -> int:
     """Measure and report.
 
-    :returns: exit status: 0 if everything could be measured, whatever it came to
+    :returns: exit status: 0 if everything could be measured, whatever the figures
     """
     options = parse_arguments()
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(1))

@@ -1,4 +1,4 @@
-"""Clients and servers of actions in either ROS, those of the bridge's tests, as processes."""
+"""Processes of action clients and servers in either ROS, from the bridge's tests."""
 
 import collections
 import contextlib
@@ -12,7 +12,7 @@ from .processes import PATIENCE_S, Session
 from .recorder import wait_until
 
 _PROGRAMS = WORKSPACE / "src" / "ros2_bridge" / "test" / "ros2"
-#: Outcomes that a goal may ask of the tests' servers for.
+#: Outcomes that a goal may request from the tests' servers.
 SUCCEED, ABORT = range(2)
 #: Longest wait for a server [s].
 CONNECTED_WITHIN = 40.0
@@ -35,7 +35,7 @@ def start(
 
 
 class ActionClient:
-    """A client process, and what it has reported.
+    """A client process, and its reports.
 
     :param ros: its ROS, ``1`` or ``2``
     :param name: of the action

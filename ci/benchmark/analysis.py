@@ -12,7 +12,7 @@ _RESAMPLES = 1000
 
 
 class Matched(NamedTuple):
-    """Moments and latencies of the answered samples [s], and number of those unanswered since."""
+    """Times and latencies of the answered samples [s], and number of unanswered samples."""
 
     sent: List[float]
     latencies: List[float]
@@ -20,7 +20,7 @@ class Matched(NamedTuple):
 
 
 class Estimate(NamedTuple):
-    """Median of a figure over turns, and the interval in which it lies."""
+    """Median of a figure over turns, and its confidence interval."""
 
     median: float
     low: float
@@ -33,9 +33,9 @@ def match_in_order(
 ) -> Matched:
     """Match samples with answers: each is answered at most once, and in order.
 
-    An answer belongs to the latest sample that leaves an earlier one to every later answer. So
-    answers may be missing, at the start as a receiver joins late, or on the way. The assumption is
-    that some answers come within a period.
+    An answer belongs to the latest possible sample that still leaves an earlier sample for each
+    other answer. So answers may be missing, at the start because a receiver joins late, or lost.
+    This assumes that some answers arrive within a period.
 
     :param sent: when the samples were sent [s], rising
     :param received: when the answers were received [s], rising
@@ -77,7 +77,7 @@ def estimate(values: Sequence[float]) -> Estimate:
 def confidence(turns: int) -> float:
     """Return the confidence of an interval of some turns.
 
-    All turns lie on one side of the median in one case of 2^(turns - 1), so no interval of them is
-    surer than that from the least to the greatest.
+    All turns lie on one side of the median in one case of 2^(turns - 1), which bounds the
+    confidence of any interval of them.
     """
     return min(CONFIDENCE, 1.0 - 0.5 ** (turns - 1))

@@ -1,4 +1,4 @@
-"""Messages and goals through the bridge to ROS 2, and within each ROS to compare with."""
+"""Messages and goals through the bridge to ROS 2, and within each ROS for comparison."""
 
 import contextlib
 import itertools

@@ -20,7 +20,7 @@ LIMIT_S = 120.0
 def processor_time(executor: Executor, group: CallbackGroup) -> float:
     """Return the processor time of a call; all calls arrive before the first begins.
 
-    :param executor: makes them
+    :param executor: makes the calls
     :param group: the group of the callback
     :returns: processor time of a call from its arrival to its end [us]
     :raises RuntimeError: if calls are lost

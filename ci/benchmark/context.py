@@ -4,18 +4,18 @@ from typing import Dict, NamedTuple
 
 from .processes import Session
 
-#: Names and values of what one turn of one subject came to.
+#: Figures of one turn of one subject, by name.
 Figures = Dict[str, float]
 
 
 class Bench(NamedTuple):
-    """The surroundings of a measurement."""
+    """Context of a measurement."""
 
     session: Session
     is_quick: bool = False
-    #: reason for each peer that is left out, by its name
+    #: reason for each omitted peer, by its name
     left_out: Dict[str, str] = {}
 
     def seconds(self, full: float, quick: float) -> float:
-        """Return how long to measure, depending on whether it has to be quick [s]."""
+        """Return the duration of a measurement, which may have to be quick [s]."""
         return quick if self.is_quick else full

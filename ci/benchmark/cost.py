@@ -16,7 +16,7 @@ class Usage(NamedTuple):
 
 
 def usage(pid: int) -> Usage:
-    """Return what a process uses.
+    """Return the resource usage of a process.
 
     :raises OSError: if it has ended
     """
@@ -28,18 +28,18 @@ def usage(pid: int) -> Usage:
 
 
 def cpu_time(pids: Iterable[int]) -> float:
-    """Return the processor time of processes so far [s]; 0 for those that have ended."""
+    """Return the processor time of processes so far [s]; 0 for ended processes."""
     seconds = 0.0
     for pid in pids:
         with contextlib.suppress(OSError):
-            # The process's clock, as clock_getcpuclockid(3) of Linux's C libraries makes it. It is
-            # read at once, and includes threads that have ended, unlike the files in /proc.
+            # The id of the process's clock, as from clock_getcpuclockid(3). A read takes one call
+            # and includes ended threads, unlike the files in /proc.
             seconds += time.clock_gettime(~pid << 3 | 2)
     return seconds
 
 
 def cpu_share(pids: List[int], seconds: float) -> float:
-    """Return how much of one core processes use during the next seconds [%]."""
+    """Return the share of one core that processes use during the next seconds [%]."""
     began, used = time.monotonic(), cpu_time(pids)
     time.sleep(seconds)
     return 100.0 * (cpu_time(pids) - used) / (time.monotonic() - began)

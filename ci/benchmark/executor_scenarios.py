@@ -1,7 +1,7 @@
 """Scenarios of callbacks that may overlap, the same for nodekit and rclpy.
 
-A service of a node is called twice at once while the node's timer ticks. Each scenario shows how
-many calls are answered at once, and whether the timer ticks during the first.
+A service of a node is called twice at the same time while the node's timer ticks. Each scenario
+shows how many calls are answered at the same time, and whether the timer ticks during the first.
 """
 
 import json
@@ -20,7 +20,7 @@ class Scenario(NamedTuple):
     is_shared: bool
     #: whether the service's group is reentrant
     is_reentrant: bool
-    #: calls answered at once, and whether the timer ticks
+    #: number of calls answered at the same time, and whether the timer ticks
     expected: List[int]
 
 
@@ -61,13 +61,13 @@ class Observation:
                 self._ticks_in_first = self._ticks - before
 
     def result(self) -> List[int]:
-        """Return how many calls were answered at once, and whether the timer ticked."""
+        """Return how many calls were answered at the same time, and whether the timer ticked."""
         # A tick may be in progress when the call begins.
         return [self._most, int(self._ticks_in_first > 1)]
 
 
 def print_all(run: Callable[[int, Scenario, Observation], None]) -> None:
-    """Print what is observed in all scenarios, as JSON.
+    """Print the observations of all scenarios, as JSON.
 
     :param run: runs the scenario of a number, with the callbacks of an observation
     """

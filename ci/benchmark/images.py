@@ -86,7 +86,7 @@ def figures(
     until: float,
     cpu: float,
 ) -> Figures:
-    """Return the figures of what was sent during a time.
+    """Return the figures of the messages that were sent during a time.
 
     :param sent: numbers of the messages, and when they were sent
     :param received: the same of each subscriber

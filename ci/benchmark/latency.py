@@ -14,7 +14,7 @@ from .processes import paused, resumed
 
 #: Length of a turn [s].
 TURN_S = 1.0
-#: Time of a pair at the start of a turn for caches and overdue work [s].
+#: Warm-up time at the start of a turn, for caches and overdue work [s].
 SETTLE_S = 0.25
 
 
@@ -41,14 +41,14 @@ def answered(run: stacks.Run, began: float = 0.0) -> Matched:
 
     :param began: when the turn began [s]
     """
-    # All samples: some of an earlier turn may have been recorded and not sent before it ended.
+    # All samples: an earlier turn may have recorded samples without sending them.
     sent = [sample.moment for sample in run.sent]
     received = [sample.moment for sample in run.received if sample.moment >= began]
     return match_in_order(sent, received, run.until)
 
 
 def figures(matched: Matched, run: stacks.Run) -> Figures:
-    """Return the figures of what was sent during the time measured.
+    """Return the figures of the samples that were sent during the measured time.
 
     :raises ValueError: if nothing was answered
     """

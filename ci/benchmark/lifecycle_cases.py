@@ -8,7 +8,7 @@ import itertools
 import json
 from typing import Any, Callable, Dict, List, NamedTuple, Tuple
 
-#: Number and label of a transition; a label beats a number.
+#: Number and label of a transition; the label takes precedence.
 Request = Tuple[int, str]
 
 WAYS: Dict[str, List[str]] = {
@@ -63,7 +63,7 @@ class Case(NamedTuple):
 def make_callbacks(outcomes: Any) -> Dict[str, Callable[..., Any]]:
     """Return the callbacks of a node with the attributes ``calls`` and ``plan``.
 
-    :param outcomes: the enumeration of what callbacks return
+    :param outcomes: enumeration of the callbacks' results
     """
 
     def make(name: str) -> Callable[..., Any]:
@@ -96,7 +96,7 @@ class Subject:
         raise NotImplementedError
 
     def settle(self) -> None:
-        """Wait until all events have come."""
+        """Wait until all events have arrived."""
 
     def close(self) -> None:
         """End the node."""
@@ -122,7 +122,7 @@ class Subject:
         ]
 
     def lists(self) -> List[Any]:
-        """Return all states and all transitions, sorted as their order has no meaning."""
+        """Return all states and all transitions, sorted because their order is undefined."""
         states = [_pair(state) for state in self.call("get_available_states").available_states]
         return [sorted(states), sorted(self.transitions("get_transition_graph"))]
 
@@ -160,7 +160,7 @@ def cases() -> Dict[str, Case]:
 
 
 def observe(case: Case, subject: Subject) -> List[Any]:
-    """Make the requests of a case to a new node, and return what is observed after each."""
+    """Make the requests of a case to a new node, and return the observations after each."""
     for label in case.way:
         subject.change(0, label)
     seen: List[Any] = subject.lists()
@@ -177,7 +177,7 @@ def observe(case: Case, subject: Subject) -> List[Any]:
 
 
 def print_all(make_subject: Callable[[Dict[str, str]], Subject]) -> None:
-    """Print what is observed in all cases, as JSON.
+    """Print the observations of all cases, as JSON.
 
     :param make_subject: makes a node with a plan
     """

@@ -17,7 +17,7 @@ _numbers = itertools.count(1)
 
 @contextlib.contextmanager
 def prepare(bench: Bench, subject: str) -> Iterator[Callable[[], Figures]]:
-    """Measure from an output of the motor to its next input, and what both nodes cost."""
+    """Measure the time from an output of the motor to its next input, and both nodes' cost."""
     if subject != LOOP:
         with latency.at(RATE)(bench, subject) as turn:
             yield turn

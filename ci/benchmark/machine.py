@@ -1,4 +1,4 @@
-"""The machine and its software, on which the figures depend."""
+"""Description of the machine and its software, on which the figures depend."""
 
 import datetime
 import os
@@ -6,7 +6,7 @@ import pathlib
 import platform
 from typing import Dict, Tuple
 
-#: The share of the processors' time that the host may take from a virtual machine in a turn.
+#: Largest share of processor time that the host may take from a virtual machine in a turn.
 STOLEN = 0.02
 
 
@@ -25,7 +25,7 @@ def describe() -> Dict[str, str]:
 
 
 def is_busy() -> bool:
-    """Return whether other programs run that would show in the figures."""
+    """Return whether other programs would affect the figures."""
     return os.getloadavg()[0] > 0.5
 
 
@@ -36,7 +36,7 @@ class Steal:
         self._stolen, self._all = _times()
 
     def share(self) -> float:
-        """Return the share since this object was made."""
+        """Return the share since this object was created."""
         stolen, whole = _times()
         return (stolen - self._stolen) / max(whole - self._all, 1)
 

@@ -1,4 +1,4 @@
-"""The benchmark's rows: what each one measures, of which subjects, and how often."""
+"""Rows of the benchmark: measurement, subjects, and number of turns."""
 
 import contextlib
 from typing import Callable, ContextManager, Iterator, List, NamedTuple, Optional
@@ -26,7 +26,7 @@ class Measurement(NamedTuple):
 
     name: str
     subjects: List[str]
-    #: starts a subject, and yields what measures a turn of it
+    #: starts a subject, and yields the function that measures a turn of it
     prepare: Callable[[Bench, str], ContextManager[Turn]]
     #: turns of each subject
     rounds: int
@@ -37,10 +37,10 @@ class Measurement(NamedTuple):
 def _paused(
     name: str, subjects: List[str], prepare: Callable[[Bench, str], ContextManager[Turn]]
 ) -> Measurement:
-    """Return a row whose subjects are all up at once and, except for their turns, stopped.
+    """Return a row with all subjects running together, and stopped except for their turns.
 
-    They are started twice: what a process got at its start, such as where its memory lies, makes
-    its turns resemble each other.
+    They are started twice: per-process effects, such as the memory layout, make the turns of one
+    start similar.
     """
     return Measurement(name, subjects, prepare, 6, 3)
 
@@ -48,7 +48,7 @@ def _paused(
 def _restarted(
     name: str, subjects: List[str], measure: Callable[[Bench, str], Figures], rounds: int = 1
 ) -> Measurement:
-    """Return a row whose subjects are started for each turn."""
+    """Return a row with subjects that are started for each turn."""
 
     @contextlib.contextmanager
     def prepare(bench: Bench, subject: str) -> Iterator[Turn]:

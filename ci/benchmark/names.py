@@ -1,4 +1,4 @@
-"""Names of the benchmark's rows and what each one measures; needs neither ROS nor a build."""
+"""Names and descriptions of the benchmark's rows; needs neither ROS nor a build."""
 
 #: The rows of ci/bench without arguments.
 MAIN = {
@@ -15,7 +15,7 @@ MAIN = {
 EXTRA = {
     "executor": "a call by an executor",
     "overlap": "which callbacks overlap in executors, as in rclpy",
-    "lifecycle": "what managed nodes do, as in rclpy",
+    "lifecycle": "behaviour of managed nodes, as in rclpy",
     "bridge-load": "4000 messages a second, and a hundred topics at 50 Hz",
     "bridge-actions": "goals of actions from one ROS to the other",
     "images": "large messages at 30 Hz, through shared memory and by rospy",

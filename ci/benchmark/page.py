@@ -26,7 +26,7 @@ FIGURES = [
     ("the same in one process [% of a core]", "robot", "cpu_percent", ["in one process"]),
     ("bridge at 1 kHz, to ROS 2 [% of a core]", "bridge", "cpu_percent", ["to_ros2"]),
 ]
-#: Label, row of the benchmark, and goal whose ratio stands in the first column.
+#: Label, row of the benchmark, and goal with the ratio for the first column.
 RATIOS = [
     ("start, of the course's nodes'", "launch", "first answer, against the course's"),
     ("memory of a node, of a bare rospy node's", "memory", "a node, against a bare one"),
@@ -55,7 +55,7 @@ def read(content: Dict[str, Any]) -> Reading:
 
 
 def make_table(values: Reading, machine: Dict[str, str]) -> str:
-    """Return the table, and the machine that it is of; lines without a value are left out."""
+    """Return the table, without lines that lack values, and the machine."""
     rows: List[List[str]] = [["typical, and where it lies to 95 %", *STACKS]]
     for label, row, figure, subjects in FIGURES:
         rows.append([label, *(_cell(values, row, figure, subject) for subject in subjects)])

@@ -1,4 +1,4 @@
-"""Live parameters: time from a set to its effect, and which value a burst ends on."""
+"""Live parameters: time from a set to its effect, and final value of a burst."""
 
 import random
 import struct
@@ -14,13 +14,13 @@ from .recorder import Recorder, wait_until
 NAME = "/signal_generator/amplitude"
 SETS, BURST = 50, 200
 AMPLITUDE = struct.Struct("<f")
-#: The node reads all parameters once a second: a change by that shows within this time [s].
+#: Longest time to an effect [s]: the node reads all parameters once a second.
 SETTLED = 2.5
 LIMIT = 10.0
 
 
 def measure(bench: Bench, _subject: str) -> Figures:
-    """Set the amplitude of a generator at 1 kHz, one value after the other, then many at once."""
+    """Set the amplitude of a generator at 1 kHz, one value after the other, then in a burst."""
     chance, moments = random.Random(5), []
     generator = executable("basic_comms", "signal_generator.py", "_rate:=1000")
     set_param, get_param = bench.session.master.setParam, bench.session.master.getParam

@@ -1,6 +1,6 @@
-"""The peers of the workspace's nodes: where they are, and how they are built.
+"""Peers of the workspace's nodes: locations and builds.
 
-What is compiled goes to build/benchmark, and is kept there for the next time.
+Compiled programs are kept in build/benchmark for the next time.
 """
 
 import os
@@ -16,7 +16,7 @@ ROSCPP = WORKSPACE / "build" / "benchmark" / "roscpp"
 RCLPY = WORKSPACE / "build" / "ros2" / "bin" / "python"
 #: The subjects that need rclpy.
 NEED_RCLPY = ("rclpy", "to_ros2", "to_ros1")
-#: The domain of ROS 2: in one, two runs would see each other's nodes, of the same names.
+#: ROS 2 domain: two runs in one domain would see each other's nodes, with the same names.
 DOMAIN = os.environ.get("ROS_DOMAIN_ID", "97")
 
 
@@ -39,7 +39,7 @@ def prepare(fetch: bool) -> Dict[str, str]:
     """Build the peers.
 
     :param fetch: whether to fetch rclpy from PyPI if it is missing
-    :returns: the reason for each peer that is left out, by its name
+    :returns: the reason for each omitted peer, by its name
     :raises subprocess.CalledProcessError: if the roscpp programs cannot be built; the output has
         been shown
     """
@@ -76,7 +76,7 @@ def rclpy_environment() -> Dict[str, str]:
         for name, value in os.environ.items()
         if not name.startswith(("ROS", "CMAKE", "CATKIN")) and name != "PYTHONPATH"
     }
-    # Only for nodes of this machine, apart from those of other people's systems.
+    # Only for nodes of this machine, separate from other systems.
     return dict(
         environment,
         ROS_AUTOMATIC_DISCOVERY_RANGE="LOCALHOST",

@@ -52,7 +52,7 @@ class Processes:
         self.end_all()
 
     def prepare(self) -> None:
-        """Start what all other processes need."""
+        """Start the processes that all others need."""
 
     def start(
         self,
@@ -60,7 +60,7 @@ class Processes:
         environment: Optional[Dict[str, str]] = None,
         has_pipes: bool = False,
     ) -> "subprocess.Popen[bytes]":
-        """Start a process in a process group of its own.
+        """Start a process in its own process group.
 
         :param environment: in place of this object's
         :param has_pipes: whether its standard input and output are pipes
@@ -81,11 +81,11 @@ class Processes:
         return process
 
     def log_of(self, process: "subprocess.Popen[bytes]") -> str:
-        """Return what a process has written so far."""
+        """Return the output of a process so far."""
         return self._logs[process.pid].read_text(errors="replace")
 
     def logs(self) -> List[str]:
-        """Return the texts of all logs, those of ROS too."""
+        """Return the texts of all logs, including those of ROS."""
         return [
             path.read_text(errors="replace")
             for path in sorted(self.directory.rglob("*.log"))
@@ -93,7 +93,7 @@ class Processes:
         ]
 
     def stop(self, *processes: "subprocess.Popen[bytes]") -> None:
-        """End processes by Ctrl-C, or kill those that take too long."""
+        """End processes by Ctrl-C; kill them if they take too long."""
         for number in (signal.SIGINT, signal.SIGKILL):
             remaining = [process for process in processes if process.poll() is None]
             for process in remaining:
@@ -135,7 +135,7 @@ class Session(Processes):
             PYTHONPATH=os.pathsep.join([str(WORKSPACE), os.environ.get("PYTHONPATH", "")]),
         )
         self.environment.pop("ROS_IP", None)
-        # Otherwise each start compiles the workspace's own modules, and only those.
+        # Otherwise each start compiles the workspace's own modules.
         self.environment.pop("PYTHONDONTWRITEBYTECODE", None)
 
     def prepare(self) -> None:
@@ -187,7 +187,7 @@ class Session(Processes):
 def paused(pids: List[int]) -> Iterator[None]:
     """Stop processes for the duration of the context.
 
-    :param pids: receivers before senders: what has been sent is still received
+    :param pids: receivers before senders: sent data is still received
     """
     _pause(pids)
     try:
@@ -209,7 +209,7 @@ def resumed(pids: List[int]) -> Iterator[None]:
         _pause(pids)
 
 
-#: Time for what a process has sent to arrive before its receiver is stopped [s].
+#: Time for sent data to arrive before the receiver is stopped [s].
 DRAIN_S = 0.05
 
 

@@ -1,4 +1,4 @@
-"""Executors and managed nodes beside rclpy's: what a call costs, and whether both do the same."""
+"""Executors and managed nodes beside rclpy's: cost of a call, and differences in behaviour."""
 
 import json
 import subprocess

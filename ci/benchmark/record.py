@@ -1,4 +1,4 @@
-"""A record of samples in a file: for each its moment on the monotonic clock in s, and its value."""
+"""Record of samples in a file: time on the monotonic clock [s], and value."""
 
 import pathlib
 import time
@@ -6,7 +6,7 @@ from typing import Any, List, NamedTuple
 
 import numpy as np
 
-#: Number of samples that a record has room for; the rest of it is 0.
+#: Capacity of a record [samples]; unused entries are 0.
 ROOM = 1 << 19
 
 
@@ -18,7 +18,7 @@ class Sample(NamedTuple):
 
 
 class Record:
-    """Writer of samples to a file that others read meanwhile, at the least cost.
+    """Writer of samples to a file that others read meanwhile, at minimal cost.
 
     :param file: its path; an existing file is overwritten
     """
@@ -29,7 +29,7 @@ class Record:
         self._next = 0
 
     def add(self, value: float) -> None:
-        """Record a value with the present moment."""
+        """Record a value with the present time."""
         moment, at = time.monotonic(), self._next
         self._numbers[at + 1] = value
         self._numbers[at] = moment  # last, as it shows that the sample is complete
@@ -37,7 +37,7 @@ class Record:
 
 
 def read(file: pathlib.Path) -> List[Sample]:
-    """Return the samples recorded so far; none before the file exists."""
+    """Return the samples recorded so far; empty before the file exists."""
     if not file.exists():
         return []
     numbers = np.fromfile(str(file))

@@ -1,6 +1,6 @@
-"""The lightest subscriber of ROS 1: a socket to each publisher, read without a client library.
+"""Lightweight ROS 1 subscriber: a socket to each publisher, read without a client library.
 
-It observes all ROS 1 peers alike, so differences between them are their own, and adds no queue.
+It treats all ROS 1 peers alike, and adds no queue.
 Protocols: wiki.ros.org/ROS/Master_API, Slave_API, TCPROS.
 """
 
@@ -30,7 +30,7 @@ VALUES = {
 
 
 class Recorder:
-    """A node that keeps each message of one topic with the moment of its arrival.
+    """Node that keeps each message of one topic with its time of arrival.
 
     A thread waits in the kernel for the messages of each publisher.
 
@@ -77,7 +77,7 @@ class Recorder:
         return 1, "", 0
 
     def update_publishers(self, uris: List[str]) -> None:
-        """Connect to new publishers; a later one may have the port of one that has ended."""
+        """Connect to new publishers, which may reuse the port of an ended publisher."""
         with self._lock:
             new = set(uris) - self._publishers
             self._publishers = set(uris)
@@ -116,7 +116,7 @@ class Recorder:
             data = rest + more
 
     def samples(self) -> List[Sample]:
-        """Return moment and value of each message."""
+        """Return time and value of each message."""
         layout, field = VALUES[self._type]
         return [
             Sample(moment, struct.unpack_from(layout, message)[field])
@@ -124,13 +124,13 @@ class Recorder:
         ]
 
     def wait(self, count: int = 1) -> float:
-        """Wait for some messages, and return the moment of the first one [s]."""
+        """Wait for some messages, and return the arrival time of the first [s]."""
         wait_until(lambda: len(self.messages) >= count, 30.0, "messages")
         return self.messages[0][0]
 
 
 def split_messages(data: bytes) -> Tuple[List[bytes], bytes]:
-    """Return the whole messages in received data, without their lengths, and the rest."""
+    """Return the complete messages in received data, without their lengths, and the rest."""
     found, at = [], 0
     while at + 4 <= len(data):
         (length,) = struct.unpack_from("<I", data, at)

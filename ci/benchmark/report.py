@@ -1,4 +1,4 @@
-"""The results as tables in Markdown, and as JSON."""
+"""Report of the results as tables in Markdown, and as JSON."""
 
 import json
 import pathlib
@@ -33,8 +33,8 @@ def tables(
 ) -> str:
     """Return goals, figures, and the facts of the machine.
 
-    :param wanted: the rows whose goals are shown
-    :param left_out: reason for each peer that is left out, by its name
+    :param wanted: the rows with goals to show
+    :param left_out: reason for each omitted peer, by its name
     """
     goals = [["row", "what", "goal", "value", "95 % in", "turns", ""]]
     for goal in GOALS:
@@ -62,7 +62,7 @@ def tables(
 
 
 def as_json(results: Results, facts: Dict[str, str], left_out: Dict[str, str]) -> Dict[str, Any]:
-    """Return everything that is known."""
+    """Return all results and facts."""
     values = ((goal, goal.estimate(results)) for goal in GOALS)
     return {
         "machine": facts,
@@ -89,5 +89,5 @@ def as_json(results: Results, facts: Dict[str, str], left_out: Dict[str, str]) -
 
 
 def write_json(file: pathlib.Path, content: Dict[str, Any]) -> None:
-    """Write what :func:`as_json` or a run of ci/soak has returned."""
+    """Write the result of :func:`as_json` or of a run of ci/soak."""
     file.write_text(json.dumps(content, indent=1) + "\n")

@@ -12,7 +12,7 @@ class Results:
 
     def __init__(self) -> None:
         self._turns: Dict[Tuple[str, str], Dict[int, Figures]] = {}
-        #: turns left out as the host took too much of their time, by measurement
+        #: omitted turns, because the host took too much of their time, by measurement
         self.disturbed: Counter[str] = collections.Counter()
         #: "measurement, subject: reason"
         self.failures: List[str] = []
@@ -26,7 +26,7 @@ class Results:
     ) -> Estimate:
         """Return a figure, or its ratio to the sum of the peers' figures of the same rounds.
 
-        :raises LookupError: if the subject and the peers have no round in common
+        :raises LookupError: if the subject and the peers do not share a round
         """
         turns = [self._turns.get((measurement, name), {}) for name in (subject, *peers)]
         rounds = sorted(set(turns[0]).intersection(*turns[1:]))

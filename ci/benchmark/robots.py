@@ -21,7 +21,7 @@ COMMANDS = {
         executable("bot_controller_demo", "proportional_controller"),
     ],
 }
-#: Time for both to be on their way again, and length of a turn [s].
+#: Time for both to continue driving, and length of a turn [s].
 SETTLE_S, TURN_S = 0.5, 1.5
 
 

@@ -12,7 +12,7 @@ from .context import Bench
 from .measurements import Measurement, Turn
 from .results import Results
 
-#: Errors that end the turns of one subject, and of no other.
+#: Errors that end the turns of one subject only.
 FAULTS = (LookupError, OSError, RuntimeError, ValueError, subprocess.SubprocessError)
 
 
@@ -36,7 +36,7 @@ class Runner:
     def run(self, measurements: List[Measurement], deadline: float = math.inf) -> None:
         """Measure rows, one after the other.
 
-        :param deadline: only first rounds begin after this moment of the monotonic clock [s]
+        :param deadline: monotonic time after which only first rounds begin [s]
         """
         for one in measurements:
             rounds = min(one.rounds, self._most or one.rounds)
@@ -46,7 +46,7 @@ class Runner:
                     self._take_rounds(one, list(numbers), deadline)
 
     def _take_rounds(self, one: Measurement, numbers: List[int], deadline: float) -> None:
-        """Start all subjects and take their turns, in each round from another one on."""
+        """Start all subjects and take their turns, each round starting with another subject."""
         ready: Dict[str, Turn] = {}
         with contextlib.ExitStack() as stack:
             for subject in one.subjects:
@@ -67,7 +67,7 @@ class Runner:
                 ready = {name: ready[name] for name in one.subjects if name in ready}
 
     def _take_turn(self, name: str, subject: str, number: int, turn: Turn) -> None:
-        """Take a turn; once more if the host took much of the processors' time meanwhile."""
+        """Take a turn; repeat it once if the host took much of the processors' time."""
         for _ in range(2):
             self._say(f"{name}, {subject}, round {number + 1}")
             steal = machine.Steal()

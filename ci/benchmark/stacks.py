@@ -1,4 +1,4 @@
-"""The stacks that are compared: a generator, a process node and an observer of each make."""
+"""The compared stacks: generator, process node and observer by each client library."""
 
 import contextlib
 import itertools
@@ -25,13 +25,13 @@ _numbers = itertools.count(1)
 
 
 class Pair(NamedTuple):
-    """A running generator and process node, and what is observed of them."""
+    """A running generator and process node, and observations of them."""
 
     #: all processes, receivers before senders
     pids: List[int]
-    #: those whose processor time counts
+    #: processes that count for the processor time
     nodes: List[int]
-    #: return what was published so far, and what the observer has received
+    #: return the samples published so far, and those that the observer has received
     sent: Callable[[], List[Sample]]
     received: Callable[[], List[Sample]]
 
@@ -49,20 +49,20 @@ class Run(NamedTuple):
 def watch(pair: Pair, settle: float, seconds: float) -> Run:
     """Observe a running pair.
 
-    :param settle: how long it runs before [s]
-    :param seconds: how long it is measured [s]
+    :param settle: time before the measurement [s]
+    :param seconds: duration of the measurement [s]
     """
     time.sleep(settle)
     since = time.monotonic()
     cpu = cpu_share(pair.nodes, seconds)
     until = time.monotonic()
     _wait_for_answers(pair, since, until)
-    received = pair.received()  # first: the sample of each answer is there as well
+    received = pair.received()  # first: the sample of each answer is then recorded as well
     return Run(pair.sent(), received, cpu, since, until)
 
 
 def _wait_for_answers(pair: Pair, since: float, until: float) -> None:
-    """Wait for as many answers as samples were sent; not for long, as some may be lost."""
+    """Wait for an answer to each sample; not for long, because answers may be lost."""
     due = sum(since <= sample.moment <= until for sample in pair.sent())
     give_up = time.monotonic() + PATIENCE_S
     while time.monotonic() < give_up:
@@ -74,7 +74,7 @@ def _wait_for_answers(pair: Pair, since: float, until: float) -> None:
 def _commands(stack: str, file: str, rate: str) -> List[List[str]]:
     """Return the commands of a stack of ROS 1, the process node's before the generator's.
 
-    :param file: where the generator records when it publishes
+    :param file: record of the generator's publications
     """
     if stack == ROSCPP:
         program = str(ROSCPP_PROGRAMS / "generator")

@@ -24,7 +24,7 @@ NODES = {
 
 @contextlib.contextmanager
 def prepare_launch(bench: Bench, stack: str) -> Iterator[Callable[[], Figures]]:
-    """Measure the launch of two nodes; master and observer are up, and the files are cached."""
+    """Measure the launch of two nodes, with a running master and observer, and cached files."""
 
     def take_turn() -> Figures:
         with bench.session.record("/proc_signal", "std_msgs/Float32") as recorder:
@@ -37,7 +37,7 @@ def prepare_launch(bench: Bench, stack: str) -> Iterator[Callable[[], Figures]]:
 
 
 def measure_memory(bench: Bench, subject: str) -> Figures:
-    """Measure the largest of a subject's nodes, each by itself with its default parameters."""
+    """Measure the largest of a subject's nodes, each alone with its default parameters."""
     sizes = []
     for name, command in NODES[subject].items():
         with bench.session.up(command) as (pid,):

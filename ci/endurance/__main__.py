@@ -1,4 +1,4 @@
-"""Run the nodes for long, and disturb them meanwhile. Called by ci/soak and ci/two-hosts.
+"""Run the nodes for long, with faults. Called by ci/soak and ci/two-hosts.
 
 Usage: python3 ci endurance soak|two-hosts [OPTION…]
 """
@@ -41,7 +41,7 @@ def main(command: str, arguments: List[str]) -> int:
             if options.json:
                 report.write_json(options.json, as_json(results, facts))
     except KeyboardInterrupt:
-        return 130  # everything has been cleaned up on the way here
+        return 130  # everything has been cleaned up
     print(table(results))
     print(f"\nload before: {facts['load before']}")
     return 0 if all_kept(results) else 1
@@ -76,7 +76,7 @@ def _context(directory: pathlib.Path, options: argparse.Namespace) -> Iterator[A
 
 
 def attempt(name: str, options: argparse.Namespace) -> List[Check]:
-    """Carry out one run; its failure is a bound that is not kept."""
+    """Carry out one run; its failure is reported as a broken bound."""
     with tempfile.TemporaryDirectory(prefix="runs-") as directory:
         with _context(pathlib.Path(directory), options) as context:
             try:

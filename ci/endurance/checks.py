@@ -29,7 +29,7 @@ def at_least(what: str, value: float, limit: float, unit: str = "") -> Check:
 
 
 def none_of(what: str, found: List[str]) -> Check:
-    """Check that nothing of a kind was found; the first few are shown."""
+    """Check that nothing was found; show the first few findings."""
     figure = "0" if not found else f"{len(found)}: {'; '.join(found[:3])}"
     return Check(what, "0", figure, not found)
 
@@ -54,7 +54,7 @@ def table(results: Results) -> str:
 
 
 def as_json(results: Results, machine: Dict[str, str]) -> Dict[str, Any]:
-    """Return all checks and what is known about the machine."""
+    """Return all checks and facts of the machine."""
     runs = {name: [check._asdict() for check in checks] for name, checks in results.items()}
     return {"machine": machine, "runs": runs}
 

@@ -6,7 +6,7 @@ from ..benchmark.processes import Session
 
 
 class Soak(NamedTuple):
-    """The surroundings of a run."""
+    """Context of a run."""
 
     session: Session
     #: duration of record, scope and bridge [s]

@@ -1,10 +1,10 @@
-"""Diary of managed nodes: who was active while a node that it depends on was not configured."""
+"""Log of managed nodes: which were active while a node they depend on was not configured."""
 
 from typing import Dict, List, NamedTuple, Sequence, Set
 
 
 class Entry(NamedTuple):
-    """A line of the diary: what happened to a node, and when on a monotonic clock [s]."""
+    """A line of the log: event of a node, and monotonic time [s]."""
 
     moment: float
     node: str
@@ -12,7 +12,7 @@ class Entry(NamedTuple):
 
 
 def entries(text: str) -> List[Entry]:
-    """Return the lines of a diary, oldest first."""
+    """Return the lines of a log, oldest first."""
     words = (line.split() for line in text.splitlines())
     return sorted(Entry(float(moment), node, what) for moment, node, what in words)
 
@@ -20,10 +20,10 @@ def entries(text: str) -> List[Entry]:
 class Story:
     """State of the nodes after some entries.
 
-    :param order: their names; each depends on those before it
+    :param order: their names; each depends on its predecessors
 
-    :ivar rash: nodes activated while one before them was not configured
-    :ivar longest: longest time that a node stayed active while one before it was not configured [s]
+    :ivar rash: nodes activated while a predecessor was not configured
+    :ivar longest: longest time that a node was active while a predecessor was not configured [s]
     """
 
     def __init__(self, order: Sequence[str]) -> None:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A managed node that writes its transitions to the file that DIARY names."""
+"""Managed node that writes its transitions to the file named by DIARY."""
 
 import os
 import time
@@ -15,7 +15,7 @@ class DiaryNode(ManagedNode):
         self.write_down("started")
 
     def write_down(self, what: str) -> None:
-        """Write a line at once: other processes write there too."""
+        """Write a line in one call: other processes write to the file too."""
         with open(os.environ["DIARY"], "ab", buffering=0) as diary:
             diary.write(f"{time.monotonic()} {self.node.name} {what}\n".encode())
 

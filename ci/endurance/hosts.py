@@ -1,4 +1,4 @@
-"""Two hosts of one machine: network namespaces with a cable between them."""
+"""Two hosts on one machine: network namespaces with a cable between them."""
 
 import os
 import pathlib
@@ -28,7 +28,7 @@ class Hosts(Processes):
         self._names = {host: f"basic-comms-{os.getpid()}-{host}" for host in ADDRESSES}
 
     def prepare(self) -> None:
-        """Make the hosts, and plug in the cable."""
+        """Create the hosts, and plug in the cable."""
         for name in self._names.values():
             ip("netns", "add", name)
             ip("-n", name, "link", "set", "lo", "up")
@@ -43,7 +43,7 @@ class Hosts(Processes):
         """End all processes, and remove the hosts."""
         super().end_all()
         for name in self._names.values():
-            # Fails for a namespace that was not made yet.
+            # Fails for a namespace that was not created yet.
             subprocess.run(["ip", "netns", "delete", name], stderr=subprocess.DEVNULL)
         for undo in self.undo:
             undo()
@@ -73,7 +73,7 @@ class Hosts(Processes):
     ) -> "subprocess.Popen[bytes]":
         """Start a process on a host.
 
-        :param environment: in place of that of a node
+        :param environment: in place of a node's environment
         """
         return self.start(self.within(host, command), environment or self.environment_of(host))
 

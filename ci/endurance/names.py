@@ -1,4 +1,4 @@
-"""Names of the long runs, and what each one does; needs neither ROS nor a build.
+"""Names and descriptions of the long runs; needs neither ROS nor a build.
 
 Usage: python3 ci endurance.names soak|two-hosts
 """

@@ -1,7 +1,7 @@
-"""Record topics in a bag, without a queue, until Ctrl-C; usage: recorder.py BAG TOPIC….
+"""Record topics in a bag without a queue until Ctrl-C; usage: recorder.py BAG TOPIC….
 
-``rosbag record`` queues at most 100 messages of a topic and drops further ones, which at 1 kHz is a
-tenth of a second. Here messages wait in the kernel's buffers, which hold minutes.
+``rosbag record`` queues at most 100 messages of a topic, a tenth of a second at 1 kHz, and drops
+more. Here messages wait in the kernel's buffers, which hold minutes.
 """
 
 import threading

@@ -1,8 +1,8 @@
-"""The bridge to ROS 2 at 1 kHz, each way for half of the time; then it and both sides are killed.
+"""Bridge to ROS 2 at 1 kHz, each direction for half of the time; then it and both sides are killed.
 
-What is sent at 1 kHz has to arrive, and the bridge may not grow meanwhile. Goals of actions run
-both ways beside it, half of them cancelled at random moments; each has to end once, with its own
-result and in a legal state. Then a talker of ROS 1 is heard by a node of ROS 2, which repeats its
+All messages at 1 kHz must arrive, and the bridge's memory must not grow meanwhile. Goals of actions
+run in both directions, half of them cancelled at random times; each must end once, with its own
+result and in a legal state. Then a ROS 2 node subscribes to a ROS 1 talker, and republishes its
 messages for ROS 1.
 """
 
@@ -26,9 +26,9 @@ RATE = 1000.0
 WARM_UP = 30.0
 #: Most kills of each process.
 KILLS = 20
-#: Longest time until messages are back after the restart of a killed process [s].
+#: Longest time until messages arrive again after the restart of a killed process [s].
 BACK_WITHIN = 10.0
-#: Time for what a killed process has sent to arrive [s].
+#: Time for messages of a killed process to arrive [s].
 ON_THE_WAY = 0.5
 #: Names of the actions, by their servers' ROS, and the other ROS.
 NAMES = {"1": "/soak/arm", "2": "/soak/hand"}
@@ -53,14 +53,14 @@ def run(soak: Soak) -> List[Check]:
             checks += send(soak, way, pid)
     checks += kill(soak)
     # The log of the master has a traceback if a process is killed in the middle of a request, and
-    # rospy warns with one of what it survives.
+    # rospy's warnings may have one.
     logs = [text for text in soak.session.logs() if "[rosmaster.main]" not in text]
     lines = [line for text in logs for line in text.splitlines() if "Traceback" in line]
     return [*checks, none_of("exceptions", [one for one in lines if "[rospy.internal]" not in one])]
 
 
 def send(soak: Soak, way: str, pid: int) -> List[Check]:
-    """Send one way, and check what arrives and what the bridge takes for it."""
+    """Send in one direction; check the received messages and the bridge's resources."""
     file, seconds = soak.session.directory / way, 0.5 * soak.seconds
     with run_ends(soak.session, way, file, RATE, seconds, 1):
         wait_until(file.with_suffix(".first").exists, LIMIT, "the first message")
@@ -78,7 +78,7 @@ def send(soak: Soak, way: str, pid: int) -> List[Check]:
 
 
 def kill(soak: Soak) -> List[Check]:
-    """Kill the bridge and both sides in turn, and restart each at once."""
+    """Kill the bridge and both sides in turn, and restart each immediately."""
     session, times = soak.session, min(KILLS, soak.times)
     echo = [str(RCLPY), str(SCRIPTS / "bridge" / "echo.py")]
     start = {
@@ -109,7 +109,7 @@ def kill(soak: Soak) -> List[Check]:
 
 @contextlib.contextmanager
 def goals(soak: Soak, checks: List[Check]) -> Iterator[None]:
-    """Send goals both ways during the context, from a client of each ROS to the other's server.
+    """Send goals in both directions during the context, from each ROS to the other's server.
 
     :param checks: receives the figures
     """
@@ -132,7 +132,7 @@ def goals(soak: Soak, checks: List[Check]) -> Iterator[None]:
         ended.set()
         for thread, client in zip(threads, clients):
             thread.join()
-            with contextlib.suppress(TimeoutError):  # what is lost is reported below
+            with contextlib.suppress(TimeoutError):  # lost goals are reported below
                 wait_until(lambda: len(client.ends) >= len(client.sent), LATE + LONGEST, "end")
             states = [ends[0][0] for ends in client.ends.values() if ends]
             counts = ", ".join(f"{states.count(one)} {one}" for one in sorted(set(states)))
@@ -154,7 +154,7 @@ def _send_goals(client: ActionClient, chance: random.Random, ended: threading.Ev
 
 
 def errors(client: ActionClient) -> List[str]:
-    """Return what is wrong with the goals of a client, all of which should have ended."""
+    """Return the errors in the goals of a client, which should all have ended."""
     found = list(client.strange)
     found += [f"{key} is lost" for key in client.sent if not client.ends[key]]
     invented = {*client.ends, *client.heard} - client.sent

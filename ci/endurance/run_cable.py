@@ -1,4 +1,4 @@
-"""Generator on one host, process on the other, and the cable between them pulled."""
+"""Pull the cable between a generator on one host and a process node on the other."""
 
 import re
 import subprocess
@@ -14,12 +14,12 @@ from .hosts import ADDRESSES, Hosts
 
 #: Rates of the samples [Hz]: the course's, and one that exceeds a socket's buffers.
 RATES = (10.0, 1000.0)
-#: Longest time from the cable's return until samples flow [s]: TCP retries ever more rarely, after
-#: as long as it has been retrying already at most.
+#: Longest time from the cable's return until samples flow [s]: TCP pauses between two retries for at
+#: most the time of all retries before.
 BACK_WITHIN = 60.0
 #: Time before and after the outage [s].
 STEADY = 5.0
-#: Column of time_x in what rostopic prints of /signal.
+#: Column of time_x in rostopic's output for /signal.
 TIME_X = 3
 #: Host and topic of each observer.
 OBSERVED = {
@@ -33,7 +33,7 @@ _LATE = re.compile(r"in time again; \d+ were late, by up to ([0-9.]+) s")
 
 
 def lost(times: Any, rate: float) -> int:
-    """Return how many samples are missing between the first and the last one.
+    """Return how many samples are missing between the first and the last.
 
     :param times: the time of each sample [s]
     :param rate: of the samples [Hz]
@@ -43,7 +43,7 @@ def lost(times: Any, rate: float) -> int:
 
 
 def counted_losses(log: str) -> Dict[str, int]:
-    """Return how many messages publishers say that they lost, by "topic subscriber"."""
+    """Return the number of lost messages that publishers report, by "topic subscriber"."""
     losses: Dict[str, int] = {}
     for topic, subscriber, total in _LOSS.findall(log):
         key = f"{topic} {subscriber}"
@@ -57,7 +57,7 @@ def reported_lateness(log: str) -> List[float]:
 
 
 def run(hosts: Hosts) -> List[Check]:
-    """Pull the cable at a rate at which nothing need be lost, and at one at which much must be."""
+    """Pull the cable at a rate without necessary losses, and at a rate with many."""
     ssh_server.start(hosts)
     command = ["roslaunch", "basic_comms", "cw1_two_hosts.launch"]
     launch = hosts.start_on("near", [*command, "host:=" + ADDRESSES["far"], "user:=root"])
@@ -73,7 +73,7 @@ def run(hosts: Hosts) -> List[Check]:
 
 
 def nodes(hosts: Hosts) -> str:
-    """Return the names of all nodes; nothing without a master."""
+    """Return the names of all nodes; empty without a master."""
     try:
         return hosts.run_on("near", ["rosnode", "list"])
     except subprocess.SubprocessError:

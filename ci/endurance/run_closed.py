@@ -20,13 +20,13 @@ _USER = re.compile(r'users:\(\("([^"]+)"')
 
 
 def run(hosts: Hosts) -> List[Check]:
-    """Try the main job from the other host, with each of the means of docs/security.md."""
+    """Try to reach the main job from the other host, with each protection of docs/security.md."""
     ssh_server.start(hosts)
     return bound_to_localhost(hosts) + in_own_network(hosts)
 
 
 def bound_to_localhost(hosts: Hosts) -> List[Check]:
-    """Start the main job as ci/exec does: for its own host alone."""
+    """Start the main job as ci/exec does: for its own host only."""
     launch = hosts.start_on("far", LAUNCH, local_environment(hosts))
     for program in ("process.py", "rosout"):
         wait_until(lambda: program in listening(hosts).values(), 60.0, program + " that listens")
@@ -63,14 +63,14 @@ def in_own_network(hosts: Hosts) -> List[Check]:
 
 
 def local_environment(hosts: Hosts) -> Dict[str, str]:
-    """Return the far host's environment for nodes that only it can reach, as in ci/exec."""
+    """Return the far host's environment for nodes reachable only there, as in ci/exec."""
     environment = hosts.environment_of("far")
     del environment["ROS_IP"]
     return {**environment, "ROS_MASTER_URI": "http://localhost:11311", "ROS_HOSTNAME": "localhost"}
 
 
 def failures(hosts: Hosts, host: str, command: List[str]) -> List[str]:
-    """Run rostopic echo, and return what is wrong; nothing if it prints a message."""
+    """Run rostopic echo, and return the errors; empty if it prints a message."""
     environment = local_environment(hosts) if host == "far" else None
     try:
         printed = hosts.run_on(host, command, environment)
@@ -80,7 +80,7 @@ def failures(hosts: Hosts, host: str, command: List[str]) -> List[str]:
 
 
 def listening(hosts: Hosts) -> Dict[int, str]:
-    """Return the ports of the far host on which a program listens, and the program."""
+    """Return the programs that listen on the far host, by port."""
     found = {}
     for line in hosts.run_on("far", ["ss", "-Hltnp"]).splitlines():
         user = _USER.search(line)
@@ -89,7 +89,7 @@ def listening(hosts: Hosts) -> Dict[int, str]:
 
 
 def reachable(hosts: Hosts, ports: Dict[int, str]) -> Dict[int, str]:
-    """Return those ports that accept a connection from the near host."""
+    """Return the ports that accept a connection from the near host."""
     script = f"from ci.endurance.run_closed import knock; knock({sorted(ports)!r})"
     environment = dict(hosts.environment_of("near"), PYTHONPATH=":".join(sys.path))
     answers = hosts.run_on("near", [sys.executable, "-c", script], environment).split()
@@ -97,7 +97,7 @@ def reachable(hosts: Hosts, ports: Dict[int, str]) -> Dict[int, str]:
 
 
 def knock(ports: List[int]) -> None:
-    """Print those ports of the far host that accept a connection."""
+    """Print the ports of the far host that accept a connection."""
     for port in ports:
         try:
             with socket.create_connection((ADDRESSES["far"], port), 1.0):

@@ -31,7 +31,7 @@ PLANTS = (
 
 
 class Draw(NamedTuple):
-    """One record of a plant: the plant's place in PLANTS, its noise, and its seed."""
+    """One record of a plant: index in PLANTS, noise, and seed."""
 
     plant: int
     alike: float
@@ -39,7 +39,7 @@ class Draw(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """Whether each value is within its ±; the terms that were made up or missed; any doubt."""
+    """Whether each value is within its ±; the wrong terms; whether ± was withdrawn."""
 
     draw: Draw
     inside: Dict[str, bool]
@@ -81,7 +81,7 @@ def identify_one(draw: Draw) -> Outcome:
     times = numpy.linspace(0.0, duration, OUTPUTS)
     blank = record_of(given, inputs, times, times)
     outputs = responses(blank, candidate(model, model.offset)[None, :])[0]
-    # No two plants share their noise: a rare draw would count as often as there are plants.
+    # Each plant has its own noise: otherwise a rare draw would count once for each plant.
     seeds = [draw.seed, draw.plant, int(10.0 * draw.alike)]
     noises = numpy.random.RandomState(seeds).normal(0.0, 1.0, OUTPUTS)
     noises[1:] *= math.sqrt(1.0 - draw.alike**2)

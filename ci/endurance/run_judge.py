@@ -1,4 +1,4 @@
-"""Judge controllers whose flaws are known."""
+"""Judge controllers with known flaws."""
 
 import contextlib
 import csv
@@ -14,7 +14,7 @@ from .context import Soak
 
 PACKAGE = WORKSPACE / "src" / "pid_control"
 CONTROLLERS = PACKAGE / "test" / "controllers"
-#: The flaw that the judge has to name first, by controller, if it is not the controller's name.
+#: Expected first flaw by controller, if it is not the controller's name.
 FLAWS = {
     "crash_at_start": "crash",
     "mute": "silent",

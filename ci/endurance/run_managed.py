@@ -16,7 +16,7 @@ from .diary import Entry, Story, entries
 
 ORDER = ("/first", "/second", "/third")
 NODE = pathlib.Path(__file__).with_name("diary_node.py")
-#: Longest time until all are active after the return of one [s].
+#: Longest time until all are active after the return of a node [s].
 ACTIVE_WITHIN = 3.0
 #: Longest time until the first of the others is brought down after a loss [s].
 NOTICED_WITHIN = 1.0
@@ -25,7 +25,7 @@ LONGEST_PAUSE, LONGEST_STOP = 1.0, 3.0
 
 
 class Loss(NamedTuple):
-    """Time from the loss of a node until another came down, and from its return to recovery [s]."""
+    """Time from a node's loss until another is deactivated, and from its return to recovery [s]."""
 
     kind: str
     noticed: Optional[float]
@@ -33,7 +33,7 @@ class Loss(NamedTuple):
 
 
 class System:
-    """Three nodes, which keep a diary, and their manager."""
+    """Three nodes with a log of their transitions, and their manager."""
 
     def __init__(self, soak: Soak) -> None:
         self._session = soak.session
@@ -52,14 +52,14 @@ class System:
         self.nodes[name] = self._session.start([str(NODE), f"__name:={name[1:]}"])
 
     def write_down(self, name: str, what: str) -> float:
-        """Write to the diary what is done to a node; return when [s]."""
+        """Log what is done to a node; return the time [s]."""
         now = time.monotonic()
         with self._diary.open("ab", buffering=0) as diary:
             diary.write(f"{now} {name} {what}\n".encode())
         return now
 
     def entries(self, what: str, since: float) -> List[Entry]:
-        """Return what happened since a moment, of one kind."""
+        """Return the events of one type since a time."""
         found = entries(self._diary.read_text())
         return [one for one in found if one.moment > since and one.what == what]
 

@@ -1,6 +1,6 @@
-"""Record a signal of 1 kHz in a bag, for long: no sample may be missing, and nothing may grow.
+"""Record a signal of 1 kHz in a bag for long, without a missing sample or growing memory.
 
-The recorder is one without a queue, unlike ``rosbag record``.
+The recorder does not queue, unlike ``rosbag record``.
 """
 
 import pathlib
@@ -49,7 +49,7 @@ def run(soak: Soak) -> List[Check]:
         time.sleep(soak.seconds)
     log_growth = (size_of(session.directory / "ros") - logs) / (time.monotonic() - began)
     session.stop(running["signal_generator"])
-    time.sleep(1.0)  # for what is on the way to the recorder
+    time.sleep(1.0)  # for messages on the way to the recorder
     session.stop(*running.values())
     checks = check_bag(bag)
     for name in ("signal_generator", "process"):
@@ -62,9 +62,9 @@ def check_bag(bag: pathlib.Path) -> List[Check]:
     """Check that a bag holds each sample and each answer."""
     (received, times), (_, answers) = read(bag, "/signal", "<8xd"), read(bag, "/proc_signal", "<f")
     steps = np.round(np.diff(times) * RATE).astype(int)
-    # What process does by default: half the amplitude, a lead of pi / 2, lifted above 0.
+    # The process node's default: half the amplitude, a lead of pi / 2, an offset above 0.
     expected = 0.5 * AMPLITUDE * (1.0 + np.cos(FREQUENCY * times))
-    # The recorder may have missed what came first on either topic.
+    # The recorder may have missed the first messages of either topic.
     both = max(1, min(len(times), len(answers)) - FIRST_ANSWERS)
     wrong = np.count_nonzero(np.abs(expected[-both:] - answers[-both:]) > 1e-4)
     return [
@@ -78,7 +78,7 @@ def check_bag(bag: pathlib.Path) -> List[Check]:
 
 
 def read(bag: pathlib.Path, topic: str, layout: str) -> Tuple[Any, Any]:
-    """Return the moments at which messages of a topic were recorded [s], and a number of each."""
+    """Return the times at which messages of a topic were recorded [s], and a number of each."""
     with rosbag.Bag(str(bag)) as opened:
         found = [
             (moment.to_sec(), *struct.unpack_from(layout, raw[1]))

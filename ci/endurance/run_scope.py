@@ -1,4 +1,4 @@
-"""Watch ten traces of 1 kHz on the scope's page, for long: neither it nor the page may grow."""
+"""Watch ten traces of 1 kHz on the scope's page for long: neither process may grow."""
 
 import contextlib
 import signal
@@ -21,24 +21,24 @@ from .usage import Sampler, added, growth
 
 RIG = WORKSPACE / "src" / "topic_scope" / "test" / "measure_load.py"
 FIELDS = [f"/load{number}/data" for number in range(10)]
-#: How long samples are kept [s]: short, so that many are dropped, too.
+#: How long samples are kept [s]: short, so that many are dropped.
 HISTORY = 10.0
-#: Time until the buffers of these have their size [s].
+#: Time until their buffers have their final size [s].
 WARM_UP = 120.0
-#: How long the scope is stopped once in that time [s]. What accumulates then takes another piece of
-#: Python's memory, which is 1 MB; whenever the machine stalls later, there is room for it.
+#: How long the scope is stopped once in that time [s]: the backlog makes Python allocate another
+#: 1 MB arena, which later stalls of the machine then use.
 STALL = 2.0
-#: How often the page is read, and the least frames a second.
+#: Number of reads of the page, and smallest allowed frame rate [1/s].
 LOOKS, FRAMES = 30, 1.0
-#: How often one reading collects garbage: the page goes on meanwhile, and the least counts.
+#: Number of garbage collections per read: the page runs meanwhile, and the smallest value counts.
 TRIES = 5
-#: What is read of the page: JavaScript's objects [bytes], and numbers.
+#: Values read from the page: size of JavaScript's objects [bytes], and counts.
 PARTS = ("heap", "elements", "listeners")
 #: Most memory of the scope [MB].
 MEMORY = 120.0
-#: Highest growth of the scope and of the page [%]: what was drawn last is in the page.
+#: Highest growth of the scope and of the page [%]: the page holds the last drawing.
 GROWTH, PAGE_GROWTH = 1.0, 5.0
-#: Parts of a series that are compared: buffers fill up and begin again, several times in each.
+#: Number of compared parts of a series: buffers fill up and restart several times in each.
 THIRDS = 3
 
 
@@ -85,7 +85,7 @@ def run(soak: Soak) -> List[Check]:
         at_least("least frames a second", min(frames), FRAMES),
         reported("heap of the page, MB", ", ".join(f"{one / 1e6:.1f}" for one in parts[0])),
         *(
-            # Of these the least counts, as there is garbage in each value.
+            # The smallest value counts, because each includes garbage.
             at_most(
                 f"growth of the page's {name}", growth(values, np.min, THIRDS), PAGE_GROWTH, "%"
             )
@@ -95,7 +95,7 @@ def run(soak: Soak) -> List[Check]:
 
 
 def warm_up(scope: "subprocess.Popen[bytes]") -> None:
-    """Wait until the scope has taken the memory that it needs."""
+    """Wait until the scope has allocated its memory."""
     time.sleep(WARM_UP / 2.0)
     scope.send_signal(signal.SIGSTOP)
     try:

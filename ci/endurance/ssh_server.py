@@ -1,4 +1,4 @@
-"""An ssh server on the far host that accepts one key, made for it."""
+"""ssh server on the far host that accepts one key, created for it."""
 
 import pathlib
 import subprocess

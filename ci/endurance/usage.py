@@ -1,4 +1,4 @@
-"""Growth of what processes use."""
+"""Growth of processes' resource usage."""
 
 import contextlib
 import threading
@@ -11,9 +11,9 @@ from .checks import Check, at_most, reported
 
 
 def growth(values: Sequence[float], typical: Any = np.median, parts: int = 10) -> float:
-    """Return by how much the last part of a series lies above the first one [%].
+    """Return the growth of a series from its first to its last part [%].
 
-    :param typical: value of a part; a peak that is taken back is not growth of the median
+    :param typical: value of a part; the median ignores temporary peaks
     :param parts: number of parts
     """
     length = max(1, len(values) // parts)
@@ -22,15 +22,15 @@ def growth(values: Sequence[float], typical: Any = np.median, parts: int = 10) -
 
 
 def added(values: Sequence[int]) -> int:
-    """Return by how much the least of the last tenth lies above the most of the first one."""
+    """Return the smallest value of the last tenth minus the largest of the first."""
     tenth = max(1, len(values) // 10)
     return min(values[-tenth:]) - max(values[:tenth])
 
 
 def not_grown(name: str, seen: List[Usage], limit: float = 1.0) -> List[Check]:
-    """Check that memory, threads and descriptors of a process stay what they were.
+    """Check that memory, threads and descriptors of a process do not grow.
 
-    :param seen: its usage, in the order of time
+    :param seen: its usage over time
     :param limit: of the memory's growth [%]
     """
     memory, threads, descriptors = zip(*seen)
@@ -44,7 +44,7 @@ def not_grown(name: str, seen: List[Usage], limit: float = 1.0) -> List[Check]:
 
 
 class Sampler:
-    """Reads what processes use, once a second, for the duration of its context.
+    """Sampler of processes' usage, once a second, for the duration of its context.
 
     :param pids: process ids by name
     """

@@ -1,4 +1,4 @@
-"""Check what no linter knows: who may import whom, and that code for ROS Noetic can be parsed.
+"""Check imports between modules, and that code for ROS Noetic can be parsed.
 
 ``python3 ci lint.code_rules`` prints each breach and ends with status 1 if there is one. Modules
 and functions that no package may use are banned in pyproject.toml, where ruff reads them.
@@ -17,17 +17,17 @@ SOURCES = pathlib.Path(__file__).resolve().parents[2] / "src"
 PACKAGES = {manifest.parent.name for manifest in SOURCES.glob("*/package.xml")}
 ROS = {"rospy", "rosgraph", "roslib", "std_msgs", "std_srvs", "genpy", "rclpy"}
 
-#: Most lines of a module. Length follows sense; what is longer than this has more than one subject.
+#: Most lines of a module: a longer module has more than one subject.
 LONGEST = 400
-#: Imports by name what it offers, so that nothing is imported before it is used.
+#: Module that imports its public names on first use.
 PUBLIC_MODULE = "nodekit"
 
-#: rospy's throttles, keyed by line of code: of two nodes in a process, one silences the other.
+#: rospy's throttles, keyed by line of code: two nodes in a process silence each other.
 THROTTLE = re.compile(r"log[a-z]+_throttle")
 
-#: The Python of ROS Noetic. mypy is set to it as well, and knows what its modules hold.
+#: The Python of ROS Noetic, also for mypy, which knows the contents of its modules.
 NOETIC = (3, 8)
-#: First line of a module that must not depend on ROS; in an ``__init__.py``, of its whole room.
+#: First line of a module that must not depend on ROS; in an ``__init__.py``, for its whole folder.
 PURE_MARK = "# Pure: knows no ROS.\n"
 
 
@@ -41,12 +41,12 @@ def modules() -> Iterator[Tuple[str, pathlib.Path]]:
         yield f"{path.parts[-3]}.scripts.{path.stem}", path
 
 
-#: Rooms and modules that bear the mark, so that they are tested without a master.
+#: Folders and modules with the mark, which are tested without a master.
 PURE = frozenset(name for name, path in modules() if path.read_text("utf-8").startswith(PURE_MARK))
 
 
 def imports(tree: ast.AST) -> Iterator[Tuple[int, str]]:
-    """Return line and full name of all that a module imports, wherever it does."""
+    """Return line and full name of all imports of a module."""
     for node in ast.walk(tree):
         if isinstance(node, (ast.Import, ast.ImportFrom)):
             prefix = f"{node.module}." if isinstance(node, ast.ImportFrom) else ""
@@ -55,12 +55,12 @@ def imports(tree: ast.AST) -> Iterator[Tuple[int, str]]:
 
 
 def is_in(name: str, places: Iterable[str]) -> bool:
-    """Tell whether a dotted name is one of some places, or lies below one."""
+    """Return whether a dotted name is, or lies below, one of some places."""
     return any((name + ".").startswith(place + ".") for place in places)
 
 
 def import_graph(trees: Mapping[str, ast.AST]) -> Dict[str, Set[str]]:
-    """Return which of the other modules each module imports."""
+    """Return the other modules that each module imports."""
     return {
         name: {
             found
@@ -75,7 +75,7 @@ def import_graph(trees: Mapping[str, ast.AST]) -> Dict[str, Set[str]]:
 def cycles(graph: Mapping[str, Set[str]]) -> Iterator[str]:
     """Return a sentence for each cycle of modules that import each other.
 
-    :param graph: what each module imports
+    :param graph: imports of each module
     """
     done: Set[str] = set()
 
@@ -92,7 +92,7 @@ def cycles(graph: Mapping[str, Set[str]]) -> Iterator[str]:
 
 
 def breaches(name: str, tree: ast.AST) -> Iterator[Tuple[int, str]]:
-    """Return line and sentence of each import that a module must not have."""
+    """Return line and message of each forbidden import of a module."""
     package, room = (name + ".").split(".")[:2]
     rooms, independent = ROOMS.get(package, []), INDEPENDENT.get(package, [])
     allowed = [package, *SIBLINGS.get(package, ("", ""))[0].split(", ")]
@@ -112,7 +112,7 @@ def breaches(name: str, tree: ast.AST) -> Iterator[Tuple[int, str]]:
 
 
 def shared_throttles(tree: ast.AST) -> Iterator[Tuple[int, str]]:
-    """Return line and sentence of each use of rospy's throttles, which nodes of a process share."""
+    """Return line and message of each use of rospy's throttles, which all nodes share."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Attribute) and THROTTLE.match(node.attr):
             yield node.lineno, f"{node.attr} is keyed by line of code: use nodekit.Throttle"

@@ -1,7 +1,7 @@
 """Compare docs/courses.csv, the items of the courses, with the tests that prove them.
 
-A test names in its docstring what it proves, "Course ID, ID.", and a page whose commands the tests
-type in a comment.
+A test names the items that it proves in its docstring, "Course ID, ID."; a page with commands that
+the tests type, in a comment.
 """
 
 import csv
@@ -11,7 +11,7 @@ from typing import Dict, Iterator, List, Set
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
 
-#: Whatever begins like an id is taken for one, so that a slip of the pen is found.
+#: Anything that begins like an id counts as one, to find typing errors.
 _ID = r"(?:00\d|err)-\w+(?:-\w+)*"
 _LIST = re.compile(rf"\bCourses?\s+{_ID}(?:,\s+{_ID})*")
 
@@ -19,28 +19,28 @@ _LIST = re.compile(rf"\bCourses?\s+{_ID}(?:,\s+{_ID})*")
 def rows(text: str) -> List[Dict[str, str]]:
     """Return the items of the courses.
 
-    :param text: what docs/courses.csv holds
+    :param text: content of docs/courses.csv
     """
     return list(csv.DictReader(text.splitlines(), strict=True))
 
 
 def proofs(workspace: pathlib.Path) -> Iterator[pathlib.Path]:
-    """Return all files that may carry an id: the tests, and the pages that tests type."""
+    """Return all files that may name an id: the tests, and the pages that tests type."""
     for pattern in ("src/*/test/**/*.py", "ci/tests/**/*.py", "docs/**/*.md"):
         yield from sorted(workspace.glob(pattern))
 
 
 def carried(path: pathlib.Path) -> Set[str]:
-    """Return the ids that a file carries."""
+    """Return the ids that a file names."""
     lists = " ".join(_LIST.findall(path.read_text("utf-8")))
     return set(re.findall(_ID, lists))
 
 
 def breaches(items: List[Dict[str, str]], workspace: pathlib.Path) -> Iterator[str]:
-    """Return a sentence for each thing in which the rows and the tests differ.
+    """Return a message for each difference between the rows and the tests.
 
     :param items: the rows
-    :param workspace: folder that the tests are in
+    :param workspace: folder with the tests
     """
     found = {str(path.relative_to(workspace)): carried(path) for path in proofs(workspace)}
     known = [row["id"] for row in items]

@@ -12,7 +12,7 @@ from typing import Iterator, Tuple
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
 SUFFIXES = (".bash", ".css", ".html", ".js", ".launch", ".md", ".py", ".rst", ".test", ".yaml")
-#: Words that no text uses, and what to write.
+#: Forbidden words, and the replacement.
 WORDS = {
     r"\b(is|are|was|were|be) none\b": "write 'unset', 'missing', 'invalid' or 'not a ...'",
     r"(?i)\b(some|no|any)body\b|\bwhoever\b": "name the user, the caller, the node or the board",
@@ -22,7 +22,7 @@ WORDS = {
 OPENING = re.compile(r"(What|Whose|Who|Where|How)\b")
 #: Only the command that checks controllers is a judge.
 JUDGE = re.compile(r"(?i)judg")
-#: Files that are about that command, or name it.
+#: Files about that command, or that name it.
 ABOUT_THE_JUDGE = re.compile(
     r"src/pid_control|docs/|README|ci/(apt-packages|endurance|lint/structure|packages|tests)|pyproject|judge"
 )
@@ -44,7 +44,7 @@ def openings(text: str) -> Iterator[Tuple[int, str]]:
 
 
 def words(text: str) -> Iterator[Tuple[int, str]]:
-    """Return line and breach of each word that no text uses."""
+    """Return line and breach of each forbidden word."""
     for pattern, instead in WORDS.items():
         for found in re.finditer(pattern, text):
             line = text.count("\n", 0, found.start()) + 1

@@ -1,7 +1,7 @@
 """Check launch files as roslaunch-check does, all in one process.
 
-``launch_files.py FOLDER…`` prints what is wrong with any below these folders, and ends with status
-1 if something is, or if no launch file is found.
+``launch_files.py FOLDER…`` prints the faults of all launch files below these folders, and ends with
+status 1 if there is one, or no launch file is found.
 """
 
 import pathlib
@@ -13,9 +13,9 @@ import roslaunch.rlutil
 
 
 def faults(files: List[pathlib.Path]) -> Iterator[str]:
-    """Return a sentence about each file that cannot be launched or needs what its package does not.
+    """Return a message for each file that cannot be launched or has undeclared dependencies.
 
-    :param files: launch files; what a test needs counts as installed, and arguments may be unset
+    :param files: launch files; test dependencies count as installed, and arguments may be unset
     """
     for file in files:
         fault = roslaunch.rlutil.check_roslaunch(

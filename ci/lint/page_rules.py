@@ -1,4 +1,4 @@
-"""Check who imports whom among the scripts of the oscilloscope's page.
+"""Check the imports between the scripts of the oscilloscope's page.
 
 ``python3 ci lint.page_rules`` prints each breach and ends with status 1 if there is one.
 """
@@ -15,7 +15,7 @@ from .structure import PAGE
 SCRIPTS = pathlib.Path(__file__).resolve().parents[2] / "src" / "topic_scope" / "www" / "js"
 
 ROOMS = list(PAGE)
-#: Beside the rooms: what puts the page together, and may import all; and what is not a module.
+#: Besides the folders: scripts that assemble the page and may import all, and non-modules.
 ENTRY = "main.js"
 NO_MODULES = ("start.js",)
 
@@ -35,7 +35,7 @@ def without_comments(text: str) -> str:
 
 
 def imports(text: str) -> Iterator[Tuple[int, str, List[str]]]:
-    """Return line, address and names of all that a script imports.
+    """Return line, address and names of all imports of a script.
 
     :param text: the script without its comments
     """
@@ -46,9 +46,9 @@ def imports(text: str) -> Iterator[Tuple[int, str, List[str]]]:
 
 
 def breaches(texts: Dict[str, str]) -> Iterator[str]:
-    """Return a sentence for each import that is not allowed, and for each script out of place.
+    """Return a message for each forbidden import, and each misplaced script.
 
-    :param texts: what is in each script, by its path below the folder of the scripts
+    :param texts: content of each script, by its path below the folder of the scripts
     """
     graph: Dict[str, Set[str]] = {}
     for module, whole in sorted(texts.items()):
@@ -75,7 +75,7 @@ def breaches(texts: Dict[str, str]) -> Iterator[str]:
 
 
 def scripts() -> Dict[str, str]:
-    """Return what is in each script, by its path below their folder."""
+    """Return the content of each script, by its path below their folder."""
     paths = SCRIPTS.rglob("*.js")
     return {path.relative_to(SCRIPTS).as_posix(): path.read_text("utf-8") for path in paths}
 

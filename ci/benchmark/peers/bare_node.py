@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A node that does nothing but import rospy and the messages: the floor of memory."""
+"""Node that only imports rospy and the messages: the minimum of memory."""
 
 import rospy
 from std_msgs.msg import Float32, String  # noqa: F401

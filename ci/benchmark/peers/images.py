@@ -33,7 +33,7 @@ def new_message(data: bytes) -> Any:
 
 
 def publish_all(publish: Callable[[Any], None], connected: Callable[[], int]) -> None:
-    """Publish at :data:`RATE` once all subscribers are there, until the process ends."""
+    """Publish at :data:`RATE` once all subscribers are connected, until the process ends."""
     record, data, number = Record(FILE), os.urandom(int(BYTES)), 0
     while connected() < int(SUBSCRIBERS):
         time.sleep(0.05)

@@ -1,4 +1,4 @@
-"""Print what is observed in the scenarios of ``executor_scenarios`` with nodekit, as JSON."""
+"""Print the observations of the scenarios of ``executor_scenarios`` with nodekit, as JSON."""
 
 from typing import Any
 
@@ -17,7 +17,7 @@ root = init_node("overlap")
 
 
 def run(number: int, scenario: Scenario, seen: Observation) -> None:
-    """Run a node in an executor, and call its service twice at once."""
+    """Run a node in an executor, and call its service twice at the same time."""
 
     def answer(request: Any) -> TriggerResponse:
         seen.serve()

@@ -14,7 +14,7 @@ _numbers = itertools.count()
 
 
 class PlannedNode(type("Callbacks", (ManagedNode,), lifecycle_cases.make_callbacks(Outcome))):
-    """Node whose callbacks have the outcomes of a case."""
+    """Node with callbacks that have the outcomes of a case."""
 
     plan: Dict[str, str]
 

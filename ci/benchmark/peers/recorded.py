@@ -16,7 +16,7 @@ MODULE, CLASS = NODE.split(":")
 
 
 class RecordingPublisher:
-    """Stand-in for a publisher, whose own method cannot be replaced.
+    """Wrapper of a publisher; a publisher's own method cannot be replaced.
 
     :param publisher: the node's own
     """

@@ -1,4 +1,4 @@
-"""A node of ROS 2 that repeats on /heard what comes on /chatter, written as users do."""
+"""ROS 2 node that republishes /chatter on /heard, written as users would."""
 
 import contextlib
 

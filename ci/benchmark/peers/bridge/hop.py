@@ -38,7 +38,7 @@ class Received:
         self.took.append(1e6 * (now - message.time_x))
 
     def wait(self) -> None:
-        """Wait for all messages, or until they stay away."""
+        """Wait for all messages, or until no more arrive."""
         self.latest = max(self.latest, time.monotonic())
         while len(self.took) < EXPECTED:
             time.sleep(0.1)
@@ -110,7 +110,7 @@ def run_in_ros2(at_end: contextlib.ExitStack) -> None:
         send([one.publish for one in outs], [one.get_subscription_count for one in outs], SignalMsg)
         return
     received = Received()
-    # Room for all messages: what is lost then is lost on the way.
+    # Depth for all messages: any loss is then in transport.
     depth = int(RATE * SECONDS) + 1000
     for name in NAMES:
         node.create_subscription(SignalMsg, name, received.add_sample, depth)
@@ -128,7 +128,7 @@ def run_in_ros2(at_end: contextlib.ExitStack) -> None:
 
 
 def end(*_: Any) -> None:
-    """End at Ctrl-C; another one would only interrupt that."""
+    """End at Ctrl-C; a second one would only interrupt that."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     sys.exit(0)
 

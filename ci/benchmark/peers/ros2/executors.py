@@ -1,4 +1,4 @@
-"""Print the processor time of a call by rclpy's executors, where work always waits, as JSON.
+"""Print the processor time of a call by rclpy's executors with work always waiting, as JSON.
 
 Usage: ... THREADS
 """

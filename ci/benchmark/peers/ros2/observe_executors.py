@@ -1,4 +1,4 @@
-"""Print what is observed in the scenarios of ``executor_scenarios`` with rclpy, as JSON."""
+"""Print the observations of the scenarios of ``executor_scenarios`` with rclpy, as JSON."""
 
 import os
 import threading
@@ -14,7 +14,7 @@ from ci.benchmark.executor_scenarios import CALL_S, TICK_S, Observation, Scenari
 
 
 def run(number: int, scenario: Scenario, seen: Observation) -> None:
-    """Run a node in an executor, and call its service twice at once."""
+    """Run a node in an executor, and call its service twice at the same time."""
 
     def answer(request: Any, response: Any) -> Any:
         seen.serve()

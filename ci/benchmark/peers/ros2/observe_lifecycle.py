@@ -19,7 +19,7 @@ from lifecycle_msgs import msg, srv
 RCLError = rclpy_implementation.RCLError
 #: Longest wait for an answer [s].
 LIMIT = 10.0
-#: Silence after which all events have come [s].
+#: Silence after which all events have arrived [s].
 QUIET = 0.02
 
 _numbers = itertools.count()
@@ -27,7 +27,7 @@ _CALLBACKS = lifecycle_cases.make_callbacks(TransitionCallbackReturn)
 
 
 class PlannedNode(type("Callbacks", (LifecycleNode,), _CALLBACKS)):
-    """Node whose callbacks have the outcomes of a case."""
+    """Node with callbacks that have the outcomes of a case."""
 
     def __init__(self, name: str, plan: Dict[str, str]) -> None:
         self.calls: List[str] = []

@@ -14,8 +14,8 @@ from .hosts import ADDRESSES, Hosts
 
 #: Rates of the samples [Hz]: the course's, and one that exceeds a socket's buffers.
 RATES = (10.0, 1000.0)
-#: Longest time from the cable's return until samples flow [s]: TCP pauses between two retries for at
-#: most the time of all retries before.
+#: Longest time from the cable's return until samples flow [s]: TCP's pause between two retries is
+#: at most the time of all retries before.
 BACK_WITHIN = 60.0
 #: Time before and after the outage [s].
 STEADY = 5.0

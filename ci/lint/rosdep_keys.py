@@ -15,7 +15,7 @@ import yaml
 WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
 KEYS = WORKSPACE / "ci" / "rosdep-keys.txt"
 
-#: What may stand between a rule for Debian and its packages.
+#: Keys that may enclose the packages in a rule for Debian.
 STEPS = ("*", "bookworm", "trixie", "apt", "packages")
 
 
@@ -26,7 +26,7 @@ def listed(file: pathlib.Path) -> Set[str]:
 
 
 def unknown(sources: pathlib.Path, known: Set[str]) -> Iterator[str]:
-    """Return a sentence about each key that is neither known nor one of the packages beside it."""
+    """Return a message for each key that is neither known nor a package of the workspace."""
     manifests = sorted(sources.glob("*/package.xml"))
     own = {manifest.parent.name for manifest in manifests}
     for manifest in manifests:
@@ -42,14 +42,14 @@ def unknown(sources: pathlib.Path, known: Set[str]) -> Iterator[str]:
 
 
 def has_package(rule: Any) -> bool:
-    """Tell whether a rule of rosdep's for Debian names a package."""
+    """Return whether a rosdep rule for Debian names a package."""
     if isinstance(rule, dict):
         return any(has_package(rule.get(step)) for step in STEPS)
     return bool(rule)
 
 
 def keys_of(files: List[str]) -> List[str]:
-    """Return the keys of rosdep's files that have a package, but for those of Python 2."""
+    """Return the keys of rosdep's files that have a package, except those of Python 2."""
     keys: Set[str] = set()
     for file in files:
         rules = yaml.safe_load(pathlib.Path(file).read_text("utf-8"))

@@ -1,4 +1,4 @@
-"""Imports between packages, and the rooms of each package from the ground up.
+"""Allowed imports between packages, and the folders of each package in import order.
 
 ``python3 ci lint.tables`` writes both into the pages.
 """
@@ -12,20 +12,20 @@ SIBLINGS: Dict[str, Tuple[str, str]] = {
     "first_order_sys_sim": ("nodekit", ""),
     "motor_control": (
         "nodekit, motor_control_msgs, first_order_sys_sim, basic_comms.signals",
-        "its set point makes the signal generator's signals; it needs none of the course's nodes",
+        "its set point uses the signal generator's signals; it does not need the course's nodes",
     ),
     "pid_control": (
         "nodekit, pid_control_msgs, first_order_sys_sim, basic_comms.signals",
-        "its motor is the plant behind messages, its set point makes the same signals",
+        "its motor wraps the plant, its set point uses the same signals",
     ),
     "serial_link": (
         "nodekit, first_order_sys_sim",
-        "its simulated board has a motor; the messages are those that a board names",
+        "its simulated board has a motor; a board names its message types",
     ),
     "diff_drive_sim": ("nodekit", ""),
     "topic_scope": (
         "nodekit, nodekit_msgs, lifecycle_msgs",
-        "it shows any graph, changes parameters by `~change`, nodes by `ChangeState`",
+        "it shows any graph, and uses `~change` and `ChangeState`",
     ),
     "lifecycle_demo": (
         "nodekit, lifecycle_msgs",
@@ -33,14 +33,14 @@ SIBLINGS: Dict[str, Tuple[str, str]] = {
     ),
     "lifecycle_manager": (
         "nodekit, nodekit_msgs, lifecycle_msgs",
-        "it takes commands by `ManageNodes`, changes nodes by `ChangeState`",
+        "it offers `ManageNodes`, and uses `ChangeState`",
     ),
     "executors_demo": ("nodekit", ""),
     "parameters_demo": ("nodekit, parameters_demo_msgs", ""),
     "launch_files_demo": (
         "nodekit, parameters_demo.messages, parameters_demo.picture, parameters_demo.room, "
         "parameters_demo.sensors",
-        "the sensors of both see the same room and test card; it needs none of the other's nodes",
+        "both have the same sensors, room and test card; it does not need the other's nodes",
     ),
     "my_robot_package": ("nodekit, my_robot_package_interfaces", ""),
     "robot_interfaces_demo": ("nodekit, robot_custom_interfaces", ""),
@@ -54,48 +54,48 @@ SIBLINGS: Dict[str, Tuple[str, str]] = {
     ),
     "ros2_bridge": ("nodekit", "it reads all types but its own from their files"),
 }
-#: The subject of each room of a package that has many.
+#: The subject of each folder of a package with many.
 SUBJECTS: Dict[str, Dict[str, str]] = {
     "nodekit": {
-        "shadowed_modules": "files beside a script that hide modules of Python or ROS",
-        "deprecated": "old names of the public API, which warn",
-        "entry_point": "the first lines of a script, before rospy is imported, and the last ones",
-        "validation": "checks arguments of nodekit's methods, at the line of the call",
-        "throttle": "a rate limit of log lines, one per instance and key",
-        "round_robin": "takes a few of many items at a time",
-        "message_definitions": "parses message definitions",
+        "shadowed_modules": "check for files beside a script that hide modules of Python or ROS",
+        "deprecated": "old names of the public API, with warnings",
+        "entry_point": "start of a script before rospy is imported, and its end",
+        "validation": "checks of arguments of nodekit's methods, at the line of the call",
+        "throttle": "rate limit of log lines, per instance and key",
+        "round_robin": "round robin over many items",
+        "message_definitions": "parser of message definitions",
         "lifecycle_states": "the states of a managed node, and its transitions",
-        "actions": "states of goals, and the list that a server keeps of them",
-        "parameters": "declare, validate, reconcile, describe",
-        "transport": "bytes to subscribers that may not read, and from services",
-        "shared_memory": "large messages between processes of one user, in memory that both have",
-        "master": "one client of the master, and of its parameter server",
-        "rospy_internals": "what is not public in rospy, and the patches, which only `run` applies",
+        "actions": "states of goals, and a server's list of goals",
+        "parameters": "declaration, validation, reconciliation and description of parameters",
+        "transport": "delivery to subscribers that may not read, and service calls",
+        "shared_memory": "shared memory for large messages between processes of one user",
+        "master": "client of the master and of its parameter server",
+        "rospy_internals": "uses of rospy's private interfaces, and patches, applied by `run` only",
         "timing": "clocks, and timers without drift",
-        "messaging": "publishers, subscriptions, services, a log for streams",
-        "parameter_server": "one watcher, live parameters, `~describe`, `~change`",
-        "service_hint": "what to say of a node without a service that a command needs",
+        "messaging": "publishers, subscriptions, services, rate-limited log",
+        "parameter_server": "watcher of the server, live parameters, `~describe`, `~change`",
+        "service_hint": "hint for a command about a node without the required service",
         "groups": "callback groups, and the ready queue of an executor",
         "node": "Node and NodeScope: names, topics, timers, clients, ownership, order of opening",
-        "executors": "executors with one thread or many; one module",
+        "executors": "executors with one thread or many",
         "managed": "managed nodes",
         "process": "`run` and `host`",
-        "doctor": "checks of a system: workspace, machine, master, nodes, topics",
+        "doctor": "checks of a ROS system: workspace, machine, master, nodes, topics",
         "commands": "`rosrun nodekit describe`, `change`, `callbacks`, `lifecycle`, `host`, `new`,"
         " `doctor`",
-        "testing": "what tests of nodes need; installed",
+        "testing": "helpers for tests of nodes; installed",
     },
     "topic_scope": {
-        "timing": "clocks of stamps, their offsets, and implausible stamps",
+        "timing": "clocks of time stamps, their offsets, and implausible stamps",
         "messages": "definitions, fields, values and stamps of messages, installed or not",
         "analysis": "computations on samples: bins, measurements, spectra",
-        "formulas": "traces computed by formulas: lexer, parser, evaluation",
-        "sampling": "records samples from topics",
-        "bag": "bags: reading, playback, plots and CSV files",
-        "masks": "mask tests: limits around a reference trace",
-        "protocol": "the page's requests, and how they are validated",
-        "page": "state of one page, and its messages",
-        "graph": "graph of nodes and topics, from the master",
+        "formulas": "traces computed by an expression: parser, checks, evaluation",
+        "sampling": "recording of samples from topics",
+        "bag": "samples from bags: player, plots, CSV files",
+        "masks": "mask test: limits around a reference trace",
+        "protocol": "the page's requests, and their validation",
+        "page": "samples shown by one page",
+        "graph": "nodes and topics, as the master lists them",
         "controls": "parameters, services and states of other nodes",
         "robots": "robot view from above, and driving",
         "commands": "`mask` and `plot_bag`, from the command line",
@@ -103,10 +103,10 @@ SUBJECTS: Dict[str, Dict[str, str]] = {
         "nodes": "the node",
     },
     "ros2_bridge": {
-        "rules": "what is bridged, under which name, which way, until when; what is not, and why",
+        "rules": "rules of what is bridged: names, directions, lifetimes, exclusions",
         "actions": "goals of either ROS: states, ids, cancellations, replies to other clients",
         "types": "types of either ROS, matched and translated",
-        "environment": "the Python environment that has both, and how a process enters it",
+        "environment": "the Python environment with both ROSes, and its activation",
         "ros1": "the side in ROS 1",
         "ros2": "the side in ROS 2",
         "topics": "bridged topics",
@@ -114,23 +114,23 @@ SUBJECTS: Dict[str, Dict[str, str]] = {
         "action_bridge": "bridged actions",
         "parameters": "bridged parameters",
         "node_bridge": "nodes with their parameters",
-        "graph_loop": "the loop that polls both graphs and has all parts follow",
+        "graph_loop": "the loop that polls both graphs and updates all parts",
         "nodes": "the node",
     },
 }
-#: The same of the scripts of the oscilloscope's page.
+#: The subjects of the folders of the oscilloscope's page.
 PAGE: Dict[str, str] = {
     "base": "elements, numbers, times, names, keys, pointers, and the connection",
-    "state": "what the user has chosen, and the samples that are shown",
+    "state": "the user's choices, and the shown samples",
     "plot": "the plots: axes, lines, zoom",
-    "measure": "cursors, the trigger, figures, and the picture with all of them",
-    "choose": "the traces, and the settings of each",
+    "measure": "cursors, trigger, measurements, and export as a picture",
+    "choose": "choice of traces, and their settings",
     "controls": "parameters, services and states of other nodes",
     "graph": "nodes and topics, drawn",
-    "robots": "robot view from above, and driving",
-    "page": "the whole page: its bars, its keys, its set-up, and its requests to the server",
+    "robots": "robots seen from above, and driven",
+    "page": "the whole page: bars, keys, set-up, and requests to the server",
 }
-#: The rooms of each library: each imports only those before it.
+#: The folders of each library: each imports only earlier ones.
 ROOMS: Dict[str, List[str]] = {
     **{package: list(subjects) for package, subjects in SUBJECTS.items()},
     "basic_comms": "signals conditioning message_scope nodes".split(),
@@ -157,7 +157,7 @@ ROOMS: Dict[str, List[str]] = {
     "robot_interfaces_demo": ("modes robot_model monitoring diagnostics commands nodes").split(),
     "bot_controller_demo": "control teleop driving nodes".split(),
 }
-#: Rooms that must not import each other, whatever their order.
+#: Folders that must not import each other, whatever their order.
 INDEPENDENT: Dict[str, List[Set[str]]] = {
     "ros2_bridge": [{"ros1", "ros2"}, {"topics", "services", "action_bridge", "parameters"}],
     "serial_link": [{"device", "host"}, {"hardware", "board"}],

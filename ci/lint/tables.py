@@ -1,6 +1,6 @@
-"""Write the tables of the pages that show what the lint and package.xml files say.
+"""Write the tables of the pages from the lists of the lint and the package.xml files.
 
-``python3 ci lint.tables`` replaces what stands between the comments of each table.
+``python3 ci lint.tables`` replaces the lines between the comments of each table.
 """
 
 from typing import Dict, Sequence, Set
@@ -11,7 +11,7 @@ from .structure import PAGE, SUBJECTS
 
 DOCS = SOURCES.parent / "docs"
 PAGES = (DOCS / "design.md", DOCS / "tutorials" / "other_packages.md")
-#: What a user may want of the workspace, and the package that has it.
+#: A user's purpose, and the package for it.
 WANTED = {
     "live parameters, timers, nodes that own what they create": "nodekit",
     "the course's nodes and signals too": "basic_comms",
@@ -20,7 +20,7 @@ WANTED = {
 
 
 def needed(package: str) -> Set[str]:
-    """Return the packages of the workspace that one needs, and itself; not those of its tests."""
+    """Return a package and its dependencies in the workspace, except those of its tests."""
     found = {package}
     for element in ElementTree.parse(str(SOURCES / package / "package.xml")).getroot():
         name = (element.text or "").strip()
@@ -31,7 +31,7 @@ def needed(package: str) -> Set[str]:
 
 
 def rooms_in_order(package: str) -> str:
-    """Return the rooms of a package, which of them are pure, and which are independent."""
+    """Return the folders of a package as text, with marks of pure and independent ones."""
     names = [
         f"`{room}`" + (" (pure)" if f"{package}.{room}" in PURE else "") for room in ROOMS[package]
     ]
@@ -49,12 +49,12 @@ def table(*rows: Sequence[str]) -> str:
 
 
 def subjects(name: str, package: str, rooms: Dict[str, str]) -> str:
-    """Return the table of the rooms of a package, or of the page, with their subjects."""
+    """Return the table of the folders of a package, or of the page, with their subjects."""
     rows = [
         (f"`{room}`", text + (". Pure" if f"{package}.{room}" in PURE else ""))
         for room, text in rooms.items()
     ]
-    return table((f"room of {name}", "subject"), *rows)
+    return table((f"module of {name}", "subject"), *rows)
 
 
 def tables() -> Dict[str, str]:
@@ -67,7 +67,7 @@ def tables() -> Dict[str, str]:
         **{f"rooms of {name}": subjects(name, name, rooms) for name, rooms in SUBJECTS.items()},
         "rooms of the page": subjects("the page", "", PAGE),
         "rooms": table(
-            ("other packages with rooms", "in their order"),
+            ("other packages", "modules in import order"),
             *((name, rooms_in_order(name)) for name in small),
         ),
         "copied packages": table(("you want", "copy"), *copied),
@@ -75,7 +75,7 @@ def tables() -> Dict[str, str]:
 
 
 def with_tables(text: str) -> str:
-    """Return a page with its tables as they have to be."""
+    """Return a page with up-to-date tables."""
     for name, rows in tables().items():
         before, begin, rest = text.partition(f"% Table, by lint.tables: {name}\n")
         if begin:

@@ -1,9 +1,8 @@
-"""Check that tests assert something also where their data is empty.
+"""Check that tests assert something even if their data is empty.
 
-``python3 ci lint.vacuous_tests`` prints each test all of whose assertions stand in loops over
-what may be empty, or are about all of it, and ends with status 1 if there is one. It passes once
-the test asserts that the data is there. What hypothesis gives is left out: it is not empty each
-time.
+``python3 ci lint.vacuous_tests`` prints each test with all of its assertions in loops over
+possibly empty data, or about all items of it, and ends with status 1 if there is one. A test passes
+once it asserts that the data is not empty. Data from hypothesis is ignored: it is not always empty.
 """
 
 import ast
@@ -12,12 +11,12 @@ import sys
 from typing import Iterator, List, Set, Tuple
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
-#: Where tests are.
+#: Folders of tests.
 TESTS = ("src/*/test/**/test_*.py", "ci/tests/**/test_*.py", "docs/tests/test_*.py")
 
-#: How the name of what asserts something begins; a wait fails where what it is for does not come.
+#: Beginnings of names of functions that assert something; a wait fails after its timeout.
 ASSERTING = ("assert", "check", "expect", "fail", "raises", "until", "wait")
-#: Calls that give something where each of their arguments, or else their object, has something.
+#: Calls with a non-empty result if each argument, or else their object, is not empty.
 _PASSING = set(
     "enumerate list map reversed set sorted tuple chain product zip "
     "items keys splitlines split values".split()
@@ -25,7 +24,7 @@ _PASSING = set(
 
 
 def idle_tests(tree: ast.Module) -> Iterator[Tuple[int, str]]:
-    """Return line and name of each test that asserts nothing where its data is empty.
+    """Return line and name of each test that asserts nothing if its data is empty.
 
     :param tree: a module of tests
     """
@@ -40,10 +39,10 @@ def idle_tests(tree: ast.Module) -> Iterator[Tuple[int, str]]:
 
 
 def filled_names(tree: ast.AST, known: Set[str]) -> Set[str]:
-    """Return the names that stand for something not empty, whenever they are assigned or returned.
+    """Return the names that are never assigned or returned as empty.
 
     :param tree: a module, or a function
-    :param known: such names of around it
+    :param known: such names of the enclosing scope
     """
     values: List[Tuple[str, ast.AST]] = []
     for node in ast.walk(tree):
@@ -60,10 +59,10 @@ def filled_names(tree: ast.AST, known: Set[str]) -> Set[str]:
 
 
 def is_filled(node: ast.AST, known: Set[str]) -> bool:
-    """Tell whether an expression is certain to give at least one thing.
+    """Return whether the value of an expression is certainly not empty.
 
     :param node: the expression
-    :param known: names that stand for such a thing
+    :param known: names of such values
     """
     if isinstance(node, ast.Constant):
         return bool(node.value)
@@ -72,7 +71,7 @@ def is_filled(node: ast.AST, known: Set[str]) -> bool:
         return len(stars) < len(node.elts) or any(is_filled(each, known) for each in stars)
     if isinstance(node, ast.Dict):
         return None not in node.keys and bool(node.keys)
-    if isinstance(node, (ast.Name, ast.Attribute)):  # a constant is what an author has written
+    if isinstance(node, (ast.Name, ast.Attribute)):  # constants are written by the author
         name = node.id if isinstance(node, ast.Name) else node.attr
         return name in known or name.isupper()
     if isinstance(node, (ast.ListComp, ast.SetComp, ast.DictComp, ast.GeneratorExp)):
@@ -92,11 +91,11 @@ def _gives_something(call: ast.Call, known: Set[str]) -> bool:
 
 
 def _checks(node: ast.AST, known: Set[str], is_idle: bool) -> Iterator[bool]:
-    """Return for each assertion below a node whether it may hold of nothing.
+    """Return for each assertion below a node whether empty data may satisfy it.
 
-    :param node: what to look through, without the functions that are defined in it
-    :param known: names of what is not empty
-    :param is_idle: whether the node itself may never be come to
+    :param node: the node to search, without functions defined in it
+    :param known: names of non-empty values
+    :param is_idle: whether the node itself may never be reached
     """
     if isinstance(node, (ast.FunctionDef, ast.Lambda)):
         return
@@ -112,7 +111,7 @@ def _checks(node: ast.AST, known: Set[str], is_idle: bool) -> Iterator[bool]:
 
 
 def _is_about_all(node: ast.AST, known: Set[str]) -> bool:
-    """Tell whether an expression is true where there is nothing: ``all(...)``, ``not any(...)``."""
+    """Return whether empty data satisfies an expression: ``all(...)``, ``not any(...)``."""
     wanted = "all"
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
         node, wanted = node.operand, "any"
@@ -126,11 +125,11 @@ def _name(call: ast.Call) -> str:
 
 
 def all_idle() -> Iterator[str]:
-    """Return a line for each test that asserts nothing where its data is empty."""
+    """Return a line for each test that asserts nothing if its data is empty."""
     for path in sorted(each for place in TESTS for each in WORKSPACE.glob(place)):
         for line, name in idle_tests(ast.parse(path.read_text("utf-8"))):
             where = f"{path.relative_to(WORKSPACE)}:{line}: {name}"
-            yield f"{where} asserts nothing where its data is empty: assert that there is some"
+            yield f"{where} asserts nothing if its data is empty: assert that it is not"
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""List the mutants of modules, or make some: runs in cosmic-ray's environment, speaks JSON."""
+"""List or create mutants of modules: runs in cosmic-ray's environment, communicates by JSON."""
 
 import json
 import pathlib
@@ -11,8 +11,8 @@ from cosmic_ray.mutating import mutate_code
 from cosmic_ray.plugins import get_operator, operator_names
 from operators import LOGGING, Node, called, faults, text_of
 
-#: cosmic-ray's own operators and their kinds. Of its many ways to replace an operator only those
-#: that differ least from it are used: a test that notices "-" for "+" notices "**" as well.
+#: cosmic-ray's own operators and their types of faults. Only the smallest replacements of an
+#: operator are used: a test that detects "-" for "+" detects "**" as well.
 CORE = {
     r"\w+_(Add_Sub|Sub_Add|Mul_Div|Div_Mul|FloorDiv_Div|Mod_FloorDiv|Pow_Mul|LShift_RShift"
     r"|RShift_LShift|BitOr_BitAnd|BitAnd_BitOr|BitXor_BitAnd|Delete_USub)": "operator",
@@ -24,13 +24,13 @@ CORE = {
 
 
 def is_hidden(node: Node, kind: str, pure: bool) -> bool:
-    """Tell whether no test can be expected to notice a change: in type hints, texts and logs.
+    """Return whether no test can be expected to detect a change: in type hints, texts and logs.
 
-    :param pure: if not, numbers with a point only say how patient the module is
+    :param pure: whether the module is pure; otherwise numbers with a point are time-outs
     """
     function = node.search_ancestor("funcdef")
     if function is None and kind not in ("operator", "dropped element"):
-        return True  # settings: only tables and what is computed are changed
+        return True  # settings: only tables and computations are changed
     if function is not None and function.name.value in ("__repr__", "__str__"):
         return True
     if kind == "constant" and ("." in text_of(node) and not pure or list(faults(node))):
@@ -39,7 +39,7 @@ def is_hidden(node: Node, kind: str, pure: bool) -> bool:
         return True
     if kind == "condition" and node.type in ("if_stmt", "while_stmt", "assert_stmt", "test"):
         if node.children[2 if node.type == "test" else 1].type in ("comparison", "not_test"):
-            return True  # they have operators of their own
+            return True  # they have separate operators
     while node.parent is not None:
         above = node.parent
         is_hint = above.type in ("annassign", "tfpdef") and above.children[1] is node

@@ -1,4 +1,4 @@
-"""Run the tests that may notice a mutant: unit tests, then integration tests."""
+"""Run the tests that may detect a mutant: unit tests, then integration tests."""
 
 import dataclasses
 import itertools
@@ -20,15 +20,15 @@ from .nearest import unit_tests
 
 GENERATED = WORKSPACE / "devel" / "lib" / "python3" / "dist-packages"
 DEBIAN = "/usr/lib/python3/dist-packages"
-#: The factor by which a test may take longer than without a mutant, and the time on top [s].
+#: Factor by which a test may take longer than without a mutant, and additional time [s].
 LONGER, ON_TOP_S = 3.0, 20.0
-#: How many files of unit tests are run before the others.
+#: Number of unit test files that are run first.
 NEAREST = 3
-#: Makes a rostest end with the first test that fails; see nodekit.testing.running.
+#: Makes a rostest end at the first failing test; see nodekit.testing.running.
 FAIL_FAST = "NODEKIT_TESTS_FAIL_FAST"
-#: The import of a test module that opens the oscilloscope's page.
+#: Import in test modules that open the oscilloscope's page.
 BROWSER = re.compile(r"^from browsing\.(browser|\w+_test) import", re.MULTILINE)
-#: For pytest: the tests of a mutant need not find the simplest example that fails.
+#: For pytest: the tests of a mutant need not find the simplest failing example.
 CONFTEST = """
 from hypothesis import Phase, settings
 phases = [Phase.explicit, Phase.generate]
@@ -48,7 +48,7 @@ class Trial(NamedTuple):
 
 
 class Evaluation:
-    """Runs tests on a copy of the sources, one at a time.
+    """Runner of tests on a copy of the sources, one at a time.
 
     :param place: a folder for the copy
     :param integration: whether the integration tests are run too
@@ -61,7 +61,7 @@ class Evaluation:
         self._moments = itertools.count(int(time.time()))
         self._runner, self._is_interrupted = Runner(), False
         copy_sources(self._copy)
-        # The scripts in devel import through the first, the page is found through the second.
+        # Scripts in devel use the first for imports, the second to find the page.
         places = os.pathsep.join(map(str, self._copy.glob("*/src")))
         for name, first in (("PYTHONPATH", places), ("ROS_PACKAGE_PATH", str(self._copy))):
             os.environ[name] = first + os.pathsep + os.environ.get(name, "")
@@ -98,13 +98,13 @@ class Evaluation:
 
     def _write(self, copy: pathlib.Path, text: str) -> None:
         copy.write_text(text, "utf-8")
-        # Python knows a compiled module by its length and the second when it was written.
+        # Python identifies a compiled module by its length and modification time in seconds.
         os.utime(str(copy), (0, next(self._moments)))
 
     def tests_of(self, module: str) -> Iterator[Step]:
         """Return the tests that import a module: unit tests, then the others by their time.
 
-        Each is tried without a mutant only when its turn comes, and left out if it fails then.
+        Each test is run without a mutant first, when needed, and omitted if it fails then.
 
         :param module: its path below src
         :raises Unfit: if ROS 2 is needed and missing
@@ -152,7 +152,7 @@ class Evaluation:
     def _trouble(self, step: Step, compiled: pathlib.Path) -> str:
         """Run a test, and return why it failed; empty if it passed.
 
-        On a busy machine a test that needs a master may fail by chance: it is run once more.
+        On a busy machine a test that needs a master may fail by chance: it is repeated once.
         """
         os.environ.update({"PYTHONPYCACHEPREFIX": str(compiled), FAIL_FAST: "1"})
         for _ in range(1 if step.tier == "unit" else 2):
@@ -170,7 +170,7 @@ class Evaluation:
 
 
 def copy_sources(copy: pathlib.Path) -> None:
-    """Copy the folder src, with the generated modules among the written ones."""
+    """Copy the folder src, including generated modules."""
     shutil.rmtree(str(copy.parent), ignore_errors=True)
     ignored = shutil.ignore_patterns("__pycache__")
     shutil.copytree(str(SOURCES), str(copy), symlinks=True, ignore=ignored)
@@ -182,7 +182,7 @@ def copy_sources(copy: pathlib.Path) -> None:
 
 
 def pytest_step(tier: str, name: str, tests: Sequence[pathlib.Path], *python: str) -> Step:
-    """Return the run of some test files, in their order, up to the first test that fails."""
+    """Return the run of some test files, in their order, up to the first failing test."""
     command = [*python, "-m", "pytest", "-p", "no:cacheprovider", "--tb=short", "-x"]
     command += ["--junitxml={results}/pytest.xml", *map(str, tests)]
     return Step(tier, " ".join([name, *(test.stem for test in tests)]), command, 600.0, True)
@@ -191,7 +191,7 @@ def pytest_step(tier: str, name: str, tests: Sequence[pathlib.Path], *python: st
 def integration_steps(package: pathlib.Path) -> List[Step]:
     """Return the tests of a package in the copy that need a master; some open the page.
 
-    As rostest runs all test nodes of a file to their end, each node has a file of its own.
+    Each test node has its own file, because rostest runs all test nodes of a file to their end.
     """
     steps = []
     for file in sorted((package / "test").glob("*/*.test")):

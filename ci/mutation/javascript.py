@@ -1,13 +1,13 @@
-"""Mutants of the page's scripts, which cosmic-ray cannot read, made from their text."""
+"""Mutants of the page's scripts, created from their text, because cosmic-ray cannot parse them."""
 
 import re
 from typing import Any, Dict, Iterator, Tuple
 
-#: Comments and texts, in which nothing is changed.
+#: Comments and texts, which are not changed.
 TEXTS = re.compile(
     r"//[^\n]*|/\*.*?\*/|\"(?:\\.|[^\"\\\n])*\"|'(?:\\.|[^'\\\n])*'|`(?:\\.|[^`\\])*`", re.DOTALL
 )
-#: Pairs that replace each other, in code in which an operator stands between spaces.
+#: Pairs that replace each other, in code with spaces around operators.
 PAIRS = (
     ("operator", r"(?<= )\+(?= )", "+", r"(?<= )-(?= )", "-"),
     ("operator", r"(?<= )\*(?= )", "*", r"(?<= )/(?= )", "/"),
@@ -20,19 +20,19 @@ PAIRS = (
     ("min for max", r"(?<=Math\.)min\b", "min", r"(?<=Math\.)max\b", "max"),
     ("first for last", r"(?<=[\w\])])\[0\](?! = )", "[0]", r"\.at\(-1\)", ".at(-1)"),
 )
-#: A statement on a line of its own: a call, or an assignment to a member.
+#: A statement on a separate line: a call, or an assignment to a member.
 STATEMENT = re.compile(
     r"(?<=[;{}\"]\n) +(?!return\b|throw\b|super\b)([\w.?]+)(\([^{\n]*\)| [-+*]?= .*);$",
     re.MULTILINE,
 )
 CLOSING = re.compile(r"(^|\.)(close|remove|cancel|stop|release|forget|disconnect|clear|un)\w*$")
 IDEMPOTENT = re.compile(r"(^|\.)(set|show|refresh|draw|hide|toggle|fit|place|update)\w*$")
-#: A call whose first two arguments have no brackets.
+#: A call with first two arguments without brackets.
 CALL = re.compile(r"(?<=\w)\((?P<first>[^(){}\[\],=]+), (?P<second>[^(){}\[\],=]+)(?=[,)])")
 
 
 def edits(text: str) -> Iterator[Tuple[str, int, int, str]]:
-    """Return kind, begin, end and new text of all changes of a script."""
+    """Return type, begin, end and new text of all changes of a script."""
     code = TEXTS.sub(lambda match: re.sub(r"[^\n]", '"', match[0]), text)
     for kind, one, one_text, other, other_text in PAIRS:
         for pattern, new in ((one, other_text), (other, one_text)):

@@ -1,4 +1,4 @@
-"""The mutants of modules and of the page's scripts, and a draw of some of them."""
+"""Mutants of modules and of the page's scripts, and a random draw of them."""
 
 import collections
 import hashlib
@@ -12,12 +12,12 @@ from ..lint import code_rules
 from . import javascript
 
 SOURCES = code_rules.SOURCES
-#: Parts of tests, and tested by those of all packages.
+#: Test helpers, which the tests of all packages test.
 FOR_TESTS = ("nodekit.testing",)
 
 
 class Unfit(Exception):
-    """A reason why there is nothing to measure."""
+    """Error if there is nothing to measure; the text is the reason."""
 
 
 class Mutant(NamedTuple):
@@ -26,7 +26,7 @@ class Mutant(NamedTuple):
     #: Its path below src.
     module: str
     kind: str
-    #: Identifies the mutant in each run, whatever is written above and below it.
+    #: Identifies the mutant in each run, independent of other lines.
     key: str
     text: str
     line: int
@@ -38,7 +38,7 @@ class Mutant(NamedTuple):
 
 
 def change_of(original: str, mutated: str) -> Tuple[int, str]:
-    """Return the number of the first line in which two texts differ, and the lines that differ."""
+    """Return the number of the first different line of two texts, and the different lines."""
     old, new = original.splitlines(), mutated.splitlines()
     first = [*(a == b for a, b in zip(old, new)), False].index(False)
     old, new = old[first:], new[first:]
@@ -54,10 +54,10 @@ def is_pure(name: str) -> bool:
 def modules_of(wiring: bool, packages: Sequence[str], places: Sequence[str]) -> List[pathlib.Path]:
     """Return modules and scripts.
 
-    :param wiring: those that connect a package to ROS, and the page's scripts; else the pure ones
-    :param packages: only theirs; those of all packages if empty
-    :param places: files and folders, all modules of which are returned instead
-    :raises Unfit: if a package or a place has no such module
+    :param wiring: True for modules that connect to ROS and the page's scripts, False for pure ones
+    :param packages: packages of the modules; empty for all
+    :param places: files and folders; all of their modules are returned instead
+    :raises Unfit: if a package or a place lacks such a module
     """
     known = {path: wiring for path in sorted(SOURCES.glob("*/www/js/**/*.js"))}
     for name, path in code_rules.modules():
@@ -77,7 +77,7 @@ def modules_of(wiring: bool, packages: Sequence[str], places: Sequence[str]) -> 
 
 
 def ask(tool: str, **request: Sequence[Any]) -> List[Any]:
-    """Have cosmic.py answer.
+    """Request an answer of cosmic.py.
 
     :param tool: the Python interpreter of cosmic-ray's environment
     :raises Unfit: if cosmic-ray fails
@@ -95,7 +95,7 @@ def ask(tool: str, **request: Sequence[Any]) -> List[Any]:
 
 
 def draw(tool: str, modules: Sequence[pathlib.Path], count: int, seed: int) -> List[Mutant]:
-    """Draw some of all mutants of some modules, the same number of each kind while there are any.
+    """Draw mutants of some modules, evenly by type of fault as far as possible.
 
     The draw depends on the seed and the sources: a change in one module hardly affects others.
 

@@ -1,4 +1,4 @@
-"""The unit tests of a package that import a module, the nearest first."""
+"""Unit tests of a package that import a module, the nearest first."""
 
 import ast
 import functools
@@ -14,7 +14,7 @@ MODULES = dict(code_rules.modules())
 def unit_tests(package: pathlib.Path, module: str) -> List[pathlib.Path]:
     """Return the test files that import a module or name a script, even indirectly.
 
-    A test that conftest.py ignores is left out: pytest would run it if it is named.
+    Tests that conftest.py ignores are omitted: pytest would run them if they are named.
 
     :param package: a folder with its tests
     :param module: the module's path below src
@@ -35,7 +35,7 @@ def unit_tests(package: pathlib.Path, module: str) -> List[pathlib.Path]:
 
 @functools.lru_cache(maxsize=None)
 def imports_between(test: pathlib.Path) -> Dict[str, int]:
-    """Return over how many imports a test reaches each module, also through helpers beside it."""
+    """Return the number of imports from a test to each module, also through helpers beside it."""
     steps: Dict[str, int] = {}
     names, count = imported_by(test), 1
     while names:

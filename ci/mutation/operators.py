@@ -1,4 +1,4 @@
-"""Faults as people make them: an operator for cosmic-ray, which finds it by an entry point."""
+"""Operator for cosmic-ray with realistic faults; cosmic-ray finds it by an entry point."""
 
 from typing import Any, Dict, Iterator, List, Tuple
 
@@ -11,7 +11,7 @@ Node = Any
 CLOSING = set(
     "close unregister shutdown cancel stop disconnect join release kill terminate".split()
 )
-#: Calls whose repetition changes nothing, and calls without which a loop is only busier.
+#: Idempotent calls, and calls without which a loop is only busier.
 IDEMPOTENT = set("set clear add discard update setdefault wait mkdir flush".split())
 UNSEEN = ("debug", "sleep")
 LOGGING = ("log", "debug", "info", "warn", "error", "exception", "critical", "print")
@@ -29,7 +29,7 @@ def called(node: Node) -> str:
 
 
 def faults(node: Node) -> Iterator[Tuple[str, str]]:
-    """Return the kinds of faults that a node may have, and the texts that then replace it."""
+    """Return the types of faults of a node, and the replacement texts."""
     if node.parent is None:
         return
     function, text = node.search_ancestor("funcdef"), text_of(node)
@@ -82,7 +82,7 @@ def faults_of_statement(node: Node, function: Node) -> Iterator[Tuple[str, str]]
 
 
 def elements(node: Node) -> List[str]:
-    """Return what stands between the commas of a node."""
+    """Return the texts between the commas of a node."""
     found = [""]
     for child in node.children:
         found = (
@@ -121,7 +121,7 @@ class Fault(Operator):
 
 
 class Provider(Dict[str, Any]):
-    """Gives the operator to cosmic-ray."""
+    """Provider of the operator for cosmic-ray."""
 
     def __init__(self) -> None:
         super().__init__(Fault=Fault)

@@ -1,4 +1,4 @@
-"""Results of mutants: the survivors, and the rates by package and by kind of fault."""
+"""Results of mutants: survivors, and rates by package and by type of fault."""
 
 import json
 import math
@@ -8,15 +8,15 @@ from typing import Dict, List, Sequence, Tuple
 
 from .mutants import SOURCES, Mutant
 
-#: The least share of mutants that must be killed [%].
+#: Smallest share of mutants that must be killed [%].
 GOAL = 90.0
-#: Survivors that do the same as the original, and why.
+#: Survivors that are equivalent to the original, and why.
 EQUIVALENT = pathlib.Path(__file__).with_name("survivors.md")
 ROW = re.compile(r"^- `src/(\S+)`: (`.*` → `.*`): ", re.MULTILINE)
 
 
 def figures(killed: Sequence[bool]) -> str:
-    """Return in words how many of some mutants were killed, with the 95 % interval by Wilson."""
+    """Return the number of killed mutants as text, with Wilson's 95 % interval."""
     made, z = len(killed), 1.96
     share = sum(killed) / made if made else 1.0
     middle = (share * made + z * z / 2) / (made + z * z)
@@ -26,7 +26,7 @@ def figures(killed: Sequence[bool]) -> str:
 
 
 class Results:
-    """Keeps results in a folder, for the reader and for the run that resumes.
+    """Results in a folder, for the reader and for a resumed run.
 
     :param place: the folder
     :param asked: the mutants drawn
@@ -41,7 +41,7 @@ class Results:
             self._killers = json.loads(self._state.read_text("utf-8"))
 
     def waiting(self) -> List[Mutant]:
-        """Return the mutants that no test has killed yet, the survivors after the others."""
+        """Return the mutants that no test has killed yet, survivors last."""
         waiting = [mutant for mutant in self._asked if not self._killers.get(mutant.key)]
         return sorted(waiting, key=lambda mutant: mutant.key in self._killers)
 
@@ -64,7 +64,7 @@ class Results:
         return [(one, found[one.key]) for one in self._asked if one.key in found]
 
     def _counted(self) -> List[Tuple[Mutant, bool]]:
-        """Return the mutants tested and whether they were killed, but for known equivalents."""
+        """Return the tested mutants and whether they were killed, without known equivalents."""
         same = ROW.findall(EQUIVALENT.read_text("utf-8"))
         tested = self._tested()
         return [(one, by != "") for one, by in tested if by or (one.module, one.change) not in same]
@@ -74,7 +74,7 @@ class Results:
         return 100 * sum(killed) >= GOAL * len(killed)
 
     def outdated(self) -> List[str]:
-        """Return the rows of known equivalents that a test kills, or whose line has changed."""
+        """Return the rows of known equivalents that a test kills, or with a changed line."""
         killed = {(one.module, one.change) for one, by in self._tested() if by}
         found = []
         for module, change in ROW.findall(EQUIVALENT.read_text("utf-8")):
@@ -85,7 +85,7 @@ class Results:
         return found
 
     def summary(self) -> str:
-        """Return the survivors, the rates by package and by kind, and the rate of all."""
+        """Return the survivors, the rates by package and by type, and the total rate."""
         counted = self._counted()
         groups: Dict[str, List[bool]] = {}
         for one, is_killed in counted:

@@ -1,4 +1,4 @@
-"""Draw mutants and see whether tests notice: ``run.py PYTHON [OPTION…]``, see ci/mutants."""
+"""Draw mutants, and check that tests detect them: ``run.py PYTHON [OPTION…]``, see ci/mutants."""
 
 import argparse
 import shutil

@@ -1,7 +1,7 @@
 """Run the image, and compose.yaml, by the commands of docs/container.md.
 
 ``python3 ci packages.container_proof TOOL COMPOSE``, with the page's commands on its standard
-input, prints what it has checked, and ends with a status other than 0 at the first fault.
+input, prints its checks, and ends with a status other than 0 at the first fault.
 """
 
 import contextlib
@@ -18,18 +18,18 @@ from typing import Iterator, List
 from .proof import PATIENCE, fetched, output, require, succeeds, wait_for
 
 IMAGE = "basic_comms"
-#: What the page and compose.yaml call the containers.
+#: Names of the containers on the page and in compose.yaml.
 NAMES = ("course", "scope")
-#: Most that the image may weigh [1e6 bytes], and the longest time from SIGTERM to the end [s].
+#: Largest size of the image [1e6 bytes], and longest time from SIGTERM to the end [s].
 MOST_MB, LONGEST_S = 500, 3.0
-#: How often the end is tried: a machine may be busy with something else.
+#: Number of attempts to measure the end: the machine may be busy.
 TRIES = 3
-#: Packages to build with.
+#: Packages of build tools.
 BUILDS = re.compile(r"-dev$|^(binutils|clang|cmake|make)\b|^(cpp|g\+\+|gcc)(-\d+)?$")
-#: A try to reach the master at an address.
+#: Attempt to connect to the master at an address.
 REACH = "import socket, sys; socket.create_connection((sys.argv[1], 11311), 3.0)"
 ADDRESS = "{{range .NetworkSettings.Networks}}{{.IPAddress}}{{end}}"
-#: Prints whether the oscilloscope welcomes a page as read-only, once it has found the master.
+#: Prints whether the oscilloscope treats a page as read-only, once it has found the master.
 IS_READONLY = """
 import asyncio, json
 from tornado.httpclient import HTTPRequest
@@ -50,8 +50,8 @@ print(asyncio.run(hello()))
 class Tool:
     """Podman or docker.
 
-    :param name: how it is called
-    :param compose: how its compose is called
+    :param name: its command
+    :param compose: command of its compose
     """
 
     def __init__(self, name: str, compose: str) -> None:
@@ -59,7 +59,7 @@ class Tool:
         self._called = {"podman": name, "podman-compose": compose}
 
     def typed(self, line: str) -> List[str]:
-        """Return the words of a line of the page, which is written for podman."""
+        """Return the words of a line of the page, adapted from podman."""
         first, *words = shlex.split(line)
         return [*self._called[first].split(), *words]
 
@@ -70,7 +70,7 @@ class Tool:
         return succeeds(self.name, *arguments)
 
     def is_healthy(self, container: str) -> bool:
-        """Run the check of a container's health, and tell whether it succeeds."""
+        """Run the health check of a container, and return whether it succeeds."""
         if self.name == "podman":
             return self.succeeds("healthcheck", "run", container)
         check = json.loads(
@@ -81,7 +81,7 @@ class Tool:
 
 
 def check_image(tool: Tool) -> None:
-    """Check the size of the image, and that it has nothing to build with."""
+    """Check the size of the image, and that it has no build tools."""
     size = int(tool.output("image", "inspect", "--format", "{{.Size}}", IMAGE)) / 1e6
     require(size <= MOST_MB, f"the image has {size:.0f} MB of at most {MOST_MB}")
     packages = tool.output("run", "--rm", IMAGE, "dpkg-query", "-W", "-f", "${Package}\n").split()
@@ -92,7 +92,7 @@ def check_image(tool: Tool) -> None:
 def check_course(tool: Tool, run: str, receive: str) -> float:
     """Run the coursework, and end it.
 
-    :returns: how long it took to end [s]
+    :returns: time that the end took [s]
     """
     process = subprocess.Popen(tool.typed(run), stdout=subprocess.DEVNULL)
     try:
@@ -113,14 +113,14 @@ def check_course(tool: Tool, run: str, receive: str) -> float:
 
 @contextlib.contextmanager
 def composed(tool: Tool, up: str) -> Iterator[None]:
-    """Run what compose.yaml describes."""
+    """Run the services of compose.yaml."""
     command = tool.typed(up)
     process = subprocess.Popen(command, stdout=sys.stderr)
     try:
         yield
     finally:
         succeeds(*command[:-1], "down")
-        # podman-compose leaves them.
+        # podman-compose does not remove them.
         for network in ("basic_comms", "packaging_page"):
             tool.succeeds("network", "rm", network)
         process.kill()
@@ -162,7 +162,7 @@ def check_system(tool: Tool, up: str, receive: str) -> None:
 
 
 def main() -> None:
-    """Check all of it, unless containers of these names exist: they would be ended."""
+    """Run all checks, unless containers with these names exist: they would be ended."""
     tool = Tool(*sys.argv[1:])
     run, receive, up, receive_outside = filter(None, (line.strip() for line in sys.stdin))
     for name in NAMES:

@@ -1,8 +1,8 @@
-"""Run the course from installed packages, with the commands that their user types.
+"""Run the course from installed packages, with a user's commands.
 
-``python3 ci packages.deb_proof``, in a system that ci/deb has made, prints what it has checked, and
-ends with a status other than 0 at the first fault. With the word ``bridge`` it does so with the
-bridge alone, once its environment is made.
+``python3 ci packages.deb_proof``, in a system created by ci/deb, prints its checks, and ends with a
+status other than 0 at the first fault. With the word ``bridge`` it checks the bridge only, once its
+environment is created.
 """
 
 import os
@@ -56,7 +56,7 @@ def check_course() -> None:
 
 
 def check_managed_system() -> None:
-    """Let a manager bring three nodes up."""
+    """Activate three nodes by a manager."""
     with running("roslaunch", "lifecycle_demo", "managed_system.launch"):
         wait_for("there is a master", has_master)
         states = ("rosrun", "nodekit", "lifecycle", "get")
@@ -64,7 +64,7 @@ def check_managed_system() -> None:
 
 
 def check_bridge() -> None:
-    """Let a node of ROS 2 receive from one of ROS 1."""
+    """Receive messages of a ROS 1 node in a ROS 2 node."""
     pairs = output("rosrun", "ros2_bridge", "bridge", "--print-pairs")
     require("basic_comms/msg/SignalMsg" in pairs, "basic_comms/signal_msg has a twin")
     os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
@@ -77,7 +77,7 @@ def check_bridge() -> None:
 
 
 def put_a_python_first() -> None:
-    """Put a python3 on the path that knows nothing of ROS, as pyenv and conda do."""
+    """Put a python3 without ROS first on the path, as pyenv and conda do."""
     own = pathlib.Path("own_python", "python3").absolute()
     own.parent.mkdir(exist_ok=True)
     own.write_text("#!/bin/sh\necho this is another python >&2\nexit 1\n")

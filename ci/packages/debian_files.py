@@ -1,8 +1,8 @@
-"""Make what a Debian source package needs besides packaging/debian: control and changelog.
+"""Create control and changelog of the Debian source package.
 
-``python3 ci packages.debian_files`` prints what packaging/dependencies.txt lacks or has too much,
-and ends with status 1 if there is something.
-``python3 ci packages.debian_files TREE SUITE DATE [SNAPSHOT]`` makes TREE/debian of an exported
+``python3 ci packages.debian_files`` prints missing and superfluous keys of
+packaging/dependencies.txt, and ends with status 1 if there are any.
+``python3 ci packages.debian_files TREE SUITE DATE [SNAPSHOT]`` creates TREE/debian of an exported
 workspace.
 """
 
@@ -18,11 +18,11 @@ WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
 
 #: The release of each suite that has dh-ros.
 RELEASES = {"bookworm": 12, "trixie": 13, "forky": 14}
-#: What package.xml calls the dependencies of who runs a package, builds it, and builds on it.
+#: Elements of package.xml with dependencies to run, to build, and to build dependents.
 RUN = {"depend", "exec_depend"}
 BUILD = {"depend", "build_depend", "buildtool_depend"}
 EXPORT = {"depend", "build_export_depend", "buildtool_export_depend"}
-#: Folders of a package from which it follows what its user needs.
+#: Folders of a package that imply dependencies.
 FOLDERS = ("launch/", "scripts/")
 #: Most characters of a synopsis.
 SYNOPSIS = 79
@@ -50,19 +50,19 @@ class Manifest(NamedTuple):
     elements: Dict[str, Set[str]]  # their texts by their names
     folders: Set[str]
 
-    def keys(self, kinds: Iterable[str]) -> Set[str]:
-        """Return what these kinds of dependencies name."""
-        return {key for kind in kinds for key in self.elements.get(kind, ())}
+    def keys(self, types: Iterable[str]) -> Set[str]:
+        """Return the keys of these types of dependencies."""
+        return {key for type_ in types for key in self.elements.get(type_, ())}
 
     def own_keys(self) -> Set[str]:
-        """Return the lines of the table that are about this very package."""
+        """Return the lines of the table about this package itself."""
         return {self.name} | self.folders
 
 
 def read_table(text: str) -> Table:
     """Return the table in packaging/dependencies.txt.
 
-    :raises ValueError: at a line of another form
+    :raises ValueError: for a malformed line
     """
     table: Table = {}
     for line in text.splitlines():
@@ -79,7 +79,7 @@ def read_table(text: str) -> Table:
 
 
 def read_manifests(sources: pathlib.Path) -> List[Manifest]:
-    """Return what the packages of a workspace say, in the order of their names."""
+    """Return the manifests of the packages of a workspace, sorted by name."""
     manifests = []
     for file in sorted(sources.glob("*/package.xml")):
         text: Dict[str, str] = {}
@@ -97,7 +97,7 @@ def read_manifests(sources: pathlib.Path) -> List[Manifest]:
 
 
 def faults(manifests: List[Manifest], table: Table) -> Iterator[str]:
-    """Return a sentence about each missing key, and each key that no package needs."""
+    """Return a message for each missing key, and each key that no package needs."""
     own = {manifest.name for manifest in manifests}
     used: Set[str] = set()
     for manifest in manifests:
@@ -117,7 +117,7 @@ def debian_name(name: str) -> str:
 
 
 def synopsis(description: str) -> str:
-    """Return the beginning of a description in Debian's form: a line, no article, no full stop."""
+    """Return the beginning of a description in Debian's form: one line, no article or period."""
     clause = re.split(r"[.:;](?:\s|$)", description)[0]
     clause = re.sub(r"^(a|an|the)\s+", "", clause, flags=re.IGNORECASE)
     while len(clause) > SYNOPSIS and ", " in clause:
@@ -128,7 +128,7 @@ def synopsis(description: str) -> str:
 
 
 def field(name: str, values: Iterable[str]) -> str:
-    """Return a field with a value a line, or nothing without values."""
+    """Return a field with one value per line; empty without values."""
     lines = ",\n ".join(values)
     return f"{name}:\n {lines}\n" if lines else ""
 
@@ -174,10 +174,10 @@ def control(manifests: List[Manifest], table: Table) -> str:
 
 
 def version_of(released: str, is_release: bool, snapshot: str) -> str:
-    """Return the version of a build, which apt takes for newer than what was released before.
+    """Return the version of a build, which apt considers newer than the previous release.
 
     :param released: version in the package.xml files
-    :param is_release: whether the commit is that of this version
+    :param is_release: whether the commit is the release of this version
     :param snapshot: date and abbreviation of the commit, such as ``20261127.abc1234``
     :returns: such as ``1.0.1~git20261127.abc1234`` for a commit after 1.0.0
     """
@@ -188,15 +188,15 @@ def version_of(released: str, is_release: bool, snapshot: str) -> str:
 
 
 def is_release(tree: pathlib.Path) -> bool:
-    """Return whether a tree is that of a version: no changelog has a part that is to come."""
+    """Return whether a tree is a release: no changelog has a section of future changes."""
     changelogs = tree.glob("src/*/CHANGELOG.rst")
     return not any(re.search("^Forthcoming$", log.read_text("utf-8"), re.M) for log in changelogs)
 
 
 def make(tree: pathlib.Path, suite: str, date: str, snapshot: str = "") -> None:
-    """Make the folder debian of an exported workspace.
+    """Create the folder debian of an exported workspace.
 
-    :param date: of the commit that is built, as RFC 5322 has it
+    :param date: date of the commit, in RFC 5322 format
     :param snapshot: its date and abbreviation, for a commit between two versions
     """
     manifests = read_manifests(tree / "src")
@@ -206,7 +206,7 @@ def make(tree: pathlib.Path, suite: str, date: str, snapshot: str = "") -> None:
     target = tree / "debian"
     shutil.copytree(str(tree / "packaging" / "debian"), str(target))
     (target / "control").write_text(control(manifests, table), "utf-8")
-    # What has changed stands in each package's CHANGELOG.rst.
+    # The changes are in each package's CHANGELOG.rst.
     (target / "changelog").write_text(
         f"ros-basic-comms ({version}+deb{release}) {suite}; urgency=medium\n\n"
         f"  * Build {version} for Debian {release}.\n\n"
@@ -216,7 +216,7 @@ def make(tree: pathlib.Path, suite: str, date: str, snapshot: str = "") -> None:
 
 
 def all_faults() -> Iterator[str]:
-    """Return a sentence about each fault of the workspace's own table."""
+    """Return a message for each fault of the workspace's own table."""
     table = read_table((WORKSPACE / "packaging" / "dependencies.txt").read_text("utf-8"))
     return faults(read_manifests(WORKSPACE / "src"), table)
 

@@ -1,6 +1,6 @@
-"""Write what packaging/project.yaml says into the files that repeat it.
+"""Copy the values of packaging/project.yaml into the files that repeat them.
 
-``python3 ci packages.project`` prints which files it has changed.
+``python3 ci packages.project`` prints the changed files.
 """
 
 import pathlib
@@ -13,12 +13,12 @@ import yaml
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
 
-#: The keys of the file that are URLs of REP 149 in a package.xml.
+#: Keys of the URLs in a package.xml, see REP 149.
 URLS = ("website", "repository", "bugtracker")
 KEYS = ("maintainer", "email", "security", *URLS)
-#: The top-level domain that cannot exist, as RFC 2606 reserves it.
+#: Top-level domain that RFC 2606 reserves as invalid.
 PLACEHOLDER = re.compile(r"\.invalid\b")
-#: Where other package.xml files are, or are made, which name the maintainer.
+#: Other package.xml files, or templates of them, that name the maintainer.
 OTHERS = (
     "ci/benchmark/peers/course/package.xml",
     "docs/examples/package.xml",
@@ -29,14 +29,14 @@ MISSING = """\
 [packaging/project.yaml](packaging/project.yaml).
 """
 
-#: What the file says, by its keys.
+#: Values of the file, by key.
 Project = Dict[str, str]
 
 
 def read(workspace: pathlib.Path) -> Project:
-    """Return what packaging/project.yaml of a workspace says.
+    """Return the values of packaging/project.yaml of a workspace.
 
-    :raises ValueError: a key is missing, or unknown, or has no text
+    :raises ValueError: if a key is missing or unknown, or its value is not text
     """
     project = yaml.safe_load((workspace / "packaging" / "project.yaml").read_text("utf-8"))
     if not isinstance(project, dict) or sorted(project) != sorted(KEYS):
@@ -48,12 +48,12 @@ def read(workspace: pathlib.Path) -> Project:
 
 
 def placeholders(project: Project) -> List[str]:
-    """Return the keys for which the owner has not filled in anything."""
+    """Return the keys that still have placeholders."""
     return [key for key in KEYS if PLACEHOLDER.search(project[key])]
 
 
 def written(workspace: pathlib.Path, project: Project) -> Iterator[Tuple[pathlib.Path, str]]:
-    """Yield each file that repeats what the project says, and its text as it has to be."""
+    """Yield each file that repeats the values, and its updated text."""
     name, address = escape(project["maintainer"]), quoteattr(project["email"])
     maintainer = f"<maintainer email={address}>{name}</maintainer>"
     urls = "".join(f'  <url type="{kind}">{escape(project[kind])}</url>\n' for kind in URLS)

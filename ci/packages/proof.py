@@ -1,4 +1,4 @@
-"""Run the commands of a user, and print what has been checked, for ci/deb and ci/container."""
+"""Run a user's commands, and print the checks, for ci/deb and ci/container."""
 
 import contextlib
 import pathlib
@@ -9,14 +9,14 @@ import time
 import urllib.request
 from typing import Callable, Iterator
 
-#: The time that anything may take [s].
+#: Time limit of each command and wait [s].
 PATIENCE = 60.0
 
 
 def output(*command: str) -> str:
-    """Return what a command prints.
+    """Return the output of a command.
 
-    :raises SystemExit: it fails, or takes too long
+    :raises SystemExit: if it fails, or takes too long
     """
     try:
         return subprocess.run(
@@ -31,7 +31,7 @@ def output(*command: str) -> str:
 
 
 def succeeds(*command: str) -> bool:
-    """Tell whether a command that may fail, or hang, succeeds."""
+    """Return whether a command succeeds, which may fail or hang."""
     silence = subprocess.DEVNULL
     try:
         return subprocess.call(command, stdout=silence, stderr=silence, timeout=PATIENCE) == 0
@@ -40,7 +40,7 @@ def succeeds(*command: str) -> bool:
 
 
 def fetched(url: str) -> str:
-    """Return what a server on this machine sends; empty if it does not, or not yet."""
+    """Return the response of a server on this machine; empty without one."""
     opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
     try:
         with opener.open(url, timeout=PATIENCE) as reply:
@@ -50,9 +50,9 @@ def fetched(url: str) -> str:
 
 
 def require(truth: bool, what: str) -> None:
-    """Print that something is so.
+    """Print a fulfilled condition.
 
-    :raises SystemExit: it is not
+    :raises SystemExit: if it is not fulfilled
     """
     if not truth:
         sys.exit(f"failed: {what}")
@@ -60,9 +60,9 @@ def require(truth: bool, what: str) -> None:
 
 
 def wait_for(what: str, condition: Callable[[], bool]) -> None:
-    """Wait until something is so, and print it.
+    """Wait until a condition is fulfilled, and print it.
 
-    :raises SystemExit: it is not so in time
+    :raises SystemExit: if it is not fulfilled in time
     """
     end = time.monotonic() + PATIENCE
     while not condition():
@@ -74,10 +74,10 @@ def wait_for(what: str, condition: Callable[[], bool]) -> None:
 
 @contextlib.contextmanager
 def running(*command: str, log: str = "proof.log") -> Iterator[None]:
-    """Run a command meanwhile, and end it by Ctrl-C.
+    """Run a command during the context, and end it by Ctrl-C.
 
-    :param log: file for what it prints, not that of another one that runs
-    :raises SystemExit: its status is not 0
+    :param log: file for its output, one per running command
+    :raises SystemExit: if its status is not 0
     """
     file = pathlib.Path(log)
     with file.open("w") as to:
@@ -94,7 +94,7 @@ def running(*command: str, log: str = "proof.log") -> Iterator[None]:
 
 
 def _interrupt(process: "subprocess.Popen[bytes]") -> str:
-    """Press Ctrl-C, kill a process that does not end, and return how it has ended."""
+    """End a process by Ctrl-C, or kill it; return the way it has ended."""
     process.send_signal(signal.SIGINT)
     try:
         return f"status {process.wait(PATIENCE)}"

@@ -1,7 +1,7 @@
 """Release the workspace: see ci/release.
 
-Ends with status 125 and one sentence where it cannot begin, with 1 where a check fails, and with
-130 at Ctrl-C.
+Ends with status 125 and one sentence if it cannot begin, with 1 if a check fails, and with 130 at
+Ctrl-C.
 """
 
 import argparse
@@ -23,29 +23,29 @@ from . import debian_files, project
 
 WORKSPACE = pathlib.Path(__file__).resolve().parents[2]
 SUITES = list(debian_files.RELEASES)
-#: What is newest changes most, and fails most often: that is known early.
+#: The newest suite first: it fails most often.
 NEWEST_FIRST = SUITES[::-1]
 
-#: Changes the clone before the commit.
+#: Command that changes the clone before the commit.
 PREPARE = (
     "env ADD_PROMISES=1 ./ci/exec rostest src/basic_comms/test/extended/dumped_parameters.test"
 )
-#: Checks that nothing runs beside: what is timed. (Of the tiers only that which makes the pages is
-#: run here: the clean rooms run all.)
+#: Checks that run alone because they measure times. (Of the tiers only docs is run here: the clean
+#: rooms run all.)
 ALONE = ["./ci/test docs", *(f"./ci/clean-room --only launch {suite}" for suite in SUITES)]
-#: Checks that use this machine's network, where two of ROS 2 would find each other: one at a time.
+#: Checks that use this machine's network, one at a time: ROS 2 nodes would find each other.
 ONE_BY_ONE = [
     "./ci/container",
     *(f"./ci/deb {suite}" for suite in NEWEST_FIRST),
     *(f"./ci/clean-room --only ros2 {suite}" for suite in NEWEST_FIRST),
 ]
-#: Checks that have a network of their own, and can run beside any others: the longest first.
+#: Checks with a separate network, which can run beside any others: the longest first.
 BESIDE = [
     f"./ci/clean-room --only {part} {suite}"
     for part in ("test", "workspace", "package", "prefix", "refusals")
     for suite in NEWEST_FIRST
 ]
-#: Built by these, and what it is called in dist/VERSION.
+#: Products of the checks, and their names in dist/VERSION.
 PRODUCTS = {**{f"dist/{suite}": suite for suite in SUITES}, "docs/_build/html": "docs"}
 NOTES = "docs/releases.md"
 
@@ -53,13 +53,13 @@ FORTHCOMING = re.compile(r"^Forthcoming\n-+\n", re.MULTILINE)
 
 
 class Refused(Exception):
-    """The release is not possible; the text says why."""
+    """Error of an impossible release; the text has the reason."""
 
 
 def number(version: str) -> Tuple[int, ...]:
     """Return a version as numbers, which can be compared.
 
-    :raises Refused: it has another form than 1.2.3
+    :raises Refused: if its form is not 1.2.3
     """
     if not re.fullmatch(r"(0|[1-9]\d*)(\.(0|[1-9]\d*)){2}", version):
         raise Refused(f"the version is '{version}': must be three numbers, such as 1.2.0")
@@ -67,9 +67,9 @@ def number(version: str) -> Tuple[int, ...]:
 
 
 def output(*command: str, folder: pathlib.Path = WORKSPACE) -> str:
-    """Return what a command prints.
+    """Return the output of a command.
 
-    :raises Refused: it fails
+    :raises Refused: if it fails
     """
     try:
         return subprocess.check_output(command, cwd=str(folder), universal_newlines=True).strip()
@@ -78,7 +78,7 @@ def output(*command: str, folder: pathlib.Path = WORKSPACE) -> str:
 
 
 def author() -> List[str]:
-    """Return the options by which git learns who releases: a clone lacks what is set here alone."""
+    """Return git's options for the committer, because a clone lacks this folder's settings."""
     name, _, rest = output("git", "var", "GIT_COMMITTER_IDENT").partition(" <")
     return ["-c", f"user.name={name}", "-c", f"user.email={rest.partition('>')[0]}"]
 
@@ -87,7 +87,7 @@ def validate(version: str, unpublished: bool) -> None:
     """Check that a version can be released.
 
     :param unpublished: whether packaging/project.yaml may have placeholders
-    :raises Refused: it cannot
+    :raises Refused: if it cannot
     """
     wanted = number(version)
     try:
@@ -112,11 +112,11 @@ def validate(version: str, unpublished: bool) -> None:
         if number(one.version) >= wanted:
             raise Refused(f"{one.name} has the version {one.version}: must be below {version}")
     if not re.search(rf"^## {re.escape(version)}\b", (WORKSPACE / NOTES).read_text("utf-8"), re.M):
-        raise Refused(f"{NOTES} has no section '## {version}': say there what it brings its users")
+        raise Refused(f"{NOTES} lacks the section '## {version}': describe its changes there")
 
 
 def bump(tree: pathlib.Path, version: str) -> None:
-    """Change the version, and the changelogs, of all packages; their form is REP 132's."""
+    """Change the version and the changelogs of all packages, in the format of REP 132."""
     title = f"{version} ({datetime.date.today().isoformat()})"
     heading = f"{title}\n{'-' * len(title)}\n"
     for manifest in sorted(tree.glob("src/*/package.xml")):
@@ -126,14 +126,14 @@ def bump(tree: pathlib.Path, version: str) -> None:
         changelog = manifest.with_name("CHANGELOG.rst")
         text, changes = FORTHCOMING.subn(heading, changelog.read_text("utf-8"), count=1)
         if not changes:
-            # Behind the title, which has three lines, and an empty one.
+            # After the title, which has three lines, and an empty line.
             lines = text.splitlines(keepends=True)
             text = "".join([*lines[:4], heading, "\n", *lines[4:]])
         changelog.write_text(text, "utf-8")
 
 
 class Attempt:
-    """A clone in which a release is tried, and the checks that have passed there.
+    """Clone for a release, and the checks that have passed there.
 
     It is kept until the version is released, so that ``--resume`` can continue.
 
@@ -155,7 +155,7 @@ class Attempt:
         bump(self.tree, self._version)
 
     def commit(self) -> None:
-        """Run what changes the clone further, and commit."""
+        """Run the command that changes the clone, and commit."""
         self._run(PREPARE)
         message = ["--no-gpg-sign", "--message", f"Release {self._version}"]
         output("git", *author(), "commit", "--quiet", "--all", *message, folder=self.tree)
@@ -164,20 +164,19 @@ class Attempt:
     def validate(self) -> None:
         """Check that there is something to resume.
 
-        :raises Refused: there is not
+        :raises Refused: if there is nothing
         """
         if not self._journal.is_file():
             raise Refused(
-                f"there is no release of {self._version} from this commit to go on with: "
-                "leave out --resume"
+                f"no release of {self._version} from this commit to resume; remove --resume"
             )
 
     def check(self) -> None:
-        """Run the checks that have not passed yet, two at a time where they allow it.
+        """Run the checks that have not passed yet, two at a time if they allow it.
 
-        One that fails ends none of the others, so that one run shows all of them.
+        A failure does not end the others, so that one run shows all failures.
 
-        :raises Refused: some have failed; the text names them
+        :raises Refused: if checks have failed; the text names them
         """
         passed = self._journal.read_text("utf-8").splitlines()
         for line in passed:
@@ -208,11 +207,11 @@ class Attempt:
             raise Refused("\n".join(failures))
 
     def remove(self) -> None:
-        """Remove the clone and all that belongs to it."""
+        """Remove the clone and its files."""
         shutil.rmtree(str(self._folder), ignore_errors=True)
 
     def _check_each(self, lines: Iterable[str]) -> List[str]:
-        """Run checks, and return a sentence about each that fails."""
+        """Run checks, and return a message for each failure."""
         failures = []
         for line in lines:
             if self._is_interrupted:
@@ -234,12 +233,12 @@ class Attempt:
     def _run(self, line: str, log: Optional[TextIO] = None) -> None:
         """Run a command in the clone.
 
-        :raises Refused: it fails
+        :raises Refused: if it fails
         :raises KeyboardInterrupt: at Ctrl-C, after the command has ended
         """
         see = f", see {log.name}" if log else ""
         say(f"{line}{see}")
-        # The session's own ROS workspace is another one.
+        # The session's ROS workspace is another.
         own = {name: value for name, value in os.environ.items() if not name.startswith("ROS_")}
         # Each system is bootstrapped once for all checks.
         systems = self._folder / "systems"
@@ -251,7 +250,7 @@ class Attempt:
         try:
             status = process.wait()
         except KeyboardInterrupt:
-            # The terminal has told it as well: it cleans up before it ends.
+            # The terminal has interrupted it as well: it cleans up before it ends.
             process.wait()
             raise
         if status in (-signal.SIGINT, 128 + signal.SIGINT):
@@ -261,9 +260,9 @@ class Attempt:
 
 
 def release(version: str, attempt: Attempt) -> None:
-    """Run the checks, and bring the commit, the tag and the products here.
+    """Run the checks, and fetch the commit, the tag and the products.
 
-    :raises Refused: a check fails
+    :raises Refused: if a check fails
     """
     attempt.check()
     output("git", "fetch", "--quiet", str(attempt.tree), "HEAD")
@@ -280,7 +279,7 @@ def release(version: str, attempt: Attempt) -> None:
 
 
 def show(version: str) -> None:
-    """Show what would be changed and run."""
+    """Show the changes and the commands."""
     with tempfile.TemporaryDirectory(prefix="release-") as folder:
         attempt = Attempt(version, pathlib.Path(folder))
         attempt.begin()
@@ -294,7 +293,7 @@ def say(text: str) -> None:
 
 
 def main(arguments: List[str]) -> int:
-    """Release, or show how.
+    """Release, or show the steps.
 
     :returns: exit status
     """
@@ -324,7 +323,7 @@ def main(arguments: List[str]) -> int:
             say("nothing was released")
         return status
     except KeyboardInterrupt:
-        say("interrupted: with --resume, what was good is not run again")
+        say("interrupted: with --resume, passed checks are not run again")
         return 130
     return 0
 

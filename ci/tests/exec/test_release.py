@@ -229,7 +229,7 @@ def test_a_check_cleans_up_at_ctrl_c(copy: Copy) -> None:
 
 
 def test_only_the_same_commit_is_gone_on_with(copy: Copy) -> None:
-    refused = "there is no release of 1.2.0 from this commit to go on with: leave out --resume"
+    refused = "no release of 1.2.0 from this commit to resume; remove --resume"
     done = copy.release("--resume", "1.2.0")
     assert done.returncode == 125 and refused in done.stderr
     copy.script("container", "exit 3")
@@ -302,7 +302,7 @@ def test_a_dry_run_shows_and_changes_nothing(copy: Copy) -> None:
         ("1.2", "the version is '1.2': must be three numbers"),
         ("01.2.0", "must be three numbers"),
         ("0.9.0", "one has the version 0.9.0: must be below 0.9.0"),
-        ("0.10.0", "docs/releases.md has no section '## 0.10.0'"),
+        ("0.10.0", "docs/releases.md lacks the section '## 0.10.0'"),
         ("1.2.0", "the tag 1.2.0 exists already"),
         ("1.3.0", "there are uncommitted changes: ?? stray"),
     ],

@@ -1,1 +1,1 @@
-"""Test tiers: which steps they consist of, and how steps are run and reported."""
+"""Test tiers: their steps, the runner, and the report."""

@@ -28,7 +28,7 @@ AT_A_TIME = 4
 POLL_S = 1.0
 #: Lines of the output of a failed step that are shown.
 LINES_SHOWN = 200
-#: The steps that the end names, those that take most of the processors.
+#: Number of steps in the final list of the longest by processor time.
 STEPS_SHOWN = 8
 
 Report = Callable[[StepResult], None]
@@ -37,14 +37,14 @@ Report = Callable[[StepResult], None]
 def run_steps(steps: List[Step], directory: pathlib.Path, report: Report) -> List[StepResult]:
     """Run steps in their order, and report each when it ends.
 
-    A step that needs another one begins as soon as that one is over; if that one failed, it is
-    not run, and has failed. Beside one that is to be alone no other runs.
+    A step that depends on another step begins after it; if that step failed, it is not run, and
+    counts as failed. A step marked ``alone`` runs without others.
 
     :raises KeyboardInterrupt: at SIGINT and SIGTERM, once nothing runs
     """
     results: List[StepResult] = []
     runner = Runner()
-    # An exception raised by a signal could leave a lock of the pool locked for ever. This
+    # An exception raised by a signal could leave a lock of the pool locked forever. This
     # queue's put() may be called from a handler.
     ended: "queue.SimpleQueue[Optional[concurrent.futures.Future[StepResult]]]" = (
         queue.SimpleQueue()
@@ -73,7 +73,7 @@ def run_steps(steps: List[Step], directory: pathlib.Path, report: Report) -> Lis
                     begin(step)
                     continue
                 try:
-                    # Not for ever: a signal just before this begins to wait wakes nothing.
+                    # With a timeout: a signal just before the wait does not wake it.
                     first = ended.get(timeout=POLL_S)
                 except queue.Empty:
                     continue
@@ -106,15 +106,15 @@ def next_step(
 
 
 def needs(step: Step, other: Step) -> bool:
-    """Return whether a step begins only after another one."""
+    """Return whether a step depends on another."""
     return (step.tier, step.after) == (other.tier, other.name)
 
 
 class Reporter:
-    """Prints a line for each step that ends, and a bar with the time left on a terminal.
+    """Reporter of finished steps, with a progress bar on a terminal.
 
     :param steps: the steps to come
-    :param times: from former runs
+    :param times: times of earlier runs
     """
 
     def __init__(self, steps: List[Step], times: Times) -> None:
@@ -170,8 +170,8 @@ def summarise(results: List[StepResult], seconds: float, times: Times) -> bool:
     """Print the table and the closing line.
 
     :param seconds: wall time of the run
-    :param times: from former runs
-    :returns: whether all is well
+    :param times: times of earlier runs
+    :returns: whether all tests passed
     """
     row = "%-12s %7s %7s %8s %9s %11s"
     print("\n" + row % ("tier", "passed", "failed", "skipped", "seconds", "processor s"))
@@ -232,7 +232,7 @@ def summarise_rounds(rounds: List[List[StepResult]]) -> bool:
 
 @contextlib.contextmanager
 def load(wanted: bool) -> Iterator[None]:
-    """Keep each core busy during the block, if that is wanted."""
+    """Keep each core busy during the block, if requested."""
     hog = [sys.executable, "-c", "while True: pass"]
     count = (os.cpu_count() or 1) if wanted else 0
     hogs = [subprocess.Popen(hog) for _ in range(count)]
@@ -259,7 +259,7 @@ def list_tests(times: Times) -> None:
 
 
 def usual(steps: List[Step], times: Times) -> Tuple[str, str]:
-    """Return wall and processor time of some steps, a dash where one is not known."""
+    """Return wall and processor time of some steps, a dash for unknown values."""
     if not all(times.knows(step.title) for step in steps):
         return "-", "-"
     wall = estimate([times.wall(step.title) for step in steps], AT_A_TIME)
@@ -267,7 +267,7 @@ def usual(steps: List[Step], times: Times) -> Tuple[str, str]:
 
 
 def announce(steps: List[Step], times: Times, rounds: int) -> None:
-    """Print what will run, and about how long that takes here."""
+    """Print the steps to run, and the estimated time."""
     counts: Dict[str, int] = {}
     for step in steps:
         counts[step.tier] = counts.get(step.tier, 0) + 1
@@ -296,9 +296,9 @@ def arguments(words: List[str]) -> argparse.Namespace:
 
 
 def choose(options: argparse.Namespace) -> Selection:
-    """Return what the command line chooses.
+    """Return the selection of the command line.
 
-    :raises UnknownWord: if a word names nothing
+    :raises UnknownWord: if a word is unknown
     :raises UnknownCommit: if git does not know the commit
     """
     if options.changed:
@@ -318,13 +318,13 @@ def choose(options: argparse.Namespace) -> Selection:
 
 
 def main(words: List[str]) -> int:
-    """Run what the words choose.
+    """Run the selected steps.
 
     :returns: exit status: 0 if every step ran tests and all passed
     """
     signal.signal(signal.SIGINT, signal.default_int_handler)
     signal.signal(signal.SIGTERM, signal.default_int_handler)
-    # A shell that starts this in the background has it ignored, and so would all that is tested.
+    # A shell ignores it in background jobs, which all tested processes would inherit.
     signal.signal(signal.SIGQUIT, signal.SIG_DFL)
     options, times = arguments(words), Times()
     if options.list:
@@ -363,7 +363,7 @@ def main(words: List[str]) -> int:
 
 
 def note(results: List[StepResult], times: Times) -> None:
-    """Keep what good steps took, for the next run."""
+    """Store the times of passed steps for the next run."""
     for result in results:
         if result.good:
             times.add(result.step.title, result.seconds, result.cpu_seconds)

@@ -4,7 +4,7 @@ import dataclasses
 import pathlib
 from typing import Dict, List, Sequence, Set, Tuple
 
-#: The tiers, in the order in which they are reported, and what each one runs.
+#: The tiers in the order of the report, and their contents.
 TIERS: Dict[str, str] = {
     "lint": "format, types, imports, launch files, scripts, dependencies",
     "docs": "the pages, warnings as errors, and every command on them",
@@ -16,11 +16,11 @@ TIERS: Dict[str, str] = {
     "extended": "rare faults and long waits, src/*/test/extended",
     "ros2": "src/*/test/ros2 and recordings: the bridge, recordings of ROS 2; fetches from PyPI",
 }
-#: What ``ci/test`` runs without a word.
+#: Tiers that ``ci/test`` runs without arguments.
 DEFAULT = ("unit", "integration")
 #: The tiers of one package.
 OF_A_PACKAGE = ("lint", "unit", "integration")
-#: Packages without integration tests of ROS 1 alone: their tests with ROS 2 take that place.
+#: Packages with ROS 2 tests in place of integration tests.
 WITH_ROS2 = ("ros2_bridge",)
 
 
@@ -30,12 +30,12 @@ class UnknownWord(Exception):
 
 @dataclasses.dataclass
 class Selection:
-    """Tiers that are run whole, packages by tier, and single test files.
+    """Selected tiers, packages by tier, and single test files.
 
-    :param whole: names of tiers
-    :param packages: names of packages whose part of a tier is run, by tier
-    :param places: test files, each with the name of a test in it, or nothing
-    :param pages_since: a commit, if only the pages are typed that have changed since
+    :param whole: names of complete tiers
+    :param packages: names of selected packages, by tier
+    :param places: test files, each with the name of a test in it, or empty
+    :param pages_since: a commit, to type only the pages that have changed since
     """
 
     whole: List[str] = dataclasses.field(default_factory=list)
@@ -49,11 +49,11 @@ class Selection:
             self.packages.setdefault(tier, set()).add(name)
 
     def add_word(self, word: str, known: Set[str], root: pathlib.Path) -> None:
-        """Choose what a word names.
+        """Add the tier, package or file that a word names.
 
         :param known: names of the packages
-        :param root: of the workspace, where relative paths begin that do not exist here
-        :raises UnknownWord: if it names nothing
+        :param root: folder of the workspace, for relative paths that do not exist here
+        :raises UnknownWord: if the word is unknown
         """
         path, _, test = word.partition("::")
         if word == "ci":
@@ -73,11 +73,11 @@ class Selection:
 
 
 def of_change(files: Sequence[str], needs: Dict[str, Set[str]], commit: str) -> Selection:
-    """Choose what a change of some files calls for.
+    """Return the selection for a change of some files.
 
     :param files: their paths below the workspace
     :param needs: the packages that each package depends on
-    :param commit: what they differ from
+    :param commit: the commit that they differ from
     """
     from .workspace import with_dependents
 

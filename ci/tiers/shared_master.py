@@ -2,11 +2,10 @@
 
 rostest starts an interpreter, a master and another interpreter for each file, 2 s of processor time
 before the first test. Here the files share a master, their nodes are started once, and each test
-node is forked from a process that has imported what all of them need. As with rostest, each test
-node is a process of its own, started by its own script, and writes its own JUnit file.
+node is forked from a process with the common imports. As with rostest, each test node is a separate
+process, started by its own script, and writes its own JUnit file.
 
-The process that forks has no threads and has started nothing: roslaunch and the master run in
-children of it.
+The process that forks has no threads: roslaunch and the master run in its children.
 """
 
 import argparse
@@ -35,7 +34,7 @@ import rospy
 from .steps import PLACES, free_port
 from .workspace import WORKSPACE
 
-#: Imported before the first fork; what a package does not need costs it nothing more.
+#: Modules to import before the first fork, which costs a package nothing if unused.
 WARM = ("rostest", "unittest", "nodekit.testing.running", "nodekit.testing.launching")
 #: Longest time until a launch file's nodes are started, or a master answers [s]: a hang guard.
 START_S = 120.0
@@ -45,7 +44,7 @@ RUN_ID = "shared_master"
 
 
 def fork(run: Callable[[], int]) -> int:
-    """Run a function in a child of its own session, which ends with the status it returns.
+    """Run a function in a child process with a new session; its result is the exit status.
 
     :returns: the child's process id
     """
@@ -83,7 +82,7 @@ def wait(pid: int, seconds: float) -> int:
     """Wait for a child to end; interrupt it, then kill it, if it takes too long.
 
     :returns: its exit status, negative for a signal
-    :raises TimeoutError: once it has been ended, if that was necessary
+    :raises TimeoutError: after a child that had to be ended
     """
     deadline = time.monotonic() + seconds
     for number in (signal.SIGINT, signal.SIGKILL):
@@ -104,8 +103,8 @@ def wait(pid: int, seconds: float) -> int:
 def in_background(run: Callable[[Callable[[], None]], None]) -> Iterator[None]:
     """Run a function in a child until the end of the block.
 
-    :param run: what to run; it calls its argument when it is ready, and returns soon after that has
-        returned, which it does at the end of the block
+    :param run: the function; it calls its argument when it is ready, which returns at the end of
+        the block, and must then return soon
     :raises RuntimeError: if it ends before it is ready
     """
     ready, is_ready = os.pipe()
@@ -117,7 +116,7 @@ def in_background(run: Callable[[Callable[[], None]], None]) -> Iterator[None]:
 
         def stand_by() -> None:
             os.write(is_ready, b".")
-            # The parent closes the other end, or has ended.
+            # Until the parent closes the other end, or ends.
             while os.read(end, 1):
                 continue
 
@@ -139,7 +138,7 @@ def in_background(run: Callable[[Callable[[], None]], None]) -> Iterator[None]:
 
 
 def run_master(port: int) -> Callable[[Callable[[], None]], None]:
-    """Return what runs a master, and the rosout node, on a port."""
+    """Return a function that runs a master, and the rosout node, on a port."""
 
     def run(stand_by: Callable[[], None]) -> None:
         parent = roslaunch.parent.ROSLaunchParent(
@@ -155,7 +154,7 @@ def run_master(port: int) -> Callable[[Callable[[], None]], None]:
 
 
 def run_nodes(file: pathlib.Path) -> Callable[[Callable[[], None]], None]:
-    """Return what runs the nodes of a file, and sets its parameters."""
+    """Return a function that runs the nodes of a file, and sets its parameters."""
 
     def run(stand_by: Callable[[], None]) -> None:
         parent = roslaunch.parent.ROSLaunchParent(RUN_ID, [str(file)], show_summary=False)
@@ -171,7 +170,7 @@ def run_nodes(file: pathlib.Path) -> Callable[[Callable[[], None]], None]:
 def run_test(test: Any, results: pathlib.Path) -> int:
     """Become the process of a test node: its arguments, its environment, its script.
 
-    :param test: as roslaunch has read it
+    :param test: roslaunch's object for it
     :param results: the JUnit file to write
     """
     machine = roslaunch.core.local_machine()
@@ -187,7 +186,7 @@ def run_test(test: Any, results: pathlib.Path) -> int:
     before = environment.get("PYTHONPATH", "").split(os.pathsep)
     sys.path[:0] = [os.path.dirname(command[0]), *(place for place in before if place)]
     sys.argv[:] = command
-    # It has read the name and the remappings from the command line when it was imported.
+    # rospy has read the name and the remappings from the command line on import.
     rospy.names.reload_mappings(command)
     importlib.invalidate_caches()
     runpy.run_path(command[0], run_name="__main__")
@@ -195,7 +194,7 @@ def run_test(test: Any, results: pathlib.Path) -> int:
 
 
 def reset(master: rosgraph.Master, kept: List[str]) -> None:
-    """Delete the parameters that a file has left, and the registrations of nodes that are gone."""
+    """Delete the parameters of a file, and the registrations of ended nodes."""
     for name in master.getParamNames():
         if name not in kept:
             with contextlib.suppress(rosgraph.MasterError):
@@ -206,7 +205,7 @@ def reset(master: rosgraph.Master, kept: List[str]) -> None:
 
 
 def test_file(file: pathlib.Path, results: pathlib.Path) -> None:
-    """Start the nodes of a file and run its tests one by one.
+    """Start the nodes of a file and run its tests one after the other.
 
     :raises RuntimeError: if a node cannot be started
     """
@@ -259,7 +258,7 @@ def main() -> int:
     with in_background(run_master(port)):
         master = rosgraph.Master("/shared_master")
         kept = master.getParamNames()
-        # What roscore's own file sets is set, and each reading of it starts two commands.
+        # The settings of roscore's own file are set, and each reading of it starts two commands.
         roslaunch.config.load_roscore = lambda *_, **__: None
         for file in options.files:
             began = time.monotonic()

@@ -1,4 +1,4 @@
-"""Run one step of the tests, a command, and count what it tested."""
+"""Runner of one step of the tests, a command, and parser of its results."""
 
 import contextlib
 import dataclasses
@@ -15,15 +15,15 @@ from xml.etree import ElementTree
 
 from .workspace import WORKSPACE
 
-# How long a command may take to clean up behind itself after the time is up, s.
+# Time for a command to clean up after its time limit [s].
 GRACE = 30.0
-# How often a command is asked whether it has ended, s.
+# Interval of the checks whether a command has ended [s].
 POLL_S = 0.05
 #: Ports for masters, as in nodekit.testing.processes: a step may start its master minutes later.
 _PORTS = range(12_000, 32_768)
-#: A file that a step may write to its results: the seconds that each of its test files took.
+#: File that a step may write to its results: duration of each of its test files [s].
 PLACES = "places.json"
-#: How much is told of why a test has failed, characters.
+#: Longest reason of a failure in the report [characters].
 _LONGEST_REASON = 400
 
 
@@ -31,13 +31,13 @@ _LONGEST_REASON = 400
 class Step:
     """A command to run for a tier.
 
-    ``{results}`` in an argument stands for the directory for JUnit files. A command that
-    writes none is one test by itself. One that needs what another step of its tier has made
-    names that step, ``after``. One that measures in real time is to run ``alone``.
+    ``{results}`` in an argument is the directory for JUnit files. A command without JUnit files is
+    one test. ``after`` names a step of the same tier that must run first. Steps that measure in
+    real time run ``alone``.
 
-    ``repeat`` is what to type after ``ci/test`` to run a single test of it again: ``{file}`` stands
-    for the name of the JUnit file up to its first dot, ``{case}`` for the test's own, and
-    ``{module}`` for the file that pytest has found it in.
+    ``repeat`` holds the arguments of ``ci/test`` that run a single test again: ``{file}`` is the
+    name of the JUnit file up to its first dot, ``{case}`` the test's name, and ``{module}`` the file
+    of a pytest test.
     """
 
     tier: str
@@ -57,7 +57,7 @@ class Step:
 
 @dataclasses.dataclass(frozen=True)
 class Case:
-    """A test case and how it ended."""
+    """A test case and its outcome."""
 
     name: str
     outcome: str  # passed, failed or skipped
@@ -98,7 +98,7 @@ class StepResult:
 
 
 class Runner:
-    """Runs steps, each with its files in a directory of its own; several threads may share it."""
+    """Runner of steps, each with its own directory. Thread-safe."""
 
     def __init__(self) -> None:
         self._running: Set["subprocess.Popen[bytes]"] = set()
@@ -112,7 +112,7 @@ class Runner:
         began = time.monotonic()
         with log.open("wb") as output:
             process = subprocess.Popen(
-                # Under nohup it is ignored, and so would all be that the step starts.
+                # Ignored under nohup, which the step's processes would inherit.
                 ["env", "--default-signal=HUP"]
                 + [argument.replace("{results}", str(results)) for argument in step.command],
                 cwd=str(WORKSPACE),
@@ -124,7 +124,7 @@ class Runner:
             )
             self._running.add(process)
             cpu_seconds = 0.0
-            if self._interrupted:  # perhaps before interrupt() could see this process
+            if self._interrupted:  # maybe before this process was added
                 stop(process)
             try:
                 cpu_seconds = wait_and_measure(process, step.time_limit)
@@ -139,7 +139,7 @@ class Runner:
         return result_of(step, status, results, seconds, cpu_seconds, log)
 
     def interrupt(self) -> None:
-        """Make the steps that are running, or only just starting, end soon."""
+        """End the running or starting steps soon."""
         self._interrupted = True
         for process in list(self._running):
             with contextlib.suppress(ProcessLookupError):  # it has just ended
@@ -147,18 +147,18 @@ class Runner:
 
 
 def wait_and_measure(process: "subprocess.Popen[bytes]", limit: float) -> float:
-    """Wait until a process has ended, and leave it to be waited for once more.
+    """Wait until a process has ended, without collecting its exit status.
 
-    :param limit: for how long, s
-    :returns: processor time of it and of all that it has waited for, s
-    :raises subprocess.TimeoutExpired: if it has not ended by then
+    :param limit: longest wait [s]
+    :returns: processor time of the process and its collected children [s]
+    :raises subprocess.TimeoutExpired: if it has not ended in time
     """
     deadline = time.monotonic() + limit
     while os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT | os.WNOHANG) is None:
         if time.monotonic() > deadline:
             raise subprocess.TimeoutExpired(process.args, limit)
         time.sleep(POLL_S)
-    # See proc(5); what comes before the bracket may hold anything.
+    # See proc(5); the text before the bracket is arbitrary.
     fields = pathlib.Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
     return sum(map(int, fields[11:15])) / os.sysconf("SC_CLK_TCK")
 
@@ -171,7 +171,7 @@ def result_of(
     cpu_seconds: float,
     log: pathlib.Path,
 ) -> StepResult:
-    """Return a step's tests; what ends badly or tests nothing has at least one failure."""
+    """Return a step's tests; a bad status, or no test at all, adds a failure."""
     text = log.read_text(errors="replace")
     cases = read_cases(results)
     if not step.writes_junit and status == 0:
@@ -190,7 +190,7 @@ def result_of(
 
 
 def free_port() -> int:
-    """Return a port that nothing listens on, outside the system's ephemeral range."""
+    """Return a free port outside the system's ephemeral range."""
     while True:
         with contextlib.suppress(OSError), socket.socket() as probe:
             probe.bind(("localhost", random.SystemRandom().choice(_PORTS)))
@@ -198,7 +198,7 @@ def free_port() -> int:
 
 
 def environment(directory: pathlib.Path) -> Dict[str, str]:
-    """Return the environment of a step: a master port and places for files of its own."""
+    """Return the environment of a step, with its own master port and folders."""
     variables = dict(
         os.environ,
         ROS_MASTER_URI=f"http://localhost:{free_port()}",
@@ -207,15 +207,15 @@ def environment(directory: pathlib.Path) -> Dict[str, str]:
         TMPDIR=str(directory / "tmp"),
         HYPOTHESIS_STORAGE_DIRECTORY=str(directory / "hypothesis"),
     )
-    # Users set neither. The first has each of hundreds of nodes compile its modules; the second
-    # hides output that stays in a buffer.
+    # Users set neither. The first makes each of hundreds of nodes compile its modules; the second
+    # hides that output stays in a buffer.
     for name in ("PYTHONDONTWRITEBYTECODE", "PYTHONUNBUFFERED"):
         variables.pop(name, None)
     return variables
 
 
 def stop(process: "subprocess.Popen[bytes]") -> None:
-    """End a command if it still runs, giving it the chance to end its own children."""
+    """End a command if it still runs, with time to end its own children."""
     for number in (signal.SIGINT, signal.SIGKILL):
         if process.poll() is None:
             os.killpg(process.pid, number)
@@ -226,10 +226,10 @@ def stop(process: "subprocess.Popen[bytes]") -> None:
 
 
 def end_leftovers(directory: pathlib.Path) -> None:
-    """Kill what a step has left behind.
+    """Kill the remaining processes of a step.
 
-    roslaunch gives every node a session of its own, so that the step's process group does
-    not hold them; but they all have the step's ROS_HOME.
+    roslaunch starts every node in its own session, outside the step's process group; they are
+    found by the step's ROS_HOME.
     """
     mark = b"ROS_HOME=%s" % os.fsencode(directory / "ros")
     for process in pathlib.Path("/proc").glob("[0-9]*"):
@@ -243,8 +243,8 @@ def end_leftovers(directory: pathlib.Path) -> None:
 def read_cases(results: pathlib.Path) -> List[Case]:
     """Return the test cases in the JUnit files below a directory.
 
-    rostest writes a file for each test node and one about running them; the latter's cases
-    are returned only where a node failed to report.
+    rostest writes a file for each test node, and a file about running them; the cases of the latter
+    are returned only for nodes that failed to report.
     """
     cases: List[Case] = []
     for path in sorted(results.rglob("*.xml")):
@@ -268,7 +268,7 @@ def read_cases(results: pathlib.Path) -> List[Case]:
 
 
 def reason_of(defect: ElementTree.Element) -> str:
-    """Return in one line why a test has failed, without its traceback."""
+    """Return the reason of a failure in one line, without its traceback."""
     said = defect.get("message") or defect.text or ""
     lines = [line.strip() for line in said.splitlines() if line.strip()]
     trace = next((i for i, line in enumerate(lines) if line.startswith("File ")), None)

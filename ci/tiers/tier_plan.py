@@ -1,4 +1,4 @@
-"""The steps of each tier of tests."""
+"""Plan of the steps of each test tier."""
 
 import dataclasses
 import pathlib
@@ -14,18 +14,18 @@ from .workspace import CI, DOCS, SOURCES, WORKSPACE, files_of, packages, runs_wi
 #: The formatter and linter, and the check of spelling, which ci/test fetches from PyPI.
 RUFF = str(WORKSPACE / "build" / "lint" / "bin" / "ruff")
 CODESPELL = str(WORKSPACE / "build" / "lint" / "bin" / "codespell")
-#: A package too, but one that catkin must not find.
+#: Package that catkin must not find.
 TEMPLATE = SOURCES / "nodekit" / "template" / "package_name"
-#: Folders of ci/tests whose tests build whole workspaces: tiers of their own.
+#: Folders of ci/tests with tests that build whole workspaces, in separate tiers.
 SPACES = CI / "tests" / "spaces"
 #: A package's rostest files are run by several steps if they take longer than this [s].
 LANE_S = 60.0
-#: The most such steps of a package.
+#: Largest number of such steps of a package.
 LANES = 3
-#: The marker of unit tests that belong to the tier of this name, and how a file spells it.
+#: Marker of unit tests that belong to the tier of this name, and its form in a file.
 EXTENDED = "extended"
 MARK = f"pytest.mark.{EXTENDED}"
-#: What a rostest file is taken to need where it has not been run yet [s].
+#: Assumed duration of a rostest file that has not been run yet [s].
 UNKNOWN_S = 10.0
 
 
@@ -39,7 +39,7 @@ def python_files(*places: pathlib.Path) -> List[str]:
 
 
 def lint(scope: Optional[Set[str]] = None) -> List[Step]:
-    """Return the steps that check files.
+    """Return the steps of static checks.
 
     :param scope: names of packages, and ``ci``; everything unless given
     """
@@ -85,7 +85,7 @@ def lint(scope: Optional[Set[str]] = None) -> List[Step]:
 def docs(since: str = "") -> List[Step]:
     """Return the steps that build the pages and type their commands.
 
-    :param since: a commit, if only the pages are typed that have changed since
+    :param since: a commit, to type only the pages that have changed since
     """
     target = str(DOCS / "_build" / "html")
     command = [sys.executable, "-m", "sphinx", "-W", "--keep-going", "-q", "-b", "html"]
@@ -101,7 +101,7 @@ def docs(since: str = "") -> List[Step]:
 
 
 def ci_tests() -> List[Step]:
-    """Return the steps that test ci, a folder each."""
+    """Return the steps that test ci, one per folder."""
     folders = sorted(path for path in (CI / "tests").iterdir() if (path / "__init__.py").exists())
     return [
         pytest_step("ci", folder.name, folder)
@@ -134,7 +134,7 @@ def extended(names: Optional[Set[str]], times: Times) -> List[Step]:
 
 
 def install() -> List[Step]:
-    """Return the steps that build workspaces of other shapes.
+    """Return the steps that build other types of workspaces.
 
     The user's own workspace and the install space share one build.
     """
@@ -168,8 +168,8 @@ def rostest_steps(tier: str, names: Optional[Set[str]], times: Times) -> List[St
     """Return the steps that run the rostest files of some packages, or of all.
 
     :param tier: ``integration`` or ``extended``, also the folder's name
-    :param names: of the packages
-    :param times: from former runs
+    :param names: names of the packages
+    :param times: times of earlier runs
     """
     steps = []
     for package in packages():
@@ -183,7 +183,7 @@ def rostest_steps(tier: str, names: Optional[Set[str]], times: Times) -> List[St
 
 
 def share_out(files: List[pathlib.Path], times: Times) -> List[List[pathlib.Path]]:
-    """Divide files among as few steps as keep each below LANE_S, the longest first."""
+    """Divide files among the fewest steps that each take less than LANE_S, the longest first."""
     known = {file: times.wall(str(file.relative_to(WORKSPACE)), UNKNOWN_S) for file in files}
     count = min(LANES, len(files), 1 + int(sum(known.values()) / LANE_S))
     lanes: List[List[pathlib.Path]] = [[] for _ in range(count)]
@@ -208,9 +208,9 @@ def declared_time(test: pathlib.Path) -> float:
 
 
 def ros2() -> List[Step]:
-    """Return the steps that make an environment with ROS 2, and test the bridge in it.
+    """Return the steps that create an environment with ROS 2, and test the bridge in it.
 
-    Recordings of ROS 2 take no such environment, but PyPI as well.
+    Tests of ROS 2 recordings need PyPI, but not this environment.
     """
     environment = Step("ros2", "environment", [str(CI / "ros2")], time_limit=1800.0)
     steps = [environment]
@@ -226,12 +226,12 @@ def ros2() -> List[Step]:
 def ros2_step(place: pathlib.Path, test: str = "", name: str = "", after: str = "") -> Step:
     """Return the step that runs tests with ROS 2.
 
-    Its Python is that of build/ros2, which takes pytest, like rospy, from Debian's folder.
+    They run with the Python of build/ros2, with pytest and rospy from Debian's folder.
 
     :param place: a file or a folder
     :param test: the only test of the file to run
-    :param name: of the step, if not the file's
-    :param after: the step that it needs
+    :param name: name of the step, if not the file's
+    :param after: the step that must run first
     """
     debian = "/usr/lib/python3/dist-packages"
     path = f"PYTHONPATH={WORKSPACE / 'devel' / 'lib' / 'python3' / 'dist-packages'}:{debian}"
@@ -261,7 +261,7 @@ def single(place: pathlib.Path, test: str) -> List[Step]:
 
 
 def plan(chosen: Selection, times: Times) -> List[Step]:
-    """Return the steps of what is chosen, each once, the longest first, those that run alone last.
+    """Return the selected steps, each once: the longest first, those that run alone last.
 
     :raises UnknownWord: if a place is not a test file
     """
@@ -277,7 +277,7 @@ def plan(chosen: Selection, times: Times) -> List[Step]:
         return times.wall(step.title, step.time_limit / 20.0)
 
     def urgency(step: Step) -> float:
-        """Time until it is over, and those that wait for it [s]."""
+        """Return the duration of a step and of the steps that depend on it [s]."""
         after = [one for one in unique if (one.tier, one.after) == (step.tier, step.name)]
         return wall(step) + sum(map(wall, after))
 

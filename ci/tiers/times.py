@@ -1,4 +1,4 @@
-"""Times of the last run's steps, kept in build/, from which the next run estimates its own."""
+"""Times of earlier runs' steps, stored in build/, to estimate the next run."""
 
 import json
 import pathlib
@@ -8,10 +8,10 @@ from typing import Dict, List, Optional, Sequence
 from .workspace import WORKSPACE
 
 FILE = WORKSPACE / "build" / "test-times.json"
-#: Runs that are kept of each step.
+#: Number of runs stored for each step.
 KEPT = 5
-#: A step that takes more processor time than this many times its usual one is named at the end,
-#: unless the difference is less than DIFFERENCE_S [s], which a busy machine brings about.
+#: Factor of the usual processor time above which a step is reported, if the difference is also
+#: above DIFFERENCE_S [s]: a busy machine causes smaller ones.
 GROWTH = 1.5
 DIFFERENCE_S = 3.0
 
@@ -19,7 +19,7 @@ DIFFERENCE_S = 3.0
 class Times:
     """Wall and processor time of each step in its last good runs [s].
 
-    :param path: of the file that keeps them, FILE unless given
+    :param path: path of the file, FILE by default
     """
 
     def __init__(self, path: Optional[pathlib.Path] = None) -> None:
@@ -48,19 +48,19 @@ class Times:
     def has_grown(self, step: str, cpu: float) -> bool:
         """Return whether a step took far more processor time than usual.
 
-        :param cpu: what it took [s]
+        :param cpu: its processor time [s]
         """
         usual = self.cpu(step)
         return self.knows(step) and cpu > GROWTH * usual and cpu - usual > DIFFERENCE_S
 
     def add(self, step: str, wall: float, cpu: float) -> None:
-        """Note what a good run of a step took [s]."""
+        """Add the times of a passed run of a step [s]."""
         runs = self._known.setdefault(step, [])
         runs.append([round(wall, 2), round(cpu, 2)])
         del runs[:-KEPT]
 
     def save(self) -> None:
-        """Write them."""
+        """Write the file."""
         self._path.parent.mkdir(parents=True, exist_ok=True)
         new = self._path.with_suffix(".new")
         new.write_text(json.dumps(self._known, indent=0, sort_keys=True), "utf-8")
@@ -68,10 +68,10 @@ class Times:
 
 
 def estimate(durations: Sequence[float], lanes: int) -> float:
-    """Return how long steps take, begun in this order, some at a time [s].
+    """Return the estimated time of steps in this order, several at a time [s].
 
-    :param durations: of the steps [s]
-    :param lanes: how many run at a time
+    :param durations: durations of the steps [s]
+    :param lanes: number of steps that run at a time
     """
     ends = [0.0] * lanes
     for duration in durations:

@@ -1,4 +1,4 @@
-"""The workspace's files and packages, and which packages a change reaches."""
+"""The workspace's files and packages, and the packages that a change affects."""
 
 import pathlib
 import subprocess
@@ -14,7 +14,7 @@ GENERATED = ("_build", "__pycache__")
 
 
 class UnknownCommit(Exception):
-    """git does not know a commit; the text says what git says."""
+    """Error of an unknown commit; the text is git's."""
 
 
 def packages() -> List[pathlib.Path]:
@@ -34,7 +34,7 @@ def files_of(*places: pathlib.Path) -> Iterable[pathlib.Path]:
 
 
 def scripts(language: str, *places: pathlib.Path) -> List[str]:
-    """Return the files whose first line names an interpreter, e.g. ``bash``."""
+    """Return the files with an interpreter in their first line, e.g. ``bash``."""
     return [str(path) for path in files_of(*places) if runs_with(language, path)]
 
 
@@ -46,7 +46,7 @@ def runs_with(language: str, path: pathlib.Path) -> bool:
 
 
 def dependencies() -> Dict[str, Set[str]]:
-    """Return the packages of the workspace that each names in its package.xml, tests included."""
+    """Return each package's dependencies in the workspace, including those of its tests."""
     names = {package.name for package in packages()}
     return {
         package.name: {
@@ -60,7 +60,7 @@ def dependencies() -> Dict[str, Set[str]]:
 
 
 def with_dependents(changed: Set[str], needs: Dict[str, Set[str]]) -> Set[str]:
-    """Return packages and all that depend on them, directly or not.
+    """Return packages and all direct and indirect dependents.
 
     :param changed: names of packages
     :param needs: the packages that each package depends on
@@ -74,9 +74,9 @@ def with_dependents(changed: Set[str], needs: Dict[str, Set[str]]) -> Set[str]:
 
 
 def changed_files(commit: str) -> List[str]:
-    """Return the paths that differ from a commit, those that are not committed yet included.
+    """Return the paths that differ from a commit, including uncommitted changes.
 
-    :raises UnknownCommit: if there is no such commit
+    :raises UnknownCommit: if the commit does not exist
     """
     return [
         *git("diff", "--name-only", "--no-renames", commit, "--"),
@@ -85,7 +85,7 @@ def changed_files(commit: str) -> List[str]:
 
 
 def git(*arguments: str) -> List[str]:
-    """Return the lines that git prints.
+    """Return the lines of git's output.
 
     :raises UnknownCommit: if it fails
     """

@@ -1,4 +1,4 @@
-"""Figures that ci/bench makes of recorded moments."""
+"""Tests of the figures that ci/bench computes from recorded times."""
 
 import random
 import statistics
@@ -21,7 +21,7 @@ def grid(count, rate, start=100.0):
 )
 def test_match_without_the_first_answers_shifts_nothing(delays, missing):
     rate = 1000.0
-    delays[0] = min(delays[0], 0.9 / rate)  # one comes within a period
+    delays[0] = min(delays[0], 0.9 / rate)  # one arrives within a period
     sent = grid(missing + len(delays), rate)
     received, latest = [], 0.0
     for sample, delay in zip(sent[missing:], delays):

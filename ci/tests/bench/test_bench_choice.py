@@ -1,4 +1,4 @@
-"""Rows of ci/bench: their names, and which of them are measured."""
+"""Tests of the rows of ci/bench: names, and selection."""
 
 import importlib
 import pathlib

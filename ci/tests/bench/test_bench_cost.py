@@ -1,4 +1,4 @@
-"""Tests of how ci/bench reads what processes cost."""
+"""Tests of the resource usage that ci/bench reads."""
 
 import os
 import subprocess
@@ -8,7 +8,7 @@ import pytest
 
 from ci.benchmark.cost import cpu_time
 
-#: Burns processor time in threads that end, and says how much, in s.
+#: Uses processor time in threads that end, and prints it [s].
 BURN = """
 import threading, time
 def burn():

@@ -1,4 +1,4 @@
-"""Results of ci/bench, and the goals that they reach."""
+"""Tests of the results and goals of ci/bench."""
 
 import pytest
 

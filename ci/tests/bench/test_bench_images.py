@@ -1,4 +1,4 @@
-"""The figures of large messages, from records of what was sent and received."""
+"""Tests of the figures of large messages, from records of both ends."""
 
 import pytest
 

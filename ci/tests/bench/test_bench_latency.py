@@ -1,4 +1,4 @@
-"""Tests of how ci/bench makes figures of a turn of nodes that stood still before."""
+"""Tests of the figures of ci/bench for a turn of nodes that were stopped before."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Table of docs/benchmark.md."""
+"""Tests of the table of docs/benchmark.md."""
 
 import json
 import pathlib

@@ -1,4 +1,4 @@
-"""Tests of the records that processes keep for ci/bench while they run."""
+"""Tests of the records that processes write for ci/bench."""
 
 import os
 import signal
@@ -9,7 +9,7 @@ import time
 from ci.benchmark import processes, record
 from ci.benchmark.recorder import wait_until
 
-#: Counts on for as long as it is not stopped.
+#: Program that counts until it is stopped.
 COUNT = """
 import sys, time
 from ci.benchmark.record import Record

@@ -1,4 +1,4 @@
-"""The subscriber of ci/bench, which speaks TCPROS itself."""
+"""Tests of the subscriber of ci/bench, a TCPROS client."""
 
 import os
 import struct
@@ -31,7 +31,7 @@ def serve(**functions):
 
 @pytest.fixture(name="master")
 def make_master():
-    """Offer a master without publishers."""
+    """Return a master without publishers."""
 
     def accept(*_arguments):
         return 1, "", []

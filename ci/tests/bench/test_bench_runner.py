@@ -1,4 +1,4 @@
-"""Order and number of turns that ci/bench takes, with measurements made up here."""
+"""Tests of the order and number of turns of ci/bench, with fake measurements."""
 
 import contextlib
 import subprocess
@@ -19,7 +19,7 @@ def undisturbed(monkeypatch):
 
 
 class Stage:
-    """Subjects, and a log of what they did."""
+    """Subjects, and a log of their actions."""
 
     def __init__(self, turn=lambda subject: None):
         self.log = []

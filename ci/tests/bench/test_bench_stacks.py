@@ -1,4 +1,4 @@
-"""Stacks of ci/bench in Python, run with the workspace's nodes, in turns."""
+"""Tests of the Python stacks of ci/bench."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""A small catkin workspace of its own around a copy of ci/, for the tests of ci/exec."""
+"""Fixture of a small catkin workspace with a copy of ci/, for the tests of ci/exec."""
 
 import os
 import pathlib
@@ -58,7 +58,7 @@ class Workspace:
         self.fakes: Dict[str, str] = {}
         #: In ci/.
         self.program = "exec"
-        #: A command that is to run it.
+        #: Command that runs it.
         self.prefix: List[str] = []
         shutil.copytree(CI, root / "ci", ignore=shutil.ignore_patterns("__pycache__", "tests"))
         (root / "packaging").mkdir()
@@ -93,7 +93,7 @@ class Workspace:
         return environment
 
     def start(self, *command: str, **changes: Optional[str]) -> "subprocess.Popen[str]":
-        """Start the program in a process group of its own."""
+        """Start the program in its own process group."""
         return subprocess.Popen(
             self.prefix + [str(self.root / "ci" / self.program)] + list(command),
             env=self.environment(changes),
@@ -113,7 +113,7 @@ class Workspace:
         return subprocess.CompletedProcess(process.args, process.returncode, out, err)
 
     def shows(self, message: str) -> bool:
-        """Whether Python code in the workspace finds a message, given as package.Name."""
+        """Return whether Python code in the workspace finds a message, given as package.Name."""
         package, name = message.split(".")
         code = f"from {package}.msg import {name}"
         return self.run("python3", "-c", code).returncode == 0
@@ -121,9 +121,8 @@ class Workspace:
     def pretend_packages(self, listed: str, installed: str = "", known: str = "") -> pathlib.Path:
         """Replace the list of packages and the package system; return the log of root's commands.
 
-        Nothing is built then: these tests are about what comes before.
-        ``apt-get update`` makes every package of the mirror known, ``apt-get install`` installs
-        what is known.
+        Nothing is built then: these tests are about the steps before. ``apt-get update`` makes
+        every package of the mirror known, ``apt-get install`` installs known packages.
         """
         (self.root / "ci" / "apt-packages.txt").write_text(listed)
         system = self.root / "system"
@@ -149,38 +148,38 @@ class Workspace:
         return log
 
     def pretend_release(self, codename: str) -> None:
-        """Replace what tells which release of Debian this is."""
+        """Replace the file that names the release of Debian."""
         release = self.root / "system" / "os-release"
         release.write_text(f"PRETTY_NAME='a Debian'\nVERSION_CODENAME={codename}\n")
         self.patch("setup.bash", "=/etc/os-release\n", f"='{release}'\n")
 
     def patch(self, name: str, old: str, new: str) -> None:
-        """Replace something in a file of ci/setup."""
+        """Replace text in a file of ci/setup."""
         path = self.root / "ci" / "setup" / name
         path.write_text(path.read_text().replace(old, new))
 
     def give_away(self, place: str) -> None:
-        """Take from this user the right to write to a file or folder, even if this is root."""
+        """Remove the right to write to a file or folder, even for root."""
         os.chmod(str(self.root / place), 0o555)
         if os.geteuid() == 0:
             self.prefix = ["setpriv", "--bounding-set=-dac_override", "--"]
 
     def be_somebody(self, name: str = "daemon") -> None:
-        """Make ci/exec believe that a user without rights has called it."""
+        """Make ci/exec see a user without rights."""
         names = f"case $1 in -u) echo 12345 ;; -nu) [ $# = 1 ] && echo {name} ||"
         self.fakes["id"] = names + ' command id "$@" ;; esac'
 
 
 @pytest.fixture
 def workspace(tmp_path: pathlib.Path) -> Workspace:
-    """Return a workspace in which nothing has been built."""
+    """Return a workspace that has not been built."""
     return Workspace(tmp_path / "workspace")
 
 
 @pytest.fixture(scope="session")
 def built(tmp_path_factory: "pytest.TempPathFactory") -> Workspace:
     """Return a built workspace, for tests that change nothing in it."""
-    # Signs that are seldom in a path, and no reason to refuse it.
+    # Rare but allowed characters of a path.
     workspace = Workspace(tmp_path_factory.mktemp("built") / "é+@=%,~-1")
     assert workspace.run("true").returncode == 0
     return workspace

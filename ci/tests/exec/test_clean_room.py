@@ -1,4 +1,4 @@
-"""The clean room runs README's commands as they are written, and ci/test suits each release."""
+"""Tests of the clean room: README's commands, and the tiers of each Debian release."""
 
 import os
 import pathlib
@@ -9,7 +9,7 @@ import pytest
 from .conftest import CI, Workspace
 
 INSIDE = CI / "systems" / "clean-room-inside.bash"
-#: Two bootstraps, each of a Debian that has one file; nothing is mounted.
+#: Two bootstraps, each of a Debian with one file; nothing is mounted.
 BOOTSTRAPS = """
 set -euo pipefail
 me=test room=$1 mirror=none log=/dev/null CLEAN_ROOM_CACHE=$1/cache

@@ -1,4 +1,4 @@
-"""ci/container types its page's commands, and README's ways in are those of the pages.
+"""Tests of ci/container: commands of its page, and README's copies of commands.
 
 Course 002-pkg-13.
 """

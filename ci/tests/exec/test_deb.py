@@ -1,4 +1,4 @@
-"""ci/deb types the commands of its page, and knows what its packages need of others.
+"""Tests of ci/deb: commands of its page, and dependencies of its packages.
 
 Course 002-pkg-12.
 """

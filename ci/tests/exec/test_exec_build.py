@@ -1,4 +1,4 @@
-"""ci/exec builds when something changed, and only then; nothing half done looks finished."""
+"""Tests of the builds of ci/exec: only after changes, and restarted after a failure."""
 
 import os
 import pathlib
@@ -28,7 +28,7 @@ def test_rebuilds_what_changed_and_drops_what_is_gone(workspace: Workspace) -> N
     shutil.copy(
         str(workspace.root / "src/tiny/msg/Beat.msg"), str(workspace.root / "src/tiny/msg/Bar.msg")
     )
-    # Messages are for Python alone, unless C++ is asked for; and then for both from then on.
+    # Messages are for Python only, unless C++ is requested; then for both from then on.
     headers = workspace.root / "devel" / "include" / "tiny"
     assert not headers.exists()
     assert "building" in workspace.run("true", ROS_LANG_DISABLE="genlisp").stderr
@@ -85,7 +85,7 @@ def test_failed_build_is_shown_and_not_taken_for_finished(workspace: Workspace) 
 
 def test_interrupted_build_starts_over(workspace: Workspace) -> None:
     begun = workspace.root / "begun"
-    # bash forgets a SIGINT that comes just before it becomes another program; sh does not.
+    # bash loses a SIGINT just before it executes another program; sh does not.
     workspace.fakes["catkin_make"] = f"""mkdir devel; : > devel/setup.bash
         sh -c ': > "$0"; exec sleep 60' '{begun}'"""
     process = workspace.start("echo", "not reached")

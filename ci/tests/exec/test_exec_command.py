@@ -1,4 +1,4 @@
-"""ci/exec leaves the command alone: its streams, its status, its process; and gives it ROS."""
+"""Tests of the command that ci/exec runs: streams, status, process, and environment."""
 
 import os
 import pathlib
@@ -19,14 +19,14 @@ ROSBASH = (
     "/usr/share/bash-completion/completions/rosbash",
     f"{os.environ.get('ROS_ROOT')}/../rosbash/rosbash",
 )
-#: A program in Python that says by a file that it runs, and ends with 0 at Ctrl-C.
+#: Python program that creates a file when it runs, and ends with 0 at Ctrl-C.
 ENDS_BY_ITSELF = """
 import signal, sys
 signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
 open(sys.argv[1], "w").close()
 signal.sigtimedwait([signal.SIGINT], 60.0)
 """
-#: An awk that takes each line as it comes, as gawk does; more listeners than a pipe has room for.
+#: awk without buffered input, as gawk; and more listeners than fit into a pipe.
 HASTY_AWK = {
     "awk": """case $(readlink -f "$(type -P awk)") in
         *mawk) command awk -W interactive "$@" ;;
@@ -62,8 +62,8 @@ def test_ctrl_c_ends_rosrun_while_it_searches(built: Workspace, tmp_path: pathli
         assert built.run("rosrun", "tiny", "node", "two words").returncode == 0
         assert ran.read_text() == "two words\n"
         ran.unlink()
-        # catkin_find is a program in Python, which may end by itself at Ctrl-C. A trap of a shell
-        # would wait for the end of a command that has just begun.
+        # catkin_find is a Python program that may handle Ctrl-C. A trap of a shell would wait for
+        # the end of a command that has just begun.
         built.fakes["catkin_find"] = f"exec /usr/bin/python3 -c '{ENDS_BY_ITSELF}' '{begun}'"
         process = built.start("rosrun", "tiny", "node")
         give_up = time.monotonic() + 60.0
@@ -101,7 +101,7 @@ def test_help_is_the_header(workspace: Workspace, program: str, said: str) -> No
     assert result.stdout.startswith(f"Usage: ci/{program}")
     assert f"\n{said}" in result.stdout
     assert "set -e" not in result.stdout
-    # A reader of the usage has nothing installed or built.
+    # The usage needs neither an installation nor a build.
     assert log.read_text() == "" and not (workspace.root / "build").exists()
 
 
@@ -187,7 +187,7 @@ def test_shell_keeps_the_environment_that_a_bashrc_spoils(
     assert shell.returncode == 5
     assert out.startswith("alias\n")
     assert "/usr/bin" in out and "/spoilt" not in out
-    # A ROS without rosbash has no roscd.
+    # Without rosbash, roscd is missing.
     has_roscd = any(pathlib.Path(rosbash).exists() for rosbash in ROSBASH)
     assert ("function\n" in out) == has_roscd
 
@@ -222,7 +222,7 @@ def test_master_of_another_user_is_refused_unless_it_is_chosen(
         found = re.search("'export ROS_MASTER_URI=http://localhost:([0-9]+)'", line)
         assert found and int(found.group(1)) > port
         assert built.run("true", ROS_MASTER_URI=f"http://localhost:{port}").stderr == ""
-    # No process listens there.
+    # Nothing listens there.
     built.be_somebody()
     try:
         assert built.run("true", ROS_MASTER_URI=f"http://localhost:{port}").stderr == ""

@@ -1,4 +1,4 @@
-"""ci/exec installs and builds what a command of ROS names, what that depends on, and keeps both."""
+"""Tests of the packages that ci/exec installs and builds for a command."""
 
 import pathlib
 import re
@@ -11,7 +11,7 @@ import pytest
 from .conftest import CI, Workspace
 
 SOURCES = CI.parent / "src"
-#: Where a launch file starts or includes something of a package.
+#: References of launch files to packages.
 STARTED = re.compile(r"""pkg="(\w+)"|\$\(find (\w+)\)|find\('(\w+)'\)""")
 LISTED = "[run ros]\ncatkin\n[run]\nalways\nof_tiny\nof_key\nof_spare\nof_plot\n"
 TABLE = """# key: run | build | of use
@@ -26,14 +26,14 @@ LAUNCH = """<launch> <arg name="plot" default="false"
 
 
 def built_ones(workspace: Workspace) -> Set[str]:
-    """Return the packages whose messages were made."""
+    """Return the packages with generated messages."""
     place = workspace.root / "devel" / "lib" / "python3" / "dist-packages"
     return {path.parent.name for path in place.glob("*/msg")}
 
 
 @pytest.fixture
 def several(workspace: Workspace) -> Workspace:
-    """Return a workspace in which user depends on tiny, and on spare in its tests alone."""
+    """Return a workspace in which user depends on tiny, and on spare in its tests only."""
     workspace.add_package("spare")
     workspace.add_package(
         "user", "<exec_depend\n>tiny</exec_depend><test_depend>spare</test_depend>"
@@ -45,7 +45,7 @@ def test_builds_what_is_named_and_adds_to_it(several: Workspace) -> None:
     said = several.run("rosrun", "user", "nothing").stderr
     assert "building with catkin_make: tiny user\n" in said
     assert built_ones(several) == {"tiny", "user"}
-    # Tools take what is there, in another place as well.
+    # Tools use the existing build, in another folder as well.
     assert several.run("rostopic", "--help").stderr == ""
     moved = several.root.with_name("elsewhere")
     several.root.rename(moved)
@@ -59,7 +59,7 @@ def test_builds_what_is_named_and_adds_to_it(several: Workspace) -> None:
     assert said == "ci/exec: building with catkin_make: spare tiny user\n"
     assert built_ones(several) == {"spare", "tiny", "user"}
     assert several.run("rosrun", "tiny", "nothing").stderr.count("ci/exec") == 0
-    # A package that is gone takes its products along, and stays out of the next builds.
+    # A removed package's products are removed, and later builds omit it.
     shutil.rmtree(str(moved / "src" / "spare"))
     several.add_package("late")
     assert "from scratch with catkin_make: tiny user\n" in several.run("rostopic").stderr
@@ -68,7 +68,7 @@ def test_builds_what_is_named_and_adds_to_it(several: Workspace) -> None:
     times = made.stat().st_mtime_ns
     assert several.run("true").stderr == "ci/exec: building with catkin_make\n"
     assert built_ones(several) == {"late", "tiny", "user"}
-    assert made.stat().st_mtime_ns == times  # nothing was made twice
+    assert made.stat().st_mtime_ns == times  # nothing was generated twice
     assert several.run("rosrun", "tiny", "nothing").stderr.count("ci/exec") == 0
 
 
@@ -95,7 +95,7 @@ def test_installs_what_is_needed(workspace: Workspace, command: str, packages: s
     (workspace.root / "src/tiny/launch/a.launch").write_text(LAUNCH)
     workspace.pretend_packages(LISTED + "of_all\n")
     (workspace.root / "packaging" / "dependencies.txt").write_text(TABLE)
-    # What the table does not have is for all.
+    # Keys that the table lacks are for all packages.
     expected = ["catkin", "always", *packages.split()]
     result = workspace.run(*command.split(), CI_EXEC_NO_INSTALL="1")
     assert result.returncode == 125
@@ -119,7 +119,7 @@ def test_what_was_asked_for_once_is_kept_up_to_date(workspace: Workspace) -> Non
 
 
 def named_in_launch_files(package: pathlib.Path) -> Set[str]:
-    """Return the packages of the workspace that a package's launch files start something of."""
+    """Return the packages of the workspace that a package's launch files use."""
     text = "".join(
         path.read_text("utf-8")
         for path in (package / "launch").rglob("*")

@@ -1,4 +1,4 @@
-"""ci/exec installs what is missing, says so, and refuses where it may or can not."""
+"""Tests of the installation of packages by ci/exec, and of its errors."""
 
 import contextlib
 import os
@@ -261,7 +261,7 @@ def test_refuses_a_system_without_apt_in_one_sentence(workspace: Workspace, abse
 
 
 def ros_in(prefix: pathlib.Path) -> pathlib.Path:
-    """Make what looks like an installed ROS 1."""
+    """Create a fake installation of ROS 1."""
     (prefix / "share" / "rospy").mkdir(parents=True)
     (prefix / "share" / "rospy" / "package.xml").touch()
     (prefix / "setup.bash").write_text(f"export FAKE_ROS='{prefix}'\n")
@@ -290,7 +290,7 @@ def test_takes_the_ros_that_is_sourced_or_stands_in_opt(
     result = workspace.run("true", CMAKE_PREFIX_PATH=path)
     assert result.returncode == 0
     assert f"upon the ROS in {workspace.root / taken}, with" in result.stderr
-    # ROS's own packages are part of that ROS, and the build happens on top of it.
+    # ROS's own packages are part of that ROS, and the build extends it.
     assert log.read_text().splitlines()[0].endswith(" one two")
     built_on = (workspace.root / "build" / "ci-exec" / "log").read_text()
     assert f"{workspace.root / taken}\n" in built_on

@@ -1,4 +1,4 @@
-"""ci/release changes versions and changelogs; nothing where a check in a clone is bad."""
+"""Tests of ci/release: versions and changelogs, and failed checks."""
 
 import datetime
 import os
@@ -42,7 +42,7 @@ TODAY = datetime.date.today().isoformat()
 
 
 class Copy:
-    """A small workspace under git, whose checks only note that they were called."""
+    """A small git workspace with checks that only log their calls."""
 
     def __init__(self, root: pathlib.Path) -> None:
         self.root = root
@@ -92,7 +92,7 @@ class Copy:
         return (self.root / name).read_text()
 
     def git(self, *arguments: str) -> str:
-        """Return what git prints."""
+        """Return git's output."""
         return subprocess.check_output(
             ["git", *arguments], cwd=str(self.root), universal_newlines=True
         )
@@ -103,11 +103,11 @@ class Copy:
         self.git("commit", "--quiet", "--message", "Begin")
 
     def state(self) -> List[str]:
-        """Return the changes of a release."""
+        """Return the state that a release changes."""
         return [self.git("log", "--all", "--format=%H"), self.git("status", "--porcelain")]
 
     def release(self, *arguments: str) -> "subprocess.CompletedProcess[str]":
-        """Run it."""
+        """Run ci/release."""
         return subprocess.run(
             [str(self.root / "ci" / "release"), *arguments],
             stdout=subprocess.PIPE,
@@ -131,7 +131,7 @@ def test_a_release_is_a_commit_a_tag_and_what_was_built(copy: Copy) -> None:
     assert done.returncode == 0, done.stderr
     heading = f"1.2.0 ({TODAY})\n------------------\n"
     assert copy.read("src/one/CHANGELOG.rst").startswith(f"{TITLE}{heading}* Add it.\n\n0.9.0 (")
-    # One that nothing has changed in has a version like all others.
+    # An unchanged package gets the version too.
     assert copy.read("src/two/CHANGELOG.rst").startswith(f"{TITLE}{heading}\n0.9.0 (")
     for name in ("one", "two"):
         assert "<version>1.2.0</version>" in copy.read(f"src/{name}/package.xml")
@@ -139,11 +139,11 @@ def test_a_release_is_a_commit_a_tag_and_what_was_built(copy: Copy) -> None:
     assert copy.git("status", "--porcelain") == ""
     assert copy.git("log", "-1", "--format=%s %d").startswith("Release 1.2.0  (HEAD -> ")
     assert copy.git("describe").strip() == "1.2.0"
-    # The checks saw the very commit that was tagged.
+    # The checks ran on the tagged commit.
     runs = [line.partition(" ")[::2] for line in copy.journal.read_text().splitlines()]
     assert runs[0][0] == "exec" and sorted(name for name, _ in runs[1:]) == RUNS
     assert all(rest.endswith(": Release 1.2.0") for _, rest in runs[1:])
-    # What is timed runs before anything runs beside it.
+    # Timed checks run alone, before the others.
     timed = [rest.partition(":")[0] for _, rest in runs[2 : 2 + len(SUITES)]]
     assert timed == [f"--only launch {suite}" for suite in SUITES]
     # The pages, and each suite with all parts.
@@ -182,7 +182,7 @@ def test_what_was_good_is_not_run_again(copy: Copy) -> None:
     copy.commit()
     done = copy.release("1.2.0")
     assert done.returncode == 1
-    # All others were run beside the bad ones, which are named together at the end.
+    # All other checks were run as well; the failed ones are listed at the end.
     names = [line.split()[0] for line in copy.journal.read_text().splitlines()]
     assert sorted(names[1:]) == RUNS
     told = done.stderr.splitlines()[-1 - len(SUITES) : -1]
@@ -243,7 +243,7 @@ def test_only_the_same_commit_is_gone_on_with(copy: Copy) -> None:
 
 
 def test_nothing_is_released_without_the_pages(copy: Copy) -> None:
-    copy.script("test", "")  # as where the tools of that tier are missing
+    copy.script("test", "")  # as if the tools of that tier are missing
     copy.commit()
     before = copy.state()
     done = copy.release("1.2.0")

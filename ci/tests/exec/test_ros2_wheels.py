@@ -1,4 +1,4 @@
-"""ci/ros2-wheels lets the oldest Python choose, and changes nothing where there are no wheels."""
+"""Tests of ci/ros2-wheels: the oldest Python decides; no change without wheels."""
 
 import pathlib
 from typing import Tuple
@@ -7,7 +7,7 @@ import pytest
 
 from .conftest import CI, Workspace
 
-#: Instead of uv: writes down its arguments and what it is bound to, and chooses a version.
+#: Fake uv: logs its arguments and constraints, and chooses a version.
 UV = """#!/bin/sh -e
 while [ $# -gt 1 ]; do
     case $1 in
@@ -24,7 +24,7 @@ echo "${bound:-a==1.1}"
 
 @pytest.fixture
 def wheels(workspace: Workspace) -> pathlib.Path:
-    """Return a workspace that has the list of wheels, and a package that names the Pythons."""
+    """Return a workspace with the list of wheels, and a package that names the Pythons."""
     workspace.pretend_packages("[run]\n[ros2]\n")
     workspace.program = "ros2-wheels"
     package = workspace.root / "modules" / "ros2_bridge" / "environment"
@@ -40,7 +40,7 @@ def wheels(workspace: Workspace) -> pathlib.Path:
 
 
 def run(workspace: Workspace, missing: str = "") -> Tuple[str, int]:
-    """Run it, and return what it prints and its status."""
+    """Run it, and return its output and status."""
     uv = workspace.root / "build" / "uv"
     (uv / "bin").mkdir(parents=True)
     wanted = (CI / "ros2-wheels").read_text().partition("fetch_tool uv ")[2].split()[0]
@@ -58,7 +58,7 @@ def test_oldest_python_chooses_for_all(workspace: Workspace, wheels: pathlib.Pat
     assert (workspace.root / "log").read_text().splitlines() == [
         "3.9: ",
         "3.11: a==1.1",
-        "3.11: ",  # that of recordings, by itself
+        "3.11: ",  # the separate list of recordings
     ]
     assert status == 0 and "< a==1.0\n" in printed and "> a==1.1\n" in printed
     assert wheels.read_text() == "a==1.1\n"

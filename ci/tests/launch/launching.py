@@ -1,4 +1,4 @@
-"""Read launch files as roslaunch does, without starting what they name."""
+"""Loader of launch files by roslaunch, without starting nodes."""
 
 import os
 import pathlib
@@ -13,24 +13,24 @@ from roslaunch.core import Node, local_machine, setup_env
 from roslaunch.node_args import create_local_process_args
 from roslaunch.xmlloader import XmlLoader
 
-#: Where the packages are.
+#: Folder of the packages.
 SOURCES = pathlib.Path(__file__).resolve().parents[3] / "src"
 #: All launch files that users start.
 FILES = sorted(str(path.relative_to(SOURCES)) for path in SOURCES.glob("*/launch/**/*.launch"))
-#: What must be typed for a file to load at all.
+#: Arguments without which a file cannot be loaded.
 REQUIRED = {"basic_comms/launch/features/arg.launch": ["text:=x"]}
 
 
 def load(name: str, *arguments: str) -> ROSLaunchConfig:
-    """Return what roslaunch would start and set.
+    """Return roslaunch's configuration of a file.
 
     :param name: file, relative to src
-    :param arguments: what is typed after its name, a word each
+    :param arguments: the words typed after its name
     """
     config = ROSLaunchConfig()
     loader = XmlLoader()
     loader.ignore_unset_args = False
-    random.seed(1)  # names that $(anon) makes up are the same each time
+    random.seed(1)  # for reproducible names of $(anon)
     argv = [*REQUIRED.get(name, []), *arguments]
     loader.load(str(SOURCES / name), config, argv=argv, verbose=False)
     assert config.config_errors == []
@@ -38,7 +38,7 @@ def load(name: str, *arguments: str) -> ROSLaunchConfig:
 
 
 def defaults(name: str) -> Dict[str, str]:
-    """Return the arguments of a file that may be typed, with their defaults."""
+    """Return the optional arguments of a file, with their defaults."""
     tags = ElementTree.parse(str(SOURCES / name)).getroot().findall("arg")
     return {tag.attrib["name"]: tag.attrib["default"] for tag in tags if "default" in tag.attrib}
 
@@ -49,13 +49,13 @@ def settings(config: ROSLaunchConfig) -> Dict[str, Any]:
 
 
 def whole(config: ROSLaunchConfig) -> Any:
-    """Return all that a launch would do, to be compared with another."""
+    """Return a launch's complete configuration, for comparison."""
     nodes = [node.xmlattrs() + [node.remap_args, node.env_args] for node in config.nodes]
     return nodes, settings(config)
 
 
 def command_line(node: Node) -> List[str]:
-    """Return the words that reach the program of a node, through whatever shell there is."""
+    """Return the words that a node's program receives, through any shell."""
     words = create_local_process_args(node, local_machine())
     program = len(shlex.split(node.launch_prefix or ""))
     words[program : program + 1] = ["printf", "%s\\0"]

@@ -1,4 +1,4 @@
-"""Run nodes as processes of their own, or all in one, and record what they publish.
+"""Run nodes as separate processes, or all in one, and record their topics.
 
 ``node_processes.py separate|hosted SPACE`` runs every node of :data:`NODES` until it is ended.
 """
@@ -9,7 +9,7 @@ import signal
 import sys
 from typing import Any, Dict, List, Set
 
-#: The other nodes, and why they are not run here.
+#: Nodes that are not run here, and the reason.
 LEFT_OUT: Dict[str, str] = {
     "basic_comms.nodes.fleet": "hosts nodes of the list",
     "diff_drive_sim.nodes.diff_drive_fleet": "hosts nodes of the list",
@@ -24,7 +24,7 @@ LEFT_OUT: Dict[str, str] = {
     "serial_link.nodes.simulated_board": "needs a terminal",
     "topic_scope.nodes.scope": "serves a web page",
 }
-#: Where the recorder publishes what it has heard.
+#: Parameter with the topics that the recorder has received.
 HEARD = "/{}/recorder/heard"
 
 #: Modules of nodes that need no hardware, terminal, file or other program, by their namespace.
@@ -76,7 +76,7 @@ NODES: Dict[str, List[str]] = {
 
 
 class Recorder:
-    """Subscribes to all topics of a space; sets the parameter ``~heard`` to those with messages."""
+    """Subscriber of all topics of a space; sets ``~heard`` to the topics with messages."""
 
     def __init__(self, node: Any) -> None:
         self._node, self._space = node, node.name.rpartition("/")[0]
@@ -100,8 +100,7 @@ class Recorder:
 def main() -> None:
     """Run the nodes until this process is ended."""
     how, space = sys.argv[1:]
-    # Imported before the forks, each of which would take its time for it. rospy is not: it reads
-    # the namespace when it is imported.
+    # Imported before the forks, to save time in each. Not rospy: it reads the namespace on import.
     for name in ("nodekit.entry_point", "genpy.message", "std_msgs.msg", "sensor_msgs.msg"):
         importlib.import_module(name)
     nodes = [(f"{space}/{part}", module) for part, modules in NODES.items() for module in modules]
@@ -110,7 +109,7 @@ def main() -> None:
         sys.argv[1:] = [member(*node) for node in nodes]
         importlib.import_module("nodekit.entry_point").run_command("host")
         return
-    # Blocked before the forks, so that one that comes early ends the children too.
+    # Blocked before the forks, so that an early signal ends the children too.
     signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGTERM})
     children = [fork(space, module) for space, module in nodes]
     signal.sigwait({signal.SIGTERM})
@@ -121,7 +120,7 @@ def main() -> None:
 
 
 def member(space: str, module: str) -> str:
-    """Return a node as ``rosrun nodekit host`` takes it."""
+    """Return a node as an argument of ``rosrun nodekit host``."""
     if module == "node_processes":
         return f"{space}/recorder=node_processes:Recorder"
     name = module.rpartition(".")[2]

@@ -1,4 +1,4 @@
-"""Every node publishes the same in a process of its own and together with all others in one."""
+"""Tests that every node publishes the same topics in its own process and hosted with all others."""
 
 import os
 import pathlib
@@ -56,7 +56,7 @@ HEARD = {
     "signals/signal_generator/status",
     "status/robot_status",
 }
-#: The topics that are advertised besides, and have messages only once something happens.
+#: Further advertised topics, with messages only after events.
 SILENT = {
     "managed/lifecycle_aware_node/transition_event",
     "robot/cmd_vel",
@@ -70,7 +70,7 @@ SILENT = {
 
 @pytest.fixture(scope="module")
 def master() -> Iterator[rosgraph.Master]:
-    """Run all nodes both ways; yield a client of their master."""
+    """Run all nodes separately and hosted; yield a client of their master."""
     server = Master()
     path = f"{HERE}:{os.environ['PYTHONPATH']}"
     environment = {**os.environ, "ROS_MASTER_URI": server.uri, "PYTHONPATH": path}
@@ -102,7 +102,7 @@ def of_nodes(way: str, topics: List[str]) -> Set[str]:
 
 
 def heard(master: rosgraph.Master) -> Dict[str, Set[str]]:
-    """Return the topics that a subscriber of the same process, or of another one, has heard."""
+    """Return the topics that a subscriber in the same or in another process has received."""
     found: Dict[str, Set[str]] = {}
     for way in WAYS:
         key = node_processes.HEARD.format(way)

@@ -1,4 +1,4 @@
-"""Values typed after a launch file's name: one validation rule, passed to the node as typed."""
+"""Tests of launch arguments: validated by one rule, and passed to the node unchanged."""
 
 import os
 from typing import Dict, List
@@ -18,7 +18,7 @@ TRUTH = [
     for argument, default in defaults(name).items()
     if default in ("true", "false")
 ]
-#: Letters that mean something to YAML, a shell, roslaunch or Python.
+#: Texts with special characters of YAML, a shell, roslaunch or Python.
 TEXTS = [
     "a b", "/tmp/a #1.csv", "a: b", "a:b", "@a", "~b", "it's", 'say "hi"', "\\n", "- a", "[1", "{a",
     "&a", "*a", "!a", "%s", "$HOME", "$(", "`ls`", "; ls", "--port=1", "-x", "ä", "",
@@ -29,7 +29,7 @@ FLEET = "basic_comms/launch/fleet.launch"
 SCOPE = "topic_scope/launch/scope.launch"
 
 
-#: Packages whose launch files have no truth value among their arguments.
+#: Packages with launch files without boolean arguments.
 WITHOUT_TRUTH = {"robot_interfaces_demo"}
 
 

@@ -1,4 +1,4 @@
-"""The tests of what ruff refuses need ruff, which ci/test fetches where it runs the lint."""
+"""Ignore tests that need ruff if it is missing; ci/test fetches it for the lint."""
 
 from ci.tiers.tier_plan import RUFF
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Ruff refuses what could make code or a command of input, in all that users run."""
+"""Tests of ruff's bans on calls that could execute input as code or commands."""
 
 import subprocess
 
@@ -11,7 +11,7 @@ LIBRARY = "src/basic_comms/src/basic_comms/nodes/x.py"
 
 
 def refused(place: str, text: str) -> bool:
-    """Tell whether ruff refuses a file."""
+    """Return whether ruff rejects a file."""
     command = [RUFF, "check", "--quiet", "--stdin-filename", place, "-"]
     done = subprocess.run(command, input=text.encode(), cwd=str(SOURCES.parent), timeout=60)
     return done.returncode == 1

@@ -1,4 +1,4 @@
-"""Imports between rooms are judged by the order of the rooms, and by their independence."""
+"""Tests of the rules of imports between modules: order and independence."""
 
 import ast
 from typing import List
@@ -15,7 +15,7 @@ def rooms(monkeypatch: "pytest.MonkeyPatch") -> None:
 
 
 def judged(room: str, *imported: str) -> List[str]:
-    """Return what is said of a module of a room that imports from others."""
+    """Return the messages about a module's imports."""
     text = "".join(f"from house.{name} import thing\n" for name in imported)
     found = code_rules.breaches(f"house.{room}.module", ast.parse(text))
     return [f"{line}: {sentence}" for line, sentence in found]

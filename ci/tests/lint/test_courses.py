@@ -1,4 +1,4 @@
-"""docs/courses.csv and the tests agree on what proves which item of the courses."""
+"""Tests of the comparison of docs/courses.csv with the tests' ids."""
 
 import pathlib
 
@@ -6,7 +6,7 @@ import pytest
 
 from ci.lint import courses
 
-#: Apart from an id, so that this file carries none.
+#: Separate from the ids, so that this file names none.
 NAME = "Course"
 HEAD = "id,part,document,command,ours,test\n"
 
@@ -31,7 +31,7 @@ def workspace(tmp_path: pathlib.Path) -> pathlib.Path:
 
 
 TEST, PAGE = "src/one/test/unit/test_a.py", "docs/page.md"
-#: What makes the workspace agree with its rows.
+#: Rows that agree with the workspace.
 GOOD = [f"001-a-1,1,001,c,o,{TEST}", f"001-a-2,9,001,c,o,{TEST}", f"001-a-5,1,001,c,o,{PAGE}"]
 
 

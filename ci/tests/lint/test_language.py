@@ -1,4 +1,4 @@
-"""Check of the words: each kind of breach is found, and plain text is accepted."""
+"""Tests of the check of words: each type of breach, and plain text."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The check of launch files names those that fail, and fails if it checked nothing."""
+"""Tests of the check of launch files: faults, and an empty folder."""
 
 import pathlib
 import subprocess
@@ -13,7 +13,7 @@ LAUNCH = "<launch><node pkg='%s' type='%s' name='a'/></launch>"
 
 
 def check(folder: pathlib.Path) -> Tuple[str, int]:
-    """Return what the check says of a folder, and its status."""
+    """Return the output and status of the check of a folder."""
     command = [sys.executable, str(CHECK), str(folder)]
     done = subprocess.run(command, stdout=subprocess.PIPE, encoding="utf-8", timeout=300)
     return done.stdout, done.returncode

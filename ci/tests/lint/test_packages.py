@@ -1,4 +1,4 @@
-"""Each package carries its licence, and a page that says what it is and how to begin."""
+"""Tests of each package's licence and README."""
 
 import pathlib
 import re
@@ -11,7 +11,7 @@ WORKSPACE = pathlib.Path(__file__).resolve().parents[3]
 PACKAGES = {
     manifest.parent.name: manifest.parent for manifest in WORKSPACE.glob("src/*/package.xml")
 }
-#: Where a command finds the name that it is given after a package's.
+#: Folders of the names that commands take after a package.
 FOLDERS: Dict[str, str] = {"roslaunch": "launch", "rosrun": "scripts"}
 
 each_package = pytest.mark.parametrize("name", sorted(PACKAGES))

@@ -1,4 +1,4 @@
-"""The order of imports among the scripts of the page."""
+"""Tests of the import rules of the page's scripts."""
 
 from typing import Dict, List
 

@@ -1,4 +1,4 @@
-"""The lint of nodekit's public surface sees every form in which a module can be named."""
+"""Tests of the lint of nodekit's public modules, with every form of reference."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Features newer than Python 3.8 are refused: mypy knows its library and its language."""
+"""Tests that mypy rejects features newer than Python 3.8."""
 
 import pathlib
 import subprocess
@@ -21,7 +21,7 @@ NEWER = {
 
 
 def judge(tmp_path: pathlib.Path, text: str) -> List[str]:
-    """Return what mypy says of a module, with the settings of the project."""
+    """Return mypy's errors for a module, with the settings of the project."""
     module = tmp_path / "module.py"
     module.write_text(text)
     command = [sys.executable, "-m", "mypy", "--config-file", str(WORKSPACE / "pyproject.toml")]

@@ -1,4 +1,4 @@
-"""ci/test lint refuses a dependency that rosdep could not install."""
+"""Tests of the lint of dependencies that rosdep cannot install."""
 
 import pathlib
 
@@ -41,5 +41,5 @@ def test_the_workspaces_own_list_is_made_of_rules_with_a_debian_package(
         python-old: {debian: [a]}
         """
     )
-    # pip's packages count as little as none: nothing here comes from outside Debian.
+    # Packages of pip do not count: all dependencies are from Debian.
     assert rosdep_keys.keys_of([str(tmp_path / "rules.yaml")]) == ["apt", "later", "plain"]

@@ -1,4 +1,4 @@
-"""The pages show the rooms, and who may import whom, as the lint has them."""
+"""Tests of the generated tables of modules and allowed imports."""
 
 import ast
 import pathlib

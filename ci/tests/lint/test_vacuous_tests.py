@@ -1,4 +1,4 @@
-"""A test that asserts nothing where its data is empty is found, and any other is not."""
+"""Tests of the lint of tests that assert nothing if their data is empty."""
 
 import ast
 import textwrap
@@ -14,7 +14,7 @@ def both():
     return ["a", "b"]
 
 """
-#: Bodies of tests that assert nothing where there is nothing.
+#: Bodies of tests that assert nothing if their data is empty.
 IDLE = [
     "for one in found(): assert one",
     "for one in []: assert one",
@@ -30,7 +30,7 @@ IDLE = [
     "def inner(): assert True\nfor one in found(): wait_until(inner)",
     "for one in found():\n    with pytest.raises(ValueError): one()",
 ]
-#: Bodies of those that assert something, or nothing at all.
+#: Bodies of tests that assert something, or nothing at all.
 BUSY = [
     "for one in found(): assert one\nassert found()",
     "for one in NAMES: assert one",
@@ -50,7 +50,7 @@ BUSY = [
 
 
 def told(body: str, decorator: str = "") -> int:
-    """Return of how many tests it is said that they assert nothing."""
+    """Return the number of reported tests."""
     text = f"{HEAD}{decorator}\ndef test_it(self):\n{textwrap.indent(body, '    ')}\n"
     return len(list(idle_tests(ast.parse(text))))
 

@@ -1,4 +1,4 @@
-"""Check the faults of Python modules by examples: run by ci/mutants in cosmic-ray's environment.
+"""Check the faults of Python modules by examples, run by ci/mutants in cosmic-ray's environment.
 
 cosmic-ray is not installed where the unit tests run, so pytest does not collect this file.
 """
@@ -13,7 +13,7 @@ from cosmic_ray.mutating import mutate_code
 from cosmic_ray.plugins import get_operator
 
 HEAD = "def f(self, a, b):\n    "
-#: A statement of a function, and what becomes of it.
+#: A statement of a function, and its mutants.
 EXAMPLES = [
     ("self.stop()", ["pass"]),
     ("self.send()", ["pass", "self.send(); self.send()"]),
@@ -45,7 +45,7 @@ EXAMPLES = [
     ("try: c = a\n    except OSError: c = b", ["try: c = a\n    except (): c = b"]),
     ("for c in a: d = c", ["for c in []: d = c"]),
 ]
-#: In these nothing is changed.
+#: Statements without mutants.
 LEFT = [
     "'''Return 1 and not 2.'''",
     "c: Callable[[Literal[1]], None] = a",
@@ -74,7 +74,7 @@ def normalized(texts: List[str]) -> List[str]:
 
 
 def main() -> int:
-    """Print each example that has become something else.
+    """Print each example with unexpected mutants.
 
     :returns: exit status
     """

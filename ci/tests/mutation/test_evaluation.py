@@ -1,4 +1,4 @@
-"""Tests are run on a copy with a mutant: those that import its module, the shortest first."""
+"""Tests of the evaluation of mutants: selection, order and time limits of tests."""
 
 import os
 import pathlib
@@ -41,7 +41,7 @@ rosunit.unitrun("p", "value", Value)
 def sources(tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch") -> pathlib.Path:
     """Return a folder with a package ``p`` of one module, in place of the workspace's."""
     for name in ("PYTHONPATH", "ROS_PACKAGE_PATH", "PYTHONPYCACHEPREFIX", evaluation.FAIL_FAST):
-        monkeypatch.setenv(name, os.environ.get(name, ""))  # set by what is tested
+        monkeypatch.setenv(name, os.environ.get(name, ""))  # set by the tested code
     monkeypatch.setattr(evaluation, "SOURCES", tmp_path / "src")
     module = tmp_path / "src" / MODULE
     module.parent.mkdir(parents=True)
@@ -70,7 +70,7 @@ def run(sources: pathlib.Path, handlers: None, tmp_path: pathlib.Path) -> Iterat
 
 
 def offer(monkeypatch: "pytest.MonkeyPatch", **commands: str) -> None:
-    """Replace the integration tests, each by some Python."""
+    """Replace the integration tests by Python commands."""
     steps = [
         Step("integration", name, [sys.executable, "-c", command])
         for name, command in commands.items()
@@ -79,7 +79,7 @@ def offer(monkeypatch: "pytest.MonkeyPatch", **commands: str) -> None:
 
 
 def killers(run: Evaluation, *values: str) -> List[str]:
-    """Return the names of the tests that notice some values in place of 1."""
+    """Return the names of the tests that detect some values in place of 1."""
     found = [run.killer(MODULE, TEXT.replace("1", value)) for value in values]
     return [killer.split(":")[0] for killer in found]
 
@@ -98,7 +98,7 @@ def test_tests_that_import_the_module_are_run_the_shortest_first(
     assert [step.name for step in run.tests_of(MODULE)] == ["short", "long"]
     (left_out,) = run.left_out()
     assert left_out.startswith("broken: ")
-    # Of one length, and within a second: a compiled module is not mistaken for the other.
+    # Of one length, and within a second: the compiled module must not be reused.
     assert killers(run, "2", "3", "1", "9") == ["short", "long", "", "short"]
 
 

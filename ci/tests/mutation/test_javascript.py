@@ -1,4 +1,4 @@
-"""Faults in the page's scripts."""
+"""Tests of mutants of the page's scripts."""
 
 from typing import List, Tuple
 
@@ -9,7 +9,7 @@ from ci.mutation.mutants import change_of
 
 
 def changes(line: str) -> List[Tuple[str, str]]:
-    """Return kind and changed line of each mutant of a line in a function."""
+    """Return type and changed line of each mutant of a line in a function."""
     text = f"function f() {{\n  {line}\n}}\n"
     found = [(one["kind"], one["made"]) for one in javascript.listed("a.js", text)]
     for _, made in found:

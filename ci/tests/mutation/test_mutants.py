@@ -1,4 +1,4 @@
-"""Mutants are drawn by the sources and the seed; a module's tests are those that import it."""
+"""Tests of the draw of mutants, and of the selection of a module's tests."""
 
 import pathlib
 from typing import Any, Dict, List, Sequence, Set
@@ -63,7 +63,7 @@ def test_package_without_modules_is_rejected(name: str) -> None:
 
 
 def listed(text: str, kinds: Sequence[str]) -> List[Dict[str, Any]]:
-    """Return a mutant of each line and kind, as cosmic.py would list them."""
+    """Return a mutant of each line and type, as cosmic.py would list them."""
     module = str(SOURCES / "p" / "a.py")
     return [
         dict(module=module, kind=kind, place=f"f: {line}", recipe=[line, kind])

@@ -1,4 +1,4 @@
-"""Report of a mutation run: survivors, rates, and the list of known equivalents."""
+"""Tests of the report of a mutation run: survivors, rates, known equivalents."""
 
 import pathlib
 
@@ -47,7 +47,7 @@ def test_run_resumes_where_the_last_one_ended(tmp_path: pathlib.Path) -> None:
         "src/p/a.py:3: loop: `one` → `pass`\n"
         "    p/unit: test_one: 1 != 2\n"
     )
-    # What was killed is not tested again; the survivor is, after the others.
+    # Killed mutants are not tested again; survivors are, after the others.
     assert Results(tmp_path, asked).waiting() == [asked[2], asked[1]]
 
 

@@ -1,4 +1,4 @@
-"""ci/mutants prints what it found, and its exit status says whether that is enough."""
+"""Tests of the output and exit status of ci/mutants."""
 
 import pathlib
 import sys
@@ -13,7 +13,7 @@ ASKED = [Mutant("p/a.py", "loop", name, name, 3, f"`{name}` → `pass`") for nam
 
 
 class Stub:
-    """An evaluation that kills the first mutant only, and is then interrupted if it is told so."""
+    """Fake evaluation that kills only the first mutant; may be interrupted then."""
 
     is_interrupted = False
 

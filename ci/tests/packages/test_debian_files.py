@@ -1,4 +1,4 @@
-"""Debian's control file follows from the package.xml files and one small table."""
+"""Tests of the Debian files generated from the package.xml files and the table."""
 
 import pathlib
 import re
@@ -74,7 +74,7 @@ def test_each_catkin_package_is_a_debian_package_with_what_its_user_needs(
     source, one, two, changelog = made(tree)
     always = ["${misc:Depends}", "${python3:Depends}"]
     assert one.startswith("Package: ros-one\n") and two.startswith("Package: ros-two-msgs\n")
-    # The launch file needs roslaunch, which no package.xml says; what is built together stays so.
+    # The launch file needs roslaunch, which no package.xml declares; versions are equal.
     needed = ["python3-roslaunch", "python3-rospy", "ros-two-msgs (= ${binary:Version})"]
     assert values(one, "Depends") == always + needed
     assert values(two, "Depends") == always + ["python3-genpy"]
@@ -99,7 +99,7 @@ def test_who_builds_needs_what_a_package_hands_on(tree: pathlib.Path) -> None:
     source, one, two, _ = made(tree)
     assert {"catkin", "ros-message-runtime"} <= set(values(source, "Build-Depends"))
     assert not {"python3-rospy", "rospy"} & set(values(source, "Build-Depends"))
-    # Not to run it: that would bring a compiler's headers to who only runs nodes.
+    # Not to run it: that would install a compiler's headers for users of nodes.
     assert values(two, "Suggests") == ["ros-message-runtime"]
     assert "python3-genpy" not in values(two, "Depends")
     assert "ros-two-msgs (= ${binary:Version})" in values(one, "Depends")

@@ -1,4 +1,4 @@
-"""The publisher's data: in one file, with which all others agree."""
+"""Tests of the publisher's data: one file, with which all others agree."""
 
 import pathlib
 import re
@@ -49,7 +49,7 @@ def test_no_file_has_a_placeholder_of_its_own() -> None:
 
 @pytest.fixture
 def copy(tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch") -> pathlib.Path:
-    """Return a workspace with these files alone, whose owner has filled in the one."""
+    """Return a workspace with these files only, and the owner's values in the first."""
     for path, _ in project.written(WORKSPACE, project.read(WORKSPACE)):
         target = tmp_path / path.relative_to(WORKSPACE)
         target.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,4 @@
-"""Runner of a user's commands: reports a command that hangs in a sentence, and ends it."""
+"""Tests of the runner of a user's commands, with commands that hang."""
 
 import pathlib
 
@@ -6,7 +6,7 @@ import pytest
 
 from ci.packages import proof
 
-#: A command that says when Ctrl-C will not end it.
+#: Command that prints when it ignores Ctrl-C.
 DEAF = ("sh", "-c", "trap '' INT; echo deaf; exec sleep 60")
 
 

@@ -1,4 +1,4 @@
-"""Search for missing messages in the bag of a long run."""
+"""Tests of the search for missing messages in the bag of a long run."""
 
 import pathlib
 
@@ -16,7 +16,7 @@ ANSWERS = 1.0 + np.cos(TIMES)
 
 
 def found(folder: pathlib.Path, times: "np.ndarray", answers: "np.ndarray") -> "list[str]":
-    """Return the checks that fail for a bag of these samples and answers."""
+    """Return the failed checks of a bag with these samples and answers."""
     with rosbag.Bag(str(folder / "bag"), "w") as bag:
         for number, time_x in enumerate(times):
             bag.write("/signal", signal_msg(time_x=time_x), rospy.Time(1.0 + number / 1000.0))

@@ -1,4 +1,4 @@
-"""Bounds are judged, and a run that checks nothing counts as failed."""
+"""Tests of bounds and reports of long runs."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""The diary of managed nodes is read rightly."""
+"""Tests of the parser of the log of managed nodes."""
 
 from ci.endurance.diary import Entry, Story, entries
 

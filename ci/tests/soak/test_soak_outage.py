@@ -1,4 +1,4 @@
-"""An outage is measured, and what publishers say about it is understood."""
+"""Tests of the measurement of an outage, and of the parser of publishers' reports."""
 
 from typing import Set
 

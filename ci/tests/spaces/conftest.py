@@ -1,4 +1,4 @@
-"""For the tests that build the packages outside the workspace's own spaces."""
+"""Fixtures for tests that build the packages outside the workspace's own spaces."""
 
 import os
 import pathlib
@@ -25,7 +25,7 @@ def commands(section: str) -> List[str]:
 def underlay() -> Dict[str, str]:
     """Return the environment without the workspace's devel space; messages for Python only.
 
-    What other languages but Python would generate takes longest.
+    Other languages would take most of the time.
     """
     environment = {**os.environ, "ROS_LANG_DISABLE": "gencpp:geneus:genlisp:gennodejs"}
     for name in ("CMAKE_PREFIX_PATH", "PYTHONPATH", "ROS_PACKAGE_PATH"):
@@ -37,7 +37,7 @@ def underlay() -> Dict[str, str]:
 
 @pytest.fixture(scope="session")
 def user(tmp_path_factory: "pytest.TempPathFactory", underlay: Dict[str, str]) -> Dict[str, str]:
-    """Environment of a user with a workspace of their own, built as the page says: ~/my_ws."""
+    """Return the environment of a user with their own workspace ~/my_ws, built as on the page."""
     home = tmp_path_factory.mktemp("own")
     (home / "my_ws" / "src").mkdir(parents=True)
     environment = {**underlay, "HOME": str(home)}

@@ -1,4 +1,4 @@
-"""``catkin build`` works in a fresh workspace, as catkin_make does."""
+"""Test of ``catkin build`` in a new workspace."""
 
 import pathlib
 import subprocess
@@ -12,7 +12,7 @@ from .conftest import SOURCES
 def test_catkin_build_makes_packages_usable(
     tmp_path: pathlib.Path, underlay: Dict[str, str]
 ) -> None:
-    # One package with messages, launch files and Python, and all that it needs.
+    # One package with messages, launch files and Python, and its dependencies.
     packages = [SOURCES / name for name in sorted(needed("basic_comms"))]
     (tmp_path / "src").mkdir()
     for package in packages:

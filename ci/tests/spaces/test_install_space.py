@@ -1,4 +1,4 @@
-"""``catkin_make install`` gives an install space that everything runs from."""
+"""Tests of an install space of ``catkin_make install``."""
 
 import os
 import pathlib
@@ -13,8 +13,8 @@ from .conftest import PACKAGES, SOURCES
 
 CHECK = SOURCES.parent / "ci" / "lint" / "launch_files.py"
 CONTROLLER = ("pid_control", "motor_control.launch")
-# Only what hangs takes as long: a look at eleven launch files has taken more than a minute on a
-# machine that had ten times as much to do.
+# Only a hang takes as long: a check of eleven launch files has taken more than a minute on a
+# machine with a tenfold load.
 LIMIT_S = 300.0
 
 # A command in the install space, its streams and its process.
@@ -23,7 +23,7 @@ Start = Callable[..., "subprocess.Popen[str]"]
 
 @pytest.fixture(scope="session")
 def install_space(tmp_path_factory: "pytest.TempPathFactory", user: Dict[str, str]) -> pathlib.Path:
-    """Install from the user's workspace, which is built already."""
+    """Install from the user's built workspace."""
     place = tmp_path_factory.mktemp("spaces") / "install"
     command = ["catkin_make", f"-DCMAKE_INSTALL_PREFIX={place}", "install"]
     subprocess.check_call(command, cwd=os.path.join(user["HOME"], "my_ws"), env=user)
@@ -96,7 +96,7 @@ def test_the_course_runs(install_space: pathlib.Path, start: Start) -> None:
 
 
 def test_a_controller_is_judged(start: Start) -> None:
-    """Of a package both are somewhere else here: the program, and the limits."""
+    """In an install space, program and limits are in other folders."""
     said = output(start("rosrun", "pid_control", "judge", "--only", "ramp", *CONTROLLER))
     assert said.endswith("passed: all 2 figures of 1 scenario")
 

@@ -1,4 +1,4 @@
-"""A package made by ``rosrun nodekit new`` builds and passes its test unchanged."""
+"""Test of a package created by ``rosrun nodekit new``: build, and its test."""
 
 import os
 import pathlib
@@ -9,7 +9,7 @@ from typing import Dict
 def test_new_package_builds_and_passes_its_test(tmp_path: pathlib.Path) -> None:
     """Course 002-pkg-17."""
     (tmp_path / "src").mkdir()
-    # On top of the workspace's devel space; without what no Python code needs, which takes longest.
+    # Extends the workspace's devel space; without files for other languages, which take longest.
     environment = {**os.environ, "ROS_LANG_DISABLE": "gencpp:geneus:genlisp:gennodejs"}
 
     def run(*command: str) -> "subprocess.CompletedProcess[str]":
@@ -24,7 +24,7 @@ def test_new_package_builds_and_passes_its_test(tmp_path: pathlib.Path) -> None:
 
     made = run("rosrun", "nodekit", "new", "first_robot")
     assert made.stdout.startswith(f"made {tmp_path}/src/first_robot\n")
-    # Or catkin_make goes by PWD, which is still the folder that this test was started in.
+    # Otherwise catkin_make uses PWD, which is still the folder of this test's start.
     build = ("catkin_make", "--directory", str(tmp_path))
     built = run(*build, "-DPYTHON_EXECUTABLE=/usr/bin/python3", "run_tests")
     results = run("catkin_test_results", "--all", "build")

@@ -1,4 +1,4 @@
-"""In a workspace of one's own: a clone of all of it builds, and of the packages few are enough."""
+"""Tests of a user's own workspace: a build of all packages, and of a few copied ones."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""A build needs no test package: where rostest or roslaunch is missing, tests are left out."""
+"""Tests of a build without rostest or roslaunch, which skips the tests."""
 
 import os
 import pathlib
@@ -14,12 +14,12 @@ LEFT_OUT = (
 
 
 def build(package: pathlib.Path, folder: pathlib.Path, *options: str) -> str:
-    """Configure a package and build it, without what no Python code needs.
+    """Configure a package and build it, without files for other languages.
 
     :param package: its folder
-    :param folder: where to build it
-    :param options: for cmake
-    :returns: what cmake said
+    :param folder: folder of the build
+    :param options: options of cmake
+    :returns: cmake's output
     """
     environment = {**os.environ, "ROS_LANG_DISABLE": "gencpp:geneus:genlisp:gennodejs"}
     configure = ["cmake", "-S", str(package), "-B", str(folder)]
@@ -39,7 +39,7 @@ def build(package: pathlib.Path, folder: pathlib.Path, *options: str) -> str:
 
 
 def targets_of_tests(folder: pathlib.Path) -> str:
-    """Return the names of the targets that a build has for tests."""
+    """Return the names of a build's test targets."""
     targets = subprocess.check_output(
         ["cmake", "--build", str(folder), "--target", "help"], universal_newlines=True
     )
@@ -48,7 +48,7 @@ def targets_of_tests(folder: pathlib.Path) -> str:
 
 @pytest.fixture(scope="module")
 def new_package(tmp_path_factory: "pytest.TempPathFactory") -> pathlib.Path:
-    """Return a package made by ``rosrun nodekit new``."""
+    """Return a package created by ``rosrun nodekit new``."""
     folder = tmp_path_factory.mktemp("src")
     subprocess.check_call(["rosrun", "nodekit", "new", "first_robot", str(folder)])
     return folder / "first_robot"

@@ -1,4 +1,4 @@
-"""Selection of steps by the words of ci/test and by changed files."""
+"""Tests of the selection of steps by the words of ci/test and by changed files."""
 
 import pathlib
 from typing import Dict, List, Set

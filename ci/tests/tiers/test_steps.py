@@ -1,4 +1,4 @@
-"""Steps: what counts as passed, and what a step leaves behind."""
+"""Tests of steps: results, and leftover processes."""
 
 import os
 import pathlib
@@ -25,7 +25,7 @@ def run(directory: pathlib.Path, *command: str, **options: float) -> StepResult:
 
 
 def run_writing(directory: pathlib.Path, status: int = 0, **files: str) -> StepResult:
-    """Run a step that writes JUnit files, whose names are given with _ for -."""
+    """Run a step that writes JUnit files, named with _ for -."""
     script = "; ".join(
         'echo "<testsuite>%s</testsuite>" > {results}/%s.xml' % (cases, name.replace("_", "-"))
         for name, cases in files.items()
@@ -76,7 +76,7 @@ def test_rostests_own_file_counts_only_for_nodes_that_did_not_report(
 ) -> None:
     result = run_writing(tmp_path, rosunit_one=PASSED, rostest_file=PASSED + FAILED)
     assert tally(result) == (1, 1, 0, False)
-    # A test node with no test in it.
+    # A test node without tests.
     assert not run_writing(tmp_path / "none", rosunit_one="", rostest_file=PASSED).good
 
 
@@ -91,7 +91,7 @@ def test_time_limit_ends_what_escaped_too(tmp_path: pathlib.Path) -> None:
 
 
 def wait_until_gone(pid: int) -> None:
-    """Return only if the process lives on."""
+    """Raise ProcessLookupError once a process has ended; return after a timeout."""
     for _ in range(500):
         os.kill(pid, 0)
         with open(f"/proc/{pid}/stat") as stat:

@@ -1,4 +1,4 @@
-"""The division of unit tests between the tiers ``unit`` and ``extended``."""
+"""Tests of the division of unit tests between the tiers ``unit`` and ``extended``."""
 
 import pathlib
 

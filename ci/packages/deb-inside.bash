@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Usage: deb-inside.bash DIRECTORY PART,… SUITE…
 #
-# The part of ci/deb, and of ci/container, that runs in namespaces of its own.
+# The part of ci/deb, and of ci/container, that runs in namespaces.
 set -euo pipefail
 me=ci/deb
 source "$(dirname "${BASH_SOURCE[0]}")/../systems/clean-system.bash"
 
-# An ordinary user, apt's lists, and nothing but what is needed.
+# An ordinary user, apt's lists, and only required packages.
 furnish() { # ROOT
     chroot "$1" useradd --create-home --shell /bin/bash student &&
         echo 'APT::Install-Recommends "false";' >"$1/etc/apt/apt.conf.d/91needed" &&
@@ -47,7 +47,7 @@ take_build() { # SUITE ROOT
     succeeds "$2" student offline dpkg-buildpackage -us -uc -b &&
         succeeds "$2" student offline sh -c \
             'lintian --fail-on error,warning --tag-display-limit 0 ../*.changes' || return
-    # The same files once more, as an earlier version, for the proof.
+    # The same files again, as an earlier version, for the proof.
     version=$(within "$2" student offline dpkg-parsechangelog --show-field Version)
     # shellcheck disable=SC2016
     succeeds "$2" student offline env DEB_RULES_REQUIRES_ROOT=no sh -ec 'dh_gencontrol -- "-v$0~earlier"
@@ -60,7 +60,7 @@ take_build() { # SUITE ROOT
     verdict="$(within "$2" root offline sh -c 'ls /home/student/*.deb | wc -l') packages, version $version"
 }
 
-# What some packages name in a field, without each other.
+# The packages that some packages name in a field, without each other.
 foreign() { # FIELD FILE…
     local file
     for file in "${@:2}"; do
@@ -68,27 +68,27 @@ foreign() { # FIELD FILE…
     done | grep . | sort -u | paste --serial --delimiters=,
 }
 
-# Every file of a system but for what apt and programs note on the way.
+# Every file of a system except records of apt and programs.
 every_file() { # ROOT
     find "$1" -xdev \( -path "$1/home" -o -path "$1/tmp" -o -path "$1/debs" -o -path "$1/var/cache" \
         -o -path "$1/var/log" \) -prune -o -print | sort
 }
 
-# Run the course from what is installed, as an ordinary user does.
+# Run the course from the installed packages, as an ordinary user.
 runs() { # ROOT WHAT [PART]
     say "$2"
     place='' succeeds "$1" student offline python3 /debs/ci packages.deb_proof "${@:3}" || return
     sed 's/^/    /' "$log" >&2
 }
 
-# Copy these files into the system, and beside them the program that tests what they install.
+# Copy these files into the system, and the program that tests the installation.
 take_proof_along() { # ROOT FILE…
     mkdir -p "$1/debs/ci/packages" && cp -r "${@:2}" "$1/debs" &&
         cp "$workspace"/ci/__{init,main}__.py "$1/debs/ci" &&
         cp "$workspace"/ci/packages/{__init__,deb_proof,proof}.py "$1/debs/ci/packages"
 }
 
-# By the page's commands, with a network as they need.
+# By the page's commands, with a network.
 take_bridge() { # SUITE ROOT
     local -a command commands
     built_before "$1" && furnish "$2" && take_proof_along "$2" "$dist/$1"/*.deb || return
@@ -140,5 +140,5 @@ main() { # DIRECTORY PART,… SUITE…
     take_parts "$parts" "$@"
 }
 
-# A function, so that nothing of this file is still to be read while it runs. (Tests source it.)
+# A function, so that bash has read the whole file before it runs. (Tests source it.)
 [ "${BASH_SOURCE[0]}" != "$0" ] || main "$@"

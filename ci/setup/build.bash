@@ -1,10 +1,10 @@
-# The build with catkin_make, only when what it reads or made has changed.
+# The build with catkin_make, only if its inputs or products have changed.
 
 # A stamp is written after a good build and describes it line by line: the system
 # it was made for, each file it read (Python sources run from where they are and
 # need no build, unlike the files that list them) and each file it made.
 stamp=$state/stamp
-# Stands there while a build runs, and stays behind if the build is cut short.
+# Exists while a build runs, and remains if the build is interrupted.
 building=$state/building
 
 build_facts() {
@@ -16,8 +16,8 @@ build_facts() {
     echo "packages $(packages_to_build)"
 }
 
-# Without C++ and Lisp a build from scratch takes a sixth less. Who does not say which are to be left
-# out keeps those that were asked for before.
+# Without C++ and Lisp a build from scratch takes a sixth less. By default, the languages of the last
+# build are kept.
 languages_left_out() {
     local kept
     kept=$(grep -s '^without ' "$stamp") || kept="without gencpp:geneus:genlisp:gennodejs"
@@ -38,7 +38,7 @@ build_products() {
         -printf 'out %P\n' 2>/dev/null | LC_ALL=C sort
 }
 
-# rostest's CMake file comes in with the tests' packages; without it no test can be configured.
+# rostest's CMake file is installed with the tests' packages; without it no test can be configured.
 has_rostest() {
     compgen -G "${ros:-/usr}/lib/*/cmake/rostest/rostestConfig.cmake" >/dev/null ||
         [ -e "${ros:-/usr}/share/rostest/cmake/rostestConfig.cmake" ]
@@ -49,7 +49,7 @@ build_is_fresh() {
         [ "$(build_facts; build_inputs; build_products)" = "$(<"$stamp")" ]
 }
 
-# What stands there cannot be built upon if a build was cut short, if it was made
+# An existing build cannot be continued if it was interrupted, if it was made
 # for another place or system (CMake keeps paths), or if a file it read is gone
 # (catkin_make leaves the products of a removed package or message in place).
 build_must_start_over() { # STAMP-TO-BE
@@ -81,8 +81,8 @@ build() {
     tell_ros
     if build_must_start_over "$read_by_it"; then
         say "building from scratch with catkin_make${packages:+: $packages}"
-        # What ci/ros2 has made there tells by itself whether it still fits; what ci/mutants has found,
-        # and works on, is not of this build. Its tool and the benchmark's peers hold paths: they go.
+        # The environment of ci/ros2 checks itself whether it is outdated; the results and copies of
+        # ci/mutants are independent of this build. Its tool and the benchmark's peers hold paths: remove them.
         find "$workspace/build" -mindepth 1 -maxdepth 1 \
             ! \( -path "$state" -o -name 'ros2*' -o -name 'mutants*' -o -name 'test-times*' -o -name mypy \) -exec rm -rf {} +
         rm -rf "$workspace/devel"
@@ -90,7 +90,7 @@ build() {
         say "building with catkin_make${packages:+: $packages}"
     fi
     : >"$building"
-    # In a shell of its own: other workspaces that the caller has sourced stay out of this one.
+    # In a subshell, without other workspaces that the caller has sourced.
     if ! ROS_LANG_DISABLE=$(languages_left_out) \
         logged run_catkin_make "$(has_rostest && echo ON || echo OFF)" "${packages// /;}"; then
         [ ! -f "$stamp" ] || echo failed >>"$stamp"

@@ -1,20 +1,20 @@
-# The environment that the distribution's ROS 1 works in.
+# The environment of the distribution's ROS 1.
 
-# ROS's Python modules belong to /usr/bin/python3: keep every other python away.
+# ROS's Python modules belong to /usr/bin/python3: exclude every other python.
 clean_environment() {
     local path=/usr/sbin:/usr/bin:/sbin:/bin directory
     local -a directories
     IFS=: read -ra directories <<<"${PATH-}"
     for directory in "${directories[@]}"; do
         case $directory in '' | /usr/sbin | /usr/bin | /sbin | /bin) continue ;; esac
-        # pyenv's shims, a venv, conda: whatever holds a python of its own.
+        # pyenv's shims, a venv, conda: anything with its own python.
         [ -x "$directory/python3" ] || [ -x "$directory/python" ] || path=$path:$directory
     done
     export PATH=$path
     unset PYTHONHOME VIRTUAL_ENV CONDA_PREFIX CONDA_DEFAULT_ENV PYENV_VERSION
 
-    # A directory of the user's own modules is harmless. One of installed packages
-    # belongs to another python or another ROS, whose modules would hide ours.
+    # A directory of the user's own modules is harmless. A directory of installed packages
+    # belongs to another python or another ROS, with modules that would hide ours.
     path=
     IFS=: read -ra directories <<<"${PYTHONPATH-}"
     for directory in "${directories[@]}"; do
@@ -25,7 +25,7 @@ clean_environment() {
     done
     if [ -n "$path" ]; then export PYTHONPATH=$path; else unset PYTHONPATH; fi
 
-    # catkin's own CMake files are older than what CMake 4 takes without being told.
+    # catkin's own CMake files are too old for CMake 4 without this setting.
     export CMAKE_POLICY_VERSION_MINIMUM=${CMAKE_POLICY_VERSION_MINIMUM-3.5}
 
     # Without any locale the Python of Debian's ROS reads files as ASCII.
@@ -34,8 +34,8 @@ clean_environment() {
 
 source_setup() { # PREFIX: an installed ROS or a catkin devel space
     local setup=$1/setup.bash
-    # catkin's setup files take positional parameters for options of their own,
-    # read variables that may be unset and carry on after failing commands.
+    # catkin's setup files interpret positional parameters as options, read
+    # unset variables and continue after failing commands.
     set --
     set +eu
     # shellcheck disable=SC1090
@@ -43,7 +43,7 @@ source_setup() { # PREFIX: an installed ROS or a catkin devel space
     set -eu
 }
 
-# Make the built workspace the one that the next command sees.
+# Set the environment of the built workspace for the next command.
 enter_workspace() {
     source_setup "$workspace/devel"
     case ${ROS_MASTER_URI-} in
@@ -53,7 +53,7 @@ enter_workspace() {
     esac
     if [ -z "${ROS_IP-}${ROS_HOSTNAME-}" ]; then
         # roscore and rospy then listen on the loopback device only. (Set but
-        # empty, either would be taken for a name.)
+        # empty, either would count as a name.)
         unset ROS_IP
         export ROS_HOSTNAME=localhost
         case ${ROS_MASTER_URI-} in
@@ -64,8 +64,8 @@ enter_workspace() {
     fi
 }
 
-# Refuse a command that would talk to the master of another user, unless ROS_MASTER_URI chooses it:
-# on a machine that many share, theirs may be nodes of the same names, which ours would end.
+# Reject a command that would use another user's master, unless ROS_MASTER_URI selects it: on a shared
+# machine, their nodes may have the same names, and ours would end them.
 refuse_foreign_master() { # CHOSEN_URI COMMAND…
     local chosen=$1
     shift
@@ -83,7 +83,7 @@ refuse_foreign_master() { # CHOSEN_URI COMMAND…
             ;;
     esac
     [[ $port =~ ^[0-9]+$ ]] || return 0
-    # To the end of what listeners says: SIGPIPE would end it, and with it ci/exec.
+    # Read all output of listeners: SIGPIPE would end it, and with it ci/exec.
     owner=$(listeners | awk -v port="$port" '$1 == port && !seen++ { print $2 }')
     if [ -z "$owner" ] || [ "$owner" = "$(id -u)" ]; then return 0; fi
     free=$(listeners | awk -v port="$port" '{ taken[$1] } END { while (++port in taken); print port }')
@@ -100,7 +100,7 @@ refuse_foreign_master() { # CHOSEN_URI COMMAND…
     esac
 }
 
-# The TCP ports that something on this machine listens at: port and user, a line each.
+# The listening TCP ports of this machine: port and user, a line each.
 listeners() {
     local state address uid port
     while read -r _ address _ state _ _ _ uid _; do

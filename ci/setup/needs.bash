@@ -1,10 +1,10 @@
-# What a command needs: packages of the workspace, and of apt's list what these depend on.
+# Packages that a command needs: of the workspace, and their dependencies in apt's list.
 
-# Set by choose_packages: all, names, or nothing of its own. Who does not choose takes all.
+# Set by choose_packages: all, names, or nothing. All by default.
 asked_for=all
 
-# ROS's own commands need the packages that one of their words names. Those that look at what runs,
-# such as rostopic, need no other than what runs did.
+# ROS's own commands need the packages that one of their words names. Commands that inspect running
+# nodes, such as rostopic, need no others.
 choose_packages() { # [COMMAND [ARGUMENT…]]
     local word name
     case ${1-} in
@@ -20,17 +20,17 @@ choose_packages() { # [COMMAND [ARGUMENT…]]
     if [ -z "$asked_for" ] && [[ $1 == @(roslaunch|rosrun) ]]; then asked_for=all; fi
 }
 
-# An argument such as plot:=true starts a package on which nothing depends. Its doc names it.
+# An argument such as plot:=true starts an optional package, which its doc names.
 packages_of_argument() { # WORD
     [[ $1 == *:=* ]] || return 0
     find "$workspace"/src/*/launch -name '*.launch' -exec cat {} + 2>/dev/null | tr '\n' ' ' |
         grep -oE "<arg name=\"${1%%:=*}\"[^>]* needs the package [a-z0-9_]+" | sed 's/.* //' || :
 }
 
-# Those that the last build was made for.
+# The packages of the last build.
 packages_before() { sed -n 's/^packages //p' "$stamp" 2>/dev/null || :; }
 
-# What was asked for, now or before, with the keys of all that it depends on; or all.
+# The packages requested now or before, with the keys of all dependencies; or all.
 needs() {
     local before
     before=$(packages_before)
@@ -42,7 +42,7 @@ needs() {
     fi
 }
 
-# A line for each dependency in a package.xml, but for those of tests: the package's folder, and the key.
+# A line for each dependency in a package.xml, except those of tests: the package's folder, and the key.
 dependencies() {
     awk -v RS='<' '
         FNR == 1 { parts = split(FILENAME, part, "/") }
@@ -53,7 +53,7 @@ dependencies() {
     ' "$workspace"/src/*/package.xml
 }
 
-# These names, and all that they depend on, by the lines of standard input.
+# These names and all of their dependencies, by the lines of standard input.
 closure() { # NAME…
     awk -v names="$*" '
         { keys[$1] = keys[$1] " " $2 }
@@ -68,7 +68,7 @@ closure() { # NAME…
     ' | LC_ALL=C sort
 }
 
-# The packages of the workspace that are to be built: all, or names in one line.
+# The packages of the workspace to build: all, or names in one line.
 packages_to_build() {
     local name line=''
     for name in $(needs); do
@@ -77,7 +77,7 @@ packages_to_build() {
     echo "${line# }"
 }
 
-# Of Debian's packages on standard input, leave out those that packaging/dependencies.txt has only for
+# Remove from Debian's packages on standard input those that packaging/dependencies.txt has only for
 # packages and keys that are not needed. (Lines for folders, such as launch/, are for all packages.)
 needed_of_apt() {
     local needed

@@ -1,4 +1,4 @@
-# System packages: what ci/apt-packages.txt lists, what is missing, how it comes in.
+# System packages: the list ci/apt-packages.txt, missing packages, installation.
 
 listed_packages() { # SECTION…
     awk -v wanted=" $* " -v ros="$ros" '
@@ -12,7 +12,7 @@ listed_packages() { # SECTION…
     ' "$workspace/ci/apt-packages.txt"
 }
 
-# Those arguments that are no line of standard input.
+# The arguments that are not a line of standard input.
 not_listed() { # NAME…
     grep -vxF -e '' -f - <(printf '%s\n' "$@") || :
 }
@@ -20,12 +20,12 @@ not_listed() { # NAME…
 missing_packages() { # SECTION…
     local -a listed
     mapfile -t listed < <(listed_packages "$@" | needed_of_apt)
-    # Without dpkg there is no telling: everything counts as missing.
+    # Without dpkg, everything counts as missing.
     { dpkg-query -W -f='${db:Status-Status} ${Package}\n' "${listed[@]}" 2>/dev/null || :; } |
         sed -n 's/^installed //p' | not_listed "${listed[@]}"
 }
 
-# What apt could not install from the lists of packages that it has.
+# The packages that apt's lists do not have.
 unknown_packages() { # PACKAGE…
     { LC_ALL=C apt-cache policy "$@" 2>/dev/null || :; } | awk '
         /^[^ ]/ { name = $1; sub(/:$/, "", name) }
@@ -33,7 +33,7 @@ unknown_packages() { # PACKAGE…
     ' | not_listed "$@"
 }
 
-# The first thing that apt fetches from each archive; it tells without any lists.
+# The first file that apt fetches from each archive, which needs no lists.
 archive_uris() {
     apt-get update --print-uris 2>/dev/null | sed -n "s|^'\(.*/InRelease\)' .*|\1|p"
 }
@@ -55,17 +55,17 @@ is_root() { [ "$(id -u)" = 0 ]; }
 as_root() { # COMMAND…
     local name
     set -- NEEDRESTART_SUSPEND=1 "$@"
-    # sudo takes them away, and apt then asks the archives directly.
+    # sudo removes them, and apt would then connect to the archives directly.
     for name in http_proxy https_proxy no_proxy; do
         [ -z "${!name-}" ] || set -- "$name=${!name}" "$@"
     done
     set -- env LC_ALL=C DEBIAN_FRONTEND=noninteractive "$@"
-    # Without the lock of set_up, which a service that a package starts would keep.
+    # Without the lock of set_up, which a service started by a package would keep.
     if is_root; then "$@" 9>&-; else sudo "$@" 9>&-; fi
 }
 
-# apt would try each package for minutes where no archive can be reached; so one small file is
-# asked for first, and no more is waited than this, s.
+# Without a reachable archive apt would try each package for minutes; so one small file is
+# requested first, with this timeout [s].
 patience=40
 
 refuse_without_network() { # PACKAGE…
@@ -76,7 +76,7 @@ refuse_without_network() { # PACKAGE…
     for uri in "${uris[@]}"; do
         [[ $uri == http* ]] || return 0 # on a disk
     done
-    # What apt has downloaded already needs no network.
+    # Downloaded packages need no network.
     if [ -z "$(unknown_packages "$@")" ] && uri=$(apt-get install --print-uris -qq --yes \
         --no-install-recommends "$@" 2>/dev/null) && [ -z "$uri" ]; then
         return 0
@@ -90,7 +90,7 @@ refuse_without_network() { # PACKAGE…
             return 0
         fi
     done
-    # An archive without such a file is there, too; and root may read more of apt's settings.
+    # An archive without such a file is reachable, too; and root may read more of apt's settings.
     if [ ${#uris[@]} = 0 ] || grep -qE '404 +Not Found|Unable to read' "$state/log"; then
         return 0
     fi
@@ -99,12 +99,12 @@ refuse_without_network() { # PACKAGE…
         "check the network, or the proxy that apt is configured to use, and try again."
 }
 
-# The end of what apt wrote: without a network that is a thousand lines.
+# The end of apt's output: without a network that is a thousand lines.
 end_of_log() { tail -n 20 "$state/log"; }
 
 update_lists() {
     say "apt-get update: its package lists are missing or out of date."
-    # Unlike dpkg's lock, apt has no option to wait for that of the lists.
+    # apt can wait for dpkg's lock, but not for the lock of the lists.
     local give_up=$((SECONDS + 600))
     until quietly as_root apt-get update -o Acquire::Retries=1; do
         if ! grep -q 'Could not get lock' "$state/log" || [ "$SECONDS" -gt "$give_up" ]; then
@@ -119,7 +119,7 @@ apt_line() { # PACKAGE…
     echo "apt-get install --no-install-recommends $*"
 }
 
-# For people to copy as it stands; so it works with missing lists as well.
+# For users to copy; so it works with missing lists as well.
 by_hand() { # PREFIX PACKAGE…
     echo "${1}apt-get update"
     echo "$1$(apt_line "${@:2}")"
@@ -156,7 +156,7 @@ install_packages() { # SECTION…
 
     say "installing packages: $sudo$(apt_line "${missing[@]}")"
     refuse_without_network "${missing[@]}"
-    # Once and before all else: sudo says why it refuses, and apt is not to blame.
+    # Once and first: sudo reports its own error, which is not apt's.
     as_root true || refuse_to_install \
         "sudo did not let $(user_name) install packages (see above). An administrator can, as root:" \
         "" "${missing[@]}"
@@ -179,7 +179,7 @@ install_packages() { # SECTION…
     install=(as_root apt-get install --yes --no-install-recommends
         -o DPkg::Lock::Timeout=600 -o Acquire::Retries=1 "${missing[@]}")
     if ! quietly "${install[@]}"; then
-        # The lists may name versions that the mirror no longer holds.
+        # The lists may name versions that the mirror no longer has.
         refuse_without_network "${missing[@]}"
         update_lists
         quietly "${install[@]}" || {

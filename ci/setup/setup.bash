@@ -1,4 +1,4 @@
-# Shared by ci/exec and ci/test: what makes a workspace ready to run in.
+# Shared by ci/exec and ci/test: preparation of the workspace.
 
 library=$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")
 workspace=$(cd "$library/../.." && pwd -P)
@@ -19,9 +19,9 @@ die() {
     exit 125
 }
 
-# How often a long step says on a terminal that it goes on, s.
+# Interval of progress messages of a long step on a terminal [s].
 every=5
-# How long a step writes nothing until that is said elsewhere, s.
+# Time without output after which a step is reported without a terminal [s].
 stalled=30
 
 user_name() { id -nu 2>/dev/null || id -u; }
@@ -30,14 +30,14 @@ user_name() { id -nu 2>/dev/null || id -u; }
 quietly() { # COMMAND…
     : >"$state/log"
     if [ -t 2 ]; then
-        # The pipe's end is the end of the command, however it comes.
+        # The pipe ends with the command in any case.
         { "$@" >"$state/log" 2>&1 8>&-; } 8> >(show_progress)
     else
         { "$@" >"$state/log" 2>&1 8>&-; } 8> >(show_stalls)
     fi
 }
 
-# Say where a log has come to, until the input ends.
+# Report the progress of a log until the input ends.
 show_progress() {
     local began=$SECONDS status line
     while status=0; do
@@ -48,7 +48,7 @@ show_progress() {
     done
 }
 
-# Say that a log no longer grows, as where a network hangs, until the input ends.
+# Report a log that no longer grows, as when a network hangs, until the input ends.
 show_stalls() {
     local began=$SECONDS size=0 before status line
     while status=0; do
@@ -77,7 +77,7 @@ refuse_unfit_path() {
             "spaces, quotes, colons and other characters that mean something to a shell."
 }
 
-# Files of another user would end a build half-way; a first run with sudo leaves such files.
+# Another user's files, for example of a first run with sudo, would fail a build half-way.
 refuse_foreign_files() {
     local me place
     local -a places=("$workspace/build" "$workspace/devel")
@@ -91,9 +91,9 @@ refuse_foreign_files() {
 }
 
 # Install the packages of these sections and build, each only where needed.
-# Looking takes no lock; a run that finds something to do waits for the lock and
-# looks again. The lock's descriptor lives in the subshell alone, so that the
-# command never inherits it.
+# The check takes no lock; a run that has work to do waits for the lock and checks
+# again. The lock's descriptor exists in the subshell only, so that the command
+# never inherits it.
 set_up() { # SECTION…
     find_ros
     clean_environment
@@ -112,7 +112,7 @@ set_up() { # SECTION…
     ) 9>"$state/lock" </dev/null >&2
 }
 
-# Make build/NAME an environment with a program from PyPI that Debian does not have, unless it is there.
+# Create build/NAME, an environment with a program from PyPI that Debian lacks, unless it exists.
 fetch_tool() { # NAME REQUIREMENT
     local place=$workspace/build/$1
     [ "$(cat "$place/made" 2>/dev/null)" != "$2" ] || return 0

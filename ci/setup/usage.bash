@@ -1,4 +1,4 @@
-# The help of a command is the comment that it begins with.
+# The help of a command is its leading comment.
 
 # Set by a command with --only: the module of ci that prints the names, and its arguments.
 choices=()
@@ -8,7 +8,7 @@ usage() {
     [ -z "${choices[*]-}" ] || python3 "$(dirname "${BASH_SOURCE[0]}")/.." "${choices[@]}"
 }
 
-# Show it and end, if it is requested.
+# Show it and exit, if requested.
 help_if_asked() { # [ARGUMENT…]
     [[ ${1-} == @(-h|--help) ]] || return 0
     usage

@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Usage: clean-room-inside.bash DIRECTORY PART,… TIER,… SUITE…
 #
-# The part of ci/clean-room that runs in namespaces of its own.
+# The part of ci/clean-room that runs in namespaces.
 set -euo pipefail
 me=ci/clean-room
 source "$(dirname "${BASH_SOURCE[0]}")/clean-system.bash"
 
-# The time that the first sample may take, and a refusal, s.
+# Longest time to the first sample, and to an error [s].
 limit=120
 limit_of_refusal=60
 
@@ -24,10 +24,10 @@ clone() { # ROOT USER FOLDER
         chroot "$1" chown -R "$2:" "$home/$3"
 }
 
-# In which folder of a user's home commands are run.
+# Folder in a user's home for commands.
 place=workspace
 
-# Expect a command of a user's to end with 125 and a sentence with certain words, and soon.
+# Expect a user's command to end soon with 125 and a sentence with certain words.
 refuses() { # WORDS ROOT USER online|offline COMMAND…
     local words=$1 status=0 began=$SECONDS
     shift
@@ -40,7 +40,7 @@ refuses() { # WORDS ROOT USER online|offline COMMAND…
     return 1
 }
 
-# Expect that a command prints what it needs, and run that as root; apt asks once.
+# Expect that a command prints the installation commands, and run them as root; apt asks once.
 by_hand() { # ROOT COMMAND…
     local lines
     refuses "packages are missing" "$1" student online env CI_EXEC_NO_INSTALL=1 "${@:2}" || return
@@ -66,22 +66,22 @@ take_refusals() { # SUITE ROOT
         verdict="each with the right message"
 }
 
-# A clone in a workspace of the user's own, with no package but those that ci/exec prints.
+# A clone in a user's own workspace, with only the packages that ci/exec prints.
 take_workspace() { # SUITE ROOT
     local command first=:
     command=$(page_commands docs/tutorials/other_packages.md "All of it in your own workspace" | head -n 1)
-    # Its CMake 4 takes catkin's files only so.
+    # CMake 4 accepts catkin's files only with this setting.
     [ "$1" != forky ] || first="export CMAKE_POLICY_VERSION_MINIMUM=3.5"
     furnish "$2" && clone "$2" student my_ws/src/basic_comms && chroot "$2" chown student: /home/student/my_ws{,/src} &&
         by_hand "$2" ./ci/exec true &&
-        # What the first part of the command would clone is there.
+        # The clone of the command's first part exists already.
         succeeds "$2" student offline bash -c "$first; ${command#*&& }" &&
         says_once "tests are left out" &&
         succeeds "$2" student offline bash -c 'source ~/my_ws/devel/setup.bash && rospack find basic_comms' &&
         verdict="built with what ci/exec printed"
 }
 
-# A new package is built with what ci/exec installs, and passes its test with what ci/test does.
+# A new package is built with the packages of ci/exec, and passes its test with those of ci/test.
 take_package() { # SUITE ROOT
     furnish "$2" &&
         by_hand "$2" ./ci/exec true &&
@@ -94,8 +94,8 @@ take_package() { # SUITE ROOT
         verdict="built, and its test passed"
 }
 
-# The distribution's ROS moved to a prefix of its own: sourced there, then found in /opt/ros by a system
-# without apt.
+# The distribution's ROS moved to a separate prefix: sourced there, then found in /opt/ros by a
+# system without apt.
 take_prefix() { # SUITE ROOT
     local command
     command=$(launch_command)
@@ -115,8 +115,8 @@ take_prefix() { # SUITE ROOT
 # README's first command.
 launch_command() { page_commands README.md "Two commands" | head -n 1; }
 
-# Prepare, then launch until a second command receives from the process node. What builds is prepared: a
-# time-out amid the build would restart it.
+# Prepare, then launch until a second command receives from the process node. The build is part of the
+# preparation: a timeout during it would restart it.
 launches() { # ROOT USER PREPARATION
     say "$3; $command"
     # shellcheck disable=SC2016
@@ -128,7 +128,7 @@ launches() { # ROOT USER PREPARATION
         kill "$launch"; wait "$launch"'
 }
 
-# Expect words in one line of what the last command wrote.
+# Expect words in one line of the last command's output.
 says_once() { # WORDS
     [ "$(grep -c "$1" "$log")" = 1 ] && return
     say "expected '$1' once of the last command"
@@ -136,18 +136,18 @@ says_once() { # WORDS
     return 1
 }
 
-# From the first command until a second one receives from the process node.
+# From the first command until a second command receives from the process node.
 take_launch() { # SUITE ROOT
     local began ready seconds command
     command=$(launch_command)
     furnish "$2" && install_sudo "$2" || return
     began=$SECONDS
     say "$1: what '$command' needs"
-    # The same command but for what it does in the end: it names the files, and needs no network then.
+    # The same command with another last step: it names the files, and needs no network then.
     succeeds "$2" teacher online sh -c "exec ${command/ roslaunch / roslaunch --files }" || return
     ready=$((SECONDS - began))
     cat "$log" >&2
-    # The only master is the one that is launched.
+    # The only master is the launched one.
     if (within "$2" teacher offline ./ci/exec rosnode list) >"$log" 2>&1; then
         verdict="there was a master before anything was launched"
         return 1
@@ -166,13 +166,13 @@ take_test() { # SUITE ROOT
     if [ "$tiers" ]; then
         run_tests "$1" "$2" offline "$command ${tiers//,/ }"
     else
-        # The second: what else needs no network.
+        # The second: other tiers that need no network.
         run_tests "$1" "$2" offline "$command" &&
             run_tests "$1" "$2" offline "$command ci install catkin_build extended --without lint"
     fi
 }
 
-# The environment with ROS 2 comes from PyPI.
+# The environment with ROS 2 is fetched from PyPI.
 take_ros2() { # SUITE ROOT
     furnish "$2" && run_tests "$1" "$2" online "./ci/test ros2"
 }
@@ -196,5 +196,5 @@ main() { # DIRECTORY PART,… TIER,… SUITE…
     take_parts "$parts" "$@"
 }
 
-# A function, so that nothing of this file is still to be read while it runs. (Tests source it.)
+# A function, so that bash has read the whole file before it runs. (Tests source it.)
 [ "${BASH_SOURCE[0]}" != "$0" ] || main "$@"

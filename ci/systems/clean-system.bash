@@ -1,5 +1,5 @@
-# Shared by what ci/clean-room and ci/deb run in namespaces of their own: the smallest Debian there
-# is, and commands in it. Who sources this has set me, how it is called, and room, a directory.
+# Shared by the parts of ci/clean-room and ci/deb that run in namespaces: a minimal Debian, and
+# commands in it. The caller has set me, its name, and room, a directory.
 
 workspace=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd -P)
 source "$workspace/ci/systems/pages.bash"
@@ -17,7 +17,7 @@ find_mirror() {
     }
 }
 
-# What this machine needs to reach its mirror, the clean system needs as well.
+# The clean system needs this machine's settings to reach the mirror.
 copy_apt_settings() { # ROOT
     apt-config dump | grep -E '^Acquire::(https?::|Check-|Retries)' >"$1/etc/apt/apt.conf.d/90clean-room" || :
     local file
@@ -26,8 +26,8 @@ copy_apt_settings() { # ROOT
     done
 }
 
-# The same for PyPI, which only what is run online reaches. Debian's own certificates are made again
-# in there, so these have a place beside them.
+# The same for PyPI, which only online commands reach. Debian's own certificates are generated again
+# in there, so these have a separate file.
 copy_pip_settings() { # ROOT
     local file
     file=$(sed -n 's/^ *cert *= *//p' /etc/pip.conf 2>/dev/null) || return 0
@@ -44,12 +44,12 @@ bootstrap() { # SUITE ROOT
         tar -C "$2" -xf "$packed" || return
     else
         say "$1: debootstrap from $mirror"
-        # Its script is the same for all of them; for a suite that is newer than debootstrap there is no other.
+        # One script for all suites: debootstrap lacks a script for suites that are newer than itself.
         debootstrap --variant=minbase "$1" "$2" "$mirror" sid >"$log" 2>&1 || {
             end_of_log
             return 1
         }
-        # Another run may be packing the same one.
+        # Another run may be packing the same system.
         new=$(mktemp "$packed.XXXXXX") || return
         if ! { tar -C "$2" -cf "$new" . && mv "$new" "$packed"; }; then
             rm -f "$new"
@@ -69,8 +69,8 @@ bootstrap() { # SUITE ROOT
 
 drop_lists() { find "$1/var/lib/apt/lists" -mindepth 1 -delete; } # ROOT
 
-# Run in the clean system, with nothing of this machine's environment but a proxy. Offline
-# means a network namespace that holds a loopback device and nothing else.
+# Run in the clean system, with only a proxy from this machine's environment. Offline means a
+# network namespace with only a loopback device.
 within() { # ROOT USER online|offline COMMAND…
     local root=$1 user=$2 name folder
     local -a environment into=()
@@ -90,7 +90,7 @@ within() { # ROOT USER online|offline COMMAND…
 
 end_of_log() { tail -n 30 "$log" >&2; }
 
-# A command that must be good.
+# A command that must succeed.
 succeeds() { # ROOT USER online|offline COMMAND…
     (within "$@") >"$log" 2>&1 && return
     say "failed: ${*:2}"
@@ -98,7 +98,7 @@ succeeds() { # ROOT USER online|offline COMMAND…
     return 1
 }
 
-# Call a function on a system of its own, of which nothing stays.
+# Call a function on a separate system, which is removed afterwards.
 with_system() { # SUITE NAME FUNCTION: it gets SUITE ROOT
     local root=$room/$1.$2 log=$room/$1.$2.log net=$room/$1.$2.net status=0
     : >"$net"
@@ -109,7 +109,7 @@ with_system() { # SUITE NAME FUNCTION: it gets SUITE ROOT
     return "$status"
 }
 
-# Take parts, each on a system of its own, and end with a line for each of them.
+# Take parts, each on a separate system, and end with a line for each of them.
 take_parts() { # PART,… SUITE…: calls take_PART, which gets SUITE ROOT and may set verdict
     local parts=$1 suite part verdict word status=0
     local -a summary

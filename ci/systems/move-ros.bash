@@ -1,14 +1,14 @@
 #!/usr/bin/env bash
 # Usage: move-ros.bash PREFIX
 #
-# Move Debian's own ROS 1 into a prefix of its own, where Noetic and ROS One have theirs. For a
-# system that is thrown away. What such a ROS finds in /usr stays there: catkin_pkg and rospkg.
+# Move Debian's ROS 1 into a separate prefix, like those of Noetic and ROS One. For a temporary
+# system. catkin_pkg and rospkg, which such a ROS finds in /usr, stay there.
 set -euo pipefail
 prefix=$1
-# catkin's own file is older than what CMake 4 takes without being told.
+# catkin's own file is too old for CMake 4 without this setting.
 export CMAKE_POLICY_VERSION_MINIMUM=3.5
 
-# What is sourced catkin makes itself, as it installs a workspace without a package.
+# catkin generates the setup files when it installs a workspace without packages.
 mkdir -p /tmp/empty/src
 (cd /tmp/empty && catkin_make -DCMAKE_INSTALL_PREFIX="$prefix" install)
 rm -r /tmp/empty

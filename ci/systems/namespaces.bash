@@ -1,11 +1,11 @@
-# Shared by ci/clean-room, ci/container and ci/deb: namespaces and a directory, of which nothing stays behind.
+# Shared by ci/clean-room, ci/container and ci/deb: temporary namespaces and a temporary directory.
 
 die() {
     echo "ci/${0##*/}: $*" >&2
     exit 125
 }
 
-# Set a variable for each option, --NAME VALUE, and suites to what follows; each of the parts has to exist.
+# Set a variable for each option, --NAME VALUE, and suites to the rest; each part must exist.
 read_options() { # ALL-PARTS,… "NAME…" ARGUMENT…
     local all=$1 names=$2 name part
     shift 2
@@ -28,7 +28,7 @@ read_options() { # ALL-PARTS,… "NAME…" ARGUMENT…
     done
 }
 
-# Run a command as the first process of namespaces of its own, with a directory before its arguments.
+# Run a command as the first process of new namespaces, with a directory before its arguments.
 in_namespaces() { # COMMAND ARGUMENT…
     local program
     [ "$EUID" = 0 ] || die "only root can bootstrap a system."
@@ -48,7 +48,7 @@ in_namespaces() { # COMMAND ARGUMENT…
 
 leave() {
     trap '' INT TERM
-    # When the namespace's first process goes, so do all others and the mounts.
+    # The end of the namespace's first process ends all others and the mounts.
     if first=$(cat "/proc/${inside-}/task/${inside-}/children" 2>/dev/null); then
         kill -KILL "${first% }" || :
         wait "$inside" || :

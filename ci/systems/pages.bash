@@ -1,6 +1,6 @@
-# Commands as they stand on the pages of the documentation.
+# Commands on the pages of the documentation.
 
-# Those of a section, a line each, without their comments.
+# The commands of a section, a line each, without their comments.
 page_commands() { # PAGE SECTION
     awk -v section="## $2" '
         /^## / { here = ($0 == section) }

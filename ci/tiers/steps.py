@@ -36,8 +36,8 @@ class Step:
     real time run ``alone``.
 
     ``repeat`` holds the arguments of ``ci/test`` that run a single test again: ``{file}`` is the
-    name of the JUnit file up to its first dot, ``{case}`` the test's name, and ``{module}`` the file
-    of a pytest test.
+    name of the JUnit file up to its first dot, ``{case}`` the test's name, and ``{module}`` the
+    file of a pytest test.
     """
 
     tier: str

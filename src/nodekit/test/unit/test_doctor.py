@@ -240,7 +240,7 @@ def test_simulated_time_without_clock_is_a_fault_and_standing_one_a_note() -> No
     (found,) = faults(graph_checks.check_clocks(graph(), use_sim_time=True))
     assert "/use_sim_time is true, and no node publishes the time" in found
     (paused,) = graph_checks.check_clocks(simulated(1000.0, None), use_sim_time=True)
-    assert paused.level is Level.NOTE and "stands" in paused.problem
+    assert paused.level is Level.NOTE and "does not advance" in paused.problem
 
 
 @pytest.mark.parametrize(

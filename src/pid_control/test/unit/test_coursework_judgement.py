@@ -105,7 +105,7 @@ def test_limits_name_only_metrics() -> None:
             {"signal": lambda time: math.copysign(1.0, math.sin(2.0 * time))},
             "/signal/data is not a sine",
         ),
-        ({"output": lambda time: 3.0}, "/proc_signal/data stays the same"),
+        ({"output": lambda time: 3.0}, "/proc_signal/data is constant"),
         (
             {"output": lambda time: math.sin(3.1 * time) + 1.0},
             "/proc_signal/data is neither a sine of the signal's frequency, nor a rectified one",
@@ -161,10 +161,10 @@ def test_flaw_of_the_messages_is_the_first_cause(changes: Dict[str, Any], says: 
             Tried("/a/b", 2.0, "", set(), is_mentioned=False),
             "/a/b has no effect: no source mentions it",
         ),
-        (Tried("/a/b", 2.0, "", set(), ["/b"]), "/a/b changes nothing, but /b does"),
+        (Tried("/a/b", 2.0, "", set(), ["/b"]), "/a/b has no effect, but /b has"),
         (
             Tried("/a/frequency", 2.0, "frequency", set()),
-            "/a/frequency changes nothing: one of: it is not read, or read and not used",
+            "/a/frequency has no effect: one of: it is not read, or read and not used",
         ),
     ],
 )

@@ -153,5 +153,5 @@ def description_in(text: str) -> List[Dict[str, Any]]:
         raise DescriptionError("the description is not a list of parameters")
     for entry in entries:
         if not isinstance(entry, dict) or not _NEEDED.issubset(entry):
-            raise DescriptionError(f"malformed description of a parameter: {entry!r:.80}")
+            raise DescriptionError(f"the description of a parameter is malformed: {entry!r:.80}")
     return entries

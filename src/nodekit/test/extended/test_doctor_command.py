@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""``rosrun nodekit doctor`` beside a healthy system, and beside one with many faults."""
+"""Tests of ``rosrun nodekit doctor`` with a healthy system, and with many faults."""
 
 import contextlib
 import os
@@ -28,7 +28,7 @@ LAUNCH = """
 
 
 class WithAMaster(unittest.TestCase):
-    """Each test has a master of its own, and a folder that is no workspace."""
+    """Each test has its own master, and a folder outside of a workspace."""
 
     def setUp(self) -> None:
         self.closing = contextlib.ExitStack()

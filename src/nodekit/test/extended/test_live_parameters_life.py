@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Start, end and name of a node with live parameters, and peers that hang."""
+"""Tests of start, end and name of a node with live parameters, and of peers that hang."""
 
 import contextlib
 import itertools
@@ -60,7 +60,7 @@ class Life(ParameterCase):
         self.assert_not_registered(name)
 
     def assert_not_registered(self, name: str) -> None:
-        """Wait until the master, which may be busy, has carried out what it was told last."""
+        """Wait until the master, which may be busy, has processed the last request."""
         wait_until(lambda: not self.server.knows(name), lambda: f"{name} is still registered")
 
     def test_bad_values_at_the_start(self) -> None:
@@ -188,7 +188,7 @@ class Life(ParameterCase):
                 node.wait_for(level=float(level))
             self.server.set("/unhindered/level", -1)
             self.server.wait_for("/unhindered/level", 7.0)
-            # Or what is still held back could be a good value that the one put back has hit.
+            # Otherwise the delayed value could be a valid one that the reset has overwritten.
             self.server.set("/unhindered/level", 8)
             node.wait_for(level=8.0)
         # All that was held back arrives before this.

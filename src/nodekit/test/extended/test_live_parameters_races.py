@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Changes that come at the worst moment: each is made to come just there, on a real master."""
+"""Tests of changes at critical moments, with a real master."""
 
 import itertools
 import logging
@@ -47,7 +47,7 @@ class MasterWithMoments(MasterClient):
         restart = self.restart
         if restart is not None:
             restart()
-            self.restart = None  # only now, as the test goes on then
+            self.restart = None  # last, because the test continues then
         reading = super().read(keys)
         if restart is not None:
             reading = reading._replace(knows_node=False)
@@ -58,7 +58,7 @@ class MasterWithMoments(MasterClient):
 
 
 class Warnings(logging.Handler):
-    """Keeps what this node warns of."""
+    """Collects the warnings of this node."""
 
     def __init__(self) -> None:
         super().__init__(logging.WARNING)
@@ -130,7 +130,7 @@ class Races(unittest.TestCase):
                 lambda: live.values == expected and self.told() == to_wire_dict(expected),
                 lambda: f"{live.values}, not {expected}; on the server {self.told()}",
             )
-            # What is still under way now has come to its end when this change has.
+            # After this change, all earlier ones are complete.
             expected = expected.replace(count=count)
             self.user.set(self.key + "/count", count)
         wait_until(lambda: live.values == expected, lambda: str(live.values))
@@ -172,7 +172,7 @@ class Races(unittest.TestCase):
         live = self.start(level=2.0, title="old")
         self.server.before_write = lambda: self.user.set(self.key, {"count": 5})
         self.user.set(self.level, -1)
-        # The master sends the namespace as it is before the put-back, or after it.
+        # The master sends the namespace before the reset, or after it.
         wait_until(lambda: live.values.title == "gauge", lambda: str(live.values))
         self.assert_ends_with(live, level=live.values.level, count=5)
         self.assertIn(live.values.level, (1.0, 2.0))
@@ -284,7 +284,7 @@ class Races(unittest.TestCase):
         self.assertLess(time.monotonic() - before, TIMEOUT_S)
 
     def assert_not_followed(self) -> None:
-        """Check that neither the master nor the node knows of the subscription any more."""
+        """Check that the master and the node have removed the subscription."""
         code, _, _ = ServerProxy(rospy.get_node_uri()).paramUpdate("/master", self.level, 5.0)
         self.assertEqual(code, -1, "the node says that it follows the key")
         marker = Onlooker(self.key + "_marker")
@@ -297,7 +297,7 @@ class Races(unittest.TestCase):
             self.user.set(marker.watched.key, 1)
             wait_until(lambda: marker.pushed, lambda: "no notification")
         noted = [call[0][0].rstrip("/") for call in update.call_args_list]
-        # Not what an earlier test has set at its end.
+        # Not the last value of an earlier test.
         noted = [key for key in noted if (key + "_").startswith((self.key + "/", self.key + "_"))]
         self.assertEqual(noted, [marker.watched.key])
         self.user.set(self.level, held if held is not None else 1.0)
@@ -373,7 +373,7 @@ class Races(unittest.TestCase):
         self.server.after_read = go_on
         self.user.set(self.level, 5.0)
         self.assert_ends_with(live, level=5.0, title="last")
-        # Of the other two, the end makes one go up and one go down. It is told once it is in force.
+        # Of the other two, one goes up and one goes down at the end. It is reported once it is in force.
         wait_until(lambda: len(levels) >= 3, lambda: str(levels))
         self.assertEqual(len(levels), 3)
 
@@ -602,7 +602,7 @@ class Races(unittest.TestCase):
         wait_until(lambda: heard[-1] is None, lambda: str(heard))
 
     def restart_master(self, key: str) -> None:
-        """Let a read be the first of a new master, which has no value and no subscription."""
+        """Make a read the first of a new master, without values and subscriptions."""
 
         def lose() -> None:
             self.server.unsubscribe({key})

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A master that is killed and started again takes no value away."""
+"""Tests of live parameters after a restart of the master."""
 
 import contextlib
 import http.server
@@ -32,7 +32,7 @@ class RestartedMaster(ParameterCase):
         return self.start_node("/gauge", ROS_MASTER_URI=self.master.uri)
 
     def restart(self, node: ParameterNode) -> None:
-        """Kill the master, have the node notice, and start another one."""
+        """Kill the master, wait until the node notices, and start another."""
         self.master.kill()
         node.wait_for_log("WARN", "the master does not answer")
         self.master.start()
@@ -117,7 +117,7 @@ class RestartedMaster(ParameterCase):
         self.master.start()
         self.server = Server(self.master.uri)
         wait_until(slow.reached.is_set, lambda: "nothing is registered again")
-        # Only now: what came before may also have been held up on the way.
+        # Only now: earlier lines may have been delayed.
         answers = len(node.logged("the master answers again"))
         asked = slow.asked
         self.master.send_signal(signal.SIGSTOP)
@@ -125,7 +125,7 @@ class RestartedMaster(ParameterCase):
         wait_until(
             lambda: slow.asked > asked, lambda: f"the thread waits for ever: {node.logged()}"
         )
-        # What the node has logged before may come a moment later, over a pipe.
+        # Earlier log lines may arrive a moment later, over a pipe.
         node.wait_for_log("WARN", "the master does not answer")
         self.assertEqual(len(node.logged("WARN", "the master does not answer")), 1)
         self.master.send_signal(signal.SIGCONT)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The services ~describe and ~change, and the commands that call them."""
+"""Tests of the services ~describe and ~change, and of their commands."""
 
 import subprocess
 from typing import Any, Tuple
@@ -43,7 +43,7 @@ class PathParameters(ParameterSet):
 
 
 def command(*words: str) -> "subprocess.CompletedProcess[str]":
-    """Run a command of nodekit, and again where a busy machine does not answer it in time."""
+    """Run a command of nodekit; repeat it if a busy machine does not answer in time."""
     for _ in range(3):
         done = subprocess.run(
             ["rosrun", "nodekit", *words],
@@ -57,7 +57,7 @@ def command(*words: str) -> "subprocess.CompletedProcess[str]":
 
 
 class ParameterServices(ParameterCase):
-    """Two nodes in one group; the name of one begins as that of the other."""
+    """Two nodes in one group; one name is a prefix of the other."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -81,7 +81,7 @@ class ParameterServices(ParameterCase):
         self.assert_truth(self.node, self.server)
 
     def change(self, text: str) -> Tuple[bool, str, Any]:
-        """Call ~change; return what it answers."""
+        """Call ~change; return the response."""
         answer = self.change_service(text)
         return answer.success, answer.message, yaml.safe_load(answer.values)
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Rare faults of shared memory: killed publishers, forks, no descriptors, sizes that change."""
+"""Tests of rare faults of shared memory: killed publishers, forks, no descriptors, new sizes."""
 
 import contextlib
 import os
@@ -36,7 +36,7 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
 
     @contextlib.contextmanager
     def publishing(self, first):
-        """Run a publisher in a process of its own, and kill it."""
+        """Run a publisher in a separate process, and kill it."""
         script = os.path.join(HELPERS, "array_publisher.py")
         process = subprocess.Popen([sys.executable, script, str(first), f"topic:={self.topic}"])
         try:
@@ -154,7 +154,7 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
         (subscriber,) = self.subscribe(publisher, "views")
         with tempfile.TemporaryDirectory() as folder:
             bag = os.path.join(folder, "arrays.bag")
-            terminal, its_side = pty.openpty()  # where a user reads each line as it comes
+            terminal, its_side = pty.openpty()  # where each line appears immediately
             self.addCleanup(os.close, terminal)
             os.set_blocking(terminal, False)
             record = ["rosbag", "record", "-O", bag, self.topic]
@@ -188,7 +188,7 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
             )
             for tool in tools:
                 tool.send_signal(signal.SIGINT)
-            # The command ends at once, and its recorder names the bag when that is whole.
+            # The command ends immediately, and its recorder renames the bag when it is complete.
             wait_until(lambda: os.path.exists(bag), lambda: str(os.listdir(folder)))
             with rosbag.Bag(bag) as recorded:
                 arrays = [message.data for _, message, _ in recorded.read_messages()]

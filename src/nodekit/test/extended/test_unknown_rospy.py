@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A node with a version of rospy that nodekit does not know, among others with one that it does."""
+"""Tests of a node with an unknown version of rospy."""
 
 import os
 import pathlib
@@ -20,7 +20,7 @@ from nodekit.testing.processes import Process, Server
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
-#: What is called otherwise in the made-up version: all that nodekit must not take for granted.
+#: Names that differ in the made-up version: all private ones that nodekit uses.
 RENAMED = {
     r"\b_PublisherImpl\b": "_PublisherCore",
     r"\b_SubscriberImpl\b": "_SubscriberCore",
@@ -36,7 +36,7 @@ RENAMED = {
     r"\bdef update\(self, key, value\)": "def renew(self, key, value)",
     r"\bget_param_server_cache\(\)\.update\b": "get_param_server_cache().renew",
 }
-#: What is said of it, each once.
+#: Warnings about it, each once.
 SAID = [
     "a silent connection delays others",
     "lines with invalid bytes do not reach /rosout",
@@ -49,7 +49,7 @@ SAID = [
 
 
 def make_up(folder: pathlib.Path) -> List[str]:
-    """Copy this machine's rospy, with other names for what is not public.
+    """Copy this machine's rospy, with other private names.
 
     :returns: of these names, those that it did not have
     """
@@ -83,7 +83,7 @@ class UnknownRospy(unittest.TestCase):
         return ear
 
     def answer(self) -> str:
-        """Return the gain that its service tells."""
+        """Return the gain from its service."""
         return str(call_service("/echo/ask", Trigger, timeout=TIMEOUT_S).result().message)
 
     def test_it_is_slower_and_says_so_once_and_never_wrong(self) -> None:

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""A node with a server of actionlib/TestAction, separate or hosted: ``action_node.py hosted``.
+"""Node with a server of actionlib/TestAction, separate or hosted: ``action_node.py hosted``.
 
-A goal runs until it is cancelled. 1 stops at once then, 2 never does.
+A goal runs until it is cancelled. 1 stops immediately then, 2 never does.
 """
 
 import sys

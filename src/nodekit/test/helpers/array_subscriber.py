@@ -20,7 +20,7 @@ NUMBER = 8
 
 
 def numbered(number: int, size: int) -> bytes:
-    """Return an array that shows what it is and whether it is whole.
+    """Return an array that identifies itself and shows damage.
 
     :param number: its number
     :param size: its length [bytes], at least :data:`NUMBER`
@@ -36,7 +36,7 @@ class Recorder:
         self._torn = 0
         self._types = set()
         self._kept = []
-        #: number of messages whose arrays are kept from now on
+        #: number of messages to keep the arrays of
         self.to_keep = 0
 
     def on_message(self, message: UInt8MultiArray) -> None:
@@ -68,7 +68,7 @@ recorder = Recorder()
 
 
 def answer() -> None:
-    """Do what each line of the standard input says: a record, sleep, keep or drop arrays."""
+    """Execute the lines of standard input: print a record, sleep, keep or drop arrays."""
     for line in sys.stdin:
         word, _, number = line.strip().partition(" ")
         if word == "keep":

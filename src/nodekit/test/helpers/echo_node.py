@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Run a node that has one of each: it answers what it hears, and says farewell."""
+"""Run a node with one of each resource, which echoes messages and publishes a last one."""
 
 import time
 from typing import Any
@@ -17,7 +17,7 @@ class Settings(ParameterSet):
 
 
 class Echo:
-    """Answers on ``out`` what it hears on ``in``; tells on ``ticks`` what it hears of itself."""
+    """Echoes ``in`` on ``out``; publishes the number of its own messages on ``ticks``."""
 
     def __init__(self, node: Node) -> None:
         self.settings = node.declare_parameters(Settings)

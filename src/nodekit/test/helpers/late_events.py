@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A node in whose end other things still happen: a client hangs up, a line is logged."""
+"""Node with events during its end: a client hangs up, a line is logged."""
 
 import time
 

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Managed nodes of one process that say what is called, by the names on the command line.
+"""Managed nodes of one process that log their callbacks, by the names on the command line.
 
 Those called configuring and hanging hang when they are configured and shut down. One called
 quitting ends the process once it is active; one called stuck does and hangs then; one called
-ending does as it is configured.
+ending ends it when configured.
 """
 
 import sys

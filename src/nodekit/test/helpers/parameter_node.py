@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A node with a parameter of every kind that prints its values and obeys lines of JSON on stdin."""
+"""Node with a parameter of every type; prints its values and executes lines of JSON on stdin."""
 
 import json
 import sys
@@ -27,7 +27,7 @@ from nodekit.parameters.parameter_types import to_wire
 
 
 class GaugeParameters(ParameterSet):
-    """A parameter of every kind, and a rule about two of them."""
+    """A parameter of every type, and a rule about two of them."""
 
     level = FloatParameter(1.0, minimum=0.0, maximum=1e10, unit="V", help="a level")
     count = IntParameter(3, minimum=0, help="a count")
@@ -53,7 +53,7 @@ class Gauge:
         self._broken = False
         self._parameters = node.declare_parameters(GaugeParameters, on_change=self._on_change)
         self._parameters.add_listener(self._fail_if_broken)
-        # Once, when the parameters are followed: what a test sets after that is seen.
+        # Once, when the parameters are followed: later changes of a test are seen.
         node.create_timer(1e-6, lambda elapsed: self._print(self._parameters.values))
         threading.Thread(target=self._obey, daemon=True).start()
 

@@ -57,7 +57,7 @@ class ParameterNode(Process):
 class Spy(Process):
     """A parameter_spy.py.
 
-    :param keys: what it is notified of
+    :param keys: keys of its notifications
     """
 
     def __init__(self, *keys: str) -> None:
@@ -86,7 +86,7 @@ class ParameterCase(unittest.TestCase):
         return node
 
     def assert_truth(self, node: ParameterNode, server: Server) -> None:
-        """Wait until the server holds just what the node uses."""
+        """Wait until the server has exactly the node's values."""
 
         def told() -> Dict[str, Any]:
             held = server.get(node.name)

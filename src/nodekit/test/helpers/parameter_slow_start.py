@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A node that talks to the master for as long as it starts, which it does for ever."""
+"""Node that starts forever, with requests to the master."""
 
 import itertools
 

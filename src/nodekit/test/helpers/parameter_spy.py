@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Subscribe to a parameter as a node does and print each notification: a line of [key, value].
+"""Subscribe to a parameter like a node and print each notification as a line [key, value].
 
 The master notifies of every write but the subscriber's own, in order.
 """

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Run a node of rospy alone that publishes and subscribes what its arguments say.
+"""Run a plain rospy node with the publishers and subscribers in its arguments.
 
 Such as ``plain_node.py talker + /chatter std_msgs/String - /speed std_msgs/Int32``. A topic named
 ``/drifted`` has an older definition, with another checksum.

@@ -11,7 +11,7 @@ from std_msgs.msg import String
 
 
 def numbered(source: str, number: int, size: int) -> str:
-    """Make a message that shows what it is and whether it is whole.
+    """Return a message that identifies itself and shows damage.
 
     :param source: who sends it, a letter
     :param number: its number

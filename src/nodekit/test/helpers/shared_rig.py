@@ -1,4 +1,4 @@
-"""A publisher of arrays in this process, and its subscribers in others."""
+"""Rig with a publisher of arrays in this process, and subscribers in others."""
 
 import contextlib
 import gc
@@ -102,7 +102,7 @@ class SharedMemoryCase(unittest.TestCase):
 
     @staticmethod
     def memory(publisher):
-        """Return the topic's shared memory, after what was read is collected."""
+        """Return the topic's shared memory, after read segments are collected."""
         memory = publisher._topic._memory
         with publisher._topic._lock:
             memory.collect()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A service of stock rospy that answers when it is told to; ``/slow`` adds two numbers of text."""
+"""Plain rospy service that answers on request; ``/slow`` adds two numbers."""
 
 import sys
 import threading

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""A server of stock actionlib, for actionlib/TestAction, with any number of goals at once.
+"""Server of stock actionlib, for actionlib/TestAction, with any number of parallel goals.
 
-A goal is what becomes of it: 0 succeeds at once, 1 is aborted, 2 is rejected, 3 stays pending until
-it is cancelled, 4 runs until it is cancelled; others run on however often they are cancelled. The
-result has the goal's number, and so has the feedback that is sent when a goal is accepted.
+A goal's number decides its end: 0 succeeds immediately, 1 is aborted, 2 is rejected, 3 stays pending
+until it is cancelled, 4 runs until it is cancelled; others ignore cancellations. The result has the
+goal's number, and so has the feedback that is sent when a goal is accepted.
 """
 
 import actionlib

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A node with callbacks that wait: for an answer, and asleep in an executor's thread."""
+"""Node with callbacks that wait for an answer, or sleep in an executor's thread."""
 
 import threading
 import time

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Actions on a real master, with stock actionlib at the other end, or at neither."""
+"""Tests of actions on a real master, also with stock actionlib."""
 
 import itertools
 import os
@@ -57,7 +57,7 @@ LONG_S = 60.0
 
 
 class Actions(unittest.TestCase):
-    """Each test has a namespace of its own in this process."""
+    """Each test has its own namespace in this process."""
 
     numbers = itertools.count()
 

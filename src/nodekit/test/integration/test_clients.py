@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Clients of services on a real master: stock servers that answer, hang, fail and die."""
+"""Tests of service clients on a real master: servers that answer, hang, fail and die."""
 
 import itertools
 import os
@@ -37,7 +37,7 @@ SERVER = os.path.join(HELPERS, "slow_server.py")
 
 
 class Clients(unittest.TestCase):
-    """Each test has a namespace of its own."""
+    """Each test has its own namespace."""
 
     numbers = itertools.count()
 
@@ -233,7 +233,7 @@ class Clients(unittest.TestCase):
                 client.call(SetBoolRequest(True), timeout=timeout)
 
     def served(self, executor: Any, same_group: bool) -> List[Any]:
-        """Call a service of this process from a callback of its node; return what came of it."""
+        """Call a service of this process from a callback of its node; return the result."""
         outcome: List[Any] = []
         if executor is not None:
             executor.add_node(self.node)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Nodes in executors on a real master, with stock nodes of rospy and roscpp at the other end."""
+"""Tests of nodes in executors on a real master, with rospy and roscpp nodes."""
 
 import itertools
 import subprocess
@@ -34,7 +34,7 @@ class MuxSelect:
 
 
 class Executors(unittest.TestCase):
-    """Each test has a namespace of its own in this process."""
+    """Each test has its own namespace in this process."""
 
     numbers = itertools.count()
 
@@ -50,7 +50,7 @@ class Executors(unittest.TestCase):
         self.may_end.wait()  # the clean-up ends it too
 
     def node(self, name: str = "one") -> Node:
-        """Return a node of its own, which is closed at the end; not started."""
+        """Return a new node, not started, which is closed at the end."""
         node = Node(Names.hosted(self.space, name))
         self.addCleanup(node.close)
         return node
@@ -59,7 +59,7 @@ class Executors(unittest.TestCase):
         self.threads.append(threading.current_thread().name)
 
     def report(self, node: Node) -> Dict[str, Dict[str, Any]]:
-        """Return what the node says of its callbacks, by kind."""
+        """Return the node's report on its callbacks, by type."""
         answer = rospy.ServiceProxy(node.resolve("~executor"), Trigger)()
         return {entry["kind"]: entry for entry in yaml.safe_load(answer.message)}
 
@@ -168,7 +168,7 @@ class Executors(unittest.TestCase):
         self.assertEqual(len({direct, in_first, in_second}), 3, self.threads)
         self.assertNotIn("executor", direct)
         self.assertIn("subscription", self.report(node))
-        first.remove_node(node)  # which it is not in any more
+        first.remove_node(node)  # which has been removed already
         self.assertEqual(thread_of_next(), in_second)
         second.remove_node(node)
         self.assertEqual(thread_of_next(), direct)

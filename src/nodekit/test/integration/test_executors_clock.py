@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""An executor where /clock stands still: timers wait for it, all else goes on."""
+"""Tests of an executor while /clock is paused: only timers wait."""
 
 import unittest
 from typing import List

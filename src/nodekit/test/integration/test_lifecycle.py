@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Managed nodes on a real master: each cell of the table, what is made when, and how they end."""
+"""Tests of managed nodes on a real master: transitions, lifetimes of resources, and the end."""
 
 import contextlib
 import gc
@@ -103,7 +103,7 @@ class Settings(ParameterSet):
 
 
 class Driver(ManagedNode):
-    """Makes what drivers make, and does besides what a test plans."""
+    """Creates a driver's resources, and executes a test's plan."""
 
     def __init__(self, node: Node, plan: Plan) -> None:
         super().__init__(node)
@@ -141,12 +141,12 @@ class Driver(ManagedNode):
 
 
 class Managed(unittest.TestCase):
-    """Each test has namespaces of its own in this process."""
+    """Each test has its own namespaces in this process."""
 
     numbers = itertools.count()
 
     def driver(self, start: str = "unconfigured", **plan: Callable[[], Any]) -> Driver:
-        """Return a managed node that was brought to a state, and does then what is planned."""
+        """Return a managed node in a state, which then follows a plan."""
         self.space = f"/managed{next(self.numbers)}"
         node = Node(Names.hosted(self.space, "driver"))
         self.addCleanup(node.close)
@@ -522,7 +522,7 @@ class Made(Managed):
         self.assertRegex(logged.output[0], r"/driver: on_configure failed:\n(.*\n)+.*on purpose")
 
     def heard_out(self) -> List[str]:
-        """Return what another node hears of what the driver publishes, as it comes."""
+        """Return the growing list of the driver's messages that another node receives."""
         heard: List[str] = []
         listener = Node(Names.hosted(self.space, "listener"))
         self.addCleanup(listener.close)
@@ -566,7 +566,7 @@ class Made(Managed):
         driver = self.driver("inactive", on_activate=raising, on_error=lambda: None)
         publisher: Any = driver.publisher
         self.assertFalse(self.change("activate"))
-        with self.assertRaises(rospy.ROSException):  # as it is closed
+        with self.assertRaises(rospy.ROSException):  # because it is closed
             publisher.publish("news")
 
     def test_timers_tick_only_while_active(self) -> None:
@@ -606,7 +606,7 @@ class Made(Managed):
         driver = self.driver("active")
         publisher = driver.node.create_publisher("in", String)
         publisher.publish("one")
-        # By the timer's thread, where it is in the group at this moment.
+        # By the timer's thread, if it is in the group at this moment.
         wait_until(lambda: driver.heard == ["one"], lambda: str(driver.heard))
         self.assertTrue(self.change("deactivate"))
         publisher.publish("two")
@@ -648,7 +648,7 @@ class Made(Managed):
 
         def has_left_nothing() -> bool:
             (threads, files, state), was = facts(), before
-            # At first some of earlier tests may have been left, which end by themselves.
+            # Threads of earlier tests may still exist, and end soon.
             return bool(threads <= was[0] and files <= was[1] and state == was[2])
 
         wait_until(has_left_nothing, lambda: f"{facts()}, not {before}")
@@ -674,10 +674,10 @@ class Unaware:
 
 
 class Wanted(Managed):
-    """Any class, where the parameter ``~managed`` wants it."""
+    """Tests of any class with the parameter ``~managed``."""
 
     def unaware(self, managed: Any, cls: Callable[[Node], object] = Unaware) -> List[str]:
-        """Host a class as a node would be; return what is heard of it."""
+        """Host a class as a node; return the messages received from it."""
         self.space = f"/managed{next(self.numbers)}"
         Unaware.alive.clear()
         if managed is not None:
@@ -851,7 +851,7 @@ class Heartbeat(Managed):
         self.addCleanup(ear.close)
         with mock.patch.object(rospy, "logerr") as failed:
             wait_until(lambda: ear.count() > 2, lambda: "no heartbeat")
-        failed.assert_not_called()  # as one would whose publisher is closed
+        failed.assert_not_called()  # as with a closed publisher
 
 
 class Command(Managed):
@@ -896,7 +896,7 @@ class Command(Managed):
     def test_node_that_does_not_answer_is_named_and_leaves_a_status(self) -> None:
         self.driver("inactive")
         mute = self.space + "/mute"
-        # What it is known by is there, and all else is missing.
+        # Its lifecycle services exist, and all else is missing.
         service = rospy.Service(mute + "/get_transition_graph", GetAvailableTransitions, None)
         self.addCleanup(service.shutdown)
         status, out, err = self.typed("get")
@@ -958,7 +958,7 @@ class Ends(unittest.TestCase):
             for label in way:
                 self.assertTrue(self.change(name, label))
         process.wait_for_log("finalized gets True")
-        del process.lines[:]  # the one that is finalized was shut down before
+        del process.lines[:]  # the finalized node was shut down before
         self.assertEqual(process.interrupt(), 0)
         expected = {f"{name} was {name}" for name in WAYS if name != "finalized"}
         # Clients still work then.

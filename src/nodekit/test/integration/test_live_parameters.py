@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A running node follows the parameter server, whatever tool writes to it, and whatever."""
+"""Tests of a running node's live parameters, with any tool and any value."""
 
 import contextlib
 import io
@@ -119,7 +119,7 @@ class LiveParameters(ParameterCase):
         self.assertEqual(self.new_log("WARN"), [])
 
     def assert_one_change(self, **values: Any) -> None:
-        """Wait for the values; they must have come with one call of the callback."""
+        """Wait for the values, which must arrive in one call of the callback."""
         self.assert_taken(**values)
         self.assertEqual(self.node.changes, self.changes_before + 1)
 
@@ -153,7 +153,7 @@ class LiveParameters(ParameterCase):
             self.node.wait_for(level=float(on_server))
 
     def test_integer_of_64_bits_is_refused_though_it_hides_all_the_rest(self) -> None:
-        # Clients in other languages can set what the master cannot send.
+        # Clients in other languages can set values that the master cannot send.
         request = xmlrpc.client.dumps(("/test", GAUGE + "/level", 0), "setParam")
         request = request.replace("<int>0</int>", "<i8>2147483648</i8>")
         with urllib.request.urlopen(self.server.uri, request.encode()):
@@ -282,7 +282,7 @@ class LiveParameters(ParameterCase):
             self.server.set(GAUGE + "/level", level)
             self.node.wait_for(level=held)
             self.server.wait_for(GAUGE + "/level", held)
-        # Of what is set in its own name the master does not tell it: it has read once more by then.
+        # The master does not notify it of values set in its own name: it has read again by then.
         for level in (5.0, 6.0):
             self.server.master.setParam(GAUGE, GAUGE + "/level", level)
             self.node.wait_for(level=level)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A Node on a real master: when its callbacks begin, who excludes whom, what closing leaves."""
+"""Tests of a Node on a real master: start of callbacks, exclusion, and closing."""
 
 import contextlib
 import gc
@@ -57,7 +57,7 @@ class Settings(ParameterSet):
 
 
 class OnMaster(unittest.TestCase):
-    """Each test has namespaces of its own in this process."""
+    """Each test has its own namespaces in this process."""
 
     numbers = itertools.count()
 
@@ -66,7 +66,7 @@ class OnMaster(unittest.TestCase):
         self.server = Server()
 
     def node(self, name: str = "one") -> Node:
-        """Return a node of its own, which is closed at the end; not started."""
+        """Return a new node, not started, which is closed at the end."""
         node = Node(Names.hosted(self.space, name))
         self.addCleanup(node.close)
         return node
@@ -77,7 +77,7 @@ class OnMaster(unittest.TestCase):
         return sorted((n, nodes) for part in state for n, nodes in part if self.space in n)
 
     def wait_for_ticks(self, count: int) -> None:
-        """Wait until the thread that serves all timers has had time for so many calls at 100 Hz."""
+        """Wait until the timers' thread has had time for a number of calls at 100 Hz."""
         ticks: List[float] = []
         clock = self.node(f"clock{next(self.numbers)}")
         clock.create_timer(100.0, ticks.append)
@@ -86,7 +86,7 @@ class OnMaster(unittest.TestCase):
         clock.close()
 
     def publisher(self, topic: str, kind: type = String, **options: Any) -> rospy.Publisher:
-        """Return a publisher of the plain kind, which needs a connection."""
+        """Return a plain rospy publisher, which needs a connection."""
         publisher = rospy.Publisher(self.space + "/" + topic, kind, queue_size=100, **options)
         self.addCleanup(publisher.unregister)
         return publisher
@@ -221,7 +221,7 @@ class Start(OnMaster):
         node.create_timer(100.0, lambda elapsed: publisher.publish("news"))
         node.create_subscription("topic", String, lambda message: None)
         publisher = node.create_publisher("topic", String)
-        # As where the parameter /enable_statistics is set, which is read once in a process.
+        # As if the parameter /enable_statistics is set, which is read once in a process.
         logger = rospy.topics.SubscriberStatisticsLogger
         with mock.patch.object(logger, "is_enabled", return_value=True):
             node.start()
@@ -267,7 +267,7 @@ class Start(OnMaster):
 
             @rule("gain")
             def suits(self, values: Settings) -> None:
-                """Refuse what its name tells it to."""
+                """Reject the value in its name."""
                 if values.gain == len(self.node.name):
                     raise ValueError("must not be the length of the node's name")
 
@@ -481,7 +481,7 @@ class Forks(OnMaster):
         self.children: "Queue[int]" = Queue()
 
     def fork(self, *_: Any) -> Any:
-        """Have a child that does what the test says."""
+        """Fork a child that executes the test's function."""
         child = os.fork()
         if not child:
             print("a child")
@@ -563,7 +563,7 @@ class Forks(OnMaster):
                 self.in_child = in_child  # type: ignore[method-assign]
                 self.assertTrue(rospy.ServiceProxy(self.space + "/ask", Trigger)().success)
                 self.assert_child_ends(status)
-        # The parent goes on, and is known.
+        # The parent continues, and stays registered.
         self.assertEqual([name for name, _ in self.registered()], [self.space + "/ask"])
 
 
@@ -589,7 +589,7 @@ class Texts(OnMaster):
         wait_until(lambda: ear.publishers() > 0, lambda: "no connection")
         rospy.loginfo("%s %s", self.space, self.NO_TEXT)
         ear.wait_for(lambda line: line.msg == f"{self.space} caf\\udce9")
-        # It is latched: who comes now gets it, and all that follows.
+        # It is latched: new subscribers get it, and all later messages.
         late = self.ear("/rosout", Log)
         late.wait_for(lambda line: line.msg == f"{self.space} caf\\udce9")
         rospy.loginfo("%s afterwards", self.space)
@@ -836,7 +836,7 @@ class Closing(OnMaster):
 
 
 class Hosting(OnMaster):
-    """Nodes of one process look like nodes of their own."""
+    """Nodes of one process look like separate nodes."""
 
     class Member:
         def __init__(self, node: Node) -> None:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""ParameterClient against a node, and against those that do not answer."""
+"""Tests of ParameterClient with a node, and with nodes that do not answer."""
 
 import os
 import time
@@ -29,7 +29,7 @@ DEFAULTS = {name: to_wire(value) for name, value in GaugeParameters().as_dict().
 
 
 class WithANode(ParameterCase):
-    """One node whose parameters are read and changed."""
+    """One node with parameters to read and change."""
 
     @classmethod
     def setUpClass(cls) -> None:
@@ -93,7 +93,7 @@ class WithANode(ParameterCase):
 
 
 class Silence(ParameterCase):
-    """Nodes that do not answer, or with something else; each in a namespace of its own."""
+    """Nodes that do not answer, or with malformed replies, each in its own namespace."""
 
     def test_unknown_node(self) -> None:
         client = ParameterClient("/client/missing")

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Publishing to real nodes that are stopped, killed, late, or never read."""
+"""Tests of publishing to real nodes that are stopped, killed, late, or never read."""
 
 import json
 import os
@@ -58,7 +58,7 @@ class Node:
         case.addCleanup(self.end)
 
     def record(self):
-        """Ask a recording subscriber what it has.
+        """Return the record of a recording subscriber.
 
         :returns: its record
         """
@@ -121,7 +121,7 @@ class PublishingTest(unittest.TestCase):
                 time.sleep(pause)
 
     def publish_until_stalled(self, publisher, name):
-        """Publish until a subscriber that hangs holds no more."""
+        """Publish until the buffers of a hanging subscriber are full."""
         self.publish(publisher, 20_000, until=lambda: self.statistics_of(publisher, name).stalled)
 
     def wait_for(self, node, condition, what):
@@ -166,7 +166,7 @@ class PublishingTest(unittest.TestCase):
         wait_until(
             lambda: not self.statistics_of(publisher, name).stalled, lambda: "it is still stalled"
         )
-        # Until it has taken what it was given while it hung, it is not waited for.
+        # Until it has received the messages held during its hang, it is not waited for.
         self.wait_for(stopped, self.last(self.count - 1), "the stopped one has caught up")
         back_at = self.count
         self.publish(publisher, 200)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Periodic work on a simulated clock that stands still, jumps or is set back, and on the machine's.
+"""Tests of timers with a simulated clock that pauses or jumps, and with the machine's.
 
 The test itself publishes /clock, so that nothing here depends on time passing.
 """
@@ -47,7 +47,7 @@ class RoundsClock(SimulatedClock):
 
 
 class OnClock(unittest.TestCase):
-    """Timers of a scheduler that keep what they are called with."""
+    """Timers of a scheduler that record their arguments."""
 
     def setUp(self) -> None:
         self.calls: List[float] = []
@@ -62,11 +62,11 @@ class OnClock(unittest.TestCase):
     def timer(
         self, scheduler: Scheduler, rate: float, catch_up: float = 0.0, dispatch: Any = None
     ) -> Timer:
-        """Make a timer that keeps what it is called with; it is not started yet."""
+        """Return a timer that records its arguments, not started."""
         return Timer(scheduler, self.calls.append, rate, catch_up, dispatch)
 
     def assert_calls(self, *elapsed: float) -> None:
-        """Wait until there are as many calls; compare what they were called with."""
+        """Wait for the number of calls, and compare their arguments."""
         wait_until(lambda: len(self.calls) >= len(elapsed), lambda: str(self.calls))
         self.assertEqual([round(call, 6) for call in self.calls], list(elapsed))
 
@@ -80,7 +80,7 @@ class OnSimulatedClock(OnClock):
         wait_until(lambda: cls.clock.get_num_connections() > 0, lambda: "/clock is not heard")
 
     def start(self, rate: float, catch_up: float = 0.0, dispatch: Any = None) -> Timer:
-        """Start a timer, and one that is due at every step, which shows that the step was seen."""
+        """Start a timer, and another one due at every step, to see that the step was processed."""
         scheduler = self.scheduler(RoundsClock(self.end_round))
         timer = self.timer(scheduler, rate, catch_up, dispatch)
         scheduler.start([timer, Timer(scheduler, self.count_step, EVERY_STEP)])
@@ -95,7 +95,7 @@ class OnSimulatedClock(OnClock):
             self.steps += 1
 
     def step(self, *times: float) -> None:
-        """Set the clock, and wait each time until all that is due then has been called."""
+        """Set the clock step by step, and wait until all due calls are made."""
         for time_s in times:
             before = self.steps
             self.clock.publish(Clock(rospy.Time.from_sec(time_s)))
@@ -184,7 +184,7 @@ class OnSimulatedClock(OnClock):
         self.assert_calls(0.0, 0.0, 0.1, 0.1)
 
     def keep(self, rate: float) -> Tuple[Timer, List[Callable[[], None]]]:
-        """Start a timer whose calls are kept, as by a group that is taken."""
+        """Start a timer with queued calls, as in a busy group."""
         kept: List[Callable[[], None]] = []
         timer = self.start(rate, dispatch=kept.append)
         return timer, kept
@@ -308,7 +308,7 @@ class OnSimulatedClock(OnClock):
 
 
 class OnMachinesClock(OnClock):
-    """The machine's clock can be waited for only; so each test ends as soon as it may."""
+    """Tests with the machine's clock, which end as soon as possible."""
 
     def start(self, rate: float, catch_up: float = 0.0, dispatch: Any = None) -> Timer:
         scheduler = self.scheduler(MonotonicClock())

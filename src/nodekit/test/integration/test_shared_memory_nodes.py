@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Large messages between real nodes, of all kinds at once, which are stopped and killed."""
+"""Tests of large messages between real nodes of all types, which are stopped and killed."""
 
 import gc
 import threading

@@ -1,4 +1,4 @@
-"""Activation changes while a publisher or a timer of a managed node is in use."""
+"""Tests of activation changes while a publisher or a timer of a managed node is in use."""
 
 import threading
 from typing import Any, Callable, Iterator, List, Optional
@@ -18,7 +18,7 @@ TIMEOUT_S = 10.0
 
 
 class Sent:
-    """Stands in for what sends; does what a test wants to happen in the middle of the first."""
+    """Fake sender that calls a test's function during the first message."""
 
     def __init__(self) -> None:
         self.words: List[str] = []

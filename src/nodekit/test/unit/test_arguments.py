@@ -1,4 +1,4 @@
-"""Validation of command line and environment before a node starts."""
+"""Tests of the validation of command line and environment before a node starts."""
 
 import os
 import re

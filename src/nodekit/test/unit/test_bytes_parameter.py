@@ -1,4 +1,4 @@
-"""Parameters of bytes: accepted forms, output, and rejected values."""
+"""Tests of parameters of bytes: accepted forms, output, and rejected values."""
 
 import xmlrpc.client
 from typing import Any

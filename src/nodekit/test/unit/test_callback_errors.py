@@ -1,4 +1,4 @@
-"""A function that fails is logged now and then, but not because the node ends."""
+"""Tests of the rate-limited log of exceptions of callbacks."""
 
 from typing import Any, List
 

@@ -1,4 +1,4 @@
-"""Callback groups: exclusion, order, work that is left, and threads that never wait."""
+"""Tests of callback groups: exclusion, order, queued work, and threads that never wait."""
 
 import threading
 import time
@@ -14,7 +14,7 @@ TIMEOUT_S = 10.0
 
 
 class Busy:
-    """A callback in a group that goes on until it is told to end."""
+    """A callback in a group that runs until it is released."""
 
     def __init__(self, group: CallbackGroup) -> None:
         self.inside = threading.Event()
@@ -35,7 +35,7 @@ class Busy:
 
 
 def queued(group: CallbackGroup, count: int) -> None:
-    """Wait until so many wait for a group."""
+    """Wait until a number of threads wait for a group."""
     deadline = time.monotonic() + TIMEOUT_S
     while len(group._queue) < count:
         assert time.monotonic() < deadline

@@ -1,4 +1,4 @@
-"""Errors of the command ``rosrun nodekit callbacks``, without a graph."""
+"""Tests of errors of the command ``rosrun nodekit callbacks``, without a graph."""
 
 import sys
 from typing import Any, List, Optional

@@ -1,4 +1,4 @@
-"""Warnings of publishers that are announced and never connected, in a node of its own process."""
+"""Tests of warnings about announced publishers that are never connected."""
 
 import contextlib
 import xmlrpc.client

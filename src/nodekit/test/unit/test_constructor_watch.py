@@ -1,4 +1,4 @@
-"""Warning of a constructor that waits for what cannot come."""
+"""Tests of the warning about a constructor that waits for a message."""
 
 import threading
 import time

@@ -1,4 +1,4 @@
-"""Sets of declared parameters: immutable snapshots, rules across parameters, inheritance."""
+"""Tests of declared parameters: immutable snapshots, rules across parameters, inheritance."""
 
 import pytest
 
@@ -70,7 +70,7 @@ def test_the_same_declaration_may_have_other_defaults():
 
 def test_one_snapshot_of_the_defaults_is_for_all():
     assert Limits.as_declared() is Limits.as_declared() == Limits()
-    other = Limits.with_defaults(count=4)  # made from the first, whose snapshot there is by now
+    other = Limits.with_defaults(count=4)  # derived from the first, which has a snapshot already
     assert other.as_declared() is other.as_declared() == other()
 
 

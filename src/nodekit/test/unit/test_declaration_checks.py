@@ -1,4 +1,4 @@
-"""A class of parameters that does not mean what it seems to is refused as it is read."""
+"""Tests of checks of parameter declarations at their definition."""
 
 from typing import Any, Dict
 
@@ -111,7 +111,7 @@ def test_a_hidden_parameter_is_named_with_the_ways_out() -> None:
     with pytest.raises(TypeError) as caught:
 
         class Mine(Mixin, Gauge):
-            """The base of its own that comes first hides what the other declares."""
+            """The first base class hides a parameter of the second."""
 
     assert str(caught.value) == (
         "Mine.is_on = True: hides a parameter: write BoolParameter(…) for another default,"
@@ -161,7 +161,7 @@ def test_what_belongs_in_a_class_is_no_mistake() -> None:
         names = ListParameter(["5"], element=StringParameter("", help=""), help="text is text")
 
         class Inner:
-            """A class of its own."""
+            """A separate class."""
 
         @property
         def double(self) -> float:

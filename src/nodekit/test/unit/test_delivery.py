@@ -1,4 +1,4 @@
-"""Delivery over real sockets, without ROS: what a receiver that does not read costs the others."""
+"""Tests of delivery over real sockets, without ROS, with receivers that do not read."""
 
 import contextlib
 import select
@@ -96,7 +96,7 @@ def packet(number, size):
 
 
 def unpack(stream):
-    """Take a received stream apart; an assertion fails where a message is torn."""
+    """Parse a received stream; an assertion fails for an incomplete message."""
     numbers = []
     while stream:
         size, number = struct.unpack_from("<II", stream)
@@ -444,11 +444,11 @@ def test_reports_are_throttled_and_complete(pairs):
 
 def test_kinds_of_report_are_throttled_apart():
     reports = LossReports()
-    steps = [  # s, stalled, lost in all, what is told
+    steps = [  # s, stalled, lost in all, report
         (0.0, True, 0, None),  # a stall without loss
         (0.0, False, 0, None),  # ... and its end are not reported
         (1.0, True, 3, 3),
-        (2.0, False, 3, 0),  # the end of a stall that was told of
+        (2.0, False, 3, 0),  # the end of a reported stall
         (3.0, False, 3, None),
         (4.0, True, 5, None),
         (5.0, False, 5, None),

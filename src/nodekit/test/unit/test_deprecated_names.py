@@ -1,4 +1,4 @@
-"""Old public names work as the new ones do, and each warns once with the new name."""
+"""Tests of old public names: they work, and warn once with the new name."""
 
 import importlib
 import sys

@@ -1,4 +1,4 @@
-"""The command describe fits the terminal that it prints to."""
+"""Tests of the width of the output of the command describe."""
 
 import os
 import sys

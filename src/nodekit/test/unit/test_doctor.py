@@ -1,4 +1,4 @@
-"""Checks of a graph, of files and of the report of ``rosrun nodekit doctor``."""
+"""Tests of the checks and the report of ``rosrun nodekit doctor``."""
 
 import dataclasses
 import os

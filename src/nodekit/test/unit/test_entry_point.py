@@ -1,4 +1,4 @@
-"""Settings of a node's process before heavy imports."""
+"""Tests of the settings of a node's process before its imports."""
 
 import subprocess
 import sys

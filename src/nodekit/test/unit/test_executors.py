@@ -1,4 +1,4 @@
-"""Executors with real threads: what overlaps, what is counted, what a failure and an end leave."""
+"""Tests of executors with real threads: overlap, counters, failures and shutdown."""
 
 import itertools
 import threading
@@ -26,7 +26,7 @@ from nodekit.testing.waiting import TIMEOUT_S, in_thread, wait_until
 from nodekit.timing.clocks import MonotonicClock
 from nodekit.timing.scheduler import Scheduler
 
-#: How long a callback is held where nothing else may begin, s.
+#: How long a callback is held while no other may begin [s].
 HELD_S = 0.03
 KINDS = ("timer", "subscription", "service", "on_change")
 GROUPS = ("one exclusive", "two exclusive", "one reentrant")
@@ -51,7 +51,7 @@ def make(
     ready: Optional[ReadyQueue],
     clock: Scheduler,
 ) -> Callable[[], Any]:
-    """Return what has a callback called once, as what it is for would do it."""
+    """Return a function that triggers one call of a callback, as in use."""
     callback: Callback
     if kind == "timer":
         timer = NodeTimer(clock, group, 0.001, lambda elapsed: function(), 0.0, kind)
@@ -75,7 +75,7 @@ def make(
 
 
 def overlap(one: str, other: str, groups: str, name: str) -> bool:
-    """Say what the documentation says."""
+    """Compare with the documentation."""
     if name == "single" or groups == "one exclusive":
         return False
     return name == "multi" or (one, other) != ("timer", "timer")

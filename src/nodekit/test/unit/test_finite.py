@@ -1,4 +1,4 @@
-"""Which messages are finite, whatever they are made of."""
+"""Tests of the check for finite messages."""
 
 import io
 import math
@@ -156,7 +156,7 @@ def test_the_largest_float32_is_carried_and_what_is_above_is_not():
 
 
 def serialized(message):
-    """Return a message as it goes on the wire, without its length."""
+    """Return a serialized message, without its length."""
     buffer = io.BytesIO()
     message.serialize(buffer)
     return buffer.getvalue()

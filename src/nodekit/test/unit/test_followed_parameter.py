@@ -1,4 +1,4 @@
-"""Values of a followed parameter are copies that the callback may change."""
+"""Tests of followed parameters: values are copies that the callback may change."""
 
 import contextlib
 from typing import Any, List

@@ -1,4 +1,4 @@
-"""States of goals, and the list of a server's goals, against actionlib_msgs/GoalStatus."""
+"""Tests of goal states and of a server's list of goals, with actionlib_msgs/GoalStatus."""
 
 from typing import Dict, List, Set, Tuple
 

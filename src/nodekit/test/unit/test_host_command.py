@@ -1,4 +1,4 @@
-"""Which nodes the command ``rosrun nodekit host`` is told to run."""
+"""Tests of the arguments of ``rosrun nodekit host``."""
 
 import argparse
 from typing import Any, List

@@ -1,4 +1,4 @@
-"""The subscriber inside rospy's own objects, with sockets in place of publishers and no master."""
+"""Tests of the subscribed topic, with sockets in place of publishers and without a master."""
 
 import contextlib
 import socket
@@ -32,7 +32,7 @@ TIME_OUT = 20.0  # s
 
 
 class Ear:
-    """An open subscription that keeps what it hears."""
+    """An open subscription that records its messages."""
 
     def __init__(self, stack, data_class=String):
         self.batches = []
@@ -56,7 +56,7 @@ class Ear:
 
 
 class Publisherless(Ear):
-    """A subscription with one connection, whose other end is a socket."""
+    """A subscription with one connection to a socket of the test."""
 
     def __init__(self, stack):
         super().__init__(stack)
@@ -73,7 +73,7 @@ class Publisherless(Ear):
         self.topic.add_connection(self.transport)
 
     def receive_all(self):
-        """Do what the thread of a connection does, with all that has been sent."""
+        """Process all sent data like the thread of a connection."""
         self.socket.shutdown(socket.SHUT_WR)
         self.receive_until_closed()
 

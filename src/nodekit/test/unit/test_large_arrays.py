@@ -1,4 +1,4 @@
-"""Messages with one large array of bytes, compared with what genpy makes of them."""
+"""Tests of messages with one large array of bytes, compared with genpy."""
 
 import io
 import struct

@@ -1,4 +1,4 @@
-"""Arguments that roslaunch ignores are told of, by one node, and no others are."""
+"""Tests of the warning about arguments that roslaunch ignores, by one node."""
 
 import os
 import pathlib
@@ -77,7 +77,7 @@ def test_several_files_have_arguments_together(tmp_path: Any) -> None:
 
 
 def test_what_is_handed_on(tmp_path: Any) -> None:
-    """An included file takes what it is handed by name, or as it is; no others."""
+    """Test that an included file gets arguments that are passed by name, or all; no others."""
     two = '<arg name="rate" default="1"/><include file="$(dirname)/one.launch" pass_all_args="1"/>'
     include = '<include file="$(dirname)/two.launch" {}><arg name="gain" value="1"/></include>'
     folder = written(tmp_path, one=include.format(""), two=two)

@@ -1,4 +1,4 @@
-"""The state machine of managed nodes: each cell of its table, and what holds for all of them."""
+"""Tests of the state machine of managed nodes: each cell of its table, and invariants."""
 
 import itertools
 import threading
@@ -28,7 +28,7 @@ from nodekit.lifecycle_states import (
 )
 from nodekit.managed.state_machine import StateMachine
 
-#: Goal of what is asked for, by state and label; what is not here is refused.
+#: Goal of each allowed request, by state and label; all others are refused.
 ASKED = {
     ("unconfigured", "configure"): (1, "configuring"),
     ("unconfigured", "shutdown"): (5, "shuttingdown"),

@@ -1,4 +1,4 @@
-"""A log that cannot be written costs its lines and nothing else."""
+"""Tests of logs that cannot be written: only lines are lost."""
 
 import io
 import logging

@@ -1,4 +1,4 @@
-"""The client of the master, against what answers on its port, which may be no master at all."""
+"""Tests of the client of the master, with real and fake masters."""
 
 import contextlib
 import http.server
@@ -38,7 +38,7 @@ def served(server: Any) -> Iterator[str]:
 
 @contextlib.contextmanager
 def answering(body: bytes) -> Iterator[MasterClient]:
-    """Have something that is no master answer each request."""
+    """Answer each request by a server that is not a master."""
 
     class Handler(http.server.BaseHTTPRequestHandler):
         def do_POST(self) -> None:
@@ -238,7 +238,7 @@ def test_silence_is_waited_for_no_longer_than_the_time_out() -> None:
 def test_master_that_is_stopped_is_waited_for_no_longer_than_the_time_out() -> None:
     real = processes.Master()
     try:
-        # Over a connection that exists: opening one has a time-out of its own.
+        # Over an existing connection: opening one has a separate time-out.
         client = MasterClient("/n", "http://localhost:1/", 3.0, real.uri)
         with contextlib.closing(client):
             pid = client.read([]).master_pid

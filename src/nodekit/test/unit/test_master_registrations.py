@@ -1,4 +1,4 @@
-"""Registrations that a master has lost, and services that other nodes take over."""
+"""Tests of registrations that a master has lost, and of services taken over by other nodes."""
 
 from typing import Any, Dict, List
 
@@ -13,7 +13,7 @@ OWN, OTHER = "rosrpc://own:1", "rosrpc://other:1"
 
 
 class Master:
-    """Answers for each service who has it; keeps what it was asked."""
+    """Fake master that returns each service's provider; records the requests."""
 
     def __init__(self) -> None:
         self.owners: Dict[str, str] = {}
@@ -30,7 +30,7 @@ class Master:
 
 
 class Rig:
-    """MasterRegistrations on a master of the test's own, and what they do and say."""
+    """MasterRegistrations with a fake master, and a record of requests and log lines."""
 
     def __init__(self, patch: "pytest.MonkeyPatch") -> None:
         self.master = Master()
@@ -64,7 +64,7 @@ class Rig:
             self.tested.log_reregistered()
 
     def reclaim_services(self) -> List[str]:
-        """Look after the services; return what was said."""
+        """Reclaim the services; return the log lines."""
         before = len(self.lines)
         self.tested.reclaim_services()
         return self.lines[before:]

@@ -1,4 +1,4 @@
-"""Parser of message definitions."""
+"""Tests of the parser of message definitions."""
 
 import struct
 from typing import Optional

@@ -1,4 +1,4 @@
-"""Rules for names in ROS."""
+"""Tests of the rules for names in ROS."""
 
 import pytest
 import rosgraph.names

@@ -1,4 +1,4 @@
-"""Make a package from the template, or nothing and say why. Course 002-pkg-17."""
+"""Tests of the command new: a package, or an error. Course 002-pkg-17."""
 
 import errno
 import pathlib

@@ -1,4 +1,4 @@
-"""The publisher inside rospy's own objects, with sockets in place of subscribers and no master."""
+"""Tests of the published topic, with sockets in place of subscribers and without a master."""
 
 import contextlib
 import fcntl
@@ -85,7 +85,7 @@ def connect():
 
 @pytest.fixture
 def mismatch():
-    """Forget what was found out about rospy, before and after."""
+    """Clear the cached check of rospy, before and after."""
     outgoing_topic.publisher_mismatch.cache_clear()
     yield outgoing_topic.publisher_mismatch
     outgoing_topic.publisher_mismatch.cache_clear()
@@ -347,7 +347,7 @@ def test_subscriber_that_goes_while_the_topic_closes_raises_nothing(opened, conn
 
 
 class Gone(socket.socket):
-    """The socket of a subscriber that has gone; calls a function as soon as it is closed."""
+    """Socket of a subscriber that has gone; calls a function when it is closed."""
 
     def close(self):
         if self.fileno() >= 0:

@@ -1,4 +1,4 @@
-"""Address of a node: on the loopback device by default, refused if the machine cannot reach it."""
+"""Tests of a node's address: loopback by default, rejected if unreachable."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""Requests and responses of a client of another node's parameters."""
+"""Tests of requests and responses of the client of another node's parameters."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Accepted and rejected values of each parameter type, and the messages."""
+"""Tests of accepted and rejected values of each parameter type, and of the messages."""
 
 import copy
 import datetime

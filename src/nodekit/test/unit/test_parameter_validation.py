@@ -1,4 +1,4 @@
-"""Raw values that are accepted, rejected, or corrected on the server."""
+"""Tests of raw values that are accepted, rejected, or corrected on the server."""
 
 import pytest
 from hypothesis import assume, given
@@ -27,7 +27,7 @@ from nodekit.parameters.validation import (
 
 
 class Gauge(ParameterSet):
-    """One parameter of each kind, and two rules that share a parameter."""
+    """One parameter of each type, and two rules that share a parameter."""
 
     low = FloatParameter(0.0, help="lower limit")
     high = FloatParameter(1.0, help="upper limit")

@@ -1,4 +1,4 @@
-"""Processes that tests start."""
+"""Tests of the helper for processes."""
 
 import contextlib
 import pathlib

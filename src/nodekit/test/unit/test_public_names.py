@@ -1,4 +1,4 @@
-"""The front door: the names that nodekit itself has, which are public."""
+"""Tests of the public names of nodekit."""
 
 import ast
 import importlib
@@ -13,7 +13,7 @@ import nodekit
 import nodekit.entry_point
 from nodekit.deprecated import OLD_NAMES
 
-#: Where the sources are; nodekit.__file__ is catkin's own where the workspace is not installed.
+#: Folder of the sources; nodekit.__file__ is catkin's own in a devel space.
 PACKAGE = pathlib.Path(nodekit.entry_point.__file__).resolve().parent
 TREE = ast.parse((PACKAGE / "__init__.py").read_text(encoding="utf-8"))
 
@@ -46,7 +46,7 @@ def homes_in_the_text() -> List[Any]:
 
 
 def run(program: str) -> None:
-    """Run a program in a process of its own, in which nothing is imported yet."""
+    """Run a program in a separate process without imports."""
     subprocess.run([sys.executable, "-c", program], check=True)
 
 

@@ -1,4 +1,4 @@
-"""Queue size of a subscription without an executor, and the warning of messages that wait."""
+"""Tests of a subscription's queue size without an executor, and of its warning."""
 
 import contextlib
 import socket

@@ -1,4 +1,4 @@
-"""Log of a stream above the limit, and of very long lines."""
+"""Tests of the rate-limited log, with a fast stream and very long lines."""
 
 import inspect
 import logging
@@ -88,7 +88,7 @@ def test_a_line_that_cannot_be_logged_counts_and_holds_up_no_other():
 
 
 class Author:
-    """A class whose lines are logged."""
+    """A class that logs lines."""
 
     def __init__(self, log):
         self.log = log

@@ -1,4 +1,4 @@
-"""Ready queue of an executor: against a model, and each rule individually."""
+"""Tests of the ready queue of an executor: with a model, and each rule."""
 
 import itertools
 import random
@@ -19,7 +19,7 @@ DEPTH = 3
 
 
 class Modelled:
-    """A call queue, and what a model that is as simple as can be says of it."""
+    """A call queue, and a simple model of it."""
 
     def __init__(self, ready: ReadyQueue, group: CallbackGroup, together: bool = False) -> None:
         self.group, self.together = group, together
@@ -148,7 +148,7 @@ def test_two_thousand_schedules() -> None:
 
 
 def served(ready: ReadyQueue) -> Optional[CallQueue]:
-    """Have the next call made; return whose it was."""
+    """Make the next call; return its queue."""
     turn = ready.next_call(wait=False)
     if turn is None:
         return None

@@ -1,4 +1,4 @@
-"""Reconciliation of a namespace that several programs write to, step by step."""
+"""Tests of the reconciliation of a namespace that several programs write to."""
 
 from typing import Any, Callable, Dict, List, NamedTuple, Sequence, Tuple
 
@@ -54,16 +54,16 @@ class Seeing(NamedTuple):
     """Changes since the last step, and the expected result.
 
     :param sets: set on the server by name; MISSING deletes, an empty name replaces all
-    :param pushed: what was notified
+    :param pushed: notifications
     :param pause: time since the last step, s
     :param forgotten: the master was restarted
-    :param fails: what is written does not reach the server
+    :param fails: whether writes fail
     :param early: the server was read before the last write
-    :param values: what is in force other than IN_FORCE
-    :param writes: what is written
-    :param refused: the names in what is warned of
+    :param values: values in force that differ from IN_FORCE
+    :param writes: written values
+    :param refused: names in the warnings
     :param unknown: the names that are warned of
-    :param again: the step comes to no decision
+    :param again: whether the step is undecided
     :param news: whether the server is worth a step at all
     """
 
@@ -321,7 +321,7 @@ TABLE: Dict[str, List[Any]] = {
 
 
 def set_on(server: Any, changes: Dict[str, Any]) -> Any:
-    """Return what a server holds after changes, MISSING if nothing."""
+    """Return the server's content after changes, MISSING if empty."""
     for name, value in changes.items():
         if not name:
             server = dict(value) if isinstance(value, dict) else value
@@ -376,7 +376,7 @@ def test_start_writes_what_is_unset_all_at_once() -> None:
     assert reconciler.is_news({"level": "5", "other": 1})
     reconciler.written(0.0)
     assert not reconciler.is_news({**on_wire(Gauge(level=5.0)), "other": 1})
-    # A value that came when the defaults were written wins.
+    # A value that arrived when the defaults were written takes precedence.
     late = reconciler.step(
         Observation({**on_wire(Gauge(level=5.0)), "other": 1}, [("level", 7)]), 0.1
     )
@@ -391,7 +391,7 @@ def test_nodes_with_the_same_values_share_what_is_kept_of_them() -> None:
         reconciler.step(Observation(on_wire(Gauge()), forgotten=True), 0.1)
         assert not reconciler.is_news(on_wire(Gauge()))
     assert first.values is second.values is Gauge.as_declared()
-    assert not first._odd  # what the server holds is what is in force
+    assert not first._odd  # the server has the values in force
 
 
 @rule("level")
@@ -527,7 +527,7 @@ class World:
         self.reconciler.written(self.now)
 
     def use(self, name: str, value: Any) -> None:
-        """Set or delete something as a user, and note what is to come into force in the end."""
+        """Set or delete a value as a user, and record the expected final values."""
         self.server = set_on(self.server, {name: value})
         self.underway.append((name, value))
         tree = value if isinstance(value, dict) else {}

@@ -1,4 +1,4 @@
-"""Registration with the master, in requests that a function of the test's own answers."""
+"""Tests of the registration with a fake master."""
 
 from unittest import mock
 from xmlrpc.server import SimpleXMLRPCServer
@@ -20,7 +20,7 @@ NO_PROVIDER = (-1, "no provider", "")
 
 
 class Asked:
-    """Answers each request, and keeps it; does what a test wants to happen meanwhile."""
+    """Fake master that records each request, and calls a test's function meanwhile."""
 
     def __init__(self, meanwhile=lambda calls: None):
         self.requests = []
@@ -37,7 +37,7 @@ class Asked:
 
 
 class Ending:
-    """Whether the node is told to end."""
+    """Whether the node has to end."""
 
     def __init__(self):
         self.requested = False
@@ -100,7 +100,7 @@ def test_node_that_ends_in_the_middle_of_its_start_leaves_nothing_registered(end
     registered = [call[1] for call in ask.calls if call[0].startswith("register")]
     taken_back = [call[1] for call in ask.calls if call[0].startswith("unregister")]
     assert len(registered) == 1000, "nothing more is registered once the node ends"
-    # What stood before is taken back by rospy itself; to take back too much does no harm.
+    # rospy itself unregisters earlier entries; unregistering too much is harmless.
     assert taken_back[:500] == registered[500:]
 
 

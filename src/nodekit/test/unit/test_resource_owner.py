@@ -1,4 +1,4 @@
-"""Resources are closed with their owner, also if other threads add or close some meanwhile."""
+"""Tests of resource owners: closing, also while other threads add or close resources."""
 
 import contextlib
 import threading
@@ -24,7 +24,7 @@ class Thing:
 
 
 class Interrupted(List[Any]):
-    """List after whose last element another thread acts, unless a lock prevents it."""
+    """List that lets another thread run after its last element, unless a lock prevents it."""
 
     def __init__(self, things: Iterable[Any], other: threading.Thread) -> None:
         super().__init__(things)

@@ -1,4 +1,4 @@
-"""Whether a node is managed: what its parameter may be, and what it costs where it is not."""
+"""Tests of the parameter ~managed: allowed values, and cost if false."""
 
 import subprocess
 import sys

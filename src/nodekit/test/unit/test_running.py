@@ -1,4 +1,4 @@
-"""Failures under rostest are reported, wherever they occur."""
+"""Tests of the reports of failures under rostest."""
 
 import io
 import unittest
@@ -50,7 +50,7 @@ class Well(unittest.TestCase):
 
 
 def results_of(case: Type[unittest.TestCase], monkeypatch: "pytest.MonkeyPatch") -> List[Any]:
-    """Run the tests of a class, and return what the results say of each."""
+    """Run the tests of a class, and return their results."""
     results = io.StringIO()
     monkeypatch.setattr(running.xmlrunner, "_XMLTestResult", running.Result)
     suite = unittest.TestLoader().loadTestsFromTestCase(case)

@@ -1,4 +1,4 @@
-"""Descriptions of parameters: readable, and exact enough to validate values."""
+"""Tests of descriptions of parameters: readable, and exact enough to validate values."""
 
 import copy
 import functools
@@ -44,7 +44,7 @@ class FileParameter(StringParameter):
 
 
 class Gauge(ParameterSet):
-    """A parameter of every kind, and every kind of limit."""
+    """A parameter of every type, and every type of limit."""
 
     angle = FloatParameter(
         0.1, minimum=-2 * math.pi, below=1 / 3, unit="rad", help="an angle: from -2 pi"
@@ -283,7 +283,7 @@ def test_a_long_list_of_choices_sets_no_width() -> None:
     )
     first = lines[rate]
     assert first.split() == "rate = 10.0 float [0, 10000] Hz samples per second".split()
-    # What goes on below stands in its own column.
+    # Continued text is in its own column.
     second, third = first.index("float"), first.index("samples")
     assert all(line[:second].strip() == "" for line in lines[wave + 1 : gain])
     told = " ".join(line[second:third] for line in lines[wave:gain])
@@ -308,7 +308,7 @@ def test_a_table_says_the_same_in_any_width(width: int) -> None:
     for values in (Gauge(), Generator()):
         wide, table = as_table(describe(values), 10000), as_table(describe(values), width)
         assert signs(table) == signs(wide)
-        # The longest name, a value and a kind at their widest, and what is between them.
+        # The longest name, the widest value and type, and the separators.
         least = max(map(len, values.declared)) + 2 * 24 + 3 * 2 + 2
         assert max(map(len, table.split("\n"))) <= max(width, least)
 

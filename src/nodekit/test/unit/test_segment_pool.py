@@ -1,4 +1,4 @@
-"""The pool of a publisher's segments, with numbers in place of memory and readers."""
+"""Tests of the pool of segments, with numbers in place of memory and readers."""
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -19,7 +19,7 @@ class FakeMemory:
 
 
 class Pools(RuleBasedStateMachine):
-    """A pool beside a record of what each reader may be reading."""
+    """A pool, and a record of the segments that each reader may be reading."""
 
     def __init__(self):
         super().__init__()

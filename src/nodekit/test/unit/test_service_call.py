@@ -1,4 +1,4 @@
-"""A call of a service over TCP, with a server that answers just what each test has it answer."""
+"""Tests of a service call over TCP, with a fake server."""
 
 import contextlib
 import socket
@@ -24,11 +24,11 @@ GREETING = block(block(b"callerid=/server") + block(b"type=a=b"))
 
 
 class Server:
-    """Takes one connection, sends one answer, and keeps what it was sent.
+    """Accepts one connection, sends one answer, and records the received data.
 
     :param answer: all that it sends
     :param hangs_up: whether it closes the connection after that
-    :param pause: how long it waits after each byte of the answer, s; 0 for all at once
+    :param pause: pause after each byte of the answer [s]; 0 to send all together
 
     :ivar sent: how much of it was sent so, bytes
     """

@@ -1,4 +1,4 @@
-"""Files beside a script that hide a module of Python or ROS from it."""
+"""Tests of the check for files that hide a module of Python or ROS."""
 
 import os
 import subprocess

@@ -1,4 +1,4 @@
-"""Shared memory over real sockets, without ROS: who may write, who reads, and what remains."""
+"""Tests of shared memory over real sockets, without ROS."""
 
 import contextlib
 import gc
@@ -61,7 +61,7 @@ class Subscriber:
         stack.callback(self.topic.close)
 
     def send(self, content):
-        """Have the publisher send a message; tell whether it could."""
+        """Send a message; return whether that was possible."""
         with self.lock:
             assert self.link.shares()
             message = self.topic.write([content], 0, len(content), 0)
@@ -72,7 +72,7 @@ class Subscriber:
             return True
 
     def announced(self):
-        """Give the announcements that have come."""
+        """Return the received announcements."""
         data = b""
         with contextlib.suppress(BlockingIOError):
             data = self.socket.recv(1_000_000)
@@ -95,7 +95,7 @@ class Subscriber:
         return found
 
     def flush(self):
-        """Do what the background service does."""
+        """Run the background service once."""
         with self.lock:
             self.link.flush(0.0)
 
@@ -456,7 +456,7 @@ def test_messages_announced_before_the_publisher_closes_arrive(subscribe):
     announced = subscriber.announced()
     part, loan = subscriber.borrow(announced[0])
     assert part.read(0, 300_000) == bytes(300_000)
-    del loan  # given back, which the publisher does not read any more
+    del loan  # given back, but the publisher no longer reads that
     with subscriber.lock:
         subscriber.topic.close()
     for one in announced[1:]:

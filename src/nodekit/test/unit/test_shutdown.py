@@ -1,4 +1,4 @@
-"""In which order a process ends, with a process that does, and no master."""
+"""Tests of the order of a process's shutdown, without a master."""
 
 import subprocess
 import sys

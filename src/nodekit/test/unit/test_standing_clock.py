@@ -1,4 +1,4 @@
-"""Timers cost next to nothing while /clock stands still, at any rate."""
+"""Tests of the cost of timers while /clock is paused."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""The accepting of connections inside rospy's own server, with handlers of the test's own."""
+"""Tests of the TCPROS server, with fake handlers."""
 
 import contextlib
 import errno
@@ -73,7 +73,7 @@ def header(**fields):
 
 
 def is_closed(peer):
-    """Wait for the other side to hang up; tell whether it did."""
+    """Wait for the other side to close; return whether it did."""
     try:
         return peer.recv(1) == b""
     except ConnectionResetError:
@@ -147,7 +147,7 @@ def test_what_comes_together_with_a_header_is_left(served):
 
 
 def test_headers_are_handled_in_the_order_of_arrival(served):
-    """Of two connections under one name, rospy keeps the one that is handled last."""
+    """Test that the later of two connections under one name is handled last, which rospy keeps."""
     hold, held = threading.Event(), threading.Event()
 
     def wait(sock, address, header):

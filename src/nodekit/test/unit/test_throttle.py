@@ -1,4 +1,4 @@
-"""Throttle: one limit for each instance and key."""
+"""Tests of Throttle: one limit for each instance and key."""
 
 import math
 from typing import List

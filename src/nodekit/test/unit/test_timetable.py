@@ -1,4 +1,4 @@
-"""Deadlines of periodic work: an even grid that neither lateness nor retiming disturbs."""
+"""Tests of deadlines on an even grid, with lateness and changes of rate."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Arguments of a wrong type are rejected at the call, with a helpful message."""
+"""Tests of arguments of a wrong type, which are rejected at the call."""
 
 import asyncio
 import functools
@@ -48,7 +48,7 @@ def generator(*_: Any) -> Iterator[int]:
 
 
 class Mistaken:
-    """Has what is no callback as a method, and as itself."""
+    """Class with methods, and a call, that are not callbacks."""
 
     async def on_message(self, _: Any) -> None:
         pass
@@ -73,7 +73,7 @@ def lifecycle_scope() -> Any:
     return LifecycleScope(node(), ActivationGate(), "configure")
 
 
-#: What takes a function, and what the refusal says it is for.
+#: Methods that take a function, and its purpose in the error.
 TAKERS: List[Tuple[str, Callable[[Any], Any]]] = [
     ("/lab/topic", lambda given: node().create_subscription("topic", String, given)),
     ("/lab/topic", lambda given: node().create_subscription("topic", String, given, finite=True)),

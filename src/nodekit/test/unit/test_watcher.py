@@ -1,4 +1,4 @@
-"""The watcher of the parameter server, with a server of the test's own and no master."""
+"""Tests of the watcher of the parameter server, with a fake server."""
 
 import itertools
 import threading
@@ -18,7 +18,7 @@ MANY = [f"/many/{number}" for number in range(2 * watching.RECONCILE_KEYS + 50)]
 
 
 class Client:
-    """Stands in for the master: keeps what it is asked for."""
+    """Fake master that records the requests."""
 
     def __init__(self):
         self.values = {}
@@ -46,7 +46,7 @@ class Client:
 
 
 class Told:
-    """A key that keeps what is handed over."""
+    """A key that records its values."""
 
     def __init__(self, key):
         self.values = []

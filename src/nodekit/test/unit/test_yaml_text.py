@@ -1,4 +1,4 @@
-"""A text of YAML costs no more time than its author deserves."""
+"""Tests of the bounded time of the YAML reader."""
 
 import time
 
@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from nodekit.parameters import yaml_text
 
-#: Far above what a text below takes on a busy machine, and far below what Python's own reader did.
+#: Far above the time of a text below on a busy machine, and far below that of Python's own reader.
 SOON_S = 5.0
 SCALARS = st.booleans() | st.integers(-(2**31), 2**31 - 1) | st.text(max_size=8)
 VALUES = st.recursive(SCALARS, lambda inner: st.lists(inner, max_size=3), max_leaves=20)

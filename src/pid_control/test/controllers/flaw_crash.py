@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A set point of more than 5 rad/s ends it."""
+"""Controller that crashes at a set point of more than 5 rad/s."""
 
 from student import Student, main
 

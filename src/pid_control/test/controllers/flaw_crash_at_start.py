@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""It does not even start."""
+"""Controller that does not start."""
 
 import no_such_module  # noqa: F401
 from student import Student, main

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The set point is a constant."""
+"""Controller with a constant set point."""
 
 from pid_control.msg import set_point
 from student import Student, main

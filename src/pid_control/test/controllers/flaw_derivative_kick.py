@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The derivative is that of the error."""
+"""Controller with a derivative of the error."""
 
 from student import Student, main
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""It prints without end."""
+"""Controller that prints without end."""
 
 import threading
 

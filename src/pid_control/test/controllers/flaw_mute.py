@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""It announces motor_input, and sends nothing."""
+"""Controller that advertises motor_input, and sends nothing."""
 
 from student import Student, main
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""NaN gets into the integral, and stays there."""
+"""Controller that keeps NaN in its integral."""
 
 import math
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""P alone."""
+"""Controller with P alone."""
 
 from student import Student, main
 

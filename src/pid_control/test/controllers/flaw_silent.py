@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""It computes, and publishes on another topic."""
+"""Controller that publishes on another topic."""
 
 import rospy
 

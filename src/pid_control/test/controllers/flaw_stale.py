@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The callback keeps the output in a variable of its own: global was forgotten."""
+"""Controller that loses the output in a local variable: the statement global is missing."""
 
 from pid_control.msg import motor_output
 from student import Student, main

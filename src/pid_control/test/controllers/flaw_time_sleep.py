@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The loop sleeps by the machine's clock."""
+"""Controller with a loop that sleeps by the machine's clock."""
 
 import time
 

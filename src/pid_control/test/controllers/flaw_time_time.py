@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""dt comes from time.time()."""
+"""Controller with dt from time.time()."""
 
 import time
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Each turn computes for longer than its period."""
+"""Controller with loop iterations longer than their period."""
 
 import time
 

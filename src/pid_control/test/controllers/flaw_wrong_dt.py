@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""It integrates with 1/1000 s in a loop at 100 Hz, whatever the loop does."""
+"""Controller that integrates with a constant 1/1000 s in a loop at 100 Hz."""
 
 from student import Student, main
 

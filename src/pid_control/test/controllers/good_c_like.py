@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""As one would write it in C: globals, and the velocity form, which has no integral to wind up."""
+"""Controller in the style of C: globals, and the velocity form, which cannot wind up."""
 
 import rospy
 

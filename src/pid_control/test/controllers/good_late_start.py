@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""It waits for 2 s before its first answer."""
+"""Controller that waits for 2 s before its first answer."""
 
 import rospy
 from student import Student, main

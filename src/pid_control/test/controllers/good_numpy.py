@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""PI as a product of arrays, numpy the only help, as the course allows."""
+"""PI controller with numpy arrays, as the course allows."""
 
 import numpy as np
 import rospy
@@ -32,7 +32,7 @@ while not rospy.is_shutdown():
     error = heard["set_point"] - heard["motor_output"]
     area = errors[1] + error * (now - before)
     before = now
-    # What the integral alone may ask for is within the limits.
+    # The integral alone stays within the limits.
     errors = np.array([error, np.clip(area, -1.0 / gains[1], 1.0 / gains[1])])
     publisher.publish(float(np.clip(gains @ errors, -1.0, 1.0)), heard["time"])
     try:

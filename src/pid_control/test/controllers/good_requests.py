@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Each turn reads a parameter and logs a line: both are requests to the master."""
+"""Controller that reads a parameter and logs a line in each iteration: requests to the master."""
 
 import rospy
 from student import Student, main

@@ -1,4 +1,4 @@
-"""The course's skeleton, filled in by a student: what the controllers beside it have in common."""
+"""The course's skeleton as a student fills it in: common part of these controllers."""
 
 import math
 

@@ -16,7 +16,7 @@ from pid_control.recording.live_experiment import DriveError, DriveSettings, Liv
 
 
 class IdentifyFaults(IdentifyCase):
-    """The commands are processes of their own."""
+    """The commands run as separate processes."""
 
     def assert_refused(self, error: type, why: str, **fields: str) -> None:
         """Try to drive the motor in this process, which must be refused."""
@@ -32,7 +32,7 @@ class IdentifyFaults(IdentifyCase):
         model = self.file("model.yaml")
         os.mkfifo(model)
         command = self.start("tune", model, "--gains", self.file("gains.yaml"))
-        with open(model, "w"):  # from here on it waits for what is in it
+        with open(model, "w"):  # from here on it waits for the content
             self.assertEqual(command.interrupt(), 130)
         self.assertFalse(command.logged("Traceback"))
         self.assertEqual(os.listdir(self.folder), ["model.yaml"])
@@ -79,7 +79,7 @@ class IdentifyFaults(IdentifyCase):
         wait_until(other.get_num_connections, lambda: "the motor is not connected")
         drives = rf"driven by another node \({rospy.get_name()}\); stop it first"
         self.assert_refused(DriveError, drives)
-        # The command says so, and its status is that of something wrong with the command.
+        # The command reports it, with the status of an error in the command.
         command = self.start("identify")
         self.assertEqual(command.wait(), 2)
         self.assertTrue(

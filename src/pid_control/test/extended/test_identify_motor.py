@@ -50,7 +50,7 @@ class IdentifyMotor(unittest.TestCase):
         wait_until(lambda: self.outputs.count() > before, lambda: f"no output at {self.time}")
 
     def drive(self, command: Process) -> None:
-        """Move the clock until the command has ended; it goes on when the motor has the input."""
+        """Advance the clock until the command has ended, whenever the motor has the input."""
         graph = Graph()
         graph.wait_until_heard(rospy.get_name(), "/clock", "/identify")
         graph.wait_until_heard("/identify", "/motor_input", rospy.get_name())
@@ -59,7 +59,7 @@ class IdentifyMotor(unittest.TestCase):
         identify = ServerProxy(rosgraph.Master("/test").lookupNode("/identify"))
 
         def step_and_wait(topic: str) -> None:
-            """Move the clock until identify has it, or an output could stand periods too early."""
+            """Advance the clock until identify receives it; outputs would be too early before."""
             heard = {name: self.received(identify, name) for name in ("/clock", topic)}
             self.step()
             wait_until(
@@ -70,7 +70,7 @@ class IdentifyMotor(unittest.TestCase):
                 lambda: f"heard {heard} at {self.time}, and not each since: {command.logged()}",
             )
 
-        # It begins when it hears the motor: the clock waits for it.
+        # It begins at the motor's first message: the clock waits for it.
         while not self.inputs.count() and command.popen.poll() is None:
             step_and_wait("/motor_output")
         while command.popen.poll() is None:
@@ -116,13 +116,13 @@ class IdentifyMotor(unittest.TestCase):
         self.assertAlmostEqual(found.gain, 13.1, delta=0.1)
         self.assertAlmostEqual(found.time_constant, 0.04, delta=0.001)
         # The motor samples its input every 2 ms, which is 1 ms of dead time in the mean. Where an
-        # output was heard before /clock, all stand a period too early.
+        # output was received before /clock, all times are a period too early.
         self.assertLess(found.dead_time, 0.022)
         self.assertGreater(found.dead_time, 0.019 - PERIOD_S)
         self.assertAlmostEqual(found.dead_zone, 0.05, delta=0.01)
         self.assertAlmostEqual(found.limit, 9.0, delta=0.05)
         self.assertTrue(command.logged("63.2 % reading"))
-        for _ in range(200):  # until it stands, at most 1 s of its own
+        for _ in range(200):  # until it is at rest, at most 1 s of its time
             self.step()
         self.assertEqual(self.outputs.messages()[-1].status, "Motor Not Turning")
 

@@ -13,7 +13,7 @@ from nodekit.testing.waiting import wait_until
 
 
 class JudgeFaults(JudgeCase):
-    """Each test has a folder of its own."""
+    """Each test has its own folder."""
 
     def test_judge_launch_file_runs_one_node_with_its_parameters(self) -> None:
         """The course's launch file starts the motor and the set point as well."""

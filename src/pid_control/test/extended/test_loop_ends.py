@@ -47,7 +47,7 @@ class LoopEnds(unittest.TestCase):
 
     def test_motor_shutdown_sends_nothing_after_last_output(self) -> None:
         outputs = MessageRecorder(self.space + "/motor_output", motor_output)
-        motor = self.start("system", system_node_rate=1e4)  # so often that one is due as it ends
+        motor = self.start("system", system_node_rate=1e4)  # an output is due as it ends
         publisher = rospy.Publisher(
             self.space + "/motor_input", motor_input, queue_size=1, latch=True
         )
@@ -59,7 +59,7 @@ class LoopEnds(unittest.TestCase):
 
     def test_set_point_carries_its_time_and_ends_with_its_stop_value(self) -> None:
         heard = MessageRecorder(self.space + "/set_point", set_point)
-        # So often that another one is due as it ends.
+        # So fast that another output is due as it ends.
         node = self.start("set_point_generator", rate=1e4, offset=3.0, stop_value=-1.0)
         heard.wait_for(lambda message: message.time > 0.5)
         self.assertEqual(self.end(node), 0)

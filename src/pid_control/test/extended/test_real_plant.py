@@ -14,7 +14,7 @@ from pid_control.msg import set_point
 
 
 class RealPlant(RealPlantCase):
-    """Rare ways to end are in test/extended."""
+    """Rare types of ends are in test/extended."""
 
     def test_judge_ctrl_c_stops_real_motor(self) -> None:
         self.host_motor()

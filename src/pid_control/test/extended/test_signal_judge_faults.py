@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Courseworks with known flaws, judged one after the other on one private master."""
+"""Tests of courseworks with known flaws, judged on one private master."""
 
 import contextlib
 import pathlib

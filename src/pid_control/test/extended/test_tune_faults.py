@@ -16,7 +16,7 @@ from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 TUNE = os.path.join(rospkg.RosPack().get_path("pid_control"), "scripts", "tune")
-#: Judges in a process of its own: one becomes a node once.
+#: Judges in a separate process: a process becomes a node only once.
 TOO_LONG = """
 from pid_control.runner.gains_judgement import judge_gains
 from pid_control.tuning.rules import Gains

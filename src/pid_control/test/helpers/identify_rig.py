@@ -51,7 +51,7 @@ class IdentifyCase(unittest.TestCase):
         return os.path.join(self.folder, name)
 
     def assert_stopped(self) -> None:
-        """Wait until the motor stands, with 0 the last input."""
+        """Wait until the motor is at rest, with a last input of 0."""
         self.outputs.clear()
         self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
         self.wait_for_last_input()

@@ -56,7 +56,7 @@ class JudgeCase(unittest.TestCase):
         return processes_of(str(self.folder))
 
     def assert_judged(self, status: int, says: str, *words: object) -> str:
-        """Judge, and compare the exit status and a line of what is said."""
+        """Judge, and compare the exit status and a line of the output."""
         done = self.judge(*words)
         self.assertIn(says, done.stdout)
         self.assertEqual(done.returncode, status, done.stdout)
@@ -64,7 +64,7 @@ class JudgeCase(unittest.TestCase):
         return done.stdout
 
     def start_judge(self) -> "subprocess.Popen[str]":
-        """Start to judge a good controller, in a session of its own."""
+        """Start to judge a good controller, in a new session."""
         judge = subprocess.Popen(
             [str(JUDGE), str(CONTROLLERS / "good_loop.py")],
             env=self.environment(),

@@ -5,7 +5,7 @@ from typing import List
 
 
 def processes_of(folder: str) -> List[str]:
-    """Return the command lines of all processes whose temporary files go to a folder."""
+    """Return the command lines of all processes with temporary files in a folder."""
     mark, found = f"TMPDIR={folder}".encode(), []
     for process in pathlib.Path("/proc").glob("[0-9]*"):
         try:

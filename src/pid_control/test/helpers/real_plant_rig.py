@@ -31,7 +31,7 @@ class RealPlantCase(unittest.TestCase):
         # A student's controller, which does not stop the motor: only the judge does.
         self.remappings = [f"{topic}:={self.space}{topic}" for topic in TOPICS]
         self.controller = [self.script_of("good_loop.py"), *self.remappings]
-        # Where a test fails, what it has started may be left; the judge ends before.
+        # After a failed test its processes may remain; the judge ends before.
         self.addCleanup(self.end_controllers)
 
     @staticmethod
@@ -49,7 +49,7 @@ class RealPlantCase(unittest.TestCase):
         return process
 
     def host_motor(self) -> Node:
-        """Host a motor, and hear it and what it is told; closed, it falls silent."""
+        """Host a motor, and record its topics; closed, it is silent."""
         self.wanted = MessageRecorder(self.space + "/set_point", set_point)
         self.inputs = MessageRecorder(self.space + "/motor_input", motor_input)
         self.outputs = MessageRecorder(self.space + "/motor_output", motor_output)
@@ -81,7 +81,7 @@ class RealPlantCase(unittest.TestCase):
         return found
 
     def assert_stopped(self) -> None:
-        """Wait until the motor stands, with 0 the last input, and no controller runs."""
+        """Wait until the motor is at rest, with a last input of 0, and no controller runs."""
         self.assertEqual(self.controllers(), [])
         self.outputs.clear()
         self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
@@ -95,7 +95,7 @@ class RealPlantCase(unittest.TestCase):
         )
 
     def assert_left_alone(self) -> None:
-        """Wait until the motor stands, the last messages are 0, and no publisher is left."""
+        """Wait until the motor is at rest, the last messages are 0, and no publisher is left."""
         self.assert_stopped()
         wait_until(
             lambda: self.wanted.messages()[-1].setPoint == 0.0,

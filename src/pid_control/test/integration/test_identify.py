@@ -11,7 +11,7 @@ from nodekit.testing.launching import launched
 from nodekit.testing.running import rosrun
 from pid_control.msg import motor_output
 
-#: A motor, the model beside it, and a controller with the gains that were found for it. Both motors
+#: A motor, the model beside it, and a controller with the gains found for it. Both motors
 #: have fewer outputs than the course's.
 LAUNCH = """
 <launch>

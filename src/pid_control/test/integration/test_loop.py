@@ -27,7 +27,7 @@ from pid_control_msgs.msg import ControllerTerms
 
 SCRIPTS = os.path.join(rospkg.RosPack().get_path("pid_control"), "scripts")
 CLASSES = {"system": System, "set_point_generator": SetPointGenerator, "controller": Controller}
-#: What the course's slide has an input of 7 do: the motor runs at its greatest speed.
+#: Effect of an input of 7 on the course's slide: the motor runs at its greatest speed.
 MAX_SPEED = 13.0
 #: How often a hosted motor publishes its output, Hz.
 RATE_HZ = 200.0
@@ -36,7 +36,7 @@ RATE_HZ = 200.0
 class Loop(unittest.TestCase):
     """Each test has a namespace, with the nodes that it hosts in this process.
 
-    A test of what the end of a process does starts that node as a process of its own.
+    A test of a process's end starts the node as a separate process.
     """
 
     node: Node  # this process's own
@@ -115,7 +115,7 @@ class Loop(unittest.TestCase):
         )
 
     def assert_stands(self) -> None:
-        """Wait until the motor stands, with 0 the last input."""
+        """Wait until the motor is at rest, with a last input of 0."""
         self.outputs.clear()
         self.outputs.wait_for(lambda heard: heard.status == "Motor Not Turning")
         wait_until(
@@ -290,7 +290,7 @@ class Loop(unittest.TestCase):
         self.wait_for_line("the motor was restarted")
         self.wait_for_speed(4.0)
         inputs = self.inputs.messages()
-        # dt is 0 at the first output, whose time is before that of the last motor.
+        # dt is 0 at the first output, because its time is before the last motor's.
         before, first = next(
             (last, first) for last, first in zip(inputs, inputs[1:]) if first.time < last.time
         )

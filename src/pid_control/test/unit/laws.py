@@ -1,4 +1,4 @@
-"""Laws of controllers for tests: with a state of their own, and correct ones drawn at random."""
+"""Control laws for tests: factories of laws with state, and random correct laws."""
 
 from typing import Any, Callable, Dict, List
 
@@ -17,7 +17,7 @@ def clipped(value: float, limit: float = 1.0) -> float:
 
 
 def law_of(step: Step) -> Callable[[], Law]:
-    """Return what makes a law with a state of its own."""
+    """Return a factory of a control law with its own state."""
 
     def make() -> Law:
         state: Dict[str, float] = {"integral": 0.0, "before": 0.0, "input": 0.0}

@@ -1,4 +1,4 @@
-"""Scenarios without ROS: a controller answers each output at once, or every few outputs."""
+"""Runs of scenarios without ROS: a controller answers each output, or every few outputs."""
 
 from typing import Callable, Dict, List
 
@@ -22,7 +22,7 @@ def play(scenario: Scenario, law: Law) -> Record:
 
 
 def play_all(make: Callable[[], Law], period: float = 0.0) -> List[Record]:
-    """Run all scenarios, each with a law of its own, as the judge does."""
+    """Run all scenarios, each with a new law, as the judge does."""
     records: List[Record] = []
     for scenario in SCENARIOS:
         records.append(simulate(adapted(scenario, records), make(), period))

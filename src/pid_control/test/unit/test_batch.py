@@ -23,7 +23,7 @@ exit {status}
 
 
 def program(name: str = "controller.py") -> ProgramWanted:
-    """Return a program as what is judged."""
+    """Return a program as the judged part."""
     return ProgramWanted(name, [], SCENARIO_METRICS)
 
 

@@ -51,7 +51,7 @@ def evidence(
     duration: float = 10.0,
     tried: Optional[List[Tried]] = None,
 ) -> Evidence:
-    """Return the evidence of a good coursework, apart from what is given."""
+    """Return the evidence of a good coursework, with given changes."""
     found = Evidence()
     one = channel("/signal", signal, 0.0, duration)
     other = channel("/proc_signal", output, 0.04, duration)

@@ -66,7 +66,7 @@ def delayed(state: Dict[str, float], set_point: float, speed: float, dt: float) 
 
 
 def without(topic: str) -> Callable[[], Law]:
-    """Return a PI law whose callback for a topic loses its value."""
+    """Return a PI law that loses the value of a topic."""
 
     def make() -> Law:
         law = pi()()

@@ -113,7 +113,7 @@ def test_step_reading_differences_are_explained(
     found, reading = identify(record), read_step(record)
     assert isinstance(reading, StepReading)
     if why.startswith("0.1"):
-        # The dead zone itself takes more levels to be found; what is read is the point here.
+        # Finding the dead zone needs more levels; this test is about the reading.
         found = found._replace(model=model)
     assert any(why in said for said in why_they_differ(record, found, reading))
 

@@ -65,7 +65,7 @@ def test_identify_bag_with_any_two_fields_is_accepted(
                 bag.write("/a/given", motor_input(given, 0.0), time)
             bag.write("/a/done", motor_output(speed, 0.01 * number, ""), time)
         bag.write("/a/given", motor_input(0.0, 0.0), rospy.Time.from_sec(109.999))
-        # What else is in it is not read: nothing could read this.
+        # Other topics are not read: this one is unreadable.
         broken = (String._type, b"", String._md5sum, String)
         bag.write("/a/other", broken, rospy.Time.from_sec(105.0), raw=True)
     fields = ["--input", "/a/given/input", "--output", "/a/done/output"]

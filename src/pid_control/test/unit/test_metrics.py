@@ -33,7 +33,7 @@ def test_every_figure_is_taken_and_a_good_controller_has_small_ones() -> None:
     assert set(METRICS) == {name for names in SCENARIO_METRICS.values() for name in names}
 
 
-#: Up by 10 at once, and down by 4 a second later.
+#: Up by 10 immediately, and down by 4 a second later.
 TWO_STEPS = Scenario("steps", "", 2.0, steps((0.0, 10.0), (1.0, 6.0)))
 
 
@@ -201,7 +201,7 @@ def test_a_derivative_of_the_error_kicks_and_one_of_the_output_does_not() -> Non
 
 
 def jumped(record: Record, *spans: float) -> Record:
-    """Return a record of ``rate`` whose integral grows during its pauses, for these times [s]."""
+    """Return a record of ``rate`` with an integral that grows during pauses, by these times [s]."""
     answers = record.answers
     error = record.scenario.set_point[2][1]
     for pause, span, sign in zip(record.pauses, spans, (1.0, -1.0)):

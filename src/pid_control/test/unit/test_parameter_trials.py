@@ -36,7 +36,7 @@ def wave_loops(parameters: Mapping[str, Any]) -> Features:
 
 
 def tried(folder: pathlib.Path, law: Law) -> Tuple[Parameters, ParameterTrials, List[Coursework]]:
-    """Return the parameters of a coursework that follows a law, its trials, and what was run."""
+    """Return the parameters of a coursework that follows a law, its trials, and the run ones."""
     coursework = find_coursework(str(folder), [], {"PATH": "/usr/bin:/bin"})
     process, generator = coursework.nodes
     ran: List[Coursework] = []
@@ -95,7 +95,7 @@ def test_parameter_that_ends_a_node_is_read() -> None:
         return wave_loops(parameters)
 
     found, _, ran = tried(COURSEWORKS / "wave_loops", law)
-    assert len(ran) == 6  # all at once, which failed, then one by one
+    assert len(ran) == 6  # all together, which failed, then one by one
     assert found.unread() == []
 
 

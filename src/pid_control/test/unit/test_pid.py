@@ -31,7 +31,7 @@ set_points = st.lists(st.floats(-10.0, 10.0), min_size=2, max_size=60)
 
 
 def close_loop(settings: PidSettings, wanted: List[float]) -> List[float]:
-    """Return the measurements of a motor whose input is what the law answers, held for DT."""
+    """Return the measurements of a motor driven by a law, with each input held for DT."""
     law, measurement = Pid(settings), 0.0
     decay = math.exp(-DT / TIME_CONSTANT)
     measurements = []
@@ -154,7 +154,7 @@ def test_change_of_settings_makes_no_jump(change: dict) -> None:
     law.change(settings._replace(**change))
     after = law.update(5.0, 4.0, DT).output
     assert after == pytest.approx(before, abs=1e-9)
-    assert law.update(5.0, 4.0, DT).output > after  # and it goes on
+    assert law.update(5.0, 4.0, DT).output > after  # and it continues
 
 
 def test_change_of_ki_to_0_holds_the_integral() -> None:

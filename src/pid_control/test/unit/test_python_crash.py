@@ -26,7 +26,7 @@ def gain(text):
 """
 FINALLY = "finally:\n    print('Stopping')"
 CATCHES = "except Exception:\n    import traceback\n    traceback.print_exc()\nprint('Stopping')"
-#: What catkin builds in devel/lib for a Python program.
+#: catkin's wrapper in devel/lib for a Python program.
 RELAY = "exec(compile(open({path!r}).read(), {path!r}, 'exec'))\n"
 
 

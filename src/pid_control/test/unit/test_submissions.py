@@ -1,4 +1,4 @@
-"""Tests of what is found in the folder of a class: folders, workspaces, archives, and a roster."""
+"""Tests of the submissions in the folder of a class: folders, workspaces, archives, roster."""
 
 import io
 import os

@@ -1,5 +1,5 @@
 #! /usr/bin/python3
-"""Signal generator in one function, whose parameters its launch file sets by arguments."""
+"""Signal generator in one function, with parameters from arguments of its launch file."""
 
 import numpy as np
 import rospy

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Signal generator that counts its steps, in a field of a message in a message."""
+"""Signal generator that counts its steps, in a field of a nested message."""
 
 from math import sin
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Signal generator as a class with a timer, a message of its own, private parameters."""
+"""Signal generator as a class with a timer, its own message, private parameters."""
 
 import math
 

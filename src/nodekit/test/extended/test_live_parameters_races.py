@@ -373,7 +373,7 @@ class Races(unittest.TestCase):
         self.server.after_read = go_on
         self.user.set(self.level, 5.0)
         self.assert_ends_with(live, level=5.0, title="last")
-        # Of the other two, one goes up and one goes down at the end. It is reported once it is in force.
+        # Of the other two, one goes up and one down at the end. It is reported once in force.
         wait_until(lambda: len(levels) >= 3, lambda: str(levels))
         self.assertEqual(len(levels), 3)
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Server of stock actionlib, for actionlib/TestAction, with any number of parallel goals.
 
-A goal's number decides its end: 0 succeeds immediately, 1 is aborted, 2 is rejected, 3 stays pending
+A goal's number decides its end: 0 succeeds immediately, 1 is aborted, 2 is rejected, 3 is pending
 until it is cancelled, 4 runs until it is cancelled; others ignore cancellations. The result has the
 goal's number, and so has the feedback that is sent when a goal is accepted.
 """

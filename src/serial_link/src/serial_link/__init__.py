@@ -1,1 +1,1 @@
-"""Microcontrollers on a ROS graph, by the protocol of rosserial."""
+"""Microcontrollers as ROS nodes, through the rosserial protocol."""

@@ -19,50 +19,50 @@ class BoardParameters(ParameterSet):
     link = read_once(
         StringParameter(
             "~/.ros/simulated_board",
-            help="path of the link to its serial port; empty for one that connects by TCP",
+            help="path of the link to its serial port; empty to connect by TCP",
         )
     )
-    tcp_address = read_once(StringParameter("localhost", help="host that it connects to, with TCP"))
+    tcp_address = read_once(StringParameter("localhost", help="host to connect to by TCP"))
     tcp_port = read_once(
-        IntParameter(11411, minimum=1, maximum=65535, help="port that it connects to, with TCP")
+        IntParameter(11411, minimum=1, maximum=65535, help="port to connect to by TCP")
     )
     baud = read_once(
-        IntParameter(57600, minimum=0, maximum=4000000, unit="Bd", help="its pace; 0 for no limit")
+        IntParameter(57600, minimum=0, maximum=4000000, unit="Bd", help="baud rate; 0 for no limit")
     )
     buffer_size = read_once(
-        IntParameter(512, minimum=64, maximum=32767, unit="B", help="of messages, either way")
+        IntParameter(512, minimum=64, maximum=32767, unit="B", help="size of a message buffer")
     )
     boot_time = FloatParameter(
-        0.2, minimum=0.0, maximum=60.0, unit="s", help="from a reset until the sketch runs"
+        0.2, minimum=0.0, maximum=60.0, unit="s", help="time from a reset until the sketch runs"
     )
     rate = FloatParameter(
-        100.0, minimum=0.1, maximum=2000.0, unit="Hz", help="of motor_output, from the next reset"
+        100.0, minimum=0.1, maximum=2000.0, unit="Hz", help="rate of motor_output; after a reset"
     )
     gain = FloatParameter(
-        13.1, minimum=-1e3, maximum=1e3, unit="rad/s", help="speed at the full pulse width"
+        13.1, minimum=-1e3, maximum=1e3, unit="rad/s", help="speed at full pulse width"
     )
     time_constant = FloatParameter(
-        0.04, above=0.0, maximum=1e3, unit="s", help="of the motor: 63 % of a step pass in it"
+        0.04, above=0.0, maximum=1e3, unit="s", help="time constant of the motor"
     )
     max_speed = FloatParameter(
         13.0, above=0.0, maximum=1e6, unit="rad/s", help="largest magnitude of the speed"
     )
     dead_zone = FloatParameter(
-        0.05, minimum=0.0, maximum=1.0, help="of the driver: a share up to this moves nothing"
+        0.05, minimum=0.0, maximum=1.0, help="dead zone of the driver, as a share of full voltage"
     )
     counts_per_turn = read_once(
-        IntParameter(1320, minimum=1, maximum=1000000, help="of the encoder at the shaft")
+        IntParameter(1320, minimum=1, maximum=1000000, help="encoder counts per turn of the shaft")
     )
-    button = BoolParameter(False, help="whether it is pressed")
-    potentiometer = FloatParameter(0.5, minimum=0.0, maximum=1.0, help="where it stands")
-    plugged = BoolParameter(True, help="whether the cable is in")
-    noise = FloatParameter(0.0, minimum=0.0, maximum=1.0, help="share of the bytes it damages")
-    stalled = BoolParameter(False, help="whether the sketch stands still")
+    button = BoolParameter(False, help="whether the button is pressed")
+    potentiometer = FloatParameter(0.5, minimum=0.0, maximum=1.0, help="potentiometer position")
+    plugged = BoolParameter(True, help="whether the cable is plugged in")
+    noise = FloatParameter(0.0, minimum=0.0, maximum=1.0, help="share of damaged bytes")
+    stalled = BoolParameter(False, help="whether the sketch hangs")
     floods = BoolParameter(
-        False, help="whether motor_output comes as often as the line takes it, from the next reset"
+        False, help="whether motor_output is sent as fast as the line allows, from the next reset"
     )
     wrong_md5 = StringParameter(
-        "", help="topic whose header is of another message, from the next reset; empty for none"
+        "", help="topic with a wrong md5sum, from the next reset; empty for none"
     )
 
     @property
@@ -95,4 +95,4 @@ class AvrParameters(ParameterSet):
     @rule("link")
     def _has_a_port(self) -> None:
         if self.link in ("", "tcp"):
-            raise ValueError("link must be a path: the board has a serial port, and no network")
+            raise ValueError("link must be a path: this board has only a serial port")

@@ -81,10 +81,10 @@ class SerialFaults(NodeRig):
         link = self.start_link()
         buttons.wait_for(lambda heard: True)
         link.wait_for_log(
-            "motor_output is refused: pid_control/motor_output is another one on the board",
+            "motor_output is refused: pid_control/motor_output differs on the board",
             motor_output._md5sum[::-1],
             motor_output._md5sum,
-            "make its header for the sketch again",
+            "generate the sketch's headers again",
         )
         self.wait_for_figure("of refused topics")
         self.assertEqual(self.outputs.count(), 0)

@@ -67,7 +67,7 @@ def test_second_board_is_refused_and_leaves_the_port_of_the_first_alone(
     first.plug()
     before = (tmp_path / "board.board").read_text(), os.readlink(tmp_path / "board")
     late = AvrBoard(simulator, pathlib.Path("run"), str(tmp_path / "board"))
-    with pytest.raises(OSError, match="board is there already: .* end that board or remove it"):
+    with pytest.raises(OSError, match="board exists already: .* stop that board or remove it"):
         late.start()
     assert not late.is_running
     late.close()
@@ -88,7 +88,7 @@ def test_simulator_that_crashes_leaves_no_link_behind(
 
 def test_simulator_that_cannot_start_is_told(tmp_path: pathlib.Path) -> None:
     board = AvrBoard(pathlib.Path("/bin/false"), pathlib.Path("run"), str(tmp_path / "board"))
-    with pytest.raises(OSError, match="board cannot be made: the simulator says why"):
+    with pytest.raises(OSError, match="board cannot be created: see the simulator's output"):
         board.start()
     assert not board.is_running and entries(tmp_path) == []
 

@@ -381,7 +381,7 @@ def test_the_command_writes_what_a_sketch_includes(tmp_path: pathlib.Path) -> No
 @pytest.mark.parametrize(
     "arguments, why",
     [
-        (["missing"], "there is no package missing here"),
+        (["missing"], "package missing not found"),
         (["nodekit"], "nodekit has neither messages nor services"),
         (["std_srvs", "--into", "/dev/null/x"], "cannot write /dev/null/x/serial_link: "),
         (["std_srvs", "--into", "x.zip"], "x.zip is a zip file: add --arduino"),

@@ -49,7 +49,7 @@ def test_what_is_somebody_elses_stays(tmp_path: pathlib.Path) -> None:
     other, late = PtyTransport(str(tmp_path / "board")), PtyTransport(str(tmp_path / "board"))
     other.plug()
     held = os.readlink(tmp_path / "board")
-    with pytest.raises(OSError, match="there is a port already, .* then remove it: '.*/board'"):
+    with pytest.raises(OSError, match="the port exists already: .* if so, remove it: '.*/board'"):
         late.plug()
     assert not late.is_plugged and os.readlink(tmp_path / "board") == held
     other.unplug()

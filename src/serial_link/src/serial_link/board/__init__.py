@@ -1,1 +1,1 @@
-"""A simulated board: a device behind a line, at a pseudo terminal or a TCP port."""
+"""Simulated board: a device behind a serial line, on a pseudo terminal or a TCP port."""

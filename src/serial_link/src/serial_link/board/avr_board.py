@@ -1,4 +1,4 @@
-"""Simulation of an Arduino Uno: a compiled sketch on an ATmega328P in simavr, at its real pace."""
+"""Simulation of an Arduino Uno: a compiled sketch on an ATmega328P in simavr, in real time."""
 
 import os
 import pathlib
@@ -9,9 +9,9 @@ from typing import Callable, List, NamedTuple, Optional, Sequence
 
 from serial_link.port_mark import is_left_behind, remove_link, remove_own_link, write_mark
 
-#: Where Debian's arduino-core-avr has the core.
+#: Arduino core, as Debian's arduino-core-avr installs it.
 ARDUINO = pathlib.Path("/usr/share/arduino/hardware/arduino/avr")
-#: What builds sketch and simulator.
+#: Packages that build the sketch and the simulator.
 DEBIAN_PACKAGES = "gcc avr-libc gcc-avr arduino-core-avr libelf-dev libsimavr-dev"
 _INCLUDES = (f"-I{ARDUINO / 'cores' / 'arduino'}", f"-I{ARDUINO / 'variants' / 'standard'}")
 _FLAGS = (
@@ -26,33 +26,33 @@ _LANGUAGES = {
 _SIMULATOR = "-O2 -lsimavr -lelf -lm -lutil".split()
 _BUILD_S, _START_S, _END_S = 120.0, 5.0, 2.0
 _LONGEST_NAME = 64
-#: Of an Arduino Uno, without the bootloader [bytes].
+#: Memory of an Arduino Uno, without the bootloader [bytes].
 _FLASH, _RAM = 32256, 2048
 
 
 class BuildError(RuntimeError):
-    """A sketch or the simulator that cannot be built; the text says why."""
+    """Error of building a sketch or the simulator; the text gives the cause."""
 
 
 class Size(NamedTuple):
-    """Memory that a sketch takes [bytes].
+    """Memory use of a sketch [bytes].
 
     :param flash: of 32 256
-    :param ram: of 2 048, without the stack and what it allocates
+    :param ram: of 2 048, without stack and heap
     """
 
     flash: int
     ram: int
 
     def check(self) -> None:
-        """Check that it fits into an Arduino Uno.
+        """Check that the sketch fits into an Arduino Uno.
 
-        :raises BuildError: if it does not; the text has the figures
+        :raises BuildError: if it does not fit; the text has the figures
         """
         if self.flash > _FLASH or self.ram >= _RAM:
             raise BuildError(
                 f"the sketch needs {self.flash} of {_FLASH} bytes of flash and {self.ram} of "
-                f"{_RAM} bytes of RAM, and the stack more of it: lower the numbers and buffers in "
+                f"{_RAM} bytes of RAM, plus the stack; lower the numbers and buffers in "
                 "NodeHandle_, or remove arrays"
             )
 
@@ -60,8 +60,8 @@ class Size(NamedTuple):
 class AvrBuilder:
     """Builder of sketches for an Arduino Uno, and of the simulator.
 
-    :param folder: for what is built; what is there is not built again
-    :param is_over: tells whether to give up before the next step
+    :param folder: build folder; existing files in it are reused
+    :param is_over: returns whether to stop before the next step
     """
 
     def __init__(self, folder: pathlib.Path, is_over: Callable[[], bool] = lambda: False) -> None:
@@ -72,7 +72,7 @@ class AvrBuilder:
 
         :param source: ``avr_board.c``
         :returns: the program
-        :raises BuildError: if that is not possible
+        :raises BuildError: if the build fails
         """
         program = self._folder / "avr_board"
         if not program.exists():
@@ -84,9 +84,9 @@ class AvrBuilder:
         """Build a sketch.
 
         :param sketch: ``NAME.ino``
-        :param libraries: folders of headers that it includes
+        :param libraries: include folders
         :returns: the program, ``NAME.elf``
-        :raises BuildError: if that is not possible; the text has what the compiler says
+        :raises BuildError: if the build fails; the text has the compiler's output
         """
         program = self._folder / (sketch.stem + ".elf")
         includes = [*_INCLUDES, *(f"-I{library}" for library in libraries)]
@@ -97,17 +97,17 @@ class AvrBuilder:
         return program
 
     def size(self, program: pathlib.Path) -> Size:
-        """Return the memory that a built sketch takes.
+        """Return the memory use of a built sketch.
 
-        :param program: of :meth:`sketch`
-        :raises BuildError: if it cannot be read
+        :param program: from :meth:`sketch`
+        :raises BuildError: if avr-size fails
         """
         lines = self._run(["avr-size", str(program)]).splitlines()
         text, data, bss = map(int, lines[1].split()[:3])
         return Size(text + data, data + bss)
 
     def _core(self) -> pathlib.Path:
-        """Build Arduino's core as a library, once."""
+        """Build the Arduino core as a library, once."""
         library, objects = self._folder / "core.a", self._folder / "core"
         if library.exists():
             return library
@@ -125,15 +125,15 @@ class AvrBuilder:
 
     def _run(self, command: Sequence[str]) -> str:
         if self._is_over():
-            raise BuildError("it is no longer needed")
+            raise BuildError("the build was cancelled")
         return _run(command)
 
 
 class AvrBoard:
-    """A sketch that runs in simavr, with its serial port behind a link.
+    """Sketch that runs in simavr, with its serial port behind a symbolic link.
 
-    :param simulator: of :meth:`AvrBuilder.simulator`
-    :param program: of :meth:`AvrBuilder.sketch`
+    :param simulator: from :meth:`AvrBuilder.simulator`
+    :param program: from :meth:`AvrBuilder.sketch`
     :param link: path of the link to its terminal
     """
 
@@ -144,22 +144,22 @@ class AvrBoard:
 
     @property
     def is_running(self) -> bool:
-        """Whether it runs."""
+        """Whether the simulator runs."""
         return self._process is not None and self._process.poll() is None
 
     def start(self) -> None:
-        """Switch it on; its port is there when this returns.
+        """Start the simulator; its port exists when this returns.
 
-        :raises OSError: if the port cannot be made, or is another board's
+        :raises OSError: if the port cannot be created, or belongs to another board
         """
         if is_left_behind(self._link) or not os.path.exists(self._link):
-            remove_link(self._link)  # of a board that was killed
+            remove_link(self._link)  # left by a killed board
         if os.path.lexists(self._link):
             raise OSError(
-                f"{self._link} is there already: it is a file, or the port of another board, or "
-                "left by one that was killed; end that board or remove it"
+                f"{self._link} exists already: it is a file, the port of another board, or "
+                "left by a killed board; stop that board or remove it"
             )
-        # In a session of its own, as Ctrl-C would end it before it has removed its link.
+        # In its own session: otherwise Ctrl-C would kill it before it removes its link.
         self._process = subprocess.Popen(
             self._command,
             stdin=subprocess.PIPE,
@@ -170,8 +170,8 @@ class AvrBoard:
         try:
             if not self._terminal or os.readlink(self._link) != self._terminal:
                 raise OSError(
-                    f"{self._link} cannot be made: the simulator says why above, or another board "
-                    "was started at the same time"
+                    f"{self._link} cannot be created: see the simulator's output above, or another "
+                    "board was started at the same time"
                 )
             write_mark(self._link)
         except OSError:
@@ -179,14 +179,14 @@ class AvrBoard:
             raise
 
     def reset(self, boot_s: float = 0.0) -> None:
-        """Reset it.
+        """Reset the board.
 
-        :param boot_s: how long a bootloader keeps the sketch from running [s]
+        :param boot_s: time in the bootloader before the sketch runs [s]
         """
         self._write(f"reset {boot_s}\n")
 
     def close(self) -> None:
-        """Switch it off; the link goes with it."""
+        """Stop the simulator, and remove the link."""
         process, self._process = self._process, None
         if process is None:
             return
@@ -199,10 +199,10 @@ class AvrBoard:
             process.wait()
         assert process.stdout is not None
         process.stdout.close()
-        remove_own_link(self._link, self._terminal)  # where the simulator has not
+        remove_own_link(self._link, self._terminal)  # in case the simulator did not
 
     def _read_terminal(self) -> str:
-        """Return the name of the terminal, which the simulator prints; empty if it does not."""
+        """Return the terminal's name, which the simulator prints; empty if it does not."""
         assert self._process is not None and self._process.stdout is not None
         end, line, file = time.monotonic() + _START_S, b"", self._process.stdout.fileno()
         while not line.endswith(b"\n"):
@@ -221,7 +221,7 @@ class AvrBoard:
 
 
 def _run(command: Sequence[str]) -> str:
-    """Run a compiler; return what it prints."""
+    """Run a compiler; return its output."""
     try:
         done = subprocess.run(
             command,
@@ -231,7 +231,7 @@ def _run(command: Sequence[str]) -> str:
             timeout=_BUILD_S,
             check=True,
             env={**os.environ, "LC_ALL": "C"},
-            # Ctrl-C would end it before the node knows, which would take that for a fault.
+            # In its own session: Ctrl-C would make it fail before the node shuts down.
             start_new_session=True,
         )
     except FileNotFoundError as error:

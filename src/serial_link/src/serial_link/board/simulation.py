@@ -10,20 +10,20 @@ from serial_link.board.transports import Transport
 from serial_link.device.rosserial_device import Device
 from serial_link.device.serial_line import SerialLine, add_noise
 
-#: An Arduino's library waits with more in a message's way out than this, and reads no more at once.
+#: With more bytes waiting to be sent, an Arduino's library blocks; it reads at most _RX_BUFFER.
 _TX_BUFFER, _RX_BUFFER = 64, 64
-#: Longest wait for anything [s]: faults are changed meanwhile.
+#: Longest wait [s]; a change of faults takes effect after it.
 _LONGEST_WAIT_S = 0.02
-#: How often a connection is tried [s].
+#: Interval of connection attempts [s].
 _PLUG_EVERY_S = 0.2
 
 
 class Faults(NamedTuple):
     """Faults of a board and its cable.
 
-    :param noise: share of the bytes that are damaged, either way
-    :param stalls: whether the sketch stands still
-    :param is_plugged: whether the cable is in
+    :param noise: share of damaged bytes, in both directions
+    :param stalls: whether the sketch hangs
+    :param is_plugged: whether the cable is plugged in
     """
 
     noise: float = 0.0
@@ -31,20 +31,20 @@ class Faults(NamedTuple):
     is_plugged: bool = True
 
 
-#: Makes the device of a board that is switched on at a time [s].
+#: Creates the device of a board that was switched on at the given time [s].
 Factory = Callable[[float], Device]
 
 
 class SimulatedBoard:
-    """A board in a thread of its own.
+    """Simulated board that runs in a thread.
 
-    :param end: where it is plugged in
-    :param baud: bits a second of its line; 0 where that takes no time
-    :param make_device: makes the device at each start
-    :param boot_s: how long it takes from a reset until the sketch runs [s]
+    :param end: its transport
+    :param baud: bits per second of its line; 0 for a line without delay
+    :param make_device: creates the device at each start
+    :param boot_s: time from a reset until the sketch runs [s]
     :param seed: of the noise
 
-    :ivar faults: what is wrong now; to be replaced as a whole
+    :ivar faults: current faults; replace it as a whole
     :ivar boot_s: as given
     """
 
@@ -60,7 +60,7 @@ class SimulatedBoard:
         self._starts_at = self._plugged_at = 0.0
         self._is_reset, self._is_over = threading.Event(), threading.Event()
         self._thread = threading.Thread(target=self._run, name="board", daemon=True)
-        #: Held while it is switched on or off.
+        #: Held while the board is switched on or off.
         self._switch = threading.Lock()
 
     @property
@@ -69,9 +69,9 @@ class SimulatedBoard:
         return self._device
 
     def start(self) -> None:
-        """Switch it on, unless it was closed meanwhile: it would stay plugged in.
+        """Switch the board on, unless it was closed meanwhile: it would stay plugged in.
 
-        :raises OSError: if it cannot be plugged in
+        :raises OSError: if the cable cannot be plugged in
         """
         with self._switch:
             if self._is_over.is_set():
@@ -81,11 +81,11 @@ class SimulatedBoard:
             self._thread.start()
 
     def reset(self) -> None:
-        """Press the button that resets it: even in the middle of a message."""
+        """Press the reset button; a message may be cut off."""
         self._is_reset.set()
 
     def close(self) -> None:
-        """Switch it off, and unplug it."""
+        """Switch the board off, and unplug it."""
         with self._switch:
             self._is_over.set()
         if self._thread.ident is not None:
@@ -124,7 +124,7 @@ class SimulatedBoard:
             time.sleep(timeout)
 
     def _is_free(self) -> bool:
-        """Tell whether the sketch goes on: it waits while its way out is full."""
+        """Return whether the sketch runs: it blocks while its transmit buffer is full."""
         return not self.faults.stalls and self._out.waiting <= _TX_BUFFER
 
     def _move_cable(self, now: float, is_wanted: bool) -> None:
@@ -132,13 +132,13 @@ class SimulatedBoard:
             self._plugged_at = now
             self._in.clear()
             self._out.clear()
-            with contextlib.suppress(OSError):  # it is tried again
+            with contextlib.suppress(OSError):  # retried
                 self._end.plug()
         elif self._end.is_plugged and not is_wanted:
             self._end.unplug()
 
     def _restart(self, now: float) -> None:
-        """Deliver what has left the board so far, and boot again."""
+        """Deliver the bytes that have left the board, and boot again."""
         self._end.write(self._out.arrived(now))
         self._out.clear()
         self._in.clear()

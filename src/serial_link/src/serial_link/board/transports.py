@@ -13,15 +13,15 @@ _READ_AT_ONCE = 4096
 
 
 class Transport(Protocol):
-    """Connection of a board to its host. No method but :meth:`plug` raises."""
+    """Connection of a board to its host. Only :meth:`plug` raises."""
 
     @property
     def is_plugged(self) -> bool:
-        """Whether the cable is in."""
+        """Whether the cable is plugged in."""
         ...
 
     def plug(self) -> None:
-        """Plug the cable in; without effect where that is not possible yet."""
+        """Plug the cable in; no effect if that is not possible yet."""
         ...
 
     def unplug(self) -> None:
@@ -29,24 +29,24 @@ class Transport(Protocol):
         ...
 
     def wait(self, timeout: float) -> None:
-        """Wait until something has arrived, for at most a time [s]."""
+        """Wait for bytes, up to a timeout [s]."""
         ...
 
     def read(self) -> bytes:
-        """Return what has arrived; nothing if nothing has."""
+        """Return the bytes received; empty if there are none."""
         ...
 
     def write(self, data: bytes) -> None:
-        """Send bytes; lost if they are not read."""
+        """Send bytes; they are lost if the host does not read them."""
         ...
 
 
 class PtyTransport:
-    """Pseudo terminal behind a link that stays, as /dev/serial/by-id has for an adapter.
+    """Pseudo terminal behind a link with a fixed name, like an adapter's in /dev/serial/by-id.
 
-    The terminal's number is another one each time.
+    The number of the terminal differs each time.
 
-    :param link: path of the link; ``~`` is the user's own folder
+    :param link: path of the link; ``~`` is expanded to the home folder
     """
 
     def __init__(self, link: str) -> None:
@@ -55,21 +55,21 @@ class PtyTransport:
 
     @property
     def is_plugged(self) -> bool:
-        """Whether there is a terminal."""
+        """Whether a terminal is open."""
         return self._fd is not None
 
     def plug(self) -> None:
-        """Make a terminal, and the link to it.
+        """Create a terminal, and the link to it.
 
-        :raises OSError: if the link cannot be made there, or leads to what is another board's
+        :raises OSError: if the link cannot be created, or is another board's
         """
         fd, terminal = os.openpty()
         try:
-            tty.setraw(terminal)  # or it would echo what the board sends before a host has it open
+            tty.setraw(terminal)  # else it would echo the board's bytes
             os.makedirs(os.path.dirname(self._link) or ".", exist_ok=True)
             is_dead = os.path.islink(self._link) and not os.path.exists(self._link)
             if is_dead or is_left_behind(self._link):
-                remove_link(self._link)  # of a board that was killed
+                remove_link(self._link)  # left by a killed board
             self._make_link(os.ttyname(terminal))
             try:
                 write_mark(self._link)
@@ -88,8 +88,8 @@ class PtyTransport:
         try:
             os.symlink(terminal, self._link)
         except FileExistsError as error:
-            why = "another board's, or left by one that was killed: then remove it"
-            raise OSError(error.errno, f"there is a port already, {why}", self._link) from None
+            why = "another board's, or left by a killed board; if so, remove it"
+            raise OSError(error.errno, f"the port exists already: {why}", self._link) from None
 
     def unplug(self) -> None:
         """Remove the terminal and the link."""
@@ -105,13 +105,13 @@ class PtyTransport:
             poll.register(self._fd, select.POLLIN)
         found = poll.poll(1000.0 * timeout)
         if found and not found[0][1] & select.POLLIN:
-            select.select([], [], [], timeout)  # no process has it open: poll returns at once
+            select.select([], [], [], timeout)  # not open in any process: poll would not wait
 
     def read(self) -> bytes:
         """Return bytes; see :class:`Transport`."""
         try:
             return os.read(self._fd, _READ_AT_ONCE) if self._fd is not None else b""
-        except OSError:  # no data, or no process has it open
+        except OSError:  # no data, or not open in any process
             return b""
 
     def write(self, data: bytes) -> None:
@@ -120,11 +120,11 @@ class PtyTransport:
             if self._fd is not None:
                 os.write(self._fd, data)
         except (OSError, termios.error):
-            pass  # not read: a serial line loses them as well
+            pass  # buffer full: a serial line loses bytes, too
 
 
 class TcpTransport:
-    """A connection to the port of a host, as a board with Wi-Fi has.
+    """TCP connection to a host, as of a Wi-Fi board.
 
     :param address: of the host
     :param port: TCP port
@@ -136,7 +136,7 @@ class TcpTransport:
 
     @property
     def is_plugged(self) -> bool:
-        """Whether there is a connection."""
+        """Whether the connection is open."""
         return self._socket is not None
 
     def plug(self) -> None:
@@ -160,7 +160,7 @@ class TcpTransport:
         select.select([self._socket] if self._socket else [], [], [], timeout)
 
     def read(self) -> bytes:
-        """Return bytes; see :class:`Transport`. It is unplugged if the host disconnects."""
+        """Return bytes; see :class:`Transport`. Unplugs if the host disconnects."""
         if self._socket is None:
             return b""
         try:
@@ -178,5 +178,5 @@ class TcpTransport:
         try:
             if self._socket is not None:
                 self._socket.sendall(data)
-        except OSError:  # it is full, or gone: half a frame is what the host has to live with
+        except OSError:  # buffer full, or disconnected: the host has to cope with half a frame
             pass

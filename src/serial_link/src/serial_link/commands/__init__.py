@@ -1,1 +1,1 @@
-"""Commands for rosrun, besides the nodes."""
+"""Commands for rosrun that are not nodes."""

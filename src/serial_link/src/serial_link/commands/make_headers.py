@@ -1,4 +1,4 @@
-"""Writer of C++ headers of messages and services, which the sketch of a board includes."""
+"""Generator of C++ headers of messages and services, for a board's sketch."""
 
 import argparse
 import pathlib
@@ -17,14 +17,14 @@ from serial_link.headers.wire_header import WIRE_HEADER, WIRE_PATH
 
 
 class HeaderError(ValueError):
-    """A package that has none to make, or a folder that takes none; the text says why."""
+    """Error of a package without types, or of the output folder; the text gives the cause."""
 
 
 def build_headers(packages: List[str]) -> Dict[str, str]:
-    """Return headers by their paths: of the packages' types, and of those that these contain.
+    """Return headers by path, for the packages' types and the types nested in them.
 
     :param packages: names
-    :raises HeaderError: if one is not there, has no types, or is not built
+    :raises HeaderError: if a package is missing, has no types, or is not built
     """
     found = {WIRE_PATH: WIRE_HEADER}
     for package in packages:
@@ -32,7 +32,7 @@ def build_headers(packages: List[str]) -> Dict[str, str]:
             messages = rosmsg.list_types(package, mode=".msg")
             services = rosmsg.list_types(package, mode=".srv")
         except rospkg.ResourceNotFound:
-            raise HeaderError(f"there is no package {package} here") from None
+            raise HeaderError(f"package {package} not found") from None
         if not messages and not services:
             raise HeaderError(f"{package} has neither messages nor services")
         try:
@@ -72,7 +72,7 @@ def _add_parts(found: Dict[str, str], classes: List[Class]) -> None:
 
 
 def _class(name: str, datatype: str, generated: Any) -> Class:
-    """Read what a class of C++ is made of from that of Python."""
+    """Convert a generated Python class to a C++ class description."""
     text = parts_of(datatype, generated._full_text)[datatype]
     constants = [constant_in(line) for line in text.splitlines()]
     return Class(
@@ -88,8 +88,8 @@ def write(headers: Dict[str, str], folder: pathlib.Path) -> None:
     """Write headers.
 
     :param headers: by their paths in the folder
-    :param folder: made if it is not there
-    :raises HeaderError: if that is not possible
+    :param folder: created if missing
+    :raises HeaderError: if writing fails
     """
     try:
         for path, text in headers.items():
@@ -100,11 +100,11 @@ def write(headers: Dict[str, str], folder: pathlib.Path) -> None:
 
 
 def write_zip(files: Dict[str, str], archive: pathlib.Path) -> None:
-    """Write files into a zip file, as the IDE adds libraries from.
+    """Write files into a zip file, which the Arduino IDE can add as a library.
 
     :param files: by their paths
-    :param archive: replaced if it is there
-    :raises HeaderError: if that is not possible
+    :param archive: overwritten if it exists
+    :raises HeaderError: if writing fails
     """
     try:
         with zipfile.ZipFile(archive, "w", zipfile.ZIP_DEFLATED) as opened:
@@ -115,7 +115,7 @@ def write_zip(files: Dict[str, str], archive: pathlib.Path) -> None:
 
 
 def main() -> None:
-    """Write the headers that the command line asks for; status 1 where that is not possible."""
+    """Write the headers requested on the command line; exit with status 1 on failure."""
     parser = argparse.ArgumentParser(
         prog="make_headers",
         description="Write C++ headers of the messages and services of packages, for a sketch "
@@ -123,7 +123,7 @@ def main() -> None:
     )
     parser.add_argument("packages", nargs="+", metavar="PACKAGE")
     parser.add_argument(
-        "--into", default="ros_headers", metavar="FOLDER", help="where; ros_headers by default"
+        "--into", default="ros_headers", metavar="FOLDER", help="output folder (ros_headers)"
     )
     parser.add_argument(
         "--arduino",

@@ -2,13 +2,13 @@
 
 from typing import Dict, NamedTuple, Tuple
 
-#: States: it was not asked for its topics since its start; it was, and publishes.
+#: States: not asked for its topics since the start; asked, and publishing.
 WAITING, CONFIGURED = "waiting", "configured"
 STATES = (WAITING, CONFIGURED)
 
-#: Events: frames that ask for the topics, tell the time, have it stop, or carry anything else; the
-#: beginning of a frame of another version; it is time to ask for the time, or it was not told for
-#: so long that the host is gone.
+#: Events: a frame that requests the topics, carries the time, stops publishing, or carries anything
+#: else; the beginning of a frame of another version; the time to request the time; and the timeout
+#: after the last time frame, after which the host counts as lost.
 TOPICS_REQUESTED, TIME_RECEIVED, STOP_RECEIVED, MESSAGE = (
     "topics requested",
     "time received",
@@ -56,5 +56,5 @@ TABLE: Dict[Tuple[str, str], Move] = {
 
 
 def move(state: str, event: str) -> Move:
-    """Return what follows from an event in a state; without a row in the table, nothing does."""
+    """Return the transition of an event in a state; the same state if the table has no row."""
     return TABLE.get((state, event), Move(state))

@@ -4,21 +4,21 @@ import math
 
 from first_order_sys_sim.first_order_plant import FirstOrderPlant, PlantSettings
 
-#: Steps of the pulse width: of an 8-bit timer, as Arduino's analogWrite has it.
+#: Steps of the pulse width: 8 bits, as in Arduino's analogWrite.
 PWM_STEPS = 255
-#: The angle is integrated by the trapezoidal rule in steps of this length [s]; in longer ones where
-#: the time since the last call is too long for that.
+#: Step of the trapezoidal integration of the angle [s], and the most steps per call; longer calls
+#: use longer steps.
 _STEP_S, _MOST_STEPS = 0.001, 1000
 
 
 class Motor:
-    """A motor whose driver takes a pulse width and a direction, and whose encoder counts.
+    """Motor with a driver (pulse width and direction) and an encoder.
 
     Time is an argument [s], and never decreases.
 
-    :param settings: what the motor is like; its dead zone is the driver's
+    :param settings: of the motor; its dead zone is the driver's
     :param counts_per_turn: of the encoder
-    :param began_at: when it begins to stand there [s]
+    :param began_at: start time, at rest [s]
     """
 
     def __init__(
@@ -29,38 +29,38 @@ class Motor:
         self._now = began_at
         self._angle = self._speed = 0.0
         self._zero = 0
-        #: The pulse width in force, from -255 to 255.
+        #: Current pulse width, from -255 to 255.
         self.pwm = 0
 
     def drive(self, now: float, share: float) -> None:
         """Set the pulse width.
 
         :param now: the time [s]
-        :param share: of the full voltage, with the direction as its sign; beyond 1 it is 1
+        :param share: of the full voltage, signed; limited to -1 … 1
         """
         self._advance(now)
         self.pwm = round(max(-1.0, min(1.0, share)) * PWM_STEPS)
         self._plant.hold(now, self.pwm / PWM_STEPS)
 
     def change(self, now: float, settings: PlantSettings) -> None:
-        """Change what the motor is like."""
+        """Change the settings of the motor."""
         self._advance(now)
         self._plant.change(now, settings)
 
     def counts(self, now: float) -> int:
-        """Return what the encoder has counted, with the direction as its sign."""
+        """Return the encoder's count, signed."""
         self._advance(now)
         return math.floor(self._angle * self._counts_per_radian) - self._zero
 
     def zero(self, now: float) -> None:
-        """Have the encoder count from 0."""
+        """Reset the encoder's count to 0."""
         self._zero += self.counts(now)
 
     def speed_of(self, counts: int, seconds: float) -> float:
-        """Return the speed that a difference of counts shows [rad/s]: in steps of one count.
+        """Return the speed for a difference of counts [rad/s], quantised to one count.
 
         :param counts: the difference
-        :param seconds: the time in which it came
+        :param seconds: time between the two readings
         """
         return counts / self._counts_per_radian / seconds
 

@@ -15,17 +15,17 @@ from serial_link.negotiation.payloads import (
     Values,
 )
 
-#: The motor is stopped when nothing was said to it for this long [s]: a host may be gone.
+#: The motor is stopped after this long without input [s]: the host may be gone.
 INPUT_TIMEOUT_S = 0.5
-#: How often the button is told of though nothing has changed [s]: who comes later wants to know.
+#: Interval for repeating the button's state [s], for late subscribers.
 BUTTON_EVERY_S = 1.0
-#: How often the potentiometer is read [Hz], and its largest value: 10 bits.
+#: Rate of reading the potentiometer [Hz], and its full scale (10 bits).
 POTENTIOMETER_HZ, FULL_SCALE = 10.0, 1023
 NOT_TURNING, TURNING, MAX_SPEED = "Motor Not Turning", "Motor Turning", "Motor Max Speed"
 
 _INPUT, _OUTPUT = struct.Struct("<fd"), struct.Struct("<fdI")
 
-#: The md5sums are what the headers of these messages have, as a sketch includes them.
+#: The md5sums are those in the headers of these messages.
 TOPICS = (
     Declared(
         PUBLISHER, "motor_output", "pid_control/motor_output", "6f371a723b35f6884908910ed6144b2d"
@@ -47,13 +47,13 @@ TOPICS = (
 
 
 class Panel:
-    """Controls of the board that a person uses.
+    """Controls of the board for a person.
 
-    :param plant: the motor that is connected
+    :param plant: settings of the connected motor
 
     :ivar button: whether it is pressed
-    :ivar potentiometer: where it stands, from 0 to 1
-    :ivar plant: as given; another one from when it is replaced
+    :ivar potentiometer: position, from 0 to 1
+    :ivar plant: as given; may be replaced
     """
 
     def __init__(self, plant: PlantSettings) -> None:
@@ -65,13 +65,13 @@ class Panel:
 class MotorSketch:
     """Sketch that publishes the motor's speed and the panel's values, and drives the motor.
 
-    Times in messages are 32-bit floats in 64: more an 8-bit Arduino does not have.
+    Times in messages have 32-bit precision, as on an 8-bit Arduino.
 
-    :param motor: the motor, which goes on turning while the board is reset
+    :param motor: the motor, which keeps turning while the board resets
     :param panel: button and potentiometer
-    :param rate: how often the speed is published [Hz]
-    :param began_at: when the board was started [s]
-    :param floods: whether the speed is published as often as the line takes it
+    :param rate: publishing rate of the speed [Hz]
+    :param began_at: start time of the board [s]
+    :param floods: whether the speed is published as fast as the line allows
     """
 
     topics = TOPICS
@@ -106,10 +106,10 @@ class MotorSketch:
             device.publish(name, struct.pack("<BI", 1, len(text)) + text)
 
     def on_parameter(self, device: Device, now: float, values: Values) -> None:
-        """Have no use for parameters."""
+        """Ignore parameters: this sketch requests none."""
 
     def loop(self, device: Device, now: float) -> None:
-        """Publish what is due."""
+        """Publish the values whose time has come."""
         if self._panel.plant is not self._plant:
             self._plant = self._panel.plant
             self._motor.change(now, self._plant)
@@ -128,7 +128,7 @@ class MotorSketch:
                 device.publish("motor_output", self._measure(now))
 
     def next_due(self, now: float) -> float:
-        """Return when something is due [s]."""
+        """Return the time of the next publication [s]."""
         if self._floods:
             return now
         return min(self._next_at, self._turn_at)

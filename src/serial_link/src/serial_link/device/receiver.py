@@ -1,22 +1,22 @@
-"""Frame receiver of a board: byte by byte, by a table of the expected bytes."""
+"""Frame receiver of a board: byte by byte, as a state table."""
 
 from typing import Dict, List, NamedTuple
 
 from serial_link.framing.frames import SYNC, VERSION, Frame
 
-#: What the next byte is.
+#: Expected next byte.
 SYNC_BYTE, VERSION_BYTE = "sync", "version"
 SIZE_LOW, SIZE_HIGH, SIZE_SUM = "size low", "size high", "size sum"
 TOPIC_LOW, TOPIC_HIGH, MESSAGE, SUM = "topic low", "topic high", "message", "sum"
-#: A frame that is not whole by then is dropped [s].
+#: Incomplete frames are dropped after this time [s].
 TIMEOUT_S = 0.02
 
 
 class Expected(NamedTuple):
-    """States that follow a byte.
+    """Next states after a byte.
 
-    :param if_good: what the next byte is then
-    :param if_bad: and what, where the byte is not what it must be
+    :param if_good: expected next byte if this byte is valid
+    :param if_bad: expected next byte if this byte is invalid
     """
 
     if_good: str
@@ -37,14 +37,14 @@ TABLE: Dict[str, Expected] = {
 
 
 class Receiver:
-    """A board's end of the line.
+    """Receiving side of a board.
 
-    :param input_size: a longer message does not fit [bytes]; a real board would overwrite what lies
-        behind its buffer, this one drops and counts it
+    :param input_size: largest message [bytes]; a real board would overwrite the memory behind its
+        buffer with a longer one, this board drops and counts it
 
-    :ivar mode: what the next byte is
-    :ivar other_versions: how often a frame of another version began
-    :ivar too_long: how many frames had a message that does not fit
+    :ivar mode: expected next byte
+    :ivar other_versions: number of frames of another version that began
+    :ivar too_long: number of messages beyond ``input_size``
     """
 
     def __init__(self, input_size: int) -> None:
@@ -56,7 +56,7 @@ class Receiver:
         self._began_at = 0.0
 
     def receive(self, now: float, data: bytes) -> List[Frame]:
-        """Return the frames that are whole now.
+        """Return the frames completed by these bytes.
 
         :param now: the time [s]
         :param data: bytes from the line
@@ -81,7 +81,7 @@ class Receiver:
         return frames
 
     def _accept(self, byte: int) -> bool:
-        """Add a byte to the frame; return whether it is what it must be."""
+        """Add a byte to the frame; return whether the byte is valid."""
         mode = self.mode
         self._sum += byte
         if mode == SYNC_BYTE:

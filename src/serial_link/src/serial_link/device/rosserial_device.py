@@ -18,9 +18,9 @@ from serial_link.negotiation.payloads import (
     TopicInfo,
 )
 
-#: The first id of what the board receives, and of what it sends.
+#: First ids of the board's subscribers and publishers.
 _FIRST_SUBSCRIBER, _FIRST_PUBLISHER = 100, 125
-#: How often it asks for the time, and how long it goes on without [s].
+#: Interval of time requests, and the timeout after which the host counts as lost [s].
 TIME_EVERY_S, HOST_LOST_S = 2.5, 11.0
 
 
@@ -31,7 +31,7 @@ class Declared(NamedTuple):
     :param name: of the topic or service
     :param type: of the message or service
     :param md5sum: of the message, or of the service's request
-    :param answer_md5sum: of the service's response
+    :param answer_md5sum: md5sum of the service's response
     """
 
     kind: int
@@ -46,38 +46,38 @@ class Sketch(Protocol):
 
     @property
     def topics(self) -> Sequence[Declared]:
-        """Its topics and services, in their order."""
+        """The sketch's topics and services, in order."""
         ...
 
     def on_message(self, device: "Device", now: float, name: str, payload: bytes) -> None:
-        """Handle a message, the request to a service of the board, or the response to its own."""
+        """Handle a message, a request to a service of the board, or a response to its call."""
         ...
 
     def on_parameter(self, device: "Device", now: float, values: payloads.Values) -> None:
-        """Handle a parameter that was asked for."""
+        """Handle a requested parameter."""
         ...
 
     def loop(self, device: "Device", now: float) -> None:
-        """Do what is due."""
+        """Run one iteration of the loop."""
         ...
 
     def next_due(self, now: float) -> float:
-        """Return when :meth:`loop` has something to do [s]."""
+        """Return when :meth:`loop` next has work [s]."""
         ...
 
 
 class Device:
-    """The device's side of the protocol. Time is an argument [s].
+    """Device side of the protocol. Time is an argument [s].
 
-    :param sketch: what runs on it
-    :param input_size: the largest message that it takes [bytes]
-    :param output_size: the longest frame that it sends [bytes]
-    :param wrong_md5: name of a topic of which it tells another md5sum, as one does whose headers
-        were made from another message
+    :param sketch: the sketch to run
+    :param input_size: largest message that it receives [bytes]
+    :param output_size: longest frame that it sends [bytes]
+    :param wrong_md5: name of a topic for which it announces a wrong md5sum, as if its header was
+        generated from another message
 
     :ivar state: of :mod:`.device_states`
-    :ivar host_time: the time that it was told last [s]
-    :ivar receiver: its end of the line
+    :ivar host_time: the last received host time [s]
+    :ivar receiver: its frame receiver
     """
 
     def __init__(
@@ -102,24 +102,24 @@ class Device:
         return self.state == device_states.CONFIGURED
 
     def publish(self, name: str, payload: bytes) -> None:
-        """Send a message, a request or a response; nothing while it is not configured.
+        """Send a message, a request or a response; ignored while it is not configured.
 
         :param name: of the topic or service
-        :param payload: the serialised message
+        :param payload: the serialized message
         """
         if self.is_configured:
             self._send(self._outgoing[name], payload)
 
     def log(self, level: int, text: str) -> None:
-        """Send a line of the log."""
+        """Send a log line."""
         self._send(LOG, payloads.encode_log(level, text))
 
     def request_parameter(self, name: str) -> None:
-        """Ask for a parameter."""
+        """Request a parameter."""
         self._send(PARAMETER, payloads.encode_name(name))
 
     def receive(self, now: float, data: bytes) -> None:
-        """Handle what has arrived."""
+        """Handle received bytes."""
         before = self.receiver.other_versions
         frames = self.receiver.receive(now, data)
         for _ in range(self.receiver.other_versions - before):
@@ -133,7 +133,7 @@ class Device:
             self._handle(now, event, topic_id, payload)
 
     def loop(self, now: float) -> None:
-        """Do what is due, as one turn of an Arduino's loop does."""
+        """Run one iteration of the loop, as Arduino's ``loop`` does."""
         if now - self._told_at >= HOST_LOST_S:
             self._handle(now, device_states.HOST_LOST)
         if now - self._asked_at >= TIME_EVERY_S:
@@ -141,11 +141,11 @@ class Device:
         self._sketch.loop(self, now)
 
     def next_due(self, now: float) -> float:
-        """Return when :meth:`loop` has something to do [s]."""
+        """Return when :meth:`loop` next has work [s]."""
         return min(self._sketch.next_due(now), max(now, self._asked_at) + TIME_EVERY_S)
 
     def output(self) -> bytes:
-        """Return what it sends, once."""
+        """Take the bytes to send."""
         data = bytes(self._output)
         self._output.clear()
         return data
@@ -154,7 +154,7 @@ class Device:
         kind, name, datatype, md5sum, answer = declared
         if is_wrong:
             md5sum = md5sum[::-1]
-        # What the board sends: of its own service it is the answer.
+        # md5sum of the messages that the board sends: of its own service, those of the response.
         sent = answer if kind == SERVICE_SERVER else md5sum
         heard = answer if kind == SERVICE_CLIENT else md5sum
         if kind != SUBSCRIBER:

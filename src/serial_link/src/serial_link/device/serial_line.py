@@ -12,18 +12,18 @@ _BITS = 10
 class SerialLine:
     """Serial line at a baud rate. Time is an argument [s].
 
-    :param baud: bits a second; 0 for a line that takes no time
+    :param baud: bits per second; 0 for a line without delay
     """
 
     def __init__(self, baud: int) -> None:
         self._byte = _BITS / baud if baud else 0.0
         self._parts: Deque["_Part"] = deque()
         self._free_at = 0.0
-        #: How many bytes have not arrived yet.
+        #: Number of bytes that have not arrived yet.
         self.waiting = 0
 
     def put(self, now: float, data: bytes) -> None:
-        """Begin to send bytes, behind those that are under way.
+        """Start to send bytes, after those in transit.
 
         :param now: the time [s]
         :param data: the bytes
@@ -35,7 +35,7 @@ class SerialLine:
             self.waiting += len(data)
 
     def arrived(self, now: float) -> bytes:
-        """Return what has arrived.
+        """Take the bytes that have arrived.
 
         :param now: the time [s]
         """
@@ -57,22 +57,22 @@ class SerialLine:
         return bytes(arrived)
 
     def next_due(self) -> float:
-        """Return when the first of what is under way has arrived as a whole [s]."""
+        """Return when the first chunk in transit has arrived completely [s]."""
         if not self._parts:
             return math.inf
         part = self._parts[0]
         return part.begin + len(part.data) * self._byte
 
     def clear(self) -> None:
-        """Drop what is under way, as where the cable is pulled."""
+        """Drop all bytes in transit, as when the cable is unplugged."""
         self._parts.clear()
         self._free_at, self.waiting = 0.0, 0
 
 
 class _Part:
-    """Bytes that were put together.
+    """Bytes that were written together.
 
-    :ivar taken: how many of them were handed over
+    :ivar taken: number of them already delivered
     """
 
     __slots__ = ("data", "begin", "taken")
@@ -82,11 +82,11 @@ class _Part:
 
 
 def add_noise(data: bytes, rate: float, source: random.Random) -> bytes:
-    """Return bytes as a bad cable hands them over: some changed, some lost, some doubled.
+    """Return bytes as a bad cable delivers them: some changed, some lost, some doubled.
 
-    :param data: what was sent
-    :param rate: share of the bytes that are damaged, from 0 to 1
-    :param source: of chance
+    :param data: the sent bytes
+    :param rate: share of damaged bytes, from 0 to 1
+    :param source: random generator
     """
     if rate <= 0.0:
         return data

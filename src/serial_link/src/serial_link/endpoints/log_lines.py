@@ -17,15 +17,15 @@ _LEVELS = {
     ERROR: (Log.ERROR, "ERROR"),
     FATAL: (Log.FATAL, "FATAL"),
 }
-#: Most lines a second.
+#: Most lines per second.
 _PER_SECOND = 20
 
 
 class LogLines:
-    """Log of a board, in rosout under a name of its own, and on the console.
+    """Log of a board, on rosout under its own node name, and on the console.
 
-    :param scope: makes the publisher
-    :param name: the board's
+    :param scope: creates the publisher
+    :param name: of the board
     """
 
     def __init__(self, scope: NodeScope, name: str) -> None:
@@ -36,7 +36,7 @@ class LogLines:
     def write(self, level: int, text: str) -> None:
         """Log a line.
 
-        :param level: the board's
+        :param level: in the board's numbering
         :param text: the line
         """
         second = int(time.monotonic())

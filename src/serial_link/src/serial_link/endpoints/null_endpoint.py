@@ -1,13 +1,13 @@
-"""Null object for a topic or service of a board that ROS cannot have."""
+"""Null object for a topic or service of a board that cannot be opened in ROS."""
 
 from serial_link.host.counters import REFUSED, Counters
 from serial_link.negotiation.topic_table import Endpoint
 
 
 class NullEndpoint:
-    """Null object for a refused topic or service: counts its messages.
+    """Null object for a rejected topic or service: counts its messages.
 
-    :param counters: counts them
+    :param counters: where they are counted
     """
 
     def __init__(self, counters: Counters) -> None:

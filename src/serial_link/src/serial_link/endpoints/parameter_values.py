@@ -11,15 +11,15 @@ _INT32 = range(-(2**31), 2**31)
 
 
 class UnsupportedValue(ValueError):
-    """A parameter that no board can take; the text says why."""
+    """A parameter that cannot be sent to a board; the text gives the reason."""
 
 
 def encode_answer(raw: Any, size: int) -> bytes:
-    """Return the payload that answers a board's request for a parameter.
+    """Return the payload that answers a board's parameter request.
 
-    :param raw: as the parameter server holds it
-    :param size: what the board's buffer holds [bytes]
-    :raises UnsupportedValue: if it is nothing that a board takes, or too long
+    :param raw: the value from the parameter server
+    :param size: size of the board's buffer [bytes]
+    :raises UnsupportedValue: if a board cannot take the type, or the answer is too long
     """
     payload = encode_values(to_values(raw))
     if len(payload) > size:
@@ -30,19 +30,18 @@ def encode_answer(raw: Any, size: int) -> bytes:
 
 
 def to_values(raw: Any) -> Values:
-    """Return the value of a parameter as the answer to a board.
+    """Return the value of a parameter as an answer to a board.
 
-    Whole numbers are among the floats too: YAML reads ``1`` for the gain that a sketch asks for as
-    a float.
+    Integers are also sent as floats: the YAML may give ``1`` for a float that a sketch asks for.
 
-    :param raw: as the parameter server holds it
-    :raises UnsupportedValue: if it is neither a number, a Boolean, a text nor a list of these
+    :param raw: the value from the parameter server
+    :raises UnsupportedValue: if it is not a number, a Boolean, a string or a list of these
     """
     values: List[Any] = list(raw) if isinstance(raw, (list, tuple)) else [raw]
     if all(isinstance(value, str) for value in values):
         return Values(texts=values)
     if not all(isinstance(value, (bool, int, float)) for value in values):
-        raise UnsupportedValue("it must be a number, true or false, text, or a list of one kind")
+        raise UnsupportedValue("it must be a number, true or false, text, or a list of one type")
     floats = [_as_float32(value) for value in values]
     if not all(math.isfinite(value) for value in floats):
         raise UnsupportedValue("it does not fit into a 32-bit float")

@@ -45,20 +45,20 @@ _WORDS = {
     SERVICE_SERVER: "offers",
     SERVICE_CLIENT: "calls",
 }
-#: What a topic or a service is whatever its ids are: kind, name, type, number and md5sums.
+#: Identity of a topic or service, independent of its ids: kind, name, type, number and md5sums.
 _Key = Tuple[Any, ...]
 
 
 class RosSide:
-    """ROS side of a board: its topics, services, parameters and log, in a thread of its own.
+    """ROS side of a board: its topics, services, parameters and log, in one thread.
 
-    :param scope: makes topics and services
+    :param scope: creates topics and services
     :param link: to the board
-    :param counters: counts what is wrong
-    :param timeout: returns how long a call of a service may take [s]
+    :param counters: counts faults
+    :param timeout: returns the timeout of a service call [s]
     :param find_parameter: returns the raw value of a parameter, given its global name; None if it
         is unset
-    :param space: namespace of the board below the node's; empty for that one
+    :param space: namespace of the board below the node's; empty for the node's own
     """
 
     def __init__(
@@ -74,12 +74,12 @@ class RosSide:
         self._timeout, self._find_parameter = timeout, find_parameter
         self._space = space
         self._log = LogLines(scope, f"{scope.name}/{space or 'board'}")
-        #: What the board has told of since it was started; and what there is in ROS, which may be
-        #: more until it has told of all.
+        #: Topics announced by the board since its start; and topics open in ROS, which may be more
+        #: until the board has announced all.
         self._wanted: Dict[_Key, Endpoint] = {}
         self._open: Dict[_Key, Tuple[Any, Any]] = {}
-        #: Whether the board has told of its topics, and so of its buffer, since it was started; and
-        #: the parameters that it has asked for before.
+        #: Whether the board has announced topics since its start, and thereby its buffer size; and
+        #: the parameters requested before.
         self._is_known = False
         self._asked: List[str] = []
         self._retry_at = 0.0
@@ -92,7 +92,7 @@ class RosSide:
         self._thread.start()
 
     def close(self) -> None:
-        """Close it."""
+        """Stop the threads."""
         self._is_over.set()
         self._link.inbox.close()
         if self._thread.ident is not None:
@@ -135,7 +135,7 @@ class RosSide:
                 self._opened(key, endpoint)
 
     def _receive(self, message: Message) -> None:
-        # What a board sends right after it was asked comes before all of its topics are known.
+        # A board may send right after the request for its topics, before all are known.
         endpoint_in_ros = self._opened(_key(message.endpoint), message.endpoint)
         try:
             endpoint_in_ros.receive(message.payload)
@@ -143,7 +143,7 @@ class RosSide:
             self._counters.add(MALFORMED)
 
     def _update(self, endpoints: List[Endpoint], is_complete: bool) -> None:
-        """Have what the board has now, and until it has told of all, what it had before."""
+        """Open the board's current topics; close the others once the board has announced all."""
         before = set(self._open) if is_complete else self._wanted.keys() & self._open.keys()
         self._wanted = _keyed(endpoints)
         for key in before - self._wanted.keys():
@@ -165,7 +165,7 @@ class RosSide:
         for other in set(self._open) - set(self._wanted):
             is_like_it = (other[0] in SERVICES) == endpoint.is_service
             if is_like_it and other[1] == endpoint.name and other[2] != endpoint.type:
-                self._close(other)  # the sketch before had another type there
+                self._close(other)  # the previous sketch used another type
         scope = self._scope.create_scope()
         placed = endpoint._replace(name=self._placed(endpoint.name))
         try:
@@ -195,7 +195,7 @@ class RosSide:
         return kind(scope, endpoint, link, counters, self._timeout)
 
     def _answer(self, name: str) -> None:
-        """Send a parameter to the board; what it cannot get as nothing, so that it goes on."""
+        """Send a parameter to the board, which waits for it: an empty answer if it has no value."""
         payload = encode_values(Values())
         try:
             resolved = self._scope.resolve(self._placed(name))
@@ -209,12 +209,12 @@ class RosSide:
         self._link.answer(PARAMETER, payload)
 
     def _placed(self, name: str) -> str:
-        """Return a name of the board in its namespace, unless the name is global or private."""
+        """Return a name with the board's namespace, unless it is global or private."""
         is_relative = self._space and not name.startswith(("/", "~"))
         return f"{self._space}/{name}" if is_relative else name
 
     def _buffer_size(self) -> int:
-        """Return the longest payload that the board takes as far as it has told [bytes]."""
+        """Return the longest payload that the board accepts, as far as known [bytes]."""
         infos = [endpoint.outgoing for endpoint in self._wanted.values()]
         return min([LONGEST, *(info.buffer_size for info in infos if info is not None)])
 

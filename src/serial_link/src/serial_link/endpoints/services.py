@@ -24,12 +24,12 @@ _WARN_EVERY_S = 10.0
 
 
 class _Service:
-    """Base of both kinds of service.
+    """Base class of services.
 
     :param endpoint: of the board
     :param link: sends to the board
-    :param counters: counts what is too large
-    :raises TypeRefused: if its type is not the one here
+    :param counters: counts messages that are too large
+    :raises TypeRefused: if the board's type differs from the installed one
     """
 
     def __init__(self, endpoint: Endpoint, name: str, link: BoardLink, counters: Counters) -> None:
@@ -49,7 +49,7 @@ class _Service:
     def send(self, message: Any) -> None:
         """Send a request or a response to the board.
 
-        :raises CallError: if it cannot be
+        :raises CallError: if sending fails
         """
         payload = encode(message)
         size = self._info.buffer_size
@@ -60,16 +60,16 @@ class _Service:
                 f"has {size}"
             )
         if not self._link.send_reliable(self._info, payload):
-            why = "the board has not told of it again, or too much waits to be sent"
+            why = "the board has not announced it again, or the send queue is full"
             raise CallError(f"{self.name}: {self._link.trouble or why}")
 
 
 class OfferedService(_Service):
-    """A service that the board offers. The board answers one call after the other.
+    """Service offered by the board, which answers one call at a time.
 
-    :param scope: makes the service
+    :param scope: creates the service
     :param endpoint: of the board
-    :param timeout: returns how long the board may take to answer [s]
+    :param timeout: returns the timeout of a call [s]
     """
 
     def __init__(
@@ -90,7 +90,7 @@ class OfferedService(_Service):
         )
 
     def receive(self, payload: bytes) -> None:
-        """Hand over the board's response.
+        """Pass on the board's response.
 
         :raises Malformed: if it is malformed
         """
@@ -98,12 +98,12 @@ class OfferedService(_Service):
         self._is_done.set()
 
     def on_lost(self, why: str) -> None:
-        """Board lost: fail a running call at once."""
+        """Board lost: fail a running call immediately."""
         self._failure = why
         self._is_done.set()
 
     def _call(self, request: Any) -> Any:
-        self._is_done.clear()  # also of a response that came too late
+        self._is_done.clear()  # a late response may have set it
         self._response, self._failure = None, ""
         self.send(request)
         timeout = self._timeout()
@@ -115,13 +115,13 @@ class OfferedService(_Service):
 
 
 class CalledService(_Service):
-    """A service that the board calls.
+    """Service called by the board.
 
-    A failure cannot be told to the board, which goes on waiting; so the log has it.
+    The protocol has no error response: the board keeps waiting, and the failure is logged.
 
-    :param scope: makes the client
+    :param scope: creates the client
     :param endpoint: of the board
-    :param timeout: returns how long the service may take to answer [s]
+    :param timeout: returns the timeout of a call [s]
     """
 
     def __init__(

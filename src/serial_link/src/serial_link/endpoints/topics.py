@@ -13,17 +13,17 @@ from serial_link.link.throttled_log import ThrottledLog
 from serial_link.negotiation.topic_table import Endpoint
 
 _WARN_EVERY_S = 10.0
-#: rosserial's library drops a frame that is not whole by then [s].
+#: rosserial's library drops a frame that is incomplete after this time [s].
 _LONGEST_FRAME_S = 0.02
 _BITS, _OVERHEAD = 10, 8
 
 
 class PublishedTopic:
-    """A topic that the board publishes.
+    """Topic that the board publishes.
 
-    :param scope: makes the publisher
+    :param scope: creates the publisher
     :param endpoint: of the board
-    :raises TypeRefused: if its type is not the one here
+    :raises TypeRefused: if the board's type differs from the installed one
     """
 
     def __init__(self, scope: NodeScope, endpoint: Endpoint) -> None:
@@ -49,15 +49,15 @@ class PublishedTopic:
 
 
 class SubscribedTopic:
-    """A topic that the board subscribes to. Its messages are handed on as they are.
+    """Topic that the board subscribes to. Its messages are passed on without decoding.
 
-    A board that was restarted gets what a new subscriber would: what living publishers latch.
+    A restarted board receives latched messages again, like a new subscriber.
 
-    :param scope: makes the subscription
+    :param scope: creates the subscription
     :param endpoint: of the board
     :param link: sends to the board
-    :param counters: counts what is too large
-    :raises TypeRefused: if its type is not the one here
+    :param counters: counts messages that are too large
+    :raises TypeRefused: if the board's type differs from the installed one
     """
 
     def __init__(
@@ -82,15 +82,15 @@ class SubscribedTopic:
         self._info = endpoint.outgoing
 
     def receive(self, payload: bytes) -> None:
-        """Receive nothing: the board only listens."""
+        """Ignore it: the board only subscribes."""
 
     def on_sync(self) -> None:
-        """Subscribe again for a restarted board; the topic stays on the graph."""
+        """Subscribe again for a restarted board; the topic stays registered."""
         before, self._subscriptions = self._subscriptions, self._scope.create_scope()
-        # Meanwhile the new ear brings what is latched, and the one before all else.
+        # Meanwhile the new subscription delivers latched messages, and the old one all others.
         self._is_replaced = True
         self._subscribe()
-        self._is_replaced = False  # first, so that in between a message comes twice, not never
+        self._is_replaced = False  # before closing: a message may arrive twice, but is never lost
         before.close()
 
     def on_lost(self, why: str) -> None:
@@ -112,8 +112,8 @@ class SubscribedTopic:
             self._throttled_log.log(
                 rospy.logwarn,
                 f"{self._name}: {len(payload)} bytes take longer than the "
-                f"{1e3 * _LONGEST_FRAME_S:g} ms in which rosserial's library expects a message "
-                f"({baud} baud): it drops it",
+                f"{1e3 * _LONGEST_FRAME_S:g} ms after which rosserial's library drops a message "
+                f"({baud} baud)",
                 "time",
             )
         if is_latched:
@@ -122,7 +122,7 @@ class SubscribedTopic:
             self._link.send(info, payload)
 
     def _fits(self, payload: bytes) -> bool:
-        """Tell whether the board's buffer holds a message; if not, it is counted and told."""
+        """Return whether a message fits into the board's buffer; if not, count and log it."""
         size = self._info.buffer_size
         if len(payload) <= size:
             return True

@@ -1,4 +1,4 @@
-"""Message and service classes of the types that a board names."""
+"""Message and service classes for the type names that a board announces."""
 
 import io
 from typing import Any, Tuple
@@ -7,24 +7,24 @@ import genpy
 import roslib.message
 
 
-#: Types that a workspace may lack, by a type of the same definition: rosserial's library announces
+#: Types that a workspace may lack, with a type of the same definition: rosserial's library uses
 #: the first.
 _SAME = {"tf/tfMessage": "tf2_msgs/TFMessage"}
 
 
 class TypeRefused(ValueError):
-    """A type that this workspace does not have, or has in another form; the text says so."""
+    """A type that is not installed, or has another md5sum; the text says which."""
 
 
 class Malformed(ValueError):
-    """Bytes that are no message of their type, though their sums held."""
+    """Bytes with valid checksums that are not a message of their type."""
 
 
 def message_class(datatype: str, md5sum: str) -> Any:
     """Return the class of a message.
 
     :param datatype: ``package/Name``
-    :param md5sum: what the board has of it; ``*`` for any
+    :param md5sum: of the board's header; ``*`` for any
     :raises TypeRefused: if it is unknown, or has another md5sum
     """
     found = _found(roslib.message.get_message_class, _SAME.get(datatype, datatype))
@@ -36,8 +36,8 @@ def service_class(datatype: str, request_md5sum: str, response_md5sum: str) -> A
     """Return the class of a service.
 
     :param datatype: ``package/Name``
-    :param request_md5sum: what the board has of its request
-    :param response_md5sum: and of its response
+    :param request_md5sum: of its request, on the board
+    :param response_md5sum: of its response, on the board
     :raises TypeRefused: if it is unknown, or has another md5sum
     """
     found = _found(roslib.message.get_service_class, datatype)
@@ -51,7 +51,7 @@ def decode(data_class: Any, payload: bytes) -> Any:
 
     :param data_class: its class
     :param payload: its bytes
-    :raises Malformed: if these are not exactly one
+    :raises Malformed: if the bytes are not exactly one message
     """
     try:
         message = data_class().deserialize(payload)
@@ -64,13 +64,13 @@ def decode(data_class: Any, payload: bytes) -> Any:
 
 
 def _is_whole(data_class: Any, payload: bytes, encoded: bytes) -> bool:
-    """Tell whether bytes that come back otherwise are a message all the same.
+    """Return whether bytes that do not survive a round trip are still a valid message.
 
-    They are where a truth value is neither 0 nor 1, or a text is not UTF-8. But genpy also reads a
-    text that is shorter than it says, and leaves bytes over: so one byte more must make no
-    difference, and one less must.
+    A Boolean may be neither 0 nor 1, and a string may not be UTF-8. But genpy also accepts a string
+    that is shorter than its length, and surplus bytes. So with one byte more the message must be
+    the same, and with one byte less it must not.
 
-    :param encoded: the message that was read from the bytes, as bytes again
+    :param encoded: the decoded message, encoded again
     """
     if encode(data_class().deserialize(payload + b"\0")) != encoded:
         return False
@@ -84,7 +84,7 @@ def encode(message: Any) -> bytes:
     """Return the bytes of a message.
 
     :param message: of any class
-    :raises genpy.SerializationError: if a field holds what does not fit
+    :raises genpy.SerializationError: if a field has an invalid value
     """
     buffer = io.BytesIO()
     message.serialize(buffer)
@@ -98,24 +98,24 @@ def _found(lookup: Any, datatype: str) -> Any:
         found = None
     if found is None:
         package = datatype.partition("/")[0]
-        raise TypeRefused(f"{datatype} is not known here: is {package} built and sourced?")
+        raise TypeRefused(f"{datatype} not found: is {package} built and sourced?")
     return found
 
 
 def _compare(what: str, md5sum: str, found: Any) -> None:
     if md5sum not in (found._md5sum, "*"):
         raise TypeRefused(
-            f"{what} is another one on the board (md5sum {md5sum}) than here "
-            f"({found._md5sum}): make its header for the sketch again"
+            f"{what} differs on the board (md5sum {md5sum}) and here "
+            f"({found._md5sum}): generate the sketch's headers again"
         )
 
 
 def md5sums_of(sent: Any, heard: Any, kind: int, server: int) -> Tuple[str, str]:
     """Return the md5sums of a service's request and response.
 
-    :param sent: what the board has told of what it sends
-    :param heard: and of what it receives
-    :param kind: whether it offers the service or calls it
+    :param sent: info of the messages that the board sends
+    :param heard: info of the messages that the board receives
+    :param kind: whether the board offers the service or calls it
     :param server: the kind that offers it
     """
     return (heard.md5sum, sent.md5sum) if kind == server else (sent.md5sum, heard.md5sum)

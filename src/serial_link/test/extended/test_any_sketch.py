@@ -59,7 +59,7 @@ class AnySketch(BoardRig):
         node.wait_for_log("the board's call failed", "/called", "no node offers it")
         self.board.faults = Faults(is_plugged=False)
         node.wait_for_log("is gone")
-        with self.assertRaisesRegex(rospy.ServiceException, "is not there|is gone"):
+        with self.assertRaisesRegex(rospy.ServiceException, "does not exist|is gone"):
             offered(True)
 
     def test_types_that_there_are_not_are_refused_and_the_others_work(self) -> None:
@@ -178,8 +178,10 @@ class AnySketch(BoardRig):
         self.end.plug()
         self.addCleanup(self.end.unplug)
         node = self.start_node()
-        node.wait_for_log("the board says nothing", "at 115200 baud?")
-        self.feed(b"\x00\x80garbled", node, "what arrives is no message of rosserial", "115200")
+        node.wait_for_log("the board sends nothing", "at 115200 baud?")
+        self.feed(
+            b"\x00\x80garbled", node, "the received bytes are not rosserial messages", "115200"
+        )
         # Such a board answers the request of its own time only.
         asked = bytearray()
 

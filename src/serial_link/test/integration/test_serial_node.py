@@ -77,7 +77,7 @@ class SerialNode(NodeRig):
         link = self.start_both()
         self.set(plugged=False)
         link.wait_for_log(f"{self.port} is gone")
-        link.wait_for_log("is not there: is the board plugged in?")
+        link.wait_for_log("does not exist: is the board plugged in?")
         self.set(plugged=True)
         wait_until(lambda: os.path.islink(self.port), lambda: "no port")
         self.wait_until_back(time.monotonic())

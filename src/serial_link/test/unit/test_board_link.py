@@ -165,7 +165,7 @@ def test_what_is_sent_while_there_is_no_board_is_counted_and_a_loss_is_told(rig:
     rig.fetch_until(Synced)
     rig.board.faults = Faults(is_plugged=False)
     assert "is gone" in rig.fetch_until(Restarted).why
-    wait_until(lambda: "is not there" in rig.link.trouble, lambda: rig.link.trouble)
+    wait_until(lambda: "does not exist" in rig.link.trouble, lambda: rig.link.trouble)
     rig.link.send(info, b"")
     assert not rig.link.send_reliable(info, b"")
     assert rig.link.all_counters()["no contact"] == 1
@@ -238,7 +238,7 @@ def test_time_requests_that_come_at_once_get_one_answer(rig: Rig) -> None:
 def test_a_missing_board_is_told_once_and_again_when_it_has_been_there(
     rig: Rig, caplog: "pytest.LogCaptureFixture"
 ) -> None:
-    missing = "is not there: is the board plugged in"
+    missing = "does not exist: is the board plugged in"
     rig.link._throttled_log = ThrottledLog(math.inf)  # time alone lifts no limit
     rig.start()
     for losses in (1, 2):

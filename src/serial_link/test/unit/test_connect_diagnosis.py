@@ -8,35 +8,35 @@ OLD = PROBE + b"\x7d\x00\x01\x00x" + bytes([255 - (0x7D + 1 + ord("x"))])
 
 def test_nothing_garbage_and_the_old_protocol_are_told_apart() -> None:
     words = ConnectDiagnosis()
-    assert words.explain(9600).startswith("the board says nothing") and "9600" in words.explain(
+    assert words.explain(9600).startswith("the board sends nothing") and "9600" in words.explain(
         9600
     )
     assert "for this port" in words.explain(0)
     words.add(b"\x00\x80garbled" + OLD, False)
-    assert words.explain(9600).startswith("what arrives is no message of rosserial")
+    assert words.explain(9600).startswith("the received bytes are not rosserial messages")
     assert "9600 baud too" in words.explain(9600) and "use rosserial too" in words.explain(0)
     words.add(OLD, False)
     assert "before ROS Hydro (version byte 0xff" in words.explain(9600)
     words.clear()
-    assert words.explain(9600).startswith("the board says nothing")
+    assert words.explain(9600).startswith("the board sends nothing")
 
 
 def test_what_comes_after_a_good_frame_is_not_kept() -> None:
     words = ConnectDiagnosis()
     words.add(encode(10, b""), True)
     words.add(OLD + OLD, False)
-    assert words.explain(9600).startswith("the board says nothing")
+    assert words.explain(9600).startswith("the board sends nothing")
 
 
 def test_part_of_a_frame_before_the_first_good_one_is_forgotten() -> None:
     words = ConnectDiagnosis()
     words.add(b"\x80rest of a frame", False)
     words.add(encode(10, b""), True)
-    assert words.explain(9600).startswith("the board says nothing")
+    assert words.explain(9600).startswith("the board sends nothing")
 
 
 def test_only_the_latest_words_are_kept() -> None:
     words = ConnectDiagnosis()
     words.add(OLD + OLD, False)
     words.add(bytes(MOST_KEPT), False)
-    assert words.explain(9600).startswith("what arrives is no message")
+    assert words.explain(9600).startswith("the received bytes are not rosserial messages")

@@ -94,7 +94,7 @@ def test_a_pulled_cable_is_told_and_the_link_finds_the_next_number(
         port.read(0.0)
     with pytest.raises(PortLost, match="is closed"):
         port.write(b"")
-    with pytest.raises(PortUnavailable, match="is not there: is the board plugged in"):
+    with pytest.raises(PortUnavailable, match="does not exist: is the board plugged in"):
         port.open(0.0)
     end.plug()
     assert port.open(0.0)
@@ -192,7 +192,7 @@ def test_a_board_that_takes_nothing_does_not_hold_the_writer_for_long(
         return bool(stuck)
 
     wait_until(is_stuck, lambda: "it takes everything")
-    assert "takes nothing for 0.5 s" in stuck[0]
+    assert "accepts no bytes for 0.5 s" in stuck[0]
 
 
 @pytest.mark.parametrize("is_native", [False, True])

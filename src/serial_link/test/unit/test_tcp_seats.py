@@ -95,8 +95,8 @@ def test_boards_behind_one_address_are_told_apart_by_order() -> None:
     [
         ("le-ft", "'le-ft' is not a namespace"),
         ("left,,right", "'' is not a namespace"),
-        ("left,left", "'left' is there twice"),
-        (f"left@{A},right@{A}", f"{A} is there twice"),
+        ("left,left", "'left' is listed twice"),
+        (f"left@{A},right@{A}", f"{A} is listed twice"),
         ("left@robot", "'robot' is not an IPv4 address"),
         ("left@::1", "'::1' is not an IPv4 address"),
     ],

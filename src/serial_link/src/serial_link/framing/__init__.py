@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""Frames of the wire: encoded and decoded. Pure."""
+"""Encoder and decoder of rosserial frames. Pure."""

@@ -1,4 +1,4 @@
-"""Decoder of frames in bytes that may be cut, damaged or mixed with noise."""
+"""Frame decoder for byte streams that may be cut off, damaged or noisy."""
 
 from typing import Counter, List, Tuple
 
@@ -12,28 +12,28 @@ from serial_link.framing.frames import (
     Frame,
 )
 
-#: What may be wrong with what arrives: the checksum of a length, a length beyond all messages or
-#: one that others begin within, the checksum of a message, a message that does not go on; and the
-#: bytes that belong to no good frame.
+#: Faults: wrong checksum of a length; a length beyond all messages, or a frame that overlaps
+#: others; wrong checksum of a message; a message that breaks off. And the number of bytes outside
+#: good frames.
 LENGTH_CHECKSUM, LENGTH, CHECKSUM, CUT_OFF = "length checksum", "length", "checksum", "cut off"
 GARBAGE = "garbage bytes"
-#: What else may begin at a place: a good frame, or perhaps one, of which too little is here.
+#: Other classifications of a position: a good frame, or an incomplete one.
 _GOOD, _WAITING = "good", "waiting"
 
 
 class Decoder:
-    """Decoder of frames. It raises nothing, and returns no frame with a wrong checksum.
+    """Frame decoder. It raises no exception, and returns no frame with a wrong checksum.
 
-    After a fault it goes on right behind the two bytes that began the bad frame, not behind its
-    end: what the length says may be the very thing that is wrong. Where a length lies, what follows
-    is waited for in vain, and swallowed; so a frame within which two whole good frames stand back
-    to back counts as none. Two good messages after any damage, frames are found again, unless their
-    own content looks like the beginning of a frame.
+    After a fault it continues right behind the two start bytes of the bad frame, not behind its
+    end, because the length itself may be wrong. A wrong length would make it wait for bytes that
+    never arrive, and swallow good frames; so a frame that contains two good frames back to back is
+    invalid. At most two good messages after a fault, frames are recognised again, unless their
+    content looks like the beginning of a frame.
 
-    How the bytes are cut into pieces makes no difference.
+    The result does not depend on how the bytes are split into pieces.
 
-    :ivar faults: how often each kind of fault was seen, and how many bytes were garbage
-    :ivar longest: a longer payload is a fault [bytes]
+    :ivar faults: number of faults by type, and of garbage bytes
+    :ivar longest: longest valid payload [bytes]
     """
 
     def __init__(self, longest: int = LONGEST) -> None:
@@ -43,19 +43,19 @@ class Decoder:
 
     @property
     def is_waiting(self) -> bool:
-        """Whether the rest of a frame is waited for."""
+        """Whether a frame is incomplete."""
         return bool(self._buffer)
 
     def feed(self, data: bytes) -> List[Frame]:
-        """Return the frames that are whole now.
+        """Return the frames completed by these bytes.
 
-        :param data: what has arrived
+        :param data: the received bytes
         """
         self._buffer += data
         return self._extract_frames(is_over=False)
 
     def flush(self) -> List[Frame]:
-        """Stop waiting for the rest of a frame, as nothing has come for too long.
+        """Give up on an incomplete frame after a timeout.
 
         :returns: the frames that were hidden behind its beginning
         """
@@ -65,11 +65,11 @@ class Decoder:
         return frames
 
     def reset(self) -> None:
-        """Forget the beginning of a frame: the port was closed meanwhile."""
+        """Drop an incomplete frame, after the port was closed."""
         self._buffer.clear()
 
     def _extract_frames(self, is_over: bool) -> List[Frame]:
-        """Return the whole frames, and keep what may become one; nothing if it is over."""
+        """Return the complete frames, and keep an incomplete one, unless ``is_over``."""
         buffer, position = self._buffer, 0
         frames: List[Frame] = []
         while position < len(buffer):
@@ -95,7 +95,7 @@ class Decoder:
         return frames
 
     def _classify(self, start: int) -> Tuple[str, int]:
-        """Tell what begins at a place, and where to go on."""
+        """Classify a position; return the class, and the position to continue at."""
         buffer = self._buffer
         if not START.startswith(buffer[start : start + len(START)]):
             return GARBAGE, start + 1
@@ -118,7 +118,7 @@ class Decoder:
         return _GOOD, end
 
     def _has_two_frames(self, start: int, stop: int) -> bool:
-        """Tell whether two whole good frames stand back to back within a part of what is here."""
+        """Return whether a range contains two good frames back to back."""
         place = self._buffer.find(START, start, stop)
         while place >= 0:
             end = self._end_of_good(place, stop)
@@ -128,7 +128,7 @@ class Decoder:
         return False
 
     def _end_of_good(self, start: int, stop: int) -> int:
-        """Return where a whole good frame ends that begins at a place; 0 if none does."""
+        """Return the end of a good frame that begins at a position; 0 if there is no good frame."""
         buffer = self._buffer
         if stop - start < OVERHEAD or not buffer.startswith(START, start):
             return 0

@@ -1,1 +1,1 @@
-"""Ports that a board may be at."""
+"""Serial and TCP ports."""

@@ -19,9 +19,9 @@ class PortUser(NamedTuple):
 def find_port_users(path: str) -> List[PortUser]:
     """Return the other processes that have a file open, as far as this user may see them.
 
-    Files are compared, not their names: a process in a container, or with another /dev/pts, may
-    have another name for this one, or this name for another one. A process that made a pseudo
-    terminal may keep it open, as simulators do: it is the board, and not among them.
+    Files are compared by inode, not by name: in a container, or with another /dev/pts, the names
+    may differ. A process that created a pseudo terminal may keep it open, as simulators do: it is
+    the board itself, and is not returned.
 
     :param path: of the file; links are followed
     """
@@ -42,12 +42,12 @@ def _has_open(pid: str, target: os.stat_result) -> bool:
     folder = f"/proc/{pid}/fd"
     try:
         return any(_points_to(f"{folder}/{number}", target) for number in os.listdir(folder))
-    except OSError:  # it has ended, or is another user's
+    except OSError:  # it has ended, or belongs to another user
         return False
 
 
 def _has_made(pid: str, path: str) -> bool:
-    """Tell whether a process has the other end of a pseudo terminal."""
+    """Return whether a process has the other end of a pseudo terminal."""
     folder, _, number = path.rpartition("/")
     if folder != "/dev/pts":
         return False
@@ -82,6 +82,6 @@ def _command(pid: str) -> str:
     except OSError:
         return "ended just now"
     text = " ".join(words)
-    if len(text) > _LONGEST:  # the folders tell least
+    if len(text) > _LONGEST:  # the folders are the least informative part
         text = " ".join(os.path.basename(word) for word in words)
     return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."

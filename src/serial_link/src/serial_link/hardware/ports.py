@@ -1,64 +1,64 @@
-"""Interface of ports."""
+"""Interface of ports, and their exceptions."""
 
 from typing import Protocol
 
 
 class PortUnavailable(OSError):
-    """A port that cannot be opened now; the text says why, and what helps."""
+    """A port that cannot be opened now; the text gives the cause and the remedy."""
 
 
 class PortLost(OSError):
-    """A port that was open and is gone; the text says how."""
+    """A port that was lost while open; the text gives the cause."""
 
 
 class PortStuck(OSError):
-    """A port that takes nothing more at the moment."""
+    """A port that accepts no more bytes at the moment."""
 
 
 class Port(Protocol):
-    """Port of a board. One thread reads, another one writes."""
+    """Port of a board. One thread reads, another writes."""
 
-    #: What it is called.
+    #: Display name.
     name: str
-    #: Bits a second of its line; 0 for a network connection.
+    #: Bits per second of the line; 0 for a network connection.
     baud: int
-    #: A frame whose bytes stop coming for this long will not go on [s].
+    #: After a pause of this length within a frame, the rest will not arrive [s].
     gap: float
 
     def open(self, timeout: float) -> bool:
-        """Open it.
+        """Open the port.
 
         :param timeout: longest wait [s]
         :returns: whether it is open; False if no board has connected yet
-        :raises PortUnavailable: if it cannot be
+        :raises PortUnavailable: if it cannot be opened
         """
         ...
 
     def read(self, timeout: float) -> bytes:
-        """Return what has arrived.
+        """Return the received bytes.
 
-        :param timeout: longest wait for something [s]
-        :returns: nothing if nothing came
-        :raises PortLost: if it is gone
+        :param timeout: longest wait for the first byte [s]
+        :returns: empty after the timeout
+        :raises PortLost: if the port was lost
         """
         ...
 
     def on_frame(self) -> None:
-        """Note that a board is there: a frame without damage was among the bytes read."""
+        """Note that a board is connected: an undamaged frame was received."""
         ...
 
     def write(self, data: bytes) -> None:
         """Send bytes.
 
-        :raises PortLost: if it is gone
-        :raises PortStuck: if it takes nothing; part of the bytes may be sent
+        :raises PortLost: if the port was lost
+        :raises PortStuck: if it accepts no bytes; some may have been sent
         """
         ...
 
     def close(self) -> None:
-        """Close it, to be opened again; without effect if it is not open."""
+        """Close the port; it may be opened again. No effect if it is not open."""
         ...
 
     def release(self) -> None:
-        """Close it for good."""
+        """Close the port permanently."""
         ...

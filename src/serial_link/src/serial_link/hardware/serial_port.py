@@ -1,4 +1,4 @@
-"""Serial port, by pyserial."""
+"""Serial port, through pyserial."""
 
 import contextlib
 import errno
@@ -16,27 +16,26 @@ from serial_link.hardware.ports import PortLost, PortStuck, PortUnavailable
 from serial_link.hardware.usb_ports import has_line
 from serial_link.port_mark import is_left_behind, remove_link
 
-#: Longest time in which the port has to take a frame [s].
+#: Timeout for writing a frame [s].
 _WRITE_S = 0.5
 _READ_AT_ONCE = 4096
-#: Between the bytes of a frame there are no pauses but those of adapters and hubs [s], which may
-#: hold bytes back for 0.4 s.
+#: Longest pause within a frame [s]: adapters and hubs may hold bytes back for 0.4 s.
 _GAP_S = 0.6
-#: Where pseudo terminals are. One lives on after a kill -9, and would stay shut to other users.
+#: Folder of pseudo terminals. After a kill -9 a lock on one would persist for other users.
 _PSEUDO = "/dev/pts/"
-#: The group whose users may open serial ports, on Debian and what comes from it.
+#: Group whose members may open serial ports, on Debian and its derivatives.
 _GROUP = "dialout"
 
 
 class SerialPort:
-    """A serial port that this process has for itself.
+    """Serial port, locked for this process.
 
-    A name below /dev/serial/by-id stays with a board that comes back under another number.
+    A name below /dev/serial/by-id remains valid when the board reappears under another number.
 
-    :param name: path of the port, or of a link to it; ``~`` is the user's own folder
-    :param baud: bits a second
+    :param name: path of the port, or of a link to it; ``~`` is expanded to the home folder
+    :param baud: bits per second
 
-    :ivar baud: as given; 0 once it is open, if there is no line behind the port
+    :ivar baud: as given; 0 after opening if there is no line behind the port
     """
 
     gap = _GAP_S
@@ -47,12 +46,12 @@ class SerialPort:
         self._serial: Optional[serial.Serial] = None
 
     def open(self, timeout: float) -> bool:
-        """Open the port; see :class:`.Port`. There is no wait."""
+        """Open the port; see :class:`.Port`. Does not wait."""
         if is_left_behind(self.name):
             remove_link(self.name)
-            raise PortUnavailable(f"{self.name} is not there: its simulated board was killed")
+            raise PortUnavailable(f"{self.name} does not exist: its simulated board was killed")
         if not os.path.exists(self.name):
-            raise PortUnavailable(f"{self.name} is not there: is the board plugged in?")
+            raise PortUnavailable(f"{self.name} does not exist: is the board plugged in?")
         held = self._held()
         if held:
             raise PortUnavailable(held)
@@ -60,7 +59,7 @@ class SerialPort:
             opened = serial.Serial(
                 self.name, self._line_baud, timeout=0, write_timeout=_WRITE_S, exclusive=True
             )
-            # The lock of pyserial is known to those alone who ask for it.
+            # pyserial's lock stops only programs that ask for it.
             if not os.path.realpath(self.name).startswith(_PSEUDO):
                 fcntl.ioctl(opened.fileno(), termios.TIOCEXCL)
         except (OSError, ValueError, termios.error) as error:
@@ -70,23 +69,23 @@ class SerialPort:
         return True
 
     def read(self, timeout: float) -> bytes:
-        """Return what has arrived; see :class:`.Port`."""
+        """Return received bytes; see :class:`.Port`."""
         port = self._open_port()
         try:
             if not select.select([port.fileno()], [], [], timeout)[0]:
                 return b""
-            # Not by pyserial, which would look once more whether there is something.
+            # Not through pyserial, which would poll once more.
             data = os.read(port.fileno(), _READ_AT_ONCE)
         except BlockingIOError:
             return b""
         except (OSError, TypeError, ValueError) as error:  # of a port that is closed meanwhile
             raise PortLost(f"{self.name} is gone: {error}") from None
         if not data:
-            raise PortLost(f"{self.name} is gone: it has ended")
+            raise PortLost(f"{self.name} is gone: end of file")
         return data
 
     def on_frame(self) -> None:
-        """Do nothing: a serial port has one board; see :class:`.Port`."""
+        """Do nothing: a serial port has only one board; see :class:`.Port`."""
 
     def write(self, data: bytes) -> None:
         """Send bytes; see :class:`.Port`."""
@@ -94,7 +93,7 @@ class SerialPort:
         try:
             port.write(data)
         except serial.SerialTimeoutException:
-            raise PortStuck(f"{self.name} takes nothing for {_WRITE_S:g} s") from None
+            raise PortStuck(f"{self.name} accepts no bytes for {_WRITE_S:g} s") from None
         except (OSError, TypeError, ValueError) as error:
             raise PortLost(f"{self.name} is gone: {error}") from None
 
@@ -102,8 +101,8 @@ class SerialPort:
         """Close the port."""
         opened, self._serial = self._serial, None
         if opened is not None:
-            with contextlib.suppress(OSError):  # it is gone already
-                # A terminal that another program had opened before lives on, and would stay shut.
+            with contextlib.suppress(OSError):  # already gone
+                # A terminal that another program holds open outlives this, and would stay locked.
                 fcntl.ioctl(opened.fileno(), termios.TIOCNXCL)
             with contextlib.suppress(OSError):
                 opened.close()
@@ -119,14 +118,14 @@ class SerialPort:
         return port
 
     def _held(self) -> str:
-        """Return a sentence about the process that has the port open, empty if not found."""
+        """Return a message about the process that has the port open; empty if not found."""
         holders = find_port_users(self.name)
         if not holders:
             return ""
         return f"{self.name} is in use by {holders[0]}: only one program can talk to a board"
 
     def _why(self, error: Exception) -> str:
-        """Return a sentence that says why the port cannot be opened, and what helps."""
+        """Return a message with the cause and the remedy of a failure to open the port."""
         number = getattr(error, "errno", None)
         if number in (errno.EACCES, errno.EPERM):
             return f"{self.name}: permission denied: {self._permission()}"

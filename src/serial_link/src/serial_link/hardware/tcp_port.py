@@ -12,16 +12,16 @@ from serial_link.hardware.tcp_seats import Seat, choose_seat, explain_refusal
 
 _WRITE_S = 0.5
 _READ_AT_ONCE = 4096
-#: TCP sends again what is lost on the way: a pause may be long [s], and nothing is damaged.
+#: Longest pause within a frame [s]: long, because TCP resends lost packets.
 _GAP_S = 5.0
-#: A board waits this long for a seat before it is refused [s], longer than a silent one keeps it.
+#: A board waits this long for a seat [s], longer than a silent board keeps one.
 _SEAT_S = 12.0
-#: Most boards that wait.
+#: Most waiting boards.
 _MOST_WAITING = 16
 
 
 class _Caller(NamedTuple):
-    """A board that has connected, and has no seat yet."""
+    """A connected board without a seat yet."""
 
     connection: socket.socket
     address: str
@@ -30,16 +30,16 @@ class _Caller(NamedTuple):
 
 
 class TcpServer:
-    """Listener for the boards at one port, each of which has a seat.
+    """Listener for the boards at one TCP port, each of which has a seat.
 
-    The ports poll it: it has no thread of its own.
+    It has no thread: the ports poll it.
 
-    :param address: where to listen: ``localhost``, or an address that others reach too
+    :param address: address to listen on: ``localhost``, or one that other machines can reach
     :param number: TCP port
     :param seats: of the boards
-    :param on_refused: gets a sentence about a board that has no seat
+    :param on_refused: receives a message about each board that gets no seat
 
-    :ivar ports: one for each seat, in their order
+    :ivar ports: one for each seat, in the same order
     """
 
     def __init__(
@@ -60,32 +60,32 @@ class TcpServer:
         self._in_use = len(self.ports)
 
     def listen(self) -> List[socket.socket]:
-        """Return what to wait for; what has connected gets its seat.
+        """Return the sockets to wait for; give waiting boards their seats.
 
-        :returns: the listener; nothing while as many boards wait as may, as a wait for it would
-            return at once
-        :raises PortUnavailable: if the port cannot be listened on
+        :returns: the listener; empty while the maximum number of boards waits, when the
+            listener would be ready all the time
+        :raises PortUnavailable: if the address cannot be bound
         """
         with self._lock:
             listener = self._listener or self._open()
             self._accept(listener)
             refused = self._seat(time.monotonic())
             is_full = len(self._waiting) >= _MOST_WAITING
-        for text in refused:  # without the lock, as a log may take its time
+        for text in refused:  # without the lock: logging may be slow
             self._on_refused(text)
         return [] if is_full else [listener]
 
     def has_caller(self, seat: Seat) -> bool:
-        """Tell whether a board waits for its port to take it."""
+        """Return whether a board waits for its port."""
         return seat in self._seated
 
     def take(self, seat: Seat) -> Optional[_Caller]:
-        """Return the board that has got a seat, once."""
+        """Return the board that was given a seat, once."""
         with self._lock:
             return self._seated.pop(seat, None)
 
     def release(self) -> None:
-        """Listen no longer, when the last of the ports is released."""
+        """Stop listening when the last port is released."""
         with self._lock:
             self._in_use -= 1
             if self._in_use:
@@ -103,7 +103,7 @@ class TcpServer:
         try:
             listener = socket.create_server(self._address, backlog=len(self._seats))
         except OSError as error:
-            raise PortUnavailable(f"{self.name} cannot be listened on: {error}") from None
+            raise PortUnavailable(f"{self.name} cannot listen: {error}") from None
         listener.setblocking(False)
         self._listener = listener
         return listener
@@ -112,14 +112,14 @@ class TcpServer:
         while len(self._waiting) < _MOST_WAITING:
             try:
                 connection, (address, port) = listener.accept()
-            except OSError:  # no more of them, or gone already
+            except OSError:  # no more boards, or already gone
                 return
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             connection.settimeout(_WRITE_S)
             self._waiting.append(_Caller(connection, address, port, time.monotonic()))
 
     def _seat(self, now: float) -> List[str]:
-        """Give boards their seats; return a sentence about each that is refused."""
+        """Give boards their seats; return a message about each rejected board."""
         refused: List[str] = []
         for caller in list(self._waiting):
             seat = choose_seat(self._seats, caller.address, now)
@@ -141,12 +141,12 @@ class TcpServer:
 
 
 class TcpPort:
-    """Port of the board that has a seat; a new connection replaces one that is silent.
+    """Port of the board in one seat; a new connection replaces a silent one.
 
-    A board that was reset leaves an open connection behind, and connects again.
+    A board that was reset leaves its old connection open, and connects again.
 
-    :param server: for all boards
-    :param seat: of this one
+    :param server: shared by all boards
+    :param seat: of this board
     """
 
     baud, gap = 0, _GAP_S
@@ -171,7 +171,7 @@ class TcpPort:
         return True
 
     def read(self, timeout: float) -> bytes:
-        """Return what has arrived; see :class:`.Port`."""
+        """Return received bytes; see :class:`.Port`."""
         board = self._connected()
         try:
             listeners = self._server.listen()
@@ -180,7 +180,7 @@ class TcpPort:
                 if any(listener in ready for listener in listeners):
                     self._server.listen()
             if self._server.has_caller(self._seat):
-                raise PortLost(f"{self.name}: a new connection has replaced it")
+                raise PortLost(f"{self.name}: replaced by a new connection")
             if board not in ready:
                 return b""
             data = board.recv(_READ_AT_ONCE)
@@ -199,24 +199,26 @@ class TcpPort:
     def write(self, data: bytes) -> None:
         """Send bytes; see :class:`.Port`.
 
-        Where part of a message is sent, the connection ends: the next would be taken for the rest.
+        A partial write closes the connection: the next message would be taken for the rest.
         """
         board = self._connected()
         try:
             if not select.select([], [board], [], _WRITE_S)[1]:
-                raise PortStuck(f"{self.name} takes nothing for {_WRITE_S:g} s")
+                raise PortStuck(f"{self.name} accepts no bytes for {_WRITE_S:g} s")
             board.sendall(data)
         except PortStuck:
             raise
         except socket.timeout:
-            with contextlib.suppress(OSError):  # it is gone already
-                board.shutdown(socket.SHUT_RDWR)  # which the thread that reads is told
-            raise PortStuck(f"{self.name} takes no more of a message for {_WRITE_S:g} s") from None
+            with contextlib.suppress(OSError):  # already gone
+                board.shutdown(socket.SHUT_RDWR)  # wakes the reading thread
+            raise PortStuck(
+                f"{self.name} accepts only part of a message for {_WRITE_S:g} s"
+            ) from None
         except (OSError, ValueError) as error:
             raise PortLost(f"{self.name} is gone: {error}") from None
 
     def close(self) -> None:
-        """Close the board's connection; the server goes on listening."""
+        """Close the board's connection; the server keeps listening."""
         board, self._board = self._board, None
         self.name = self._own_name
         if board is not None:
@@ -225,7 +227,7 @@ class TcpPort:
             self._seat.heard_at = None
 
     def release(self) -> None:
-        """Close it for good; the server goes on for the other ports."""
+        """Close the port permanently; the server continues for the other ports."""
         self.close()
         self._server.release()
 
@@ -237,7 +239,7 @@ class TcpPort:
 
 
 def _has_left(connection: socket.socket) -> bool:
-    """Tell whether a board has closed its connection again."""
+    """Return whether a board has closed its connection."""
     if not select.select([connection], [], [], 0.0)[0]:
         return False
     try:

@@ -1,13 +1,13 @@
-"""Seats of the boards at one TCP port: which board is which, over reconnections."""
+"""Assignment of boards to seats at one TCP port, across reconnections."""
 
 import ipaddress
 import re
 from typing import List, Optional, Sequence
 
-#: A connection whose board has said nothing for this long gives way to a new one of the same
-#: address [s], as a board that was reset leaves its own open: all ask for the time every 2.5 s.
+#: After this silence, a connection is replaced by a new one from the same address [s]: a board that
+#: was reset leaves its old connection open. All boards request the time every 2.5 s.
 SAME_BOARD_S = 3.0
-#: And to one of another address, after the time in which rosserial's library forgets a host [s].
+#: The same for another address [s]: rosserial's library forgets a host after this time.
 OTHER_BOARD_S = 11.0
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 
@@ -15,12 +15,12 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 class Seat:
     """Seat of one board.
 
-    :param name: of the board, a namespace; empty for the only one
-    :param address: IP address that it is for; empty for any
+    :param name: of the board, a namespace; empty for a single board
+    :param address: IP address it is reserved for; empty for any
 
-    :ivar peer: IP address of the last board that sent a frame; empty until one has
+    :ivar peer: IP address of the last board that sent a frame; empty if none has
     :ivar connected: IP address of the last connection, of a board or of another program
-    :ivar heard_at: when it connected or sent its last frame [s]; None while none is connected
+    :ivar heard_at: time of the connection or of its last frame [s]; None while not connected
     """
 
     def __init__(self, name: str = "", address: str = "") -> None:
@@ -29,7 +29,7 @@ class Seat:
         self.heard_at: Optional[float] = None
 
     def is_free(self, peer: str, now: float) -> bool:
-        """Tell whether a board may have it: it is empty, or its board is silent for too long.
+        """Return whether a board may take the seat: it is empty, or its board is silent too long.
 
         :param peer: IP address of the board
         :param now: the time [s]
@@ -42,8 +42,8 @@ class Seat:
 def parse_seats(text: str) -> List[Seat]:
     """Return the seats that a parameter lists.
 
-    :param text: ``NAME`` or ``NAME@ADDRESS``, separated by commas; empty for one without a name
-    :raises ValueError: with a sentence about the first that is invalid
+    :param text: ``NAME`` or ``NAME@ADDRESS``, separated by commas; empty for one unnamed seat
+    :raises ValueError: with a message about the first invalid entry
     """
     if not text.strip():
         return [Seat()]
@@ -53,21 +53,22 @@ def parse_seats(text: str) -> List[Seat]:
         if not _NAME.fullmatch(name):
             raise ValueError(f"{name!r} is not a namespace: use letters, digits and _")
         if name in {seat.name for seat in seats}:
-            raise ValueError(f"{name!r} is there twice: name each board differently")
+            raise ValueError(f"{name!r} is listed twice: give each board a different name")
         if at:
             address = _checked(address)
             if address in {seat.address for seat in seats}:
-                raise ValueError(f"{address} is there twice: one board has one address")
+                raise ValueError(f"{address} is listed twice: give each board a different address")
         seats.append(Seat(name, address))
     return seats
 
 
 def choose_seat(seats: Sequence[Seat], peer: str, now: float) -> Optional[Seat]:
-    """Return the seat for a board that has connected; None while all are taken.
+    """Return the seat for a connected board; None while all are taken.
 
-    The seat of its address comes first, then the one that it had, then the first that no board had;
-    the only seat is for any board. A connection that has sent no frame may be a port probe: the
-    next board waits until it sends one, closes or is silent for too long, and then gets that seat.
+    Preferred is the seat for its address, then its previous seat, then the first seat that had no
+    board yet; a single seat is for any board. A connection without a frame may be a port scan: the
+    next board waits until that connection sends a frame, closes or times out, and then gets the
+    seat.
 
     :param seats: all
     :param peer: IP address of the board
@@ -76,14 +77,14 @@ def choose_seat(seats: Sequence[Seat], peer: str, now: float) -> Optional[Seat]:
     own = [seat for seat in seats if seat.address == peer]
     others = [seat for seat in seats if not seat.address]
     former = [seat for seat in others if seat.peer == peer]
-    former.sort(key=lambda seat: seat.heard_at is not None)  # an empty one first
+    former.sort(key=lambda seat: seat.heard_at is not None)  # empty seats first
     unused = [seat for seat in others if not seat.peer]
     candidates = own or [*former, *unused[:1]] or (others if len(seats) == 1 else [])
     return next((seat for seat in candidates if seat.is_free(peer, now)), None)
 
 
 def explain_refusal(seats: Sequence[Seat]) -> str:
-    """Return why a board gets none of the seats, and what to do.
+    """Return why a board gets no seat, and what to do.
 
     :param seats: all
     """
@@ -94,8 +95,8 @@ def explain_refusal(seats: Sequence[Seat]) -> str:
     if not reserved:
         silent = [seat.connected for seat in seats if seat.heard_at is not None and not seat.peer]
         return (
-            f"connections of {' and '.join(silent)} have sent no frame of rosserial, and the next "
-            "board waits for them; end the programs that connect there"
+            f"connections from {' and '.join(silent)} have sent no rosserial frame, and the next "
+            "board waits for them; stop the programs that connect there"
         )
     names = " and ".join(f"{seat.name} ({seat.address or seat.peer})" for seat in reserved)
     others = "" if len(reserved) == len(seats) else ", and the others are connected"

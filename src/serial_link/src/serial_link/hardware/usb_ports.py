@@ -1,12 +1,12 @@
-"""USB ports of boards: with a serial line behind them, or native."""
+"""Detection of native USB ports and of USB converters with a serial line."""
 
 import os
 from typing import Dict, List
 
-#: Where the system has the ports' devices.
+#: Folder of the serial devices in sysfs.
 SYSTEM = "/sys/class/tty"
-#: Converters to a serial line that have no driver of their own, but that of native USB ports: by
-#: vendor, the products, or none for all. Those of Arduino are in its boards.txt (Uno and Mega).
+#: Serial converters that use the driver of native USB ports: product ids by vendor id; empty means
+#: all products. The Arduino ids are from its boards.txt (Uno and Mega).
 _CONVERTERS: Dict[str, List[str]] = {
     "2341": "0001 0010 003f 0042 0043 0044 006a 0210 0242 0243".split(),
     "2a03": "0010 003f 0042 0043 0044 0057".split(),
@@ -17,13 +17,13 @@ _CONVERTERS: Dict[str, List[str]] = {
 
 
 def has_line(name: str, system: str = SYSTEM) -> bool:
-    """Tell whether a port has a serial line, whose baud rate limits it.
+    """Return whether a port has a serial line, whose baud rate limits it.
 
-    A native USB port, as of a Leonardo, Teensy or Pico, takes what it gets at USB's pace, whatever
-    baud rate is set. A port of which the system says nothing counts as a line.
+    A native USB port (Leonardo, Teensy, Pico) ignores the baud rate and runs at USB speed. A port
+    that sysfs does not describe counts as a serial line.
 
     :param name: path of the port; links are followed
-    :param system: folder of the ports' devices
+    :param system: folder of the serial devices
     """
     device = os.path.join(system, os.path.basename(os.path.realpath(name)), "device")
     driver = os.path.basename(os.path.realpath(os.path.join(device, "driver")))

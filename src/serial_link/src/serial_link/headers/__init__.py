@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""Messages as C++ classes, for the sketch of a microcontroller."""
+"""C++ classes of messages, for the sketch of a microcontroller."""

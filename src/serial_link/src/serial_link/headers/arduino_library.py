@@ -1,10 +1,10 @@
-"""Arduino library of headers: the files that the IDE and arduino-cli expect around them."""
+"""Arduino library of headers, with the files that the IDE and arduino-cli expect."""
 
 from typing import Dict
 
-#: Of the library and its root header, which a sketch includes so that the library is found.
+#: Name of the library, and of the root header by which a sketch includes it.
 NAME = "ros_messages"
-#: Under which rosserial's library is in the library manager, and the version that these suit.
+#: Name of rosserial's library in the library manager, and the version that these headers need.
 ROSSERIAL, ROSSERIAL_VERSION = "Rosserial Arduino Library", "0.7.8"
 
 _PROPERTIES = """\
@@ -23,11 +23,11 @@ depends={rosserial} (={rosserial_version})
 
 
 def arduino_library(headers: Dict[str, str], packages: str, version: str) -> Dict[str, str]:
-    """Return the files of a library by their paths.
+    """Return the files of a library by path.
 
-    :param headers: by their paths, which stay below ``src``
-    :param packages: whose they are, in words
-    :param version: of the library, three numbers with points
+    :param headers: by path, relative to ``src``
+    :param packages: names of their packages, as text
+    :param version: of the library, three numbers separated by dots
     """
     properties = _PROPERTIES.format(
         name=NAME,

@@ -1,9 +1,9 @@
-"""C++ class of a message in the form of rosserial's library.
+"""C++ class of a message, compatible with rosserial's library.
 
-The facts, not the text, are those of rosserial's ros_lib (github.com/ros-drivers/rosserial): a
+Compatible with rosserial's ros_lib (github.com/ros-drivers/rosserial), but not copied from it: a
 class in the package's namespace that derives from ros::Msg, a pointer and a length for an array, a
-pointer for a text, the include guards of its generator, and a member ``st_NAME``, an element of
-the array NAME. 64 bits are a double where the board's has 8 bytes, else a float.
+pointer for a string, the include guards of its generator, and a member ``st_NAME``, an element of
+the array NAME. A float64 is a double if the board's double has 8 bytes, else a float.
 """
 
 from typing import Callable, Dict, Iterable, Iterator, List, NamedTuple, Tuple
@@ -21,7 +21,7 @@ _NUMBERS: Dict[str, str] = {
     **{f"uint{bits}": f"uint{bits}_t" for bits in (8, 16, 32, 64)},
 }
 _OF_ROS = {"time": "ros::Time", "duration": "ros::Duration"}
-#: Words of C++ that a field may have as its name; an underscore is put behind it.
+#: Reserved words of C++; fields of this name get an underscore appended.
 _WORDS = frozenset(
     "alignas alignof and asm auto bool break case catch char class compl const continue default "
     "delete do double else enum explicit export extern false float for friend goto if inline int "
@@ -35,10 +35,10 @@ class Class(NamedTuple):
     """Parts of a C++ class.
 
     :param name: of the class
-    :param datatype: what it calls itself, such as ``std_msgs/Header``
-    :param md5sum: of its definition
-    :param constants: of its definition
-    :param fields: of its definition, in their order
+    :param datatype: ROS type, such as ``std_msgs/Header``
+    :param md5sum: of the definition
+    :param constants: of the definition
+    :param fields: of the definition, in order
     """
 
     name: str
@@ -51,10 +51,10 @@ class Class(NamedTuple):
 def header(package: str, name: str, classes: List[Class], service: bool = False) -> str:
     """Return the header of a message, or of a service.
 
-    :param package: whose it is
+    :param package: of the message or service
     :param name: of the message or service
-    :param classes: the message's one, the service's two
-    :param service: whether it is one
+    :param classes: one for a message, two for a service
+    :param service: whether it is a service
     """
     opening, closing = _service_guards(package, name) if service else _guard(package, name)
     lines = [
@@ -81,10 +81,10 @@ def _guard(package: str, name: str) -> Tuple[List[str], List[str]]:
 
 
 def _service_guards(package: str, name: str) -> Tuple[List[str], List[str]]:
-    """Return the lines of a service's guards.
+    """Return the include guards of a service.
 
-    The guard of rosserial lacks the package, so services of one name would exclude each other. It
-    is defined without a value there, and as 1 here: only the former excludes this header.
+    rosserial's guard lacks the package, so services of the same name in two packages would exclude
+    each other. rosserial defines it without a value, this header as 1: only the former excludes it.
     """
     own, of_rosserial = f"SERIAL_LINK_{package}_{name}_SRV_H", f"_ROS_SERVICE_{name}_h"
     opening = [
@@ -153,7 +153,7 @@ def _constant(constant: Constant) -> str:
 
 
 def cpp_type(base: str) -> str:
-    """Return the type of an element in C++.
+    """Return the C++ type of an element.
 
     :param base: its type in the definition
     """
@@ -208,7 +208,7 @@ def _count(field: Field) -> str:
 
 
 def _each(field: Field, lines: Callable[[str, str, str], List[str]], buffer: str) -> Iterator[str]:
-    """Return the lines for a field, of an array those for an element in a loop."""
+    """Yield the lines for a field; for an array, those for an element in a loop."""
     name = f"this->{member(field.name)}"
     if not field.is_array:
         yield from ("    " + line for line in lines(field.base, name, buffer))

@@ -1,13 +1,13 @@
-"""C++ functions shared by all headers: serialization of numbers and texts."""
+"""C++ functions shared by all headers: serialization of numbers and strings."""
 
-#: Its place among the headers.
+#: Path among the headers.
 WIRE_PATH = "serial_link/wire.h"
 
-#: The boards that rosserial supports keep the lowest byte first, as the wire does; so numbers are
-#: copied. What a board calls double may have 4 bytes only, so 64 bits are made of a float's 32:
-#: sign, exponent with a bias of 1023 in place of 127, fraction (IEEE 754).
+#: The boards that rosserial supports are little-endian, like the wire format: numbers are copied.
+#: A board's double may have only 4 bytes, so 64 bits are made from a 32-bit float: sign, exponent
+#: with a bias of 1023 instead of 127, fraction (IEEE 754).
 WIRE_HEADER = """\
-// Numbers and texts as bytes, and back. Made by serial_link's make_headers.
+// Serialization of numbers and strings. Made by serial_link's make_headers.
 #ifndef SERIAL_LINK_WIRE_H
 #define SERIAL_LINK_WIRE_H
 
@@ -32,7 +32,7 @@ inline int get(const unsigned char *in, bool &value) {
   return 1;
 }
 
-// What a field of 64 bits is on the board: many have no double of 8 bytes.
+// Type of a float64 field on the board: many boards have no 8-byte double.
 #if __SIZEOF_DOUBLE__ == 8
 typedef double float64;
 inline int put64(unsigned char *out, double value) { return put(out, value); }
@@ -51,7 +51,7 @@ inline int put64(unsigned char *out, float value) {
     exponent = 0x7ff;
   } else if (exponent > 0) {
     exponent += 1023 - 127;
-  } else if (fraction > 0) {  // so small that its fraction starts with zeros
+  } else if (fraction > 0) {  // subnormal
     exponent = 1023 - 126;
     while (!(fraction & 0x800000)) {
       fraction <<= 1;
@@ -64,7 +64,7 @@ inline int put64(unsigned char *out, float value) {
   return put(out, wide);
 }
 
-// 64 bits as a float: what is too large is infinite, what is too small 0.
+// 64 bits as a float: too large becomes infinite, too small 0.
 inline int get64(const unsigned char *in, float &value) {
   uint64_t wide;
   get(in, wide);
@@ -77,7 +77,7 @@ inline int get64(const unsigned char *in, float &value) {
     uint64_t whole = fraction | 0x10000000000000ULL;
     int16_t narrow = exponent - 1023 + 127;
     int16_t lost = narrow > 0 ? 29 : 30 - narrow;
-    // To the nearest; a carry goes into the exponent, as it has to.
+    // Round to nearest; a carry correctly goes into the exponent.
     bits = (narrow > 0 ? (uint32_t)(narrow - 1) << 23 : 0) +
            (uint32_t)((whole + ((uint64_t)1 << (lost - 1)) - 1 + ((whole >> lost) & 1)) >> lost);
     if (narrow >= 0xff || bits > 0x7f800000) bits = 0x7f800000;
@@ -94,7 +94,7 @@ inline int put_text(unsigned char *out, const char *text) {
   return 4 + length;
 }
 
-// The text stays where it came; it moves one byte down, so that there is room for its end.
+// The string stays in the buffer; it moves down by one byte, to make room for its terminator.
 inline int get_text(unsigned char *in, const char *&text) {
   uint32_t length;
   get(in, length);
@@ -104,8 +104,8 @@ inline int get_text(unsigned char *in, const char *&text) {
   return 4 + length;
 }
 
-// Makes room for the elements that come. What was received before is used again, as it may have
-// room of its own; what the sketch has put there is left alone.
+// Makes room for the received elements. Elements of an earlier message are reused, because they may
+// own memory; values that the sketch has stored there are kept.
 template <typename Element>
 inline int get_length(
     const unsigned char *in, uint32_t &length, uint32_t &room, Element *&elements) {

@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""Host side of the protocol: synchronization, queueing, pacing. Pure."""
+"""Host side of the protocol: synchronization, send queue, pacing. Pure."""

@@ -1,19 +1,19 @@
-"""Pacing of frames by the baud rate."""
+"""Pacing of frames to the baud rate."""
 
-#: Bits on the line for a byte: one to start, eight, one to stop.
+#: Bits per byte on the line: start bit, eight data bits, stop bit.
 BITS = 10
-#: So much earlier than the line is free the next frame is written [s]: a thread that wakes up late
-#: leaves no gap. What is written cannot be replaced by a newer value any more.
+#: The next frame is written this long before the line is free [s], so that a late thread leaves no
+#: gap. A written frame cannot be replaced by a newer value.
 AHEAD_S = 0.002
 
 
 class BaudPacer:
-    """Pacer of frames, so that as few as possible wait in the system's buffer.
+    """Pacer that keeps the system's transmit buffer nearly empty.
 
-    The system takes 4 KB at once, which at 57 600 baud are 0.7 s: the newest value would come after
-    all of them. Time is an argument [s].
+    The system buffers 4 KB, which is 0.7 s at 57 600 baud: a new value would queue behind them.
+    Time is an argument [s].
 
-    :param baud: bits a second; 0 for a line that is not paced
+    :param baud: bits per second; 0 for no pacing
     """
 
     def __init__(self, baud: int) -> None:
@@ -31,6 +31,6 @@ class BaudPacer:
         """Record a write.
 
         :param now: the time [s]
-        :param count: bytes
+        :param count: number of bytes
         """
         self._free_at = max(now, self._free_at) + count * self._seconds

@@ -2,9 +2,9 @@
 
 from serial_link.framing.frames import count_old_frames
 
-#: How much is kept [bytes].
+#: Most bytes kept.
 MOST_KEPT = 4096
-#: So many frames of the old protocol are no accident.
+#: This many frames of the old protocol cannot be a coincidence.
 _ENOUGH = 2
 
 
@@ -16,10 +16,10 @@ class ConnectDiagnosis:
         self._is_understood = False
 
     def add(self, data: bytes, has_frames: bool) -> None:
-        """Keep what has arrived.
+        """Keep received bytes.
 
         :param data: the bytes
-        :param has_frames: whether there is a good frame by now
+        :param has_frames: whether a good frame has been received
         """
         if has_frames:
             self._is_understood = True
@@ -29,28 +29,28 @@ class ConnectDiagnosis:
             del self._unread[:-MOST_KEPT]
 
     def clear(self) -> None:
-        """Reset, as the port was opened."""
+        """Reset, after the port was opened."""
         self._unread.clear()
         self._is_understood = False
 
     def explain(self, baud: int) -> str:
-        """Return a sentence that says why a board may not answer, and what to look at.
+        """Return why a board may not answer, and what to check.
 
-        :param baud: bits a second of the line; 0 without a line
+        :param baud: bits per second of the line; 0 without a line
         """
         if count_old_frames(self._unread) >= _ENOUGH:
             return (
-                "the board speaks rosserial's protocol of before ROS Hydro (version byte 0xff; "
-                "0xfe is spoken here): build its sketch with a newer library"
+                "the board uses rosserial's protocol from before ROS Hydro (version byte 0xff; "
+                "this node needs 0xfe): build its sketch with a newer library"
             )
         if self._unread:
             what = f"{baud} baud" if baud else "rosserial"
             return (
-                f"what arrives is no message of rosserial: does the sketch use {what} too, and "
-                "nothing else write to its port?"
+                f"the received bytes are not rosserial messages: does the sketch use {what}, and "
+                "does nothing else write to its port?"
             )
         place = f"at {baud} baud" if baud else "for this port"
         return (
-            "the board says nothing: does its sketch call initNode and, again and again, spinOnce, "
+            "the board sends nothing: does its sketch call initNode, and spinOnce in its loop, "
             f"{place}?"
         )

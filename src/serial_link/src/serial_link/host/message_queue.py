@@ -1,31 +1,31 @@
-"""Queue for a line, or for a thread, that may be slower than its messages."""
+"""Message queue for a line or thread that may be slower than its messages."""
 
 import threading
 import time
 from collections import OrderedDict, deque
 from typing import Any, Deque, Optional
 
-#: Values of one stream that may wait, so that those that come together all go out. One more, and
-#: the line has fallen behind: only the newest is of use then.
+#: Values of one stream that may wait, so that a burst is sent completely. With one more, the line
+#: has fallen behind, and only the newest value matters.
 DEPTH = 16
-#: Most messages that are kept, whatever they are; more are a defect of their sender.
+#: Most messages kept in total; more are a defect of their sender.
 MOST_KEPT = 1000
 
 
 class MessageQueue:
-    """Queue of messages. Many threads may add messages, and one gets them.
+    """Message queue with many writers and one reader.
 
-    What is kept, as calls of services are, comes first and in order. Of each stream, the newest
-    values come; when too many wait all but the newest are dropped, and counted. Streams take turns.
+    Reliable messages, such as service calls, come first and in order. Of each stream the newest
+    values follow; if too many wait, all but the newest are dropped and counted. Streams alternate.
 
-    :param depth: how many values of one stream may wait
+    :param depth: number of values of one stream that may wait
     """
 
     def __init__(self, depth: int = DEPTH) -> None:
         self._depth = depth
         self._lock = threading.Lock()
-        #: Held while there is nothing new. A bare lock wakes a thread in half the time that a
-        #: condition takes.
+        #: Held while the queue is empty. A bare lock wakes a thread in half the time of a condition
+        #: variable.
         self._empty = threading.Lock()
         self._empty.acquire()
         self._kept: Deque[Any] = deque()
@@ -40,15 +40,15 @@ class MessageQueue:
 
     @property
     def refused(self) -> int:
-        """Number of messages that were refused by a full queue."""
+        """Number of messages rejected because the queue was full."""
         return self._refused
 
     def put(self, stream: Any, message: Any, depth: int = 0) -> None:
         """Add a value of a stream.
 
-        :param stream: which one
+        :param stream: key of the stream
         :param message: the value
-        :param depth: how many values of it may wait, where that is not as of all
+        :param depth: number of its values that may wait; 0 for the default
         """
         with self._lock:
             waiting = self._streams.setdefault(stream, deque())
@@ -62,7 +62,7 @@ class MessageQueue:
         """Add a message that must not be lost.
 
         :param message: the message
-        :returns: whether it is kept; not where :data:`MOST_KEPT` wait already
+        :returns: whether it was accepted; False while :data:`MOST_KEPT` wait
         """
         with self._lock:
             if len(self._kept) >= MOST_KEPT:
@@ -75,8 +75,8 @@ class MessageQueue:
     def get(self, timeout: float) -> Optional[Any]:
         """Take out the next message.
 
-        :param timeout: longest wait for one [s]
-        :returns: None after the time-out, or if the queue is closed
+        :param timeout: longest wait [s]
+        :returns: None after the timeout, or if the queue is closed
         """
         end = time.monotonic() + timeout
         while True:
@@ -88,7 +88,7 @@ class MessageQueue:
                 return None
 
     def clear(self) -> None:
-        """Drop all that waits, uncounted: whom it was meant for is gone."""
+        """Drop all waiting messages without counting them: their receiver is gone."""
         with self._lock:
             self._kept.clear()
             self._streams.clear()

@@ -1,7 +1,7 @@
-"""Mark beside the link to a simulated board's port: the process that made it.
+"""Mark file beside the link to a simulated board's port: records the process that created it.
 
-A board that was killed leaves its link behind, and the system gives the terminal's number to the
-next program that makes one. The folder may be everybody's, so a mark may be another user's file.
+A killed board leaves its link behind, and the system reuses the terminal's number for the next
+program. The folder may be world-writable, so a mark may be another user's file.
 """
 
 import contextlib
@@ -11,22 +11,22 @@ import stat
 from typing import List
 
 _ENDING = ".board"
-#: Process, when it began, its namespace of process numbers, and the terminal.
+#: Process id, start time, pid namespace, and terminal.
 _MARK = re.compile(r"([1-9][0-9]{0,9}) ([0-9]{1,20}) (\S+) (\S+)\n")
 #: Longest mark [bytes].
 _LONGEST = 200
-#: Of the fields of /proc/PID/stat behind the command: when the process began.
+#: Index of the start time among the fields of /proc/PID/stat after the command.
 _BEGAN = 19
 
 
 def write_mark(link: str) -> None:
-    """Mark a link as this process's own, in place of another mark.
+    """Mark a link as owned by this process, replacing another mark.
 
     :param link: its path
     :raises OSError: if the mark cannot be written
     """
     remove_mark(link)
-    # A new file: where another user's link is, the file that it leads to would be overwritten.
+    # A new file: an existing link of another user would redirect the write to its target.
     flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC
     with open(os.open(link + _ENDING, flags, 0o644), "w", encoding="utf-8") as file:
         file.write(_own_mark(os.readlink(link)))
@@ -42,11 +42,11 @@ def remove_mark(link: str) -> None:
 
 
 def is_left_behind(link: str) -> bool:
-    """Tell whether the process that made a link has ended.
+    """Return whether the process that created a link has ended.
 
     :param link: its path
-    :returns: False also where that is unknown: without a valid mark of the link's owner, and where
-        the system hides the process
+    :returns: False also if that is unknown: without a valid mark of the link's owner, or if the
+        system hides the process
     """
     found = _MARK.fullmatch(_mark(link))
     if found is None or found[3] != _namespace() or _target(link) != found[4]:
@@ -65,10 +65,10 @@ def remove_link(link: str) -> None:
 
 
 def remove_own_link(link: str, terminal: str) -> None:
-    """Remove a link and its mark, as far as they are still this process's own.
+    """Remove a link and its mark, if they still belong to this process.
 
     :param link: its path
-    :param terminal: to which this process made it; empty if it has not
+    :param terminal: target of this process's link; empty if it created none
     """
     if not terminal:
         return
@@ -83,7 +83,7 @@ def _own_mark(terminal: str) -> str:
 
 
 def _mark(link: str) -> str:
-    """Return the text of a mark; empty unless it is a file of the owner of the link."""
+    """Return the text of a mark; empty unless it is a file of the link's owner."""
     try:
         # Without O_NONBLOCK, a FIFO would block.
         flags = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
@@ -104,7 +104,7 @@ def _mark(link: str) -> str:
 
 
 def _target(link: str) -> str:
-    """Return where a link leads; empty if it is no link."""
+    """Return the target of a link; empty if it is not a link."""
     try:
         return os.readlink(link)
     except OSError:
@@ -112,25 +112,25 @@ def _target(link: str) -> str:
 
 
 def _namespace() -> str:
-    """Return the namespace of this process's numbers; empty if the system does not tell."""
+    """Return the pid namespace of this process; empty if unknown."""
     return _target("/proc/self/ns/pid")
 
 
 def _has_ended(pid: int, began: str) -> bool:
-    """Tell whether a process has ended; not where its beginning cannot be read."""
+    """Return whether a process has ended; False if its start time cannot be read."""
     try:
         os.kill(pid, 0)
     except ProcessLookupError:
         return True
-    except OverflowError:  # a number that no process has
+    except OverflowError:  # not a valid process number
         return False
-    except PermissionError:  # another user's process: it is there
+    except PermissionError:  # another user's process: it exists
         pass
     return _began(pid) not in ("", began)
 
 
 def _began(pid: int) -> str:
-    """Return when a process began, by the system's clock; empty if that cannot be read."""
+    """Return the start time of a process, by the system's clock; empty if it cannot be read."""
     words = " ".join(_words(f"/proc/{pid}/stat")).rpartition(")")[2].split()
     return words[_BEGAN] if len(words) > _BEGAN else ""
 

@@ -1,16 +1,16 @@
-"""Parameters of the link to a board."""
+"""Parameters of the serial node."""
 
 import ipaddress
 
 from nodekit import FloatParameter, IntParameter, ParameterSet, StringParameter, read_once, rule
 from serial_link.hardware.tcp_seats import parse_seats
 
-#: The name of a port that boards with Wi-Fi connect to.
+#: Value of ``port`` for boards that connect by Wi-Fi.
 TCP = "tcp"
 
 
 class SerialParameters(ParameterSet):
-    """Parameters of the link; names and defaults are those of rosserial_python."""
+    """Parameters of the serial node; names and defaults are those of rosserial_python."""
 
     port = read_once(
         StringParameter(
@@ -21,16 +21,16 @@ class SerialParameters(ParameterSet):
     )
     baud = read_once(
         IntParameter(
-            57600, minimum=2400, maximum=4000000, unit="Bd", help="bits a second, as in the sketch"
+            57600, minimum=2400, maximum=4000000, unit="Bd", help="baud rate, as in the sketch"
         )
     )
     tcp_port = read_once(
-        IntParameter(11411, minimum=1, maximum=65535, help="where boards connect to, with tcp")
+        IntParameter(11411, minimum=1, maximum=65535, help="port that boards connect to, with tcp")
     )
     tcp_address = read_once(
         StringParameter(
             "localhost",
-            help="who may connect, with tcp: localhost for this machine, 0.0.0.0 for everybody",
+            help="address to listen on, with tcp: localhost for this machine only, 0.0.0.0 for all",
         )
     )
     tcp_boards = read_once(
@@ -41,7 +41,7 @@ class SerialParameters(ParameterSet):
         )
     )
     service_timeout = FloatParameter(
-        5.0, minimum=0.05, maximum=3600.0, unit="s", help="longest wait for a service's answer"
+        5.0, minimum=0.05, maximum=3600.0, unit="s", help="timeout of a service call"
     )
 
     @rule("tcp_boards", "port")
@@ -72,7 +72,7 @@ class SerialParameters(ParameterSet):
 
 
 def _is_this_machine(address: str) -> bool:
-    """Tell whether an address is of the loopback interface; False for other names."""
+    """Return whether an address belongs to the loopback interface; False for host names."""
     try:
         return address == "localhost" or ipaddress.IPv4Address(address).is_loopback
     except ValueError:

@@ -1,4 +1,4 @@
-"""Synchronization with a board: the table of :mod:`.sync_states`, and its deadlines."""
+"""Synchronization with a board: the table of :mod:`.sync_states`, with its timeouts."""
 
 import math
 from typing import List
@@ -26,35 +26,35 @@ from serial_link.host.sync_states import (
     move,
 )
 
-#: A quick board that has not proven for this long that it is configured is silent [s], and one that
-#: has not answered a question for as long is probed.
+#: After this time without proof that it is configured, a quick board counts as silent [s]; a board
+#: that has not answered a topic request for this long is probed.
 QUIET_S = 0.3
-#: The pause between two probes [s], and the factor by which it grows from one to the next.
+#: Pause between two probes [s], and its growth factor.
 PROBE_EVERY_S, GROWTH = 0.25, 1.5
-#: The pause between two questions to a board whose frames are not known or damaged [s]; it doubles.
+#: Pause between two topic requests while frames are unknown or damaged [s]; it doubles.
 ASK_EVERY_S = 0.25
-#: The topics follow a time request that answers the question within this time [s].
+#: The topics follow within this time after a time request that answers the topic request [s].
 FOLLOWS_S = 0.1
-#: A configured board asks for the time this often, or once a turn of its loop if that takes longer;
-#: a period longer by the second number is one of a slow loop [s]. It forgets a host that has not
-#: answered for the third [s].
+#: A configured board requests the time at this interval, or once per loop iteration if that is
+#: longer; an excess beyond the second number indicates a slow loop [s]. The board forgets a host
+#: that has not answered for the third number [s].
 TIME_EVERY_S, LATE_S, OVERDUE_S = 2.5, 0.2, 11.0
-#: A slow board is silent when it has said nothing for so many turns of its loop.
+#: A slow board counts as silent after this many iterations of its loop without a frame.
 TURNS = 1.5
-#: So many questions that only a time request answers are answered by a sketch without topics.
+#: After this many topic requests answered only by a time request, the sketch has no topics.
 EMPTY_ANSWERS = 2
-#: Events that prove that the board is configured. The time proves it only in other states than
-#: SYNCED: a board that was reset asks for it whenever a message to it has a byte 0xff.
+#: Events that prove that the board is configured. TIME proves it only outside SYNCED: a board that
+#: was reset requests the time whenever it receives a byte 0xff.
 _PROOFS = (OPENED, TOPIC, MESSAGE, UNKNOWN)
 
 
 class SyncMonitor:
     """Monitor of the synchronization with a board. Time is an argument [s].
 
-    How long the board may be silent is learned from it: from how long it takes to answer, and from
-    how late it asks for the time.
+    It learns how long the board may be silent from its answer times, and from how late it requests
+    the time.
 
-    :param frame_s: how long the frame that tells of a topic is on the line [s]
+    :param frame_s: time on the line of a frame that announces a topic [s]
 
     :ivar state: of the table
     :ivar restarts: number of restarts of the board
@@ -64,23 +64,23 @@ class SyncMonitor:
         self.state = CLOSED
         self.restarts = 0
         self._frame_s = frame_s
-        #: How long a turn of the sketch's loop takes [s]; 0 for a quick one. The second is without
-        #: the last time request, which may have answered a probe.
+        #: Duration of a loop iteration of the sketch [s]; 0 for a quick loop. The second value
+        #: excludes the last time request, which may have answered a probe.
         self._turn_s = self._turn_before_s = 0.0
         self._pause_s = self._ask_pause_s = 0.0
         self._empty_answers = 0
         self._proven_at = self._alive_at = self._asked_at = self._probed_at = -math.inf
-        #: When it asked for the time last, since it was asked for its topics.
+        #: Time of the last time request since the topic request.
         self._time_at = -math.inf
         self._is_answered = True
 
     @property
     def patience(self) -> float:
-        """Longest time that the board may take to answer [s]."""
+        """Longest time the board may take to answer [s]."""
         return max(QUIET_S, TURNS * self._turn_s) + self._frame_s
 
     def handle(self, now: float, event: str) -> List[str]:
-        """Follow an event.
+        """Handle an event.
 
         :param now: the time [s]
         :param event: of the table
@@ -99,7 +99,7 @@ class SyncMonitor:
             self._alive_at = now
         is_asked = event in (UNKNOWN, DAMAGED) and move(was, event).action == ASK
         if is_asked and not self._may_ask(now):
-            event = MESSAGE if event == UNKNOWN else ""  # what it tells when asked is under way
+            event = MESSAGE if event == UNKNOWN else ""  # its answer is in transit
         self.state, action = move(was, event)
         actions = [action] if action else []
         if action == RESTART:
@@ -117,7 +117,7 @@ class SyncMonitor:
         return actions
 
     def ask(self, now: float) -> List[str]:
-        """Return the action that asks again for the topics, as not all are known.
+        """Return the action that requests the topics again, because some are missing.
 
         :param now: the time [s]
         """
@@ -125,7 +125,7 @@ class SyncMonitor:
         return [ASK]
 
     def poll(self, now: float) -> List[str]:
-        """Do what is due.
+        """Handle elapsed timeouts.
 
         :param now: the time [s]
         :returns: actions of the table, in order
@@ -143,7 +143,7 @@ class SyncMonitor:
         return self.handle(now, event)
 
     def next_due(self) -> float:
-        """Return when :meth:`poll` has something to do [s]."""
+        """Return when :meth:`poll` next has work [s]."""
         if self.state == CLOSED:
             return math.inf
         if self.state == ASKED:
@@ -161,7 +161,7 @@ class SyncMonitor:
         self._asked_at, self._time_at, self._is_answered = now, -math.inf, False
 
     def _receive_answer(self, now: float) -> None:
-        """Learn from an answer to the question how long the board takes."""
+        """Learn the board's response time from its answer to a topic request."""
         self._empty_answers = 0
         if not self._is_answered:
             self._is_answered = True
@@ -169,7 +169,7 @@ class SyncMonitor:
                 self._turn_s = max(self._turn_s, now - self._asked_at)
 
     def _learn_turn(self, now: float) -> None:
-        """Learn from a time request how long a turn of the loop takes."""
+        """Learn the duration of a loop iteration from a time request."""
         period, self._time_at = now - self._time_at, now
         if self.state != PROBING:
             self._turn_before_s = self._turn_s
@@ -180,7 +180,7 @@ class SyncMonitor:
                 self._turn_s = 0.0
 
     def _may_ask(self, now: float) -> bool:
-        """Tell whether it is time for another question, and take a longer pause before the next."""
+        """Return whether another topic request may be sent; if so, lengthen the next pause."""
         since = now - self._asked_at
         if since > 2.0 * self._ask_pause_s:
             self._ask_pause_s = ASK_EVERY_S

@@ -1,11 +1,11 @@
-"""States of the synchronization with a board, as a table."""
+"""State table of the synchronization with a board."""
 
 from typing import Dict, NamedTuple, Tuple
 
-#: States. CLOSED: the port is not open. ASKED: a question for the topics is under way. SEEKING: it
-#: was not answered, and the board is probed. HEARD: the board has asked for the time, in answer to
-#: the question or to a probe. SYNCED: the board answers. SILENT: no frame has proven lately that
-#: the board is configured. PROBING: the board has asked for the time meanwhile.
+#: States. CLOSED: the port is not open. ASKED: the topics were requested. SEEKING: the request was
+#: not answered, and the board is probed. HEARD: the board requested the time, in answer to the
+#: topic request or to a probe. SYNCED: the board answers. SILENT: no recent frame has proven that
+#: the board is configured. PROBING: as SILENT, and the board has requested the time.
 CLOSED, ASKED, SEEKING, HEARD, SYNCED, SILENT, PROBING = (
     "closed",
     "asked",
@@ -17,26 +17,26 @@ CLOSED, ASKED, SEEKING, HEARD, SYNCED, SILENT, PROBING = (
 )
 STATES = (CLOSED, ASKED, SEEKING, HEARD, SYNCED, SILENT, PROBING)
 
-#: Events: the port was opened or lost; a frame arrived (see below); it is time to do something
-#: again; rosserial's library has forgotten the host by now; a sketch without topics has answered.
+#: Events: the port was opened or lost; a frame arrived (see below); a timeout has elapsed;
+#: rosserial's library has forgotten the host by now; a sketch without topics has answered.
 OPENED, LOST = "opened", "lost"
-#: Frames, and what each proves, by rosserial's node_handle.h. A board is configured once it has
-#: answered the question for its topics, until it is reset.
-#: TOPIC tells of a topic: the board answers the question, and is configured.
-#: MESSAGE is of a known topic or service: the library sends these only while configured.
-#: UNKNOWN is of an unknown one: configured, but perhaps by another host or with another sketch.
-#: TIME asks for the time: a configured board does every 2.5 s, and any board that is asked for its
-#: topics; but one that is not configured answers a probe by it, so twice at once proves a reset.
-#: NOTICE is a log line, a parameter request or an unknown special id: a board sends these before
-#: it is configured as well, so they prove nothing.
-#: DAMAGED cannot be read: an answer may have been lost.
+#: Frames, and what they prove, according to rosserial's node_handle.h. A board is configured from
+#: its answer to the topic request until it is reset.
+#: TOPIC announces a topic: the board is answering, and is configured.
+#: MESSAGE belongs to a known topic or service: the library sends these only while configured.
+#: UNKNOWN has an unknown topic id: configured, but perhaps by another host or with another sketch.
+#: TIME requests the time: a configured board does so every 2.5 s, and any board when its topics are
+#: requested; an unconfigured board also answers a probe with it, so two in a row prove a reset.
+#: NOTICE is a log line, a parameter request or an unknown special id: a board also sends these
+#: before it is configured, so they prove nothing.
+#: DAMAGED is a corrupt frame: an answer may have been lost.
 TOPIC, TIME, MESSAGE, UNKNOWN, NOTICE = "topic", "time", "message", "unknown", "notice"
 DAMAGED = "damaged"
 DUE, OVERDUE, EMPTY = "due", "overdue", "empty"
 EVENTS = (OPENED, LOST, TOPIC, TIME, MESSAGE, UNKNOWN, NOTICE, DAMAGED, DUE, OVERDUE, EMPTY)
 
-#: Actions: ask for the topics; send what only a board answers that waits to be asked; have what was
-#: meant for the board before its restart forgotten.
+#: Actions: request the topics; send a probe, which only an unconfigured board answers; drop pending
+#: messages for the board from before its restart.
 ASK, PROBE, RESTART = "ask", "probe", "restart"
 
 
@@ -51,15 +51,16 @@ class Move(NamedTuple):
     action: str = ""
 
 
-#: A board that was reset says nothing until it is asked, so silence is what shows it. A quick board
-#: is silent for a moment only after a reset; one that only listens always is. So the silent board
-#: is probed: only one that waits to be asked answers, with a request for the time. The others ask
-#: for the time every 2.5 s; hence the second probe, which those do not answer.
+#: A board that was reset stays silent until its topics are requested, so only silence reveals a
+#: reset. A quick board is briefly silent only after a reset; a board that only subscribes is always
+#: silent. So a silent board is probed: only an unconfigured board answers, with a time request. The
+#: others request the time every 2.5 s; hence the second probe, which they do not answer.
 #:
-#: A sketch that waits in its loop reads neither, and what it was sent waits in the 64 bytes of an
-#: AVR's port, where each question costs a turn of its loop. So there is one question at a time: a
-#: board that was not there for it shows by its answer to a probe, of two bytes, that it is now. It
-#: answers at once all that wait there, so two probes a turn are enough.
+#: A sketch that blocks in its loop reads nothing, and bytes sent to it wait in the 64-byte buffer
+#: of an AVR's port, where each topic request costs one iteration of its loop. So only one topic
+#: request is pending at a time: a board that missed it proves by its answer to a two-byte probe
+#: that it is listening now. It answers all probes in its buffer together, so two probes per
+#: iteration suffice.
 TABLE: Dict[Tuple[str, str], Move] = {
     (CLOSED, OPENED): Move(ASKED, ASK),
     (ASKED, LOST): Move(CLOSED, RESTART),
@@ -98,5 +99,5 @@ TABLE: Dict[Tuple[str, str], Move] = {
 
 
 def move(state: str, event: str) -> Move:
-    """Return what follows from an event in a state; without a row in the table, nothing does."""
+    """Return the transition of an event in a state; no change if the table has no row."""
     return TABLE.get((state, event), Move(state))

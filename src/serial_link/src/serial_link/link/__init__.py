@@ -1,1 +1,1 @@
-"""Link to a board at a port: threads that read and write, and synchronization."""
+"""Link to a board at a port: reader and writer threads, and synchronization."""

@@ -1,4 +1,4 @@
-"""Link to one board: a thread that reads and stays synchronized, and one that writes."""
+"""Link to one board: a reader thread, which also synchronizes, and a writer thread."""
 
 import math
 import threading
@@ -37,45 +37,45 @@ from serial_link.negotiation.payloads import (
 )
 from serial_link.negotiation.topic_table import TopicTable
 
-#: Longest wait for bytes [s]: the node may end meanwhile.
+#: Longest wait for bytes [s]; shutdown is noticed after it.
 _LONGEST_WAIT_S = 0.25
-#: Longest wait for bytes while the board tells of its topics [s].
+#: Longest wait for bytes while the board announces its topics [s].
 _ROUND_POLL_S = 0.05
-#: Values of one topic that may wait for the line where they are latched: hardly ever they come as a
-#: stream, and then the last one is that which stands.
+#: Most queued values of one latched topic: such topics are hardly ever streams, and the last value
+#: is the valid one.
 _LATCHED_DEPTH = 200
-#: Values of one topic that may wait for ROS: only a machine that is busy keeps them waiting.
+#: Most queued values of one topic on the way to ROS: they wait only on a busy machine.
 _INBOX_DEPTH = 200
-#: How often a port is tried that cannot be opened [s], and the same is said again.
+#: Interval of attempts to open a port, and of repeating the same log line [s].
 _OPEN_EVERY_S, _LOG_EVERY_S = 0.2, 10.0
-#: A board that does not answer for this long is told of [s], and from the second question on it is
-#: asked in the old way as well.
+#: A board that has not answered for this long is logged [s], and from its second topic request on
+#: it also receives the request of the old protocol.
 _NO_ANSWER_S = 3.0
-#: Time requests that come at once, in answer to several probes, get one answer [s]: more would fill
-#: the board's buffer.
+#: Time requests within this interval, which answer several probes, get one answer [s]: more would
+#: fill the board's buffer.
 _TIME_EVERY_S = 0.2
-#: Of a frame that tells of a topic [bytes]; bits on the line for a byte.
+#: Size of a frame that announces a topic [bytes]; bits per byte on the line.
 _TOPIC_BYTES, _BITS = 128, 10
-#: Why the messages for a board that may not have been reset are dropped.
+#: Reason for dropping messages for a board that may not have been reset.
 _LAPSED = (
-    "the board was silent for 11 s, after which rosserial's library forgets its host: it is asked "
-    "again; a loop must take less"
+    "the board was silent for 11 s, after which rosserial's library forgets its host: its topics "
+    "are requested again; a loop must take less"
 )
-#: Returns the time that a board is told, as s and ns.
+#: Returns the time for the board, in s and ns.
 TimeOf = Callable[[], Tuple[int, int]]
 
 
 class BoardLink:
-    """Link to a board at a port: stays synchronized with it, and carries its frames.
+    """Link to a board at a port: synchronizes with it, and transfers its frames.
 
-    The thread that reads does nothing that could keep it waiting: what arrives goes into a queue.
-    So does what is to be sent, for the thread that writes, at the pace of the line.
+    The reader thread never blocks on its consumers: received frames go into a queue, and so do
+    frames to send, which the writer thread sends at the pace of the line.
 
-    :param port: where the board is; belongs to this from now on
-    :param counters: counts all that happens
-    :param time_of: returns the time that the board is told
+    :param port: of the board; owned by this link
+    :param counters: of traffic and faults
+    :param time_of: returns the time for the board
 
-    :ivar inbox: what has arrived, see :mod:`.events`
+    :ivar inbox: received events, see :mod:`.events`
     """
 
     def __init__(self, port: Port, counters: Counters, time_of: TimeOf) -> None:
@@ -86,7 +86,7 @@ class BoardLink:
         self._topics = TopicTable(frame_s)
         self._is_over = threading.Event()
         self._is_open = self._is_ending = False
-        #: Why the port is not open, or the board does not answer; empty where all is well.
+        #: Why the port is not open, or the board does not answer; empty without a problem.
         self._trouble = ""
         self._throttled_log = ThrottledLog(_LOG_EVERY_S)
         self._writer = FrameWriter(port, counters, self._throttled_log)
@@ -95,7 +95,7 @@ class BoardLink:
         self._time_told_at = -math.inf
         self._diagnosis = ConnectDiagnosis()
         self._restarts = 0
-        #: Whether the board was started, and not all that it has to tell is known yet.
+        #: Whether the board was started, and not all of its topics are known yet.
         self._is_new = True
         self._threads = [
             threading.Thread(target=self._guard, args=(work,), name=name, daemon=True)
@@ -129,16 +129,16 @@ class BoardLink:
 
     @property
     def is_synced(self) -> bool:
-        """Whether the board listens."""
+        """Whether the board is synchronized."""
         return self._sync.state in (sync_states.SYNCED, sync_states.SILENT, sync_states.PROBING)
 
     @property
     def trouble(self) -> str:
-        """Why there is no contact; empty where there is."""
+        """Why the board is not synchronized; empty if it is."""
         return "" if self.is_synced else self._trouble or "waiting for the board's answer"
 
     def all_counters(self) -> Dict[str, int]:
-        """Return all counts by name."""
+        """Return all counters by name."""
         faults = {f"fault: {kind}": count for kind, count in self._decoder.faults.items()}
         return {
             **self._counters.to_dict(),
@@ -150,10 +150,10 @@ class BoardLink:
         }
 
     def send(self, info: TopicInfo, payload: bytes) -> None:
-        """Send a value of a stream, unless too many newer ones come before its turn.
+        """Send a value of a stream; newer values may replace it in the queue.
 
-        :param info: what the board has told of the topic
-        :param payload: the serialised message
+        :param info: the board's description of the topic
+        :param payload: the serialized message
         """
         if self._is_accepted(info):
             self._outgoing_queue.put(info.topic_id, encode(info.topic_id, payload))
@@ -161,10 +161,10 @@ class BoardLink:
             self._counters.add(counters.NO_CONTACT)
 
     def send_latched(self, info: TopicInfo, payload: bytes) -> None:
-        """Send a value that stands until the next one, and that many may come of at once.
+        """Send a latched value; many may be queued at a time.
 
-        :param info: what the board has told of the topic
-        :param payload: the serialised message
+        :param info: the board's description of the topic
+        :param payload: the serialized message
         """
         if self._is_accepted(info):
             stream = (info.topic_id, "latched")
@@ -175,37 +175,37 @@ class BoardLink:
     def send_reliable(self, info: TopicInfo, payload: bytes) -> bool:
         """Send a message that must not be lost.
 
-        :param info: what the board has told of the half of the service
-        :param payload: the serialised message
-        :returns: whether it will be sent, if the contact lasts
+        :param info: the board's description of this half of the service
+        :param payload: the serialized message
+        :returns: whether it will be sent, unless the connection is lost
         """
         return self._is_accepted(info) and self._outgoing_queue.put_reliable(
             encode(info.topic_id, payload)
         )
 
     def answer(self, topic_id: int, payload: bytes) -> None:
-        """Answer a board that may not be in step yet.
+        """Answer a board that may not be synchronized yet.
 
-        :param topic_id: a special one
-        :param payload: the serialised message
+        :param topic_id: a special id
+        :param payload: the serialized message
         """
         if self._is_open:
             self._outgoing_queue.put_reliable(encode(topic_id, payload))
 
     def send_stop(self) -> None:
-        """Have the board publish no longer, as the host ends; return when that is sent."""
+        """Stop the board's publishing, because the host ends; return when the frame is sent."""
         self._is_ending = True
         self._writer.send_stop()
 
     def _is_accepted(self, info: TopicInfo) -> bool:
-        """Tell whether the board subscribes to a topic since its last start.
+        """Return whether the board has subscribed to a topic since its last start.
 
-        With another sketch, the same id is another topic's.
+        With another sketch, the same id may belong to another topic.
         """
         return self.is_synced and self._topics.accepts(info)
 
     def _guard(self, work: Callable[[], None]) -> None:
-        """Do something again and again; an exception is logged, and ends nothing."""
+        """Repeat some work until the link is closed; log its exceptions."""
         while not self._is_over.is_set():
             try:
                 work()
@@ -214,7 +214,7 @@ class BoardLink:
                 self._is_over.wait(_LONGEST_WAIT_S)
 
     def _read(self) -> None:
-        """Open the port, or read once and do what is due."""
+        """Open the port, or read once and handle timeouts."""
         if not self._is_open:
             self._try_to_open()
             return
@@ -229,7 +229,7 @@ class BoardLink:
         except PortLost as error:
             self._close_lost_port(error)
             return
-        if self._is_ending:  # the board was told to be silent
+        if self._is_ending:  # the board was stopped on purpose
             return
         now = time.monotonic()
         self._receive_bytes(now, data)
@@ -271,7 +271,7 @@ class BoardLink:
         self._execute(time.monotonic(), self._sync.handle(time.monotonic(), sync_states.LOST))
 
     def _receive_bytes(self, now: float, data: bytes) -> None:
-        """Handle what has arrived, or that nothing has."""
+        """Handle received bytes, or a timeout without bytes."""
         before = self._damage_count()
         if data:
             self._arrived_at = now
@@ -331,7 +331,7 @@ class BoardLink:
         endpoint = self._topics.incoming(topic_id)
         if endpoint is None:
             self._counters.add(counters.UNKNOWN_ID)
-            # What no board has is no reason to ask: it was damaged, and its sum held all the same.
+            # An id below FIRST_TOPIC is damage with valid checksums: no reason to request topics.
             return sync_states.UNKNOWN if topic_id >= FIRST_TOPIC else sync_states.NOTICE
         message = Message(endpoint, payload)
         if endpoint.is_service:
@@ -375,7 +375,7 @@ class BoardLink:
         longest = self._topics.longest
         self._decoder.longest = longest - OVERHEAD if longest > OVERHEAD else LONGEST
         self.inbox.put_reliable(Topics(self._topics.endpoints(), self._topics.is_complete))
-        # Not earlier: a board that is asked does not listen while it answers, and loses messages.
+        # Not earlier: a board does not read while it announces topics, and loses messages.
         if self._is_new and is_complete:
             self._is_new = False
             self.inbox.put_reliable(Synced())

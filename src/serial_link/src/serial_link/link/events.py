@@ -1,4 +1,4 @@
-"""Events of a board, made of its frames for the ROS side."""
+"""Events from a board's frames, for the ROS side."""
 
 from typing import List, NamedTuple, Union
 
@@ -9,7 +9,7 @@ class Topics(NamedTuple):
     """Topics of the board that are known since its start.
 
     :param endpoints: the topics
-    :param is_complete: whether there is nothing else; no part of what was told was damaged then
+    :param is_complete: whether these are all, announced without damage
     """
 
     endpoints: List[Endpoint]
@@ -37,13 +37,13 @@ class LogLine(NamedTuple):
 
 
 class Restarted(NamedTuple):
-    """The board was restarted, or is gone: pending requests will not be answered."""
+    """The board was restarted or lost: pending requests will not be answered."""
 
     why: str
 
 
 class Synced(NamedTuple):
-    """All topics of the board are known since its start, and it receives messages."""
+    """The board receives messages, and all of its topics since its start are known."""
 
 
 Event = Union[Topics, Message, ParameterRequest, LogLine, Restarted, Synced]

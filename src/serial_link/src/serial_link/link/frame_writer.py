@@ -1,4 +1,4 @@
-"""Writer of frames to a board's port, at the pace of its line."""
+"""Writer of frames to a board's port, paced to its line."""
 
 import threading
 import time
@@ -15,23 +15,23 @@ from serial_link.host.message_queue import MessageQueue
 from serial_link.link.throttled_log import ThrottledLog
 from serial_link.negotiation.payloads import STOP
 
-#: Longest wait for the line [s]: the node may end meanwhile.
+#: Longest wait for the line [s]; shutdown is noticed after it.
 _LONGEST_WAIT_S = 0.25
-#: Longest wait for something to send [s]; it ends when the node does.
+#: Longest wait for a frame to send [s]; shutdown ends it.
 _IDLE_S = 1.0
-#: Has the board publish no longer; how long that may take to be sent [s].
+#: Frame that stops the board's publishing.
 _STOP_FRAME = encode(STOP, b"")
 _STOP_S = 1.0
 
 
 class FrameWriter:
-    """Writer of the frames in a queue, while its port is open.
+    """Writer of queued frames while its port is open.
 
     :param port: of the board
-    :param counts: counts what is sent
-    :param log: limits what is logged
+    :param counts: counts sent frames
+    :param log: throttled log
 
-    :ivar queue: what is to be sent
+    :ivar queue: frames to send
     """
 
     def __init__(self, port: Port, counts: Counters, log: ThrottledLog) -> None:
@@ -40,16 +40,16 @@ class FrameWriter:
         self._pacer = BaudPacer(port.baud)
         self._is_open = False
         self._is_over, self._has_stopped = threading.Event(), threading.Event()
-        #: Held while writing: a closed port's number may be another file's next.
+        #: Held while writing: after a close, another file may get the same descriptor.
         self._port_lock = threading.Lock()
 
     def open(self) -> None:
-        """Begin to write, as the port was opened."""
+        """Start writing, after the port was opened."""
         self._pacer = BaudPacer(self._port.baud)
         self._is_open = True
 
     def close_port(self) -> None:
-        """Close the port, between two frames."""
+        """Close the port between two frames."""
         self._is_open = False
         with self._port_lock:
             self._port.close()
@@ -60,14 +60,14 @@ class FrameWriter:
         self.queue.close()
 
     def send_stop(self) -> None:
-        """Have the board publish no longer, as the host ends; return when that is sent."""
+        """Stop the board's publishing, because the host ends; return when the frame is sent."""
         if self._is_open:
             self.queue.clear()
             self.queue.put_reliable(_STOP_FRAME)
             self._has_stopped.wait(_STOP_S)
 
     def write_next(self) -> None:
-        """Send the next frame when the line is free."""
+        """Send the next frame as soon as the line is free."""
         now = time.monotonic()
         delay = self._pacer.delay(now)
         if delay > 0.0:
@@ -84,7 +84,7 @@ class FrameWriter:
             self._throttled_log.log(rospy.logwarn, str(error))
             return
         except PortLost:
-            self._is_over.wait(_LONGEST_WAIT_S)  # the thread that reads finds out why
+            self._is_over.wait(_LONGEST_WAIT_S)  # the reader thread reports the cause
             return
         self._pacer.record_write(time.monotonic(), len(frame))
         if frame is _STOP_FRAME:

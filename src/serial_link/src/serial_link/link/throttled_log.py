@@ -1,4 +1,4 @@
-"""Log of a link with one limit per sentence, which a new connection resets."""
+"""Log of a link, throttled per key; a new connection resets the limits."""
 
 from typing import Callable
 
@@ -6,9 +6,9 @@ from nodekit import Throttle
 
 
 class ThrottledLog:
-    """Log with one limit per sentence or key.
+    """Log that is throttled per text or key.
 
-    :param period: shortest time between two lines of one key [s]
+    :param period: shortest time between two lines with the same key [s]
     """
 
     def __init__(self, period: float) -> None:
@@ -18,9 +18,9 @@ class ThrottledLog:
     def log(self, log: Callable[[str], None], text: str, key: str = "") -> None:
         """Log a text, unless its key was logged within the period.
 
-        :param log: logs it
-        :param text: the sentence
-        :param key: what it is about; the sentence itself by default
+        :param log: log function
+        :param text: the text
+        :param key: of the limit; the text by default
         """
         if self._throttle.is_due(key or text):
             log(text)

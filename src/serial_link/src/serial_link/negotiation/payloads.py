@@ -1,7 +1,7 @@
-"""Payloads of the frames below id 100, as ros-drivers/rosserial defines them in rosserial_msgs.
+"""Payloads of the special frames (ids below 100), as in ros-drivers/rosserial's rosserial_msgs.
 
-A text is its length as 32 bits, then its bytes, as in any message of ROS. What does not fit, and
-what no board would send, is refused: an 8-bit checksum lets one damaged frame in 256 pass.
+A string is its length (32 bits) and its bytes, as in any ROS message. Payloads that are too long,
+or that no board would send, are rejected: an 8-bit checksum misses one damaged frame in 256.
 """
 
 import re
@@ -10,21 +10,21 @@ from typing import List, NamedTuple, Sequence, Tuple
 
 from serial_link.framing.frames import LONGEST
 
-#: Ids of frames: one of the first two, added to one of a kind, tells of a topic.
+#: Frame ids: PUBLISHER or SUBSCRIBER, added to the id of a kind, announces a topic.
 PUBLISHER, SUBSCRIBER = 0, 1
 SERVICE_SERVER, SERVICE_CLIENT = 2, 4
 PARAMETER, LOG, TIME, STOP = 6, 7, 10, 11
-#: What tells of a topic or of one half of a service.
+#: Ids that announce a topic, or half of a service.
 TOPICS = range(PUBLISHER, SERVICE_CLIENT + SUBSCRIBER + 1)
-#: The first id that a topic may have.
+#: First valid topic id.
 FIRST_TOPIC = 100
 
-#: Levels of a line of a board's log.
+#: Log levels of a board.
 DEBUG, INFO, WARN, ERROR, FATAL = range(5)
 
 _ID, _SIZE, _LENGTH = struct.Struct("<H"), struct.Struct("<i"), struct.Struct("<I")
 _TIME = struct.Struct("<II")
-#: Longest part of an invalid text that is shown.
+#: Most characters of an invalid text in a message.
 _SHOWN = 40
 _NAME = re.compile(r"[~/]?[A-Za-z][A-Za-z0-9_]*(/[A-Za-z0-9_]+)*")
 _TYPE = re.compile(r"[A-Za-z][A-Za-z0-9_]*/[A-Za-z][A-Za-z0-9_]*")
@@ -32,17 +32,17 @@ _MD5 = re.compile(r"[0-9a-f]{32}|\*")
 
 
 class PayloadError(ValueError):
-    """A payload that is not what its id says."""
+    """A payload that is invalid for its id."""
 
 
 class TopicInfo(NamedTuple):
-    """A board's description of a topic, or of one half of a service.
+    """Announcement of a topic, or of half of a service.
 
     :param topic_id: the id of its messages' frames
-    :param name: of the topic or the service
-    :param type: of the message or the service, ``package/Name``
-    :param md5sum: of the message; of a service, of this half of it
-    :param buffer_size: what the board's buffer holds [bytes]
+    :param name: of the topic or service
+    :param type: of the message or service, ``package/Name``
+    :param md5sum: of the message, or of this half of the service
+    :param buffer_size: size of the board's buffer [bytes]
     """
 
     topic_id: int
@@ -53,18 +53,18 @@ class TopicInfo(NamedTuple):
 
 
 def encode_topic(info: TopicInfo) -> bytes:
-    """Return what tells of a topic."""
+    """Return the payload that announces a topic."""
     texts = b"".join(_text(text) for text in (info.name, info.type, info.md5sum))
     return _ID.pack(info.topic_id) + texts + _SIZE.pack(info.buffer_size)
 
 
 def decode_topic(payload: bytes) -> TopicInfo:
-    """Read what tells of a topic.
+    """Decode the announcement of a topic.
 
     :param payload: of a frame
-    :returns: what it tells, with the slashes in the name that ROS has and a buffer of a frame at
-        most; its texts may be invalid, see :func:`problem_of`
-    :raises PayloadError: if it is malformed, or has an id that no topic has
+    :returns: the announcement, with surplus slashes removed from the name and the buffer size
+        limited to a frame; its texts may be invalid, see :func:`problem_of`
+    :raises PayloadError: if it is malformed, or has an invalid topic id
     """
     reader = _Reader(payload)
     (topic_id,) = reader.read(_ID)
@@ -72,14 +72,14 @@ def decode_topic(payload: bytes) -> TopicInfo:
     (buffer_size,) = reader.read(_SIZE)
     reader.end()
     if topic_id < FIRST_TOPIC:
-        raise PayloadError(f"no topic has the id {topic_id}")
+        raise PayloadError(f"invalid topic id: {topic_id}")
     return TopicInfo(topic_id, _resolved(name), datatype, md5sum, min(buffer_size, LONGEST))
 
 
 def problem_of(info: TopicInfo) -> str:
-    """Return what the sketch must change, as ROS cannot have such a topic; empty if it can.
+    """Return what the sketch must change, if ROS cannot have the topic; empty if it can.
 
-    :param info: what the board has told
+    :param info: the announcement
     """
     if not _TYPE.fullmatch(info.type) or not _MD5.fullmatch(info.md5sum):
         return (
@@ -101,19 +101,19 @@ def problem_of(info: TopicInfo) -> str:
 
 
 def encode_log(level: int, text: str) -> bytes:
-    """Return a line of a board's log."""
+    """Return the payload of a log line."""
     return bytes((level,)) + _text(text)
 
 
 def decode_log(payload: bytes) -> Tuple[int, str]:
-    """Read a line of a board's log.
+    """Decode a log line.
 
     :param payload: of a frame
     :returns: its level and its text
     :raises PayloadError: if it is malformed
     """
     if not payload or payload[0] > FATAL:
-        raise PayloadError("no line of a log")
+        raise PayloadError("not a log line")
     reader = _Reader(payload[1:])
     text = reader.text()
     reader.end()
@@ -126,7 +126,7 @@ def encode_name(name: str) -> bytes:
 
 
 def decode_name(payload: bytes) -> str:
-    """Read the name of the parameter that a board asks for.
+    """Decode the name of a requested parameter.
 
     :param payload: of a frame
     :raises PayloadError: if it is malformed, or no name

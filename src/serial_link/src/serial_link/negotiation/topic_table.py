@@ -1,4 +1,4 @@
-"""Table of a board's topics and services, filled round by round."""
+"""Table of a board's topics and services, filled in rounds of announcements."""
 
 from typing import Dict, List, NamedTuple, Optional, Set, Tuple
 
@@ -11,25 +11,25 @@ from serial_link.negotiation.payloads import (
     problem_of,
 )
 
-#: A round is over when nothing has been told for this long [s].
+#: A round ends after this time without an announcement [s].
 SETTLED_S = 0.2
-#: A damaged round is followed by another, but by no more than this many.
+#: Most repetitions of a damaged round.
 MOST_ROUNDS = 20
-#: Most topics and halves of services of a board: rosserial has 25 of either direction, and boards
-#: with more memory may have more.
+#: Most announcements of a board: rosserial allows 25 in each direction; boards with more memory may
+#: have more.
 MOST_TOPICS = 250
 
 SERVICES = (SERVICE_SERVER, SERVICE_CLIENT)
 
 
 class Endpoint(NamedTuple):
-    """A topic or a service that a board has.
+    """A topic or service of a board.
 
-    :param kind: PUBLISHER, SUBSCRIBER, SERVICE_SERVER or SERVICE_CLIENT, as seen from the board
-    :param name: of the topic or the service
-    :param type: of the message or the service
-    :param incoming: what the board sends; None of a subscriber
-    :param outgoing: what the board receives; None of a publisher
+    :param kind: PUBLISHER, SUBSCRIBER, SERVICE_SERVER or SERVICE_CLIENT, from the board's view
+    :param name: of the topic or service
+    :param type: of the message or service
+    :param incoming: info of the messages from the board; None for a subscriber
+    :param outgoing: info of the messages to the board; None for a publisher
     """
 
     kind: int
@@ -40,41 +40,41 @@ class Endpoint(NamedTuple):
 
     @property
     def is_service(self) -> bool:
-        """Whether it is a service, none of whose messages may be lost."""
+        """Whether it is a service, whose messages must not be lost."""
         return self.kind in SERVICES
 
 
 class TopicTable:
-    """The topics of a board, as far as it has told of them.
+    """Table of a board's topics, as far as announced.
 
-    A board tells of all of them each time that it is asked: that is a round. In a round without any
-    damage, what it does not tell of is gone. Where something was damaged, what is known stays, and
-    another round fills the gaps. On a line that damages one byte in a hundred, one topic in 900 is
-    told wrong by a frame whose sums hold. So where anything was damaged ever, each has to be told
-    twice alike, and is not replaced by what is told once. So has a topic that ROS cannot have: told
-    once, it may be damage. Time is an argument [s].
+    On each request a board announces all of its topics: a round. After an undamaged round, topics
+    without an announcement are removed. After a damaged round all known topics are kept, and
+    another round fills the gaps. On a line that damages one byte in a hundred, one announcement in
+    900 is wrong despite valid checksums. So once any damage has occurred, each topic needs two
+    equal announcements, and a single different one does not replace it. The same holds for an
+    invalid topic, because a single announcement may be damaged. Time is an argument [s].
 
-    :param frame_s: how long the frame that tells of a topic is on the line [s]
+    :param frame_s: time on the line of a frame that announces a topic [s]
     """
 
     def __init__(self, frame_s: float = 0.0) -> None:
         self._settled_s = SETTLED_S + frame_s
-        #: By direction (0 for what the board sends) and id; the id that tells of it, and its info.
+        #: By direction (0: from the board) and topic id: the announcing id, and the info.
         self._infos: Dict[Tuple[int, int], Tuple[int, TopicInfo]] = {}
         self._seen: Set[Tuple[int, int]] = set()
-        #: What was told once, or otherwise the last time.
+        #: Announced only once, or differently the last time.
         self._unconfirmed: Set[Tuple[int, int]] = set()
-        #: Told once, and invalid.
+        #: Announced only once, and invalid.
         self._suspects: Dict[Tuple[int, int], Tuple[int, TopicInfo]] = {}
         self._ends_at: Optional[float] = None
         self._is_damaged = self._is_noisy = self._is_final = False
-        #: Since a round that was complete: damaged ones, and those that were broken off.
+        #: Damaged and aborted rounds since the last complete round.
         self._rounds = 0
-        #: Whether the board has told of all since it was started, in a round without any damage.
+        #: Whether the board has announced all topics since its start, in an undamaged round.
         self.is_complete = False
 
     def reset(self) -> None:
-        """Forget the topics: the board was restarted, perhaps with another sketch."""
+        """Clear the topics: the board was restarted, perhaps with another sketch."""
         self._infos, self.is_complete = {}, False
         self._unconfirmed.clear()
         self._suspects.clear()
@@ -82,16 +82,16 @@ class TopicTable:
 
     @property
     def is_settled(self) -> bool:
-        """Whether no round is under way."""
+        """Whether no round is in progress."""
         return self._ends_at is None
 
     def begin_round(self, now: float, is_answering: bool = True, patience: float = 0.0) -> None:
-        """Begin a round, as the board was asked.
+        """Begin a round, after a topic request.
 
         :param now: the time [s]
-        :param is_answering: whether the board has answered since it was started; no round counts
-            before, however many a line of noise has damaged
-        :param patience: how long the board may take to answer [s]
+        :param is_answering: whether the board has answered since its start; before, no round counts
+            as a repetition
+        :param patience: time the board may take to answer [s]
         """
         goes_on = is_answering and not self._is_final
         self._rounds = self._rounds + 1 if goes_on else 1
@@ -100,12 +100,12 @@ class TopicTable:
         self._ends_at, self._is_damaged = now + max(self._settled_s, patience), False
 
     def add(self, now: float, info_id: int, info: TopicInfo) -> bool:
-        """Add what was told of one topic, or of one half of a service.
+        """Add an announcement of a topic, or of half of a service.
 
         :param now: the time [s]
-        :param info_id: the id of the frame that told
-        :param info: what it told
-        :returns: whether there was room for it
+        :param info_id: the id of the announcing frame
+        :param info: its content
+        :returns: False if the table is full
         """
         key = (info_id % 2, info.topic_id)
         if key not in self._infos and len(self._infos) >= MOST_TOPICS:
@@ -135,11 +135,11 @@ class TopicTable:
         self._is_damaged = self._is_noisy = True
 
     def end_round(self, now: float) -> Optional[bool]:
-        """End the round, if it is over.
+        """End the round if its time is over.
 
         :param now: the time [s]
-        :returns: None if it is not over, or ended before; else whether all is known now, or another
-            round is needed
+        :returns: None if it is still in progress, or ended before; else whether all topics are
+            known, or another round is needed
         """
         if self._ends_at is None or now < self._ends_at:
             return None
@@ -153,7 +153,7 @@ class TopicTable:
         return self._is_final
 
     def incoming(self, topic_id: int) -> Optional[Endpoint]:
-        """Return what a frame from the board is about, None if that is not known.
+        """Return the topic or service of a frame from the board; None if unknown.
 
         :param topic_id: of the frame
         """
@@ -161,21 +161,21 @@ class TopicTable:
         return self._endpoint(*told) if told else None
 
     def accepts(self, info: TopicInfo) -> bool:
-        """Tell whether the board takes messages by that info: now, not before it was restarted.
+        """Return whether the board has announced this info since its last start.
 
-        :param info: as it was told
+        :param info: of a topic to the board
         """
         told = self._infos.get((SUBSCRIBER, info.topic_id))
         return told is not None and told[1] == info
 
     def endpoints(self) -> List[Endpoint]:
-        """Return the topics, and those services of which both halves are known."""
+        """Return the topics, and the services of which both halves are known."""
         found = {self._endpoint(*told): None for told in self._infos.values()}
         return [one for one in found if one is not None]
 
     @property
     def longest(self) -> int:
-        """The longest message that the board can send, as it tells itself [bytes]; 0 if unknown."""
+        """Longest message that the board can send, by its announcements [bytes]; 0 if unknown."""
         sizes = [
             info.buffer_size for (way, _), (_, info) in self._infos.items() if way == PUBLISHER
         ]

@@ -17,16 +17,16 @@ from serial_link.headers.arduino_library import arduino_library
 
 
 class AvrBoardNode:
-    """Compiled sketch on an ATmega328P in simavr, behind the link to its serial port.
+    """Compiled sketch on an ATmega328P in simavr, whose serial port is behind a link.
 
-    At the start it builds the sketch, with headers of the messages of ``~packages`` and a client of
-    rosserial's protocol, and the simulator. A motor and its encoder are at the sketch's pins.
+    At startup it builds the simulator, and the sketch with headers of the messages of ``~packages``
+    and a client of rosserial's protocol. A motor with an encoder is connected to the pins.
 
     :ROS Services:
         - ``~reset`` (std_srvs/Trigger): presses the reset button
 
     :ROS Parameters:
-        - those of :class:`.AvrParameters`, private
+        - private: see :class:`.AvrParameters`
     """
 
     def __init__(self, node: Node) -> None:
@@ -60,8 +60,8 @@ class AvrBoardNode:
         sketch = package / pathlib.Path(self._values.sketch).expanduser()
         if not sketch.exists():
             raise BuildError(
-                f"{sketch} is missing: set ~sketch to the path of an .ino file; that of the "
-                "default is in the source workspace, not in an installation"
+                f"{sketch} is missing: set ~sketch to the path of an .ino file; the default "
+                "exists only in the source workspace, not in an installation"
             )
         headers = build_headers(self._values.packages.replace(",", " ").split())
         write(arduino_library(headers, self._values.packages, "1.0.0"), self._folder)

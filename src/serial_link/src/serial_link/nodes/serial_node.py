@@ -1,4 +1,4 @@
-"""Node of the link to a microcontroller, by rosserial's protocol."""
+"""Node that connects microcontrollers to ROS through rosserial's protocol."""
 
 import time
 from typing import Any, Dict, List, Sequence, Tuple
@@ -18,37 +18,37 @@ from serial_link.host.counters import Counters
 from serial_link.link.board_link import BoardLink
 from serial_link.serial_parameters import TCP, SerialParameters
 
-#: Longest wait for the master where a board asks for a parameter [s].
+#: Timeout for the master when a board requests a parameter [s].
 _MASTER_S = 0.5
-#: Least time between two lines about faults [s].
+#: Shortest time between two log lines about faults [s].
 _LINE_EVERY_S = 10.0
-#: What is no fault: it is on /diagnostics alone.
+#: Counters that are not faults: only on /diagnostics.
 _USUAL = {"received", "received bytes", "sent", "sent bytes", "openings", "asked"}
 
 
 class SerialNode:
-    """Link that has the topics, services, parameters and logs of boards on the graph.
+    """Node that gives boards their topics, services, parameters and logs in ROS.
 
-    Which there are the board tells: it is asked when the port opens, and after each of its
-    restarts. In place of rosserial_python's node of this name.
+    The boards announce them: they are asked when the port opens, and after each restart. It
+    replaces rosserial_python's node of the same name.
 
     :ROS Subscribers:
-        - what the board subscribes to
+        - the topics that a board subscribes to
 
     :ROS Publishers:
-        - what the board publishes
-        - ``/diagnostics`` (diagnostic_msgs/DiagnosticArray): all counts, once a second
+        - the topics that a board publishes
+        - ``/diagnostics`` (diagnostic_msgs/DiagnosticArray): all counters, once a second
         - ``/rosout`` (rosgraph_msgs/Log): the board's log, under the name ``NODE/board``
 
     :ROS Services:
-        - what the board offers
+        - the services that a board offers
 
     :ROS Parameters:
-        - those of :class:`.SerialParameters`, private; and whatever the board asks for
+        - private: see :class:`.SerialParameters`; and any parameter that a board requests
 
     :param node: the node
-    :param words: of the command line: the port, and with tcp its number, as rosserial_python's
-        node takes them; before the parameters
+    :param words: command-line arguments: the port, and with tcp its number, as for
+        rosserial_python's node
     """
 
     def __init__(self, node: Node, words: Sequence[str] = ()) -> None:
@@ -63,7 +63,7 @@ class SerialNode:
         node.on_shutdown(self._send_stop)
 
     def _ports(self) -> List[Tuple[str, Port]]:
-        """Return the ports of the boards, and the boards' namespaces."""
+        """Return the ports of the boards, with the boards' namespaces."""
         values = self._settings.values
         if values.port != TCP:
             return [("", SerialPort(values.port, values.baud))]
@@ -85,7 +85,7 @@ class SerialNode:
             board.link.send_stop()
 
     def _find_parameter(self, name: str) -> Any:
-        """Return a parameter for the board; None where it is not set.
+        """Return a parameter for the board; None if it is not set.
 
         :raises MasterUnreachable: if it is not declared here and the master does not answer
         """
@@ -97,7 +97,7 @@ class SerialNode:
         return None if found is MISSING else found
 
     def _report(self, _elapsed: float) -> None:
-        if not self._has_started:  # only now: what the board tells of is opened at once
+        if not self._has_started:  # not earlier: the board's topics are opened immediately
             self._has_started = True
             for board in self._boards:
                 board.link.start()
@@ -107,7 +107,7 @@ class SerialNode:
 
 
 class _Board:
-    """A board: its link, its ROS side, and what was told of its faults.
+    """A board: its link, its ROS side, and the faults already reported.
 
     :param name: of the board on ``/diagnostics``
     :param link: to the board
@@ -122,7 +122,7 @@ class _Board:
         self._told_at = -_LINE_EVERY_S
 
     def status(self, node_name: str) -> DiagnosticStatus:
-        """Return its status for ``/diagnostics``; new faults are logged.
+        """Return the status for ``/diagnostics``; log new faults.
 
         :param node_name: of the node
         """

@@ -15,16 +15,16 @@ from serial_link.device.motor_sketch import MotorSketch, Panel
 
 
 class SimulatedBoardNode:
-    """Simulated board behind a serial port or a TCP connection, which carries its topics.
+    """Simulated board on a serial port or a TCP connection, which carries its topics.
 
-    On the graph it only has what a person does at a board: the button and the potentiometer, the
-    cable, the reset, and faults, as parameters and a service.
+    In ROS itself it has only the actions of a person at the board, as parameters and a service: the
+    button and the potentiometer, the cable, the reset, and faults.
 
     :ROS Services:
         - ``~reset`` (std_srvs/Trigger): presses the reset button
 
     :ROS Parameters:
-        - those of :class:`.BoardParameters`, private and live
+        - private, can be changed at run time: see :class:`.BoardParameters`
     """
 
     def __init__(self, node: Node) -> None:
@@ -39,7 +39,7 @@ class SimulatedBoardNode:
             SimulatedBoard(end, values.baud, self._make_device, values.boot_time)
         )
         self._has_started = False
-        node.on_shutdown(self._board.close)  # or the link to its port would stay
+        node.on_shutdown(self._board.close)  # or the link to its port would remain
         node.create_service("~reset", Trigger, self._reset)
         node.create_timer(1.0, self._start, steady=True)
         self._on_change(values, values)
@@ -50,7 +50,7 @@ class SimulatedBoardNode:
             try:
                 self._board.start()
             except OSError as error:
-                abort(f"the board's port cannot be made: {error}")
+                abort(f"the board's port cannot be created: {error}")
 
     def _make_device(self, now: float) -> Device:
         values = self._settings.values

@@ -90,7 +90,7 @@ def test_folder_that_cannot_be_written_to_is_named(
     monkeypatch.setattr(sys, "argv", ["make_environment", "--into", "/proc/ros2"])
     assert python_environment.main() == 125
     shown = capsys.readouterr().err
-    assert shown.startswith("make_environment: cannot make /proc/ros2: ")
+    assert shown.startswith("make_environment: cannot create /proc/ros2: ")
     assert shown.endswith("cannot be written to, name another with --into\n")
 
 
@@ -149,7 +149,9 @@ def test_folder_of_the_user_is_refused_and_stays(
     mine = place.with_name(name) / "src" / "mine.cpp"
     mine.parent.mkdir(parents=True)
     mine.touch()
-    with pytest.raises(Unavailable, match=f"{name} is not empty and was not made by this command"):
+    with pytest.raises(
+        Unavailable, match=f"{name} is not empty and was not created by this command"
+    ):
         Environment(place).make(wheels, {})
     assert mine.exists()
     assert sorted(path.name for path in place.parent.iterdir()) == [name, "wheels.txt"]

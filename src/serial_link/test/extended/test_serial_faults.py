@@ -118,7 +118,7 @@ class SerialFaults(NodeRig):
         wait_until(lambda: os.path.islink(self.port), lambda: "no port")
         second = self.start("simulated_board", "__name:=second", link=self.port)
         self.assertEqual(second.wait(), 1)
-        second.wait_for_log("the board's port cannot be made", self.port)
+        second.wait_for_log("the board's port cannot be created", self.port)
         self.assertFalse(second.logged("Traceback"))
         self.assertEqual(first.interrupt(), 0)
         self.assertFalse(os.path.islink(self.port))

@@ -1,5 +1,5 @@
 """Actions of each ROS in the other.
 
-An action of ROS 2 is three services and two topics, and they are served and used as such: rclpy's
-own classes for actions need an executor, and get no feedback as bytes.
+A ROS 2 action consists of three services and two topics, which are used directly: rclpy's action
+classes need an executor, and do not deliver feedback as bytes.
 """

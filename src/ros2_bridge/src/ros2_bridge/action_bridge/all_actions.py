@@ -1,4 +1,4 @@
-"""Action bridge: discovers action servers, and bridges each until it is gone."""
+"""Action bridge: discovers action servers, and bridges each as long as it exists."""
 
 from typing import Callable, Dict, Optional, Tuple, Union
 
@@ -20,11 +20,11 @@ _Pair = Union[Ros2ServerInRos1, Ros1ServerInRos2]
 
 
 class ActionBridge(PairBridge[_Pair]):
-    """Pairs of actions, created and closed as both graphs require.
+    """Pairs of actions, created and closed as servers appear and disappear.
 
     :param node: the bridge in ROS 1
     :param participant: the bridge in ROS 2
-    :param timeout: returns the longest wait for a server's word [s]
+    :param timeout: returns the timeout for a server's answer [s]
     """
 
     def __init__(
@@ -50,10 +50,10 @@ class ActionBridge(PairBridge[_Pair]):
         services2: Dict[str, Tuple[str, str]],
         owners: Dict[str, Ros2Node],
     ) -> None:
-        """Begin and end what this poll of both graphs asks for.
+        """Create and close pairs after a poll of both graphs.
 
-        :param services2: type and node of each service of ROS 2
-        :param owners: the nodes of ROS 1 that appear in ROS 2
+        :param services2: type and node of each ROS 2 service
+        :param owners: the ROS 1 nodes that are shown in ROS 2
         """
         self._names, self._owners = rules.names, owners
         self._ros1 = servers_in_ros1(ros1.publishers, ros1.subscribers, ros1.types)
@@ -61,11 +61,11 @@ class ActionBridge(PairBridge[_Pair]):
         for name, server in servers_in_ros2(services2).items():
             self._ros2[rules.names.in_ros1(name) or ""] = server
         in_ros1, in_ros2 = set(self._ros1), set(self._ros2) - {""}
-        # A name that both sides have is not served for the other.
+        # A name with servers in both ROSes is not bridged.
         for name in sorted(filter(rules.allows, in_ros1 & in_ros2)):
             self._skip_log.report(
-                f"{name}: both ROSes list a server of this action; of one that was killed, ROS 2 is"
-                " rid within 20 s, and ROS 1 after `rosnode cleanup`"
+                f"{name}: both ROSes list a server of this action; if one was killed, ROS 2 drops"
+                " it within 20 s, and ROS 1 after `rosnode cleanup`"
             )
         self.update_pairs(wanted(rules, in_ros1 - in_ros2, in_ros2 - in_ros1))
         self.follow()
@@ -99,11 +99,11 @@ class ActionBridge(PairBridge[_Pair]):
         return Ros2ServerInRos1(self._node, self._participant, name, other, kind, self._timeout)
 
     def _owner(self, way: Way) -> Ros2Node:
-        """Return the node that offers an action of ROS 1 in ROS 2."""
+        """Return the node that offers a ROS 1 action in ROS 2."""
         return self._owners.get(self._ros1[way.name].node, self._participant.node)
 
     def _type(self, way: Way) -> str:
-        """Return ROS 1's name of an action's type."""
+        """Return the ROS 1 name of an action's type."""
         if way.to_ros2:
             return self._ros1[way.name].kind
         return self._types.ros1_name(self._ros2[way.name].kind)

@@ -25,22 +25,22 @@ from ros2_bridge.rules.settings import Quality
 from ros2_bridge.types.codec import ConversionError
 from ros2_bridge.types.type_registry import ActionType
 
-#: How many requests, and pieces of feedback, are kept in a burst.
+#: Queue size for requests and for feedback.
 DEPTH = 1000
-#: How long a server may be without a connection until its goals are lost [s].
+#: A server that has been disconnected for this long has lost its goals [s].
 _GONE_S = 1.0
-#: Shortest time between two log lines of one kind [s].
+#: Shortest time between two equal log lines [s].
 _LOG_PERIOD_S = 1.0
 
 
 class Ros1ServerInRos2:
-    """An action server of ROS 1, offered in ROS 2 as soon as all its topics are connected.
+    """ROS 1 action server, offered in ROS 2 once all of its topics are connected.
 
     :param node: the bridge in ROS 1
     :param participant: the bridge in ROS 2
-    :param owner: node of ROS 2 that offers it
+    :param owner: ROS 2 node that offers it
     :param name, other: its name in ROS 1 and in ROS 2
-    :param timeout: returns the longest wait for the server's word on a goal or a cancellation [s]
+    :param timeout: returns the timeout for the server's reaction to a goal or a cancellation [s]
     """
 
     def __init__(
@@ -80,7 +80,7 @@ class Ros1ServerInRos2:
         ]
 
     def follow(self) -> None:
-        """Offer it once the server is connected, and end what has waited for too long."""
+        """Offer the action once the server is connected, and handle timeouts."""
         now, is_connected = time.monotonic(), self._is_connected()
         if is_connected:
             self._connected = now
@@ -104,7 +104,7 @@ class Ros1ServerInRos2:
     def _offer(self) -> None:
         participant, owner, impl = self._participant, self.owner, self.kind.cls.Impl
         path, quality = f"{self._other}/_action", Quality(1, latched=True)
-        with contextlib.ExitStack() as ends:  # all of it, or nothing
+        with contextlib.ExitStack() as ends:  # all, or nothing
             self._status2 = participant.create_publisher(
                 owner, GoalStatusArray2, f"{path}/status", quality
             )
@@ -169,8 +169,8 @@ class Ros1ServerInRos2:
         asked = request.goal_info
         uuid, until = bytes(asked.goal_id.uuid), asked.stamp.sec * 10**9 + asked.stamp.nanosec
         if until:
-            # Not later than now: actionlib keeps it, and recalls what begins until then. Not 0,
-            # which means all: nothing began by 1, and ROS 1 has no earlier times.
+            # Not in the future: actionlib would also recall later goals that begin before. Not 0,
+            # which means all goals; 1 matches none, because ROS 1 has no negative times.
             until = max(1, min(until, rospy.Time.now().to_nsec()))
         with self._lock:
             text = self._goals.request_cancel(uuid, until, time.monotonic(), answer)
@@ -186,7 +186,7 @@ class Ros1ServerInRos2:
             self._goals.on_status(listed, time.monotonic())
 
     def _known(self, text: str, number: int) -> Optional[Status1]:
-        """Return the status of a number; where it is unknown, none, and it is told once."""
+        """Return the status of a number; None if it is unknown, with a warning."""
         if number not in NUMBERED1 and number not in self._unknown:
             self._unknown.add(number)
             rospy.logwarn(f"{self._name} lists {text} with the unknown status {number}")
@@ -219,7 +219,7 @@ class Ros1ServerInRos2:
             if self._throttle.is_due():
                 rospy.logwarn(f"{self._name}: feedback to ROS 2: {error}")
             return
-        # An id of 16 bytes moves nothing: what is behind it is aligned as it was.
+        # The 16-byte id does not change the alignment of the fields behind it.
         self._feedback2.publish(cdr[:4] + bytes_of(report.text) + cdr[4:])
 
     def _publish_status(self, goals: Sequence[Goal]) -> None:
@@ -233,7 +233,7 @@ class Ros1ServerInRos2:
             self._goals.abort_all(time.monotonic())
 
     def close(self) -> None:
-        """Close it."""
+        """Close the server."""
         self.end_goals()
         with self._lock:
             offered, self._offered = self._offered, None

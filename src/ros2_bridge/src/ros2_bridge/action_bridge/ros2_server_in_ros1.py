@@ -29,21 +29,21 @@ from ros2_bridge.rules.settings import Quality
 from ros2_bridge.types.codec import ConversionError
 from ros2_bridge.types.type_registry import ActionType
 
-#: How many responses, and pieces of feedback, are kept in a burst.
+#: Queue size for responses and for feedback.
 DEPTH = 1000
-#: How often all goals are listed [Hz]: actionlib's server does so by default.
+#: Rate of the status list [Hz], as in actionlib's server.
 _RATE_HZ = 5.0
-#: Shortest time between two log lines of one kind [s].
+#: Shortest time between two equal log lines [s].
 _LOG_PERIOD_S = 1.0
 
 
 class Ros2ServerInRos1:
-    """An action server of ROS 2, offered in ROS 1 as soon as all its services are there.
+    """ROS 2 action server, offered in ROS 1 once all of its services exist.
 
     :param node: the bridge in ROS 1
     :param participant: the bridge in ROS 2
     :param name, other: its name in ROS 1 and in ROS 2
-    :param timeout: returns the longest wait for the server's answer to a goal, and for a result [s]
+    :param timeout: returns the timeout for the server's answer to a goal, and for a result [s]
     """
 
     def __init__(
@@ -60,8 +60,8 @@ class Ros2ServerInRos1:
         self._lock = threading.RLock()
         self._goals = Ros2GoalTracker(timeout, self._publish_result, self._publish_status)
         self._numbers = itertools.count(1)
-        #: The latest calls of send_goal. Their answers are waited for beyond the time-out: what is
-        #: accepted later is to be cancelled.
+        #: The latest calls of send_goal. Their answers matter even after the timeout: a goal that
+        #: is accepted late has to be cancelled.
         self._calls: Deque[int] = collections.deque()
         self._unknown: Set[int] = set()
         self._scope = node.create_scope()
@@ -85,7 +85,7 @@ class Ros2ServerInRos1:
         ]
 
     def follow(self) -> None:
-        """Offer it once the server is there, and end the goals that it leaves alone."""
+        """Offer the action once the server exists, and end the goals that it has abandoned."""
         now, is_there = time.monotonic(), all(client.is_ready() for client in self._clients)
         if not self._is_offered and is_there and self._senders():
             self._offer()
@@ -105,7 +105,7 @@ class Ros2ServerInRos1:
             )
 
     def _senders(self) -> Set[bytes]:
-        """Return the names of those who list the goals in ROS 2."""
+        """Return the ids of the publishers of the ROS 2 status list."""
         found = self._participant.node.get_publishers_info_by_topic(self._status2)
         return {bytes(one.endpoint_gid) for one in found}
 
@@ -152,11 +152,11 @@ class Ros2ServerInRos1:
             self._follow_goal(uuid, is_cancelled)
 
     def _follow_goal(self, uuid: bytes, is_cancelled: bool) -> None:
-        """Ask for the result of a goal that was accepted.
+        """Request the result of an accepted goal.
 
-        :param is_cancelled: whether it is to be cancelled, too
+        :param is_cancelled: whether to cancel it, too
         """
-        with contextlib.suppress(NoResponse):  # it has just gone, which is noticed soon
+        with contextlib.suppress(NoResponse):  # the server has just ended; a poll will notice
             request = self._get_type.Request(goal_id=UUID(uuid=list(uuid)))
             self._get.send(request, partial(self._on_result, uuid))
         if is_cancelled:
@@ -168,7 +168,7 @@ class Ros2ServerInRos1:
             self._goals.on_result(uuid, self._known(response.status), content, time.monotonic())
 
     def _known(self, number: int) -> Status2:
-        """Return the status of a number; where it has none, that is told once."""
+        """Return the status of a number; UNKNOWN if it is not defined, with a warning."""
         if number not in NUMBERED2 and number not in self._unknown:
             self._unknown.add(number)
             rospy.logwarn(f"{self._name}: the server in ROS 2 sends the unknown status {number}")
@@ -182,7 +182,7 @@ class Ros2ServerInRos1:
             self._cancel_goal(uuid)
 
     def _cancel_goal(self, uuid: bytes) -> None:
-        """Have the server cancel a goal, or all goals."""
+        """Ask the server to cancel a goal, or all goals."""
 
         def hear(response: Any) -> None:
             if uuid != NO_GOAL and not response.goals_canceling:
@@ -200,7 +200,7 @@ class Ros2ServerInRos1:
                 if self._throttle.is_due("list"):
                     rospy.logwarn(f"{self._name}: a list of goals of ROS 2: {error}")
                 continue
-            # ROS 1 has no times below 0.
+            # ROS 1 has no negative times.
             listed = [(uuid, max(0, stamp), self._known(status)) for uuid, stamp, status in goals]
             with self._lock:
                 cancelled = self._goals.on_status(listed, one.sender, time.monotonic())
@@ -240,7 +240,7 @@ class Ros2ServerInRos1:
             self._goals.abort_goals(set(), time.monotonic())
 
     def close(self) -> None:
-        """Close it."""
+        """Close the server."""
         self.end_goals()
         self._scope.close()
         for end in (*self._ends, *(client.close for client in self._clients)):

@@ -1,4 +1,4 @@
-"""Serialized action messages of ROS 1: actionlib's header before the user's fields."""
+"""Serialized ROS 1 action messages: actionlib's header before the user's fields."""
 
 import io
 import struct
@@ -10,17 +10,17 @@ from ros2_bridge.environment.ros1_messages import GoalID, GoalStatus, GoalStatus
 from ros2_bridge.types.codec import ConversionError
 
 _STAMP, _LENGTH = struct.Struct("<II"), struct.Struct("<I")
-#: Bytes of a Header before its text.
+#: Size of a Header before its string [bytes].
 _HEADER = 12
 
 
 class Reported(NamedTuple):
-    """A message of a server about a goal.
+    """Feedback or result of a goal.
 
     :param text: the goal's id
-    :param stamp: when the goal began [ns]
-    :param status: its number, which may be an unknown one
-    :param why: text of its status
+    :param stamp: the goal's start time [ns]
+    :param status: status number, possibly unknown
+    :param why: text of the status
     :param content: feedback or result
     """
 
@@ -32,12 +32,12 @@ class Reported(NamedTuple):
 
 
 def goal_id(text: str, stamp: int) -> Any:
-    """Return an id, with when the goal began [ns]."""
+    """Return a GoalID with the goal's start time [ns]."""
     return GoalID(rospy.Time(*divmod(stamp, 10**9)), text)
 
 
 def read_goal(data: bytes) -> Tuple[str, int, bytes]:
-    """Return a goal's id, when it began [ns], and the goal.
+    """Return a goal's id, its start time [ns], and the goal.
 
     :raises ConversionError: if it is invalid
     """
@@ -57,7 +57,7 @@ def write_goal(raw: Any, text: str, stamp: int, content: bytes) -> Any:
 
 
 def read_report(data: bytes) -> Reported:
-    """Return what a message with feedback or with a result says.
+    """Parse a feedback or result message.
 
     :raises ConversionError: if it is invalid
     """
@@ -70,7 +70,7 @@ def read_report(data: bytes) -> Reported:
 
 
 def write_report(raw: Any, report: Reported) -> Any:
-    """Return the message with feedback or a result.
+    """Return a feedback or result message.
 
     :param raw: class of the message
     """
@@ -78,14 +78,14 @@ def write_report(raw: Any, report: Reported) -> Any:
 
 
 def read_statuses(message: Any) -> List[Tuple[str, int, int]]:
-    """Return id, stamp in ns, and number of the status of each goal of a list."""
+    """Return id, stamp [ns], and status number of each goal in a list."""
     return [
         (one.goal_id.id, one.goal_id.stamp.to_nsec(), one.status) for one in message.status_list
     ]
 
 
 def write_statuses(reports: List[Reported]) -> Any:
-    """Return the list of goals."""
+    """Return the status list of these goals."""
     header = Header(stamp=rospy.Time.now())
     return GoalStatusArray(header, [_status(report) for report in reports])
 
@@ -94,9 +94,9 @@ def _status(report: Reported) -> Any:
     return GoalStatus(goal_id(report.text, report.stamp), report.status, report.why)
 
 
-# Read byte by byte: genpy replaces what is no UTF-8, and does not say how long it was.
+# Byte by byte: genpy replaces invalid UTF-8, and so loses the original length.
 def _text(data: bytes, at: int) -> Tuple[str, int]:
-    """Return the text at a place, and the place behind it."""
+    """Return the string at an offset, and the offset behind it."""
     (size,) = _LENGTH.unpack_from(data, at)
     end = at + _LENGTH.size + size
     if end > len(data):
@@ -105,7 +105,7 @@ def _text(data: bytes, at: int) -> Tuple[str, int]:
 
 
 def _goal_id(data: bytes) -> Tuple[str, int, int]:
-    """Return the id behind a header, its stamp in ns, and the place behind both."""
+    """Return the goal id behind a header, its stamp [ns], and the offset behind both."""
     _, at = _text(data, _HEADER)
     seconds, rest = _STAMP.unpack_from(data, at)
     text, end = _text(data, at + _STAMP.size)

@@ -1,8 +1,8 @@
-"""Discovery of action servers among the topics of ROS 1 and the services of ROS 2."""
+"""Discovery of action servers from ROS 1 topics and ROS 2 services."""
 
 from typing import Dict, Mapping, NamedTuple, Set, Tuple
 
-#: The topics of an action in ROS 1, and what the names of their types end with.
+#: Topics of a ROS 1 action, with the endings of their type names.
 TOPICS = {
     "goal": "ActionGoal",
     "cancel": "actionlib_msgs/GoalID",
@@ -10,15 +10,15 @@ TOPICS = {
     "feedback": "ActionFeedback",
     "result": "ActionResult",
 }
-#: Ends of the service that a client of ROS 2 sends its goals to, and of its type.
+#: Endings of the service for new goals in ROS 2, and of its type.
 _SERVICE, _TYPE = "/_action/send_goal", "_SendGoal"
 
 
 class Server(NamedTuple):
-    """A server of an action.
+    """An action server.
 
-    :param kind: type of the action, as its ROS names it: ``package/Name``, ``package/action/Name``
-    :param node: that offers it
+    :param kind: action type in its own ROS: ``package/Name`` or ``package/action/Name``
+    :param node: name of its node
     """
 
     kind: str
@@ -26,7 +26,7 @@ class Server(NamedTuple):
 
 
 def is_of_action(topic: str, datatype: str) -> bool:
-    """Tell whether a topic of ROS 1 is a part of an action, which is bridged as a whole."""
+    """Return whether a ROS 1 topic is part of an action, which is bridged as a whole."""
     end = TOPICS.get(topic.rpartition("/")[2])
     return end is not None and datatype.endswith(end)
 
@@ -36,7 +36,7 @@ def servers_in_ros1(
     subscribers: Mapping[str, Set[str]],
     types: Mapping[str, str],
 ) -> Dict[str, Server]:
-    """Return the action servers of ROS 1 by the names of their actions.
+    """Return the ROS 1 action servers by action name.
 
     :param publishers, subscribers: names of nodes by topic
     :param types: types by topic
@@ -57,7 +57,7 @@ def servers_in_ros1(
 
 
 def servers_in_ros2(services: Mapping[str, Tuple[str, str]]) -> Dict[str, Server]:
-    """Return the action servers of ROS 2 by the names of their actions in ROS 2.
+    """Return the ROS 2 action servers by action name.
 
     :param services: type and node by name
     """

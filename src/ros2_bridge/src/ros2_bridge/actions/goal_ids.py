@@ -1,22 +1,23 @@
-"""Goal ids: any text in ROS 1, 16 bytes in ROS 2."""
+"""Conversion of goal ids: any string in ROS 1, 16 bytes in ROS 2."""
 
 import uuid
 
-#: What the ids of ROS 1's own goals are derived from, the same ones in each bridge.
+#: Namespace of the UUIDs of ROS 1 goals, the same in every bridge.
 _SPACE = uuid.UUID("5f4cf9ba-8d63-4f5e-9d35-0c51d9c4a1f7")
-#: ROS 2's for no goal; ROS 1's is the empty text.
+#: ROS 2's id for "no goal"; ROS 1 uses the empty string.
 NO_GOAL = bytes(16)
 
 
 def text_of(goal_id: bytes) -> str:
-    """Return ROS 1's id of a goal of ROS 2, which is read back as the same 16 bytes."""
+    """Return the ROS 1 id of a ROS 2 goal; :func:`bytes_of` inverts it."""
     return str(uuid.UUID(bytes=goal_id)) if goal_id != NO_GOAL else ""
 
 
 def bytes_of(text: str) -> bytes:
-    """Return ROS 2's id of a goal of ROS 1.
+    """Return the ROS 2 id of a ROS 1 goal.
 
-    From one that does not come from ROS 2 there is no way back, so that has to be kept.
+    Unless the id comes from :func:`text_of`, this is a hash, so the caller has to keep the
+    original.
     """
     if not text:
         return NO_GOAL

@@ -1,4 +1,4 @@
-"""Tracker of a ROS 1 server's goals, with the states that its ROS 2 clients must see."""
+"""Tracker of a ROS 1 server's goals, with the states that its ROS 2 clients see."""
 
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
@@ -14,11 +14,11 @@ from ros2_bridge.actions.states import (
     matches_cancel_request,
 )
 
-#: For how long a result is kept [s]: rclpy's ``result_timeout``.
+#: Results are kept for this time [s]: rclpy's ``result_timeout``.
 KEPT_S = 900.0
-#: action_msgs/CancelGoal's answers.
+#: Return codes of action_msgs/CancelGoal.
 DONE, REJECTED, UNKNOWN_GOAL, GOAL_IS_OVER = range(4)
-#: States in which a goal that ROS 2 does not know yet is of interest.
+#: States in which a goal unknown to ROS 2 is tracked.
 _OPEN = (Status1.PENDING, Status1.ACTIVE, Status1.PREEMPTING)
 
 AnswerGoal = Callable[[bool], None]
@@ -29,9 +29,9 @@ class Goal:
     """A goal.
 
     :param text: its id in ROS 1
-    :param stamp: when it began, ns of ROS 1's time
-    :param now: s on the clock of time-outs
-    :param answer: tells the client whether it is accepted; None for a goal of ROS 1's own
+    :param stamp: its start time in ROS 1 [ns]
+    :param now: creation time on the timeout clock [s]
+    :param answer: informs the client whether it is accepted; None for a goal from ROS 1
 
     :ivar uuid: its id in ROS 2
     :ivar status: None until it is accepted
@@ -41,7 +41,7 @@ class Goal:
         self.text, self.uuid, self.stamp, self.answer = text, bytes_of(text), stamp, answer
         self.status: Optional[Status2] = None
         self.since = now
-        #: Whether the server's status has listed it: from then on it is lost where it is not.
+        #: Whether the server's status has listed it; once listed, a goal that is missing is lost.
         self.is_listed = False
         self.awaiting_result: Optional[Tuple[Status1, float]] = None
         self.result = b""
@@ -49,7 +49,7 @@ class Goal:
 
     @property
     def is_under_way(self) -> bool:
-        """Whether it was accepted, and is not over."""
+        """Whether it was accepted, and has not ended."""
         return self.status in STEPS2
 
     @property
@@ -68,10 +68,10 @@ class _Cancellation(NamedTuple):
 
 
 class TimedOutGoals(NamedTuple):
-    """Ids of goals that have waited for long enough.
+    """Ids of goals whose timeout has elapsed.
 
-    :param unheard: that the server has not listed: it is to cancel them, as it may still begin
-    :param without_result: that it says are over, and whose results have not come
+    :param unheard: never listed by the server, which has to cancel them, as it may still start them
+    :param without_result: ended according to the server, but the result is missing
     """
 
     unheard: Sequence[str]
@@ -79,11 +79,11 @@ class TimedOutGoals(NamedTuple):
 
 
 class Ros1GoalTracker:
-    """Keeps the goals, given what either side says and the time; not for several threads at once.
+    """Tracker of goals. Time is an argument; not thread-safe.
 
-    :param patience: returns the longest wait for the server's word on a new goal, and on a
-        cancellation, and for a result [s]
-    :param publish_status: called with the goals that ROS 2 knows whenever one has changed
+    :param patience: returns the timeout for the server's reaction to a new goal or a cancellation,
+        and for a result [s]
+    :param publish_status: called with the goals known to ROS 2 whenever one has changed
     """
 
     def __init__(
@@ -95,11 +95,11 @@ class Ros1GoalTracker:
         self._is_changed = False
 
     def request_goal(self, uuid: bytes, stamp: int, now: float, answer: AnswerGoal) -> str:
-        """Begin a goal of ROS 2.
+        """Add a goal from ROS 2.
 
-        :param stamp: that the server is given [ns]
+        :param stamp: start time for the server [ns]
         :param answer: called with whether it is accepted
-        :returns: the id by which it is to be sent; empty where it is not, as there is such a goal
+        :returns: the id to send it with; empty if a goal with this id exists
         """
         text = text_of(uuid)
         if not text or text in self._goals:
@@ -109,7 +109,7 @@ class Ros1GoalTracker:
         return text
 
     def request_result(self, uuid: bytes, answer: AnswerResult) -> None:
-        """Answer with the result, as soon as there is one; with UNKNOWN where there is no goal."""
+        """Answer with the result once it exists; with UNKNOWN if there is no such goal."""
         goal = self._find(uuid)
         if goal is None or goal.status is None:
             answer(Status2.UNKNOWN, b"")
@@ -123,9 +123,9 @@ class Ros1GoalTracker:
     ) -> Optional[str]:
         """Cancel goals: see :func:`.matches_cancel_request`.
 
-        :param answer: called with a code of CancelGoal and the goals that are being cancelled, as
-            soon as the server has said so of each
-        :returns: the id to be sent with the cancellation, None where it is not to be sent
+        :param answer: called with a CancelGoal code and the goals being cancelled, once the server
+            has confirmed each
+        :returns: the id for the cancel message; None if none is to be sent
         """
         goal = self._find(uuid)
         if uuid != NO_GOAL and not until and (goal is None or not goal.is_under_way):
@@ -144,15 +144,15 @@ class Ros1GoalTracker:
 
     def _find(self, uuid: bytes) -> Optional[Goal]:
         found = self._goals.get(text_of(uuid))
-        if found is None:  # one of ROS 1's own
+        if found is None:  # a goal from ROS 1
             found = next((one for one in self._goals.values() if one.uuid == uuid), None)
         return found
 
     def on_status(self, listed: Sequence[Tuple[str, int, Optional[Status1]]], now: float) -> None:
-        """Follow the server's list.
+        """Handle the server's status list.
 
-        :param listed: id, stamp in ns, and status of each goal; None for an unknown one, of which
-            ROS 1's own clients wait for the next
+        :param listed: id, stamp [ns], and status of each goal; None for an unknown status, which
+            ROS 1's own clients ignore
         """
         for text, stamp, status in listed:
             if text not in self._goals and status in _OPEN:
@@ -178,16 +178,16 @@ class Ros1GoalTracker:
         self._report(now)
 
     def on_result(self, text: str, stamp: int, status: Status1, result: bytes, now: float) -> None:
-        """End a goal, also one of ROS 1's own whose result comes before the first list with it.
+        """End a goal, even a ROS 1 goal whose result arrives before a status list contains it.
 
-        That list comes by another connection; the goal would be taken for one under way.
+        The list uses another connection; a late one would make the goal look active.
 
-        :param stamp: when the goal began [ns]
-        :param result: its result, as ROS 1 has it
+        :param stamp: start time of the goal [ns]
+        :param result: its result, serialized in ROS 1
         """
         goal = self._goals.get(text)
         if goal is None and not text:
-            return  # of no goal
+            return  # no goal id
         if goal is None:
             goal = self._goals[text] = Goal(text, stamp, now, None)
         is_last = TO_ROS2[status] in OVER2
@@ -195,17 +195,17 @@ class Ros1GoalTracker:
         self._report(now)
 
     def abort_all(self, now: float) -> None:
-        """End all goals, as the server has gone."""
+        """Abort all goals, because the server is gone."""
         for goal in list(self._goals.values()):
             self._move(goal, Status1.LOST, now)
         self._report(now)
 
     def end_timeouts(self, now: float) -> TimedOutGoals:
-        """End what has waited for long enough."""
+        """End the goals and requests whose timeout has elapsed."""
         unheard, without_result, patience = [], [], self._patience()
         for goal in list(self._goals.values()):
             if goal.answer is not None and now > goal.since + patience:
-                if goal.is_listed:  # it is among those that the server keeps for later
+                if goal.is_listed:  # the server has queued it
                     self._accept(goal)
                 else:
                     unheard.append(goal.text)
@@ -222,11 +222,11 @@ class Ros1GoalTracker:
         return TimedOutGoals(unheard, without_result)
 
     def publish_all(self) -> None:
-        """Publish the goals that ROS 2 knows."""
+        """Publish the goals known to ROS 2."""
         self._publish_status([one for one in self._goals.values() if one.status is not None])
 
     def _move(self, goal: Goal, status: Status1, now: float, result: bytes = b"") -> None:
-        """Give a goal the state that the server says it has, which may be old news."""
+        """Move a goal to the state reported by the server, which may be outdated."""
         if goal.is_over:
             return
         if goal.status is None:
@@ -235,7 +235,7 @@ class Ros1GoalTracker:
                 self._answer_goal(goal, False)
                 return
             if goal.answer is not None and status == Status1.PENDING:
-                return  # not decided yet
+                return  # not accepted yet
             self._accept(goal)
         before = goal.status or Status2.ACCEPTED
         goal.status = nearest(STEPS2, before, [TO_ROS2[status]])
@@ -256,14 +256,14 @@ class Ros1GoalTracker:
             answer(is_accepted)
 
     def _report(self, now: float) -> None:
-        """Publish what has changed, and answer what has waited for it."""
+        """Publish changes, and then answer requests that waited for them."""
         if self._is_changed:
             self._is_changed = False
             self.publish_all()
         self._answer_cancellations(now)
 
     def _answer_cancellations(self, now: float) -> None:
-        """Answer those whose goals have all followed, or have had their time."""
+        """Answer the cancel requests whose goals have all reacted or timed out."""
         kept = []
         for one in self._cancellations:
             follow = [g for g in one.goals if g.status in (Status2.CANCELING, Status2.CANCELED)]

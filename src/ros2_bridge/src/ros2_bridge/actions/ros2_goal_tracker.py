@@ -1,4 +1,4 @@
-"""Tracker of a ROS 2 server's goals, with the states that its ROS 1 clients must see."""
+"""Tracker of a ROS 2 server's goals, with the states that its ROS 1 clients see."""
 
 from typing import Callable, Collection, Dict, List, NamedTuple, Optional, Sequence, Set, Tuple
 
@@ -15,8 +15,8 @@ from ros2_bridge.actions.states import (
     matches_cancel_request,
 )
 
-#: For how long a goal that is over is listed, and a cancellation kept that comes before its goal,
-#: s: those of actionlib's server.
+#: Ended goals are listed, and cancellations that arrive before their goal kept, for this time [s],
+#: as in actionlib's server.
 LISTED_S = 5.0
 RECALLED = "cancelled before it began"
 REJECTED = "the server in ROS 2 has rejected it"
@@ -31,9 +31,9 @@ class Goal:
 
     :param text: its id in ROS 1
     :param uuid: its id in ROS 2
-    :param stamp: when it began [ns]
-    :param now: when it came, s on the clock of time-outs
-    :param is_own: whether a client of ROS 1 has sent it
+    :param stamp: its start time [ns]
+    :param now: arrival time on the timeout clock [s]
+    :param is_own: whether a ROS 1 client sent it
 
     :ivar why: text of its status
     """
@@ -42,30 +42,30 @@ class Goal:
         self.text, self.uuid, self.stamp, self.is_own = text, uuid, stamp, is_own
         self.since = now
         self.status, self.why = Status1.PENDING, ""
-        #: Whether the server has accepted it, and whether it is to be cancelled as soon as it has.
+        #: Whether the server has accepted it, and whether to cancel it once accepted.
         self.is_accepted, self.is_to_be_cancelled = not is_own, False
         #: Whether the server has listed it.
         self.is_listed = False
-        #: Names of the publisher that has listed it, or of those that were there when it came:
-        #: where they have gone, its server has, though another one of its name may have come.
+        #: Ids of the publisher that listed it, or of those that existed when it arrived: if they
+        #: are gone, so is its server, even if another server of that name has started.
         self.senders: Set[bytes] = set()
-        #: What the server's list says that it ended as, and when that came.
+        #: Final status according to the server's list, and when that arrived.
         self.awaiting_result: Optional[Tuple[Status2, float]] = None
-        #: Whether it was cancelled, and has not come itself.
+        #: Whether only a cancellation of it has arrived, not the goal itself.
         self.is_awaited = False
         self.ended: Optional[float] = None
 
     @property
     def is_under_way(self) -> bool:
-        """Whether it has come, and has not ended."""
+        """Whether it has arrived, and has not ended."""
         return self.status in STEPS1 and not self.is_awaited
 
 
 class TimedOutGoals(NamedTuple):
-    """Goals that have waited for long enough.
+    """Goals whose timeout has elapsed.
 
-    :param accepted: that the server lists without having answered: they are to be followed
-    :param without_result: that its list says are over, and whose results have not come
+    :param accepted: listed by the server, which has not answered: treat them as accepted
+    :param without_result: ended according to the list, but the result is missing
     """
 
     accepted: Sequence[Goal]
@@ -73,11 +73,10 @@ class TimedOutGoals(NamedTuple):
 
 
 class Ros2GoalTracker:
-    """Keeps the goals, given what either side says and the time; not for several threads at once.
+    """Tracker of goals. Time is an argument; not thread-safe.
 
-    :param patience: returns the longest wait for an answer, and for a result [s]
-    :param publish_result: called with a goal of ROS 1 that is over, and its result in ROS 2: None
-        if missing
+    :param patience: returns the timeout for an answer, and for a result [s]
+    :param publish_result: called with an ended ROS 1 goal and its ROS 2 result, None if missing
     :param publish_status: called with the goals after a change
     """
 
@@ -93,14 +92,14 @@ class Ros2GoalTracker:
         self._cancelled_until = 0
 
     def listed(self) -> List[Goal]:
-        """Return the goals that are to be listed."""
+        """Return the goals for the status list."""
         return list(self._goals.values())
 
     def request_goal(self, text: str, stamp: int, now: float) -> Optional[bytes]:
-        """Begin a goal of ROS 1.
+        """Add a goal from ROS 1.
 
-        :param stamp: when it began [ns]
-        :returns: the id by which it is to be sent, None where it is not
+        :param stamp: its start time [ns]
+        :returns: the id to send it with; None if it is not to be sent
         """
         uuid = bytes_of(text)
         goal = self._goals.get(uuid)
@@ -117,14 +116,14 @@ class Ros2GoalTracker:
     def on_goal_response(
         self, uuid: bytes, is_accepted: bool, now: float, why: str = REJECTED
     ) -> bool:
-        """Follow the server's answer to a goal.
+        """Handle the server's answer to a goal.
 
-        :param why: it is not accepted
-        :returns: whether the goal is to be cancelled now
+        :param why: reason if it is not accepted
+        :returns: whether to cancel the goal now
         """
         goal = self._goals.get(uuid)
         if goal is None or not goal.is_under_way:
-            return is_accepted  # its client was told that it is over
+            return is_accepted  # for its client it has already ended
         goal.is_accepted = is_accepted
         if not is_accepted:
             # The server may have listed it before.
@@ -134,11 +133,11 @@ class Ros2GoalTracker:
     def on_status(
         self, listed: Sequence[Tuple[bytes, int, Status2]], sender: bytes, now: float
     ) -> List[bytes]:
-        """Follow the server's list.
+        """Handle the server's status list.
 
-        :param listed: id, stamp in ns, and status of each goal
-        :param sender: name of the publisher
-        :returns: the ids of goals that were cancelled before the list had them
+        :param listed: id, stamp [ns], and status of each goal
+        :param sender: id of the publisher
+        :returns: the ids of goals that were cancelled before they were listed
         """
         cancelled = []
         for uuid, stamp, status in listed:
@@ -156,13 +155,13 @@ class Ros2GoalTracker:
                 goal.status = nearest(STEPS1, goal.status, TO_ROS1[status])
             elif status in OVER2 and not goal.is_own:
                 self._end(goal, TO_ROS1[status], now)
-            elif status in OVER2 and goal.awaiting_result is None:  # of ours the result tells
+            elif status in OVER2 and goal.awaiting_result is None:  # own goals await a result
                 goal.awaiting_result = (status, now)
         self._publish()
         return cancelled
 
     def on_result(self, uuid: bytes, status: Status2, result: Optional[bytes], now: float) -> None:
-        """End a goal of ROS 1.
+        """End a ROS 1 goal.
 
         :param result: passed on
         """
@@ -173,19 +172,19 @@ class Ros2GoalTracker:
             self._end(goal, wanted, now, "" if is_end else NO_END, result)
 
     def request_cancel(self, wanted: str, until: int, now: float) -> List[bytes]:
-        """Cancel goals: see :func:`.matches_cancel_request`; a pending one once it is accepted.
+        """Cancel goals: see :func:`.matches_cancel_request`; a pending goal once it is accepted.
 
-        :returns: the ids of those that are to be cancelled at once; that of no goal for all
+        :returns: the ids of the goals to cancel now; NO_GOAL for all
         """
         self._cancelled_until = max(self._cancelled_until, until)
         uuid = bytes_of(wanted)
-        if wanted and uuid not in self._goals:  # it has overtaken the goal
+        if wanted and uuid not in self._goals:  # the request has overtaken its goal
             early = self._goals[uuid] = Goal(wanted, uuid, until, now, False)
             early.status, early.is_awaited, early.ended = Status1.RECALLING, True, now
             self._publish()
         meant = []
         for goal in self._goals.values():
-            # By its id in ROS 2 too: a bridge that was started again knows no text of ROS 1's own.
+            # Also by its ROS 2 id: a restarted bridge does not know the string of a ROS 1 goal.
             is_it = goal.uuid == uuid or matches_cancel_request(
                 goal.text, goal.stamp, wanted, until
             )
@@ -196,10 +195,10 @@ class Ros2GoalTracker:
         return meant if wanted or until else [NO_GOAL]
 
     def abort_goals(self, senders: Collection[bytes], now: float) -> None:
-        """End the goals whose server has gone.
+        """End the goals whose server is gone.
 
-        :param senders: names of the publishers of the list that are there
-        :param now: when these were looked up [s]: goals that have come since are left
+        :param senders: ids of the existing publishers of the list
+        :param now: when these were looked up [s]; later goals are not affected
         """
         for goal in self.listed():
             if goal.since > now:
@@ -210,7 +209,7 @@ class Ros2GoalTracker:
                 self._end(goal, TO_ROS1[Status2.ABORTED], now, GONE)
 
     def end_timeouts(self, now: float) -> TimedOutGoals:
-        """End the goals that the server has not answered for long enough."""
+        """End the goals that the server has not answered in time."""
         accepted, without_result, patience = [], [], self._patience()
         for goal in self.listed():
             if not goal.is_under_way:
@@ -229,16 +228,16 @@ class Ros2GoalTracker:
         return TimedOutGoals(accepted, without_result)
 
     def is_any_under_way(self) -> bool:
-        """Tell whether any goal is under way."""
+        """Return whether any goal is active."""
         return any(goal.is_under_way for goal in self._goals.values())
 
     def under_way(self, uuid: bytes) -> Optional[Goal]:
-        """Return a goal under way, or None."""
+        """Return an active goal, or None."""
         goal = self._goals.get(uuid)
         return goal if goal is not None and goal.is_under_way else None
 
     def remove_old(self, now: float) -> None:
-        """Forget what was over long ago."""
+        """Remove goals that ended long ago."""
         for goal in self.listed():
             if goal.ended is not None and now > goal.ended + LISTED_S:
                 del self._goals[goal.uuid]

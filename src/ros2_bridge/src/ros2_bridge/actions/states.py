@@ -1,11 +1,11 @@
-"""Goal states of ROS 1 and ROS 2, and their translation."""
+"""Goal states of ROS 1 and ROS 2, and the translation between them."""
 
 import enum
 from typing import AbstractSet, Collection, FrozenSet, Mapping, Sequence, TypeVar
 
 
 class Status1(enum.IntEnum):
-    """ROS 1's, numbered as in actionlib_msgs/GoalStatus."""
+    """Goal states of ROS 1, numbered as in actionlib_msgs/GoalStatus."""
 
     PENDING = 0
     ACTIVE = 1
@@ -20,7 +20,7 @@ class Status1(enum.IntEnum):
 
 
 class Status2(enum.IntEnum):
-    """ROS 2's, numbered as in action_msgs/GoalStatus."""
+    """Goal states of ROS 2, numbered as in action_msgs/GoalStatus."""
 
     UNKNOWN = 0
     ACCEPTED = 1
@@ -31,12 +31,11 @@ class Status2(enum.IntEnum):
     ABORTED = 6
 
 
-#: Least wait for the result of a goal whose status says that it is over [s]: they come by different
+#: Shortest timeout for the result of an ended goal [s]: status and result use different
 #: connections.
 RESULT_S = 2.0
 
-#: What a goal can become next, as actionlib's server and rcl's have it. LOST is what a client of
-#: ROS 1 finds by itself.
+#: Transitions of a goal, as in actionlib's server and rcl. LOST is determined by the ROS 1 client.
 STEPS1: Mapping[Status1, AbstractSet[Status1]] = {
     Status1.PENDING: {
         Status1.ACTIVE,
@@ -59,8 +58,8 @@ STEPS2: Mapping[Status2, AbstractSet[Status2]] = {
     Status2.CANCELING: {Status2.CANCELED, Status2.SUCCEEDED, Status2.ABORTED},
 }
 
-#: What each state is in the other ROS. ROS 2 rejects a goal before it has a state; one that is
-#: rejected after it was accepted there is aborted.
+#: States in the other ROS. ROS 2 rejects a goal before it has a state; a ROS 1 goal that is
+#: rejected after ROS 2 has accepted it becomes aborted.
 TO_ROS2: Mapping[Status1, Status2] = {
     Status1.PENDING: Status2.ACCEPTED,
     Status1.ACTIVE: Status2.EXECUTING,
@@ -73,8 +72,8 @@ TO_ROS2: Mapping[Status1, Status2] = {
     Status1.RECALLED: Status2.CANCELED,
     Status1.LOST: Status2.ABORTED,
 }
-#: Of two states of ROS 1 it is the one that fewer steps lead to: what was never active is recalled,
-#: all else is preempted.
+#: Of two ROS 1 states, the nearer one is taken: goals that were never active are recalled, the
+#: others preempted.
 TO_ROS1: Mapping[Status2, Sequence[Status1]] = {
     Status2.UNKNOWN: (Status1.ABORTED,),
     Status2.ACCEPTED: (Status1.PENDING,),
@@ -85,11 +84,11 @@ TO_ROS1: Mapping[Status2, Sequence[Status1]] = {
     Status2.ABORTED: (Status1.ABORTED,),
 }
 
-#: The states by their numbers: a server may send others.
+#: States by number; a server may send other numbers.
 NUMBERED1: Mapping[int, Status1] = {int(one): one for one in Status1}
 NUMBERED2: Mapping[int, Status2] = {int(one): one for one in Status2}
 
-#: The last states. Those that have steps are open.
+#: Final states; the others have transitions.
 OVER1: FrozenSet[Status1] = frozenset(set(Status1).difference(STEPS1))
 OVER2: FrozenSet[Status2] = frozenset(set(Status2).difference(STEPS2, {Status2.UNKNOWN}))
 
@@ -99,14 +98,14 @@ _Status = TypeVar("_Status", Status1, Status2)
 def nearest(
     steps: Mapping[_Status, AbstractSet[_Status]], now: _Status, wanted: Collection[_Status]
 ) -> _Status:
-    """Return the state that a goal has after some news: news may be late, or some may be missing.
+    """Return the new state of a goal after an update that may be late, or follow lost updates.
 
-    :param steps: what a goal can become next
+    :param steps: transitions of a goal
     :param now: its state before
-    :param wanted: what it is now, by a translation
-    :returns: the one of these that fewest steps lead to; the state before if none is reached
+    :param wanted: its possible new states
+    :returns: the one with the fewest transitions; the state before if none is reachable
     """
-    reached = [now]  # in order of steps; grows while it is gone through
+    reached = [now]  # breadth-first; grows during the iteration
     for state in reached:
         if state in wanted:
             return state
@@ -115,12 +114,12 @@ def nearest(
 
 
 def matches_cancel_request(goal_id: str, stamp: int, wanted: str, until: int) -> bool:
-    """Tell whether a cancel request is for a goal; both ROSes have the same rule.
+    """Return whether a cancel request matches a goal; the rule is the same in both ROSes.
 
     :param goal_id, stamp: the goal's id in ROS 1, and its start time [ns]
     :param wanted: id of the goal to cancel, empty for none
-    :param until: goals that began until then are to be cancelled too [ns]; 0 for none. Without
-        both, all goals are
+    :param until: goals that began until then are cancelled too [ns]; 0 for none. Without
+        ``wanted`` and ``until``, all goals match
     """
     if not wanted and not until:
         return True

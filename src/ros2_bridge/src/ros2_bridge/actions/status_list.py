@@ -1,7 +1,7 @@
-"""The list of goals that an action server of ROS 2 publishes, as bytes (CDR).
+"""Status list of a ROS 2 action server, parsed and written as bytes (CDR).
 
-It has all goals of the last 15 minutes, and is published at each change of one of them: an object
-for each goal would take most of the bridge's time. Knows neither ROS.
+The list has all goals of the last 15 minutes, and is published at each change: an object for each
+goal would take most of the bridge's CPU time. Imports neither ROS.
 """
 
 import struct
@@ -10,11 +10,11 @@ from typing import Iterable, List, NamedTuple, Tuple
 #: Little endian, no options.
 _CDR = b"\0\1\0\0"
 _COUNT = struct.Struct("<I")
-#: A goal: its id, the bytes that have its stamp at a multiple of four, its stamp, its status.
+#: A goal: its id, padding before its stamp, its stamp, its status.
 _GOAL = struct.Struct("<16s3xiIb")
-#: The first one's stamp is there without these bytes.
+#: The first goal's stamp is aligned without this padding.
 _AT, _BYTES = 16, 3
-#: The last second of ROS 2's time.
+#: Largest second in ROS 2.
 _LAST_S = 2**31 - 1
 
 
@@ -22,8 +22,8 @@ class Listed(NamedTuple):
     """A goal of the list.
 
     :param uuid: its id in ROS 2
-    :param stamp: when it began [ns]
-    :param status: number of its status, which may be an unknown one
+    :param stamp: its start time [ns]
+    :param status: status number, possibly unknown
     """
 
     uuid: bytes
@@ -32,14 +32,14 @@ class Listed(NamedTuple):
 
 
 def write_list(goals: Iterable[Listed]) -> bytes:
-    """Return the message that has these goals."""
+    """Return the message with these goals."""
     rows = [_GOAL.pack(uuid, *seconds_of(stamp), status) for uuid, stamp, status in goals]
     joined = b"".join(rows)
     return _CDR + _COUNT.pack(len(rows)) + joined[:_AT] + joined[_AT + _BYTES :]
 
 
 def read_list(data: bytes) -> List[Listed]:
-    """Return the goals that a message has.
+    """Return the goals in a message.
 
     :raises ValueError: if it is malformed
     """
@@ -59,6 +59,6 @@ def read_list(data: bytes) -> List[Listed]:
 
 
 def seconds_of(stamp: int) -> Tuple[int, int]:
-    """Return a time [ns], in seconds and the rest [ns], as ROS 2 has it: ROS 1's ends later."""
+    """Return a time [ns] as seconds and nanoseconds, within ROS 2's range (ROS 1's is larger)."""
     seconds, rest = divmod(stamp, 10**9)
     return min(seconds, _LAST_S), rest

@@ -3,25 +3,25 @@
 import pathlib
 from typing import Dict, Mapping
 
-#: The only machine whose nodes are seen.
+#: Restricts discovery to this machine.
 LOCALHOST = "LOCALHOST"
 
 
 def middleware(environ: Mapping[str, str], loopback: pathlib.Path) -> Dict[str, str]:
-    """Return the variables that ROS 2's middleware is to read.
+    """Return the environment variables for the ROS 2 middleware.
 
-    It sends by UDP, not through shared memory. There, who takes the port of a process that was
-    killed removes what that has left, while others may go on writing into it: a bridge that was
-    killed and started again could receive nothing (eProsima/Fast-DDS#5053).
+    UDP replaces shared memory: a process that reuses the port of a killed process removes its
+    shared-memory segment while others may still write into it, so a bridge that was killed and
+    restarted could receive nothing (eProsima/Fast-DDS#5053).
 
-    :param environ: variables of now; what is chosen in them stays
-    :param loopback: file with the profile for nodes of this machine. rmw_fastrtps has its own for
-        them otherwise, with shared memory, whatever other variables say
+    :param environ: current variables; explicit settings are kept
+    :param loopback: file with the profile for localhost. Without it, rmw_fastrtps uses its own
+        profile there, with shared memory, regardless of other variables
     """
     given = {"FASTDDS_BUILTIN_TRANSPORTS": "UDPv4", **environ}
-    # The only one there; another one, chosen for a ROS 2 elsewhere, would end the process.
+    # The only middleware installed; another one, set for a ROS 2 elsewhere, would end the process.
     given["RMW_IMPLEMENTATION"] = "rmw_fastrtps_cpp"
-    # As our ROS 1 side: nodes of other machines are not seen unless that is asked for.
+    # As on the ROS 1 side, nodes of other machines are invisible by default.
     reach = given.setdefault("ROS_AUTOMATIC_DISCOVERY_RANGE", LOCALHOST)
     chosen = {"ROS_STATIC_PEERS", "FASTRTPS_DEFAULT_PROFILES_FILE"}.intersection(environ)
     if reach == LOCALHOST and not chosen:

@@ -1,7 +1,7 @@
-"""Isolation of rospy's modules from rclpy's: both bring packages called std_msgs.
+"""Isolation of rospy's modules from rclpy's: both have packages such as std_msgs.
 
-What ROS 1 needs is imported first and then taken out of Python's list of modules: what is loaded
-keeps its references. From then on such a name is ROS 2's. ROS 1's other types are read from their
+The modules of ROS 1 are imported first and then removed from ``sys.modules``; loaded code keeps its
+references. From then on, these names import ROS 2. Other ROS 1 types are read from their definition
 files, not imported.
 """
 
@@ -16,9 +16,9 @@ from nodekit.entry_point import import_ros
 
 
 def join() -> None:
-    """Import ROS 1, then make way for ROS 2.
+    """Import ROS 1, then free its module names for ROS 2.
 
-    To be called first of all, by the environment's Python with ROS 1's packages in PYTHONPATH.
+    Call it first, in the environment's Python with ROS 1's packages in PYTHONPATH.
     """
     import_ros()
     for name in (
@@ -30,8 +30,8 @@ def join() -> None:
     ):
         importlib.import_module(name)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", DeprecationWarning)  # old names of nodekit are among them
-        for name in nodekit.__all__:  # what is imported later would find ROS 2's std_srvs
+        warnings.simplefilter("ignore", DeprecationWarning)  # deprecated names of nodekit
+        for name in nodekit.__all__:  # later imports would find ROS 2's std_srvs
             getattr(nodekit, name)
     index = pathlib.Path(sys.prefix, "share", "ament_index", "resource_index")
     clashing = set(os.listdir(str(index / "rosidl_interfaces")))
@@ -40,6 +40,6 @@ def join() -> None:
             del sys.modules[name]
     given = [place for place in os.environ.get("PYTHONPATH", "").split(":") if place]
     sys.path[:] = [place for place in sys.path if place not in given] + given
-    # rclpy writes its log there where there is no HOME.
+    # Without HOME, rclpy needs another folder for its log.
     if "HOME" not in os.environ:
         os.environ.setdefault("ROS_LOG_DIR", os.path.join(os.sep, "tmp", "ros2_bridge"))

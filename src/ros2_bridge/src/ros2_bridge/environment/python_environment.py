@@ -1,7 +1,7 @@
-"""Creation of the Python environment with ROS 2, or of its missing parts.
+"""Creation and update of the Python environment with ROS 2.
 
-``rosrun ros2_bridge make_environment`` does so where the bridge is installed, ``ci/ros2`` in the
-workspace. Where that is not possible, it ends with status 125 and one sentence.
+``rosrun ros2_bridge make_environment`` does so for an installed bridge, ``ci/ros2`` in the
+workspace. On failure the exit status is 125, with one message.
 """
 
 import argparse
@@ -22,24 +22,24 @@ import yaml
 from ros2_bridge.environment.start import DEBIAN, home
 from ros2_bridge.types.ros2_interfaces import RENAMED, TwinPackage, generate_interfaces
 
-#: Versions of Python that the wheels are for.
+#: Python versions with wheels.
 PYTHONS = ((3, 11), (3, 12), (3, 13), (3, 14))
-#: ROS 1's own packages that ROS 2 has and PyPI has not: what is bridged of them.
+#: ROS 1 packages that exist in ROS 2 but not on PyPI: their bridged types.
 WITHOUT_WHEEL = {
     "tf2_msgs": {"msg/TFMessage.msg": "geometry_msgs/TransformStamped[] transforms\n"},
 }
-#: Longest time for the empty environment, for what is fetched from PyPI, and for building all
-#: packages [s]: on a busy machine each takes ten times as long.
+#: Timeouts for creating the environment, for downloads from PyPI, and for building all packages
+#: [s]; ten times the usual duration, for busy machines.
 VENV_LIMIT_S, FETCH_LIMIT_S, BUILD_LIMIT_S = 300.0, 900.0, 900.0
-#: File in a folder that this command has made, and may remove.
+#: Marks a folder that this command created, and may remove.
 MARK = "made_by_ros2_bridge"
-#: Where Debian has definitions of messages.
+#: Debian's folder of message definitions.
 SHARE = pathlib.Path("/usr/share")
 BUILDER = pathlib.Path(__file__).with_name("twin_builder.py")
 
 
 class Unavailable(Exception):
-    """The environment cannot be made; the text says why."""
+    """The environment cannot be created; the text gives the cause."""
 
 
 def say(text: str) -> None:
@@ -47,27 +47,27 @@ def say(text: str) -> None:
 
 
 class PythonEnvironment:
-    """A Python environment with ROS 2.
+    """Python environment with ROS 2.
 
-    :param folder: where it is; the sources of the twins go beside it
+    :param folder: its folder; the sources of the twins are beside it
     """
 
     def __init__(self, folder: pathlib.Path) -> None:
         self._folder = folder
         self._python = folder / "bin" / "python"
         self._twins = folder.with_name(f"{folder.name}_twins")
-        #: The environment before, until the new one is whole.
+        #: The previous environment, until the new one is complete.
         self._previous = folder.with_name(f"{folder.name}_previous")
-        #: Written last: without it, the environment is incomplete.
+        #: Written last: marks a complete environment.
         self._names = folder / "share" / "ros2_bridge" / "names.yaml"
         self._left_out = self._names.with_name("left_out.yaml")
 
     def make(self, wheels: pathlib.Path, packages: Mapping[str, pathlib.Path]) -> None:
-        """Make what is missing. An environment that is whole stays until another one is.
+        """Create or update the environment; keep the existing one until a new one is complete.
 
         :param wheels: list of the wheels
-        :param packages: folders of packages, with messages or without, by name
-        :raises Unavailable: if it cannot be made
+        :param packages: folders of packages, with or without messages, by name
+        :raises Unavailable: on failure
         """
         self._claim()
         self._restore()
@@ -93,16 +93,18 @@ class PythonEnvironment:
         shutil.rmtree(str(self._previous), ignore_errors=True)
 
     def _claim(self) -> None:
-        """Refuse folders with files of the user, and mark the others as made here.
+        """Reject folders with the user's files, and mark the others.
 
-        :raises Unavailable: if one is not empty and was not made here
+        :raises Unavailable: if a folder is not empty and was not created by this command
         """
-        earlier = (self._folder / "share" / "ros2_bridge").is_dir()  # by a release without marks
+        earlier = (
+            self._folder / "share" / "ros2_bridge"
+        ).is_dir()  # by an older release, without marks
         for place in (self._folder, self._twins, self._previous):
             empty = not place.exists() or (place.is_dir() and not any(place.iterdir()))
             if not (empty or earlier or (place / MARK).exists()):
                 raise Unavailable(
-                    f"{place} is not empty and was not made by this command;"
+                    f"{place} is not empty and was not created by this command;"
                     " name a new or an empty folder with --into"
                 )
         self._mark(self._twins)
@@ -114,7 +116,7 @@ class PythonEnvironment:
         (place / MARK).touch()
 
     def _restore(self) -> None:
-        """Put the environment before back unless the new one is whole."""
+        """Restore the previous environment unless the new one is complete."""
         if not self._names.exists():
             shutil.rmtree(str(self._folder), ignore_errors=True)
             if self._previous.exists():
@@ -122,10 +124,10 @@ class PythonEnvironment:
         shutil.rmtree(str(self._previous), ignore_errors=True)
 
     def run(self, command: Sequence[str], limit: float, what: str) -> None:
-        """Run a command of the environment, without ROS 1, and with its output in a log.
+        """Run a command of the environment, without ROS 1, with its output in a log file.
 
-        :param limit: longest time [s]
-        :param what: what it does, for the sentence if it fails
+        :param limit: timeout [s]
+        :param what: description of a failure, for the message
         :raises Unavailable: if it fails
         """
         log = self._twins / "log"
@@ -156,14 +158,14 @@ class PythonEnvironment:
     def _install(self, wheels: pathlib.Path) -> None:
         venv = ["/usr/bin/python3", "-m", "venv", str(self._folder)]
         self.run(venv, VENV_LIMIT_S, "cannot make a virtual environment")
-        # Their own lists are incomplete, so ours is complete, and pip need not ask for theirs.
-        # Python compiles what is imported, which is a tenth of all, when it is.
+        # --no-deps: our list is complete, while the dependency lists of the wheels are not.
+        # --no-compile: only a tenth of the modules are ever imported.
         pip = [str(self._python), "-m", "pip", "install", "--no-deps", "--no-compile", "--quiet"]
         options = ["--retries", "1", "--disable-pip-version-check", "--requirement", str(wheels)]
         self.run([*pip, *options], FETCH_LIMIT_S, "ROS 2 cannot be installed from PyPI")
 
     def _has_wheel(self, package: str) -> bool:
-        """Return whether a wheel brings the ROS 2 package of this name."""
+        """Return whether a wheel contains the ROS 2 package of this name."""
         return self._index(package).exists() and not (self._twins / package).exists()
 
     def _index(self, package: str) -> pathlib.Path:
@@ -171,18 +173,19 @@ class PythonEnvironment:
         return share / "rosidl_interfaces" / package
 
     def _is_in_wheel(self, message: str) -> bool:
-        """Return whether a wheel brings a message, such as ``std_msgs/Header``."""
+        """Return whether a wheel contains a message, such as ``std_msgs/Header``."""
         package, _, name = message.partition("/")
         if not self._has_wheel(package):
             return False
         return f"msg/{name}.idl" in self._index(package).read_text("utf-8").split()
 
     def build_twins(self, packages: Mapping[str, pathlib.Path]) -> None:
-        """Build and install the twins that are new or changed, and write down their names.
+        """Build and install new and changed twins, and write their list of names.
 
-        Twins of earlier runs stay. A type that cannot have a twin is left out, which is said once.
+        Twins of earlier runs are kept. A type without a possible twin is skipped, and reported
+        once.
 
-        :param packages: folders of packages, with messages or without, by name
+        :param packages: folders of packages, with or without messages, by name
         :raises Unavailable: if the builder does not run
         """
         texts = {**WITHOUT_WHEEL, **self._earlier_definitions(), **definitions(packages)}
@@ -205,7 +208,7 @@ class PythonEnvironment:
         self._names.write_text(yaml.safe_dump(names), "utf-8")
 
     def _earlier_definitions(self) -> Dict[str, Dict[str, str]]:
-        """Return the ROS 1 definitions that earlier runs built twins of."""
+        """Return the ROS 1 definitions of the twins that earlier runs built."""
         return {
             path.parent.name: yaml.safe_load(path.read_text("utf-8"))
             for path in sorted(self._twins.glob("*/definitions.yaml"))
@@ -239,7 +242,7 @@ class PythonEnvironment:
             say(f"built the ROS 2 twins of {', '.join(built)} in {took:.0f} s")
 
     def _write_source(self, name: str, twin: TwinPackage, texts: Mapping[str, str]) -> None:
-        """Replace the definitions of a package of twins."""
+        """Replace the definitions of a twin package."""
         place = self._twins / name
         shutil.rmtree(str(place), ignore_errors=True)
         for path, text in twin.files.items():
@@ -250,8 +253,8 @@ class PythonEnvironment:
 
 
 def first_error(log: str) -> str:
-    """Return from the output of a command that has failed what says why."""
-    if "connection broken by" in log:  # pip's, before it says that there is no such package
+    """Return the decisive line of a failed command's output."""
+    if "connection broken by" in log:  # from pip, before "no such package"
         return "no connection"
     lines = log.splitlines() or ["it wrote nothing"]
     errors = [line for line in lines if "error" in line.lower()] or lines[-1:]
@@ -259,7 +262,7 @@ def first_error(log: str) -> str:
 
 
 def check_python() -> None:
-    """Refuse a Python that there are no wheels for."""
+    """Reject a Python version without wheels."""
     if sys.version_info[:2] not in PYTHONS:
         known = ", ".join("%d.%d" % version for version in PYTHONS)
         mine = "%d.%d" % sys.version_info[:2]
@@ -279,7 +282,7 @@ def definitions(packages: Mapping[str, pathlib.Path]) -> Dict[str, Dict[str, str
 
 
 def companions(package: pathlib.Path) -> Dict[str, pathlib.Path]:
-    """Return the packages beside one that have the same maintainer: those it was installed with."""
+    """Return the packages beside a package that have the same maintainer: installed together."""
 
     def maintainer(folder: pathlib.Path) -> str:
         return ElementTree.parse(str(folder / "package.xml")).findtext("maintainer", "")
@@ -297,7 +300,7 @@ def packages_under(folder: pathlib.Path) -> Dict[str, pathlib.Path]:
 def debian_packages(share: pathlib.Path = SHARE, modules: str = DEBIAN) -> Dict[str, pathlib.Path]:
     """Return the message packages that Debian has installed.
 
-    A package with Python code besides its messages is omitted: the twin would hide that code.
+    A package with Python code besides its messages is omitted: its twin would hide that code.
     """
     found = {}
     for folder in sorted(
@@ -310,7 +313,7 @@ def debian_packages(share: pathlib.Path = SHARE, modules: str = DEBIAN) -> Dict[
 
 
 def in_order(twins: Mapping[str, TwinPackage]) -> List[str]:
-    """Return the names so that each stands behind those that it needs."""
+    """Return the names in dependency order."""
     names: List[str] = []
 
     def add(name: str) -> None:
@@ -326,21 +329,21 @@ def in_order(twins: Mapping[str, TwinPackage]) -> List[str]:
 
 
 def main() -> int:
-    """Make what is missing.
+    """Create or update the environment.
 
     :returns: exit status
     """
     package = pathlib.Path(rospkg.RosPack().get_path("ros2_bridge"))
     parser = argparse.ArgumentParser(
         prog="make_environment",
-        description="Make the Python environment with ROS 2 that the bridge runs in.",
+        description="Create the Python environment with ROS 2 that the bridge runs in.",
     )
     parser.add_argument(
         "--into",
         metavar="FOLDER",
         type=pathlib.Path,
         default=home(os.environ),
-        help="where to make it (default: %(default)s)",
+        help="where to create it (default: %(default)s)",
     )
     parser.add_argument(
         "--sources",
@@ -360,10 +363,10 @@ def main() -> int:
         say(str(reason))
         return 125
     except OSError as error:  # most often a folder that is read-only, or a full disk
-        remedy = "if that folder cannot be written to, name another with --into"
-        say(f"cannot make {options.into}: {error}; {remedy}")
+        remedy = "if the folder is not writable, choose another with --into"
+        say(f"cannot create {options.into}: {error}; {remedy}")
         return 125
     except KeyboardInterrupt:
-        say("interrupted: it has to be run again")
+        say("interrupted: run it again")
         return 130
     return 0

@@ -1,7 +1,7 @@
-"""ROS 1 message classes of the bridge itself, under names that ROS 2's do not replace.
+"""ROS 1 message classes of the bridge itself, under names that ROS 2 modules do not replace.
 
-A module of its own, as it is imported after rospy and before rclpy, while these names are still ROS
-1's: see :mod:`ros2_bridge.environment.module_isolation`.
+A separate module, because it is imported between rospy and rclpy, while these names still belong to
+ROS 1: see :mod:`ros2_bridge.environment.module_isolation`.
 """
 
 from actionlib_msgs.msg import GoalID, GoalStatus, GoalStatusArray

@@ -1,4 +1,4 @@
-"""Start of the bridge's process: enters the environment with ROS 2 and keeps ROS 1."""
+"""Startup of the bridge's process: enters the environment with ROS 2 and keeps ROS 1."""
 
 import importlib
 import os
@@ -11,13 +11,12 @@ import rospkg
 from nodekit.entry_point import end
 from ros2_bridge.environment.middleware import middleware
 
-#: Where the environment is, unless ./ci/ros2 has made it in build/ros2 above this file, or
-#: make_environment in the user's folder.
+#: Path of the environment; by default build/ros2 of the workspace (./ci/ros2), or the user's folder
+#: (make_environment).
 VARIABLE = "ROS2_BRIDGE_ENVIRONMENT"
-#: What an environment has once it is made. For another Python than this one, as before an upgrade
-#: of Debian, it has to be made again.
+#: Parts of a complete environment. After an upgrade of Python it has to be created again.
 PARTS = ("share/ros2_bridge/names.yaml", f"lib/python{sys.version_info[0]}.{sys.version_info[1]}")
-#: Where Debian has ROS 1's Python packages, which a virtual environment does not see.
+#: Debian's ROS 1 Python packages, which a virtual environment does not include.
 DEBIAN = "/usr/lib/python3/dist-packages"
 
 
@@ -65,7 +64,7 @@ def find(environ: Mapping[str, str], here: pathlib.Path) -> Optional[pathlib.Pat
 
 
 def home(environ: Mapping[str, str]) -> pathlib.Path:
-    """Return where the environment of a user is who has installed the bridge.
+    """Return the default folder of the environment for a user of the installed bridge.
 
     :param environ: variables
     """
@@ -75,7 +74,7 @@ def home(environ: Mapping[str, str]) -> pathlib.Path:
 def python_path(path: List[str]) -> str:
     """Return PYTHONPATH for the environment's Python.
 
-    :param path: where the Python of now finds packages
+    :param path: module search path of the current Python
     """
     ros1 = [place for place in path if place.endswith("-packages") and place != DEBIAN]
     return ":".join([*ros1, DEBIAN])

@@ -1,13 +1,12 @@
 """Builder of the ROS 2 twins of message packages, all in one process.
 
 Run with the environment's Python: ``twin_builder.py TWINS PACKAGE[:NEEDED,…]…``. The definitions
-lie in TWINS/PACKAGE/source; a package stands behind those that it needs. ROS 2's own generators are
-called here, and what they write is compiled for rclpy and fastrtps, which asks for introspection
-too: its CMake files start ten programs for each package, and build classes for C++, which no code
-uses here.
+are in TWINS/PACKAGE/source; a package follows its dependencies. It calls ROS 2's generators and
+compiles their output for rclpy and fastrtps, which also needs introspection. ROS 2's CMake files
+would start ten programs for each package, and build unused C++ classes.
 
-A package that does not build is left out, with the reason in TWINS/PACKAGE/error; ROS 2 sees a
-package only once it is whole, as its entry in the index is written last.
+A package that does not build is skipped, with the reason in TWINS/PACKAGE/error. ROS 2 sees a
+package only once it is complete, because its index entry is written last.
 """
 
 import concurrent.futures
@@ -38,21 +37,21 @@ SITE = pathlib.Path(sysconfig.get_path("purelib"))
 
 C, FASTRTPS = "rosidl_typesupport_c", "rosidl_typesupport_fastrtps_c"
 INTROSPECTION = "rosidl_typesupport_introspection_c"
-#: What each service needs: its event has a time in it.
+#: Dependencies of every service: its event has a time.
 ALWAYS = ["builtin_interfaces", "service_msgs"]
-#: Libraries of a package that has a wheel, and of one that was built here.
+#: Libraries of a package: from a wheel, or built here.
 OF_PACKAGE = ("rosidl_generator_c", FASTRTPS, INTROSPECTION, C, "rosidl_generator_py", "twin")
 OF_FASTRTPS = ("rosidl_typesupport_fastrtps_cpp", "fastcdr")
 OF_ROS2 = ("rosidl_runtime_c", C, FASTRTPS, INTROSPECTION, *OF_FASTRTPS, "rcutils")
-#: Not optimised: that takes twice as long, and few messages are converted by this code.
+#: Not optimised: that would double the build time, and few messages use this code.
 FLAGS = ("-O0", "-fPIC", "-w", "-DNDEBUG")
 
 
 class Package(NamedTuple):
-    """A package to be built.
+    """A package to build.
 
     :param place: its folder
-    :param needs: names of the packages that it needs
+    :param needs: names of its dependencies
     """
 
     name: str
@@ -61,12 +60,12 @@ class Package(NamedTuple):
 
     @property
     def code(self) -> pathlib.Path:
-        """Folder of what is generated; its parent is where compilers look for it."""
+        """Folder of the generated code; its parent is the include folder."""
         return self.place / "generated" / self.name
 
     @property
     def introspection(self) -> pathlib.Path:
-        """Folder of the introspection's code, some of whose files have the names of others."""
+        """Folder of the introspection code, some of whose file names collide with others."""
         return self.place / "introspection" / self.name
 
     @property
@@ -76,7 +75,7 @@ class Package(NamedTuple):
 
 
 def generate(package: Package) -> None:
-    """Write a package's code, and install its definitions."""
+    """Generate a package's code, and install its definitions."""
     name, code, share = package.name, package.code, SHARE / package.name
     source = package.place / "source"
     for kind in ("packages", "rosidl_interfaces"):
@@ -114,7 +113,7 @@ def generate(package: Package) -> None:
 
 
 def add_to_index(package: Package) -> None:
-    """Let ROS 2 find a package."""
+    """Add a package to ROS 2's index."""
     source = package.place / "source"
     interfaces = sorted(path.relative_to(source) for path in source.glob("*/*"))
     listed = [
@@ -125,7 +124,7 @@ def add_to_index(package: Package) -> None:
 
 
 def units(package: Package) -> List[pathlib.Path]:
-    """Return what is to be compiled: few files that include the rest, as headers take the time."""
+    """Return the files to compile: few files that include the rest, because headers dominate."""
     alone = [*package.code.glob("*.c"), *package.code.rglob("*__description.c")]
     found = list(alone)
     places = [*package.code.iterdir(), *package.introspection.iterdir()]
@@ -140,7 +139,7 @@ def units(package: Package) -> List[pathlib.Path]:
 
 
 def build(packages: List[Package], includes: List[pathlib.Path], attempt: "Attempt") -> None:
-    """Compile what was generated, as much at once as there are processors, and link it."""
+    """Compile the generated code on all processors, and link it."""
     options = [f"-I{path}" for path in includes]
 
     def compiled(source: pathlib.Path) -> pathlib.Path:
@@ -186,16 +185,16 @@ def run(*command: object) -> None:
 
 
 class Attempt:
-    """Attempts at packages: one that fails is left out, and so are its users."""
+    """Build attempts: a package that fails is skipped, and so are its dependents."""
 
     def __init__(self) -> None:
         self._failed: Dict[str, str] = {}
 
     def __call__(self, package: Package, step: Callable[[], None]) -> bool:
-        """Take a step with a package.
+        """Run a build step of a package.
 
-        :param step: raises an exception of any kind, as ROS 2's generators do, if it fails
-        :returns: whether it is done
+        :param step: raises any exception on failure, as ROS 2's generators do
+        :returns: whether it succeeded
         """
         lost = [needed for needed in package.needs if needed in self._failed]
         try:
@@ -214,7 +213,7 @@ class Attempt:
 
 def main(twins: pathlib.Path, given: List[str]) -> None:
     """Build packages, given as on the command line."""
-    # The parser takes most of the generators' time, and each of them would parse all files again.
+    # Without a cache, each generator would parse all files again, which takes most of the time.
     parser.get_ast_from_idl_string = functools.lru_cache(None)(parser.get_ast_from_idl_string)
     packages, attempt = [], Attempt()
     for name, _, needed in (one.partition(":") for one in given):

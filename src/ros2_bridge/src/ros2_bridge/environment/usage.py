@@ -1,4 +1,4 @@
-"""Help of ``bridge --help``, also without an environment with ROS 2."""
+"""Text of ``bridge --help``, which works without an environment with ROS 2."""
 
 import textwrap
 

@@ -25,21 +25,21 @@ from ros2_bridge.topics.all_topics import TopicBridge
 from ros2_bridge.topics.rosout import Rosout
 from ros2_bridge.types.type_registry import TypeRegistry
 
-#: Time between two ticks of the loop [s], and how many of them there are to a poll.
+#: Period of the loop [s], and number of its iterations per poll.
 _TICK_S, _TICKS = 0.1, 5
-#: How many polls come one each tick at first: ROS 2 discovers what there is bit by bit.
+#: Number of initial polls that happen at every iteration: ROS 2 discovers the graph gradually.
 _FIRST_POLLS = 10
-#: Longest wait for the master [s].
+#: Timeout for the master [s].
 _MASTER_S = 2.0
-#: Shortest time between two log lines of one kind [s].
+#: Shortest time between two equal log lines [s].
 _LOG_PERIOD_S = 10.0
 
 
 class GraphLoop:
-    """All parts of the bridge, and the thread that has them follow the graphs.
+    """All parts of the bridge, and the thread that updates them from the graphs.
 
     :param node: the bridge in ROS 1
-    :param parameters: the bridge's
+    :param parameters: of the bridge
     :raises ParameterError: if a quality of service is malformed
     """
 
@@ -47,7 +47,7 @@ class GraphLoop:
         self._throttle = Throttle(_LOG_PERIOD_S)
         self._node, self._parameters = node, parameters
         self._master = MasterClient(node.name)
-        # Of its own: it remembers the latest replies.
+        # A separate client: it caches the latest replies.
         self._poller = MasterClient(node.name, timeout=_MASTER_S)
         qos = self._master.read([node.resolve("~qos")]).values[node.resolve("~qos")]
         qualities = Qualities(parameters.values.depth, None if qos is MISSING else qos)
@@ -102,13 +102,13 @@ class GraphLoop:
                         with self._guarded():
                             self._topics.follow_subscribers1()
                         self._actions.follow()
-            except MasterUnreachable as error:  # all stays as it is until it is back
+            except MasterUnreachable as error:  # nothing changes until the master is back
                 if self._throttle.is_due("master"):
                     rospy.logwarn(f"nothing new is bridged: {error}")
 
     @contextlib.contextmanager
     def _guarded(self) -> Iterator[None]:
-        """Log what fails of one part of the bridge: all else goes on."""
+        """Log an exception of one part of the bridge; the other parts continue."""
         try:
             yield
         except MasterUnreachable:
@@ -156,9 +156,9 @@ class GraphLoop:
         return read_graph(self._poller, {self._node.name, *self._nodes_in_ros1.names})
 
     def _entries(self, nodes: Set[str], topics: Dict[str, Topic]) -> Dict[str, Set[Entry]]:
-        """Return what each node of ROS 2 has in ROS 1, by its name there.
+        """Return the ROS 1 registrations of each ROS 2 node, by its ROS 1 name.
 
-        :param topics: of ROS 2, by their names in ROS 1
+        :param topics: of ROS 2, by ROS 1 name
         """
         found: Dict[str, Set[Entry]] = {node: set() for node in nodes}
         for way, kind in self._topics.types().items():
@@ -186,18 +186,18 @@ class GraphLoop:
         self._graph.shared_names.clear()
 
     def statistics(self) -> Dict[str, Any]:
-        """Return what has gone through each pair of topics, and what was lost."""
+        """Return how many messages each topic pair has passed on, and how many were lost."""
         topics: Dict[str, Any] = {"to_ros1": {}, "to_ros2": {}}
         for way, count in self._topics.counts().items():
             topics["to_ros2" if way.to_ros2 else "to_ros1"][way.name] = vars(count)
         return {"topics": topics}
 
     def close(self) -> None:
-        """End ROS 2's side, all at once, while ROS 1's is there; rospy then ends that."""
+        """Close all ROS 2 parts while ROS 1 still exists; rospy then closes that."""
         self._ended.set()
         self._thread.join(0.5)
         for end in (self._actions.end_goals, self._nodes_in_ros1.close, self._participant.close):
             try:
                 end()
-            except Exception:  # what comes next is to end all the same
+            except Exception:  # the other parts have to be closed, too
                 rospy.logerr(traceback.format_exc())

@@ -37,22 +37,22 @@ except ImportError:  # dynamic_reconfigure is optional
     AVAILABLE = False
 
 _EVENTS = "/parameter_events"
-#: How long a node is given to describe its parameters [s]. Then it counts as one that does not, and
-#: every value is accepted for it; before, it may be one that would refuse some, and is starting.
+#: Time for a node to describe its parameters [s]. Afterwards it counts as a node without
+#: descriptions, and every value is accepted; before, it may be starting, and reject some values.
 _DESCRIBE_S = 5.0
 _LEGAL = re.compile(r"(/[A-Za-z][A-Za-z0-9_]*)+\Z")
 
 
 class NodeToRos2:
-    """A node of ROS 1 in ROS 2: its name, and its parameters.
+    """A ROS 1 node in ROS 2: its name, and its parameters.
 
-    It stays, with the topics and services that it has, while its parameters come and go.
+    It persists, with its topics and services, while its parameters appear and disappear.
 
     :param participant: the bridge in ROS 2
-    :param other: the global name that it has in ROS 2
-    :param destroy: is called with it at the end
+    :param other: its global name in ROS 2
+    :param destroy: called with it at the end
 
-    :ivar node: what stands for it in ROS 2
+    :ivar node: the ROS 2 node
     :ivar style: how its parameters are bridged
     """
 
@@ -64,26 +64,26 @@ class NodeToRos2:
         self._parameters: Optional[ParametersToRos2] = None
 
     def set_parameters(self, style: str, parameters: Optional[ParametersToRos2]) -> None:
-        """Bridge the parameters in another way, or no longer."""
+        """Change how the parameters are bridged; None stops it."""
         if self._parameters is not None:
             self._parameters.close()
         self.style, self._parameters = style, parameters
 
     def close(self) -> None:
-        """Close it."""
+        """Close the node."""
         self.set_parameters("none", None)
         self._destroy(self.node)
 
 
 class NodeBridge:
-    """Keeps the nodes as both graphs have them; all of them are known by their names in ROS 1.
+    """Node bridge: keeps the nodes up to date with both graphs; all names are ROS 1 names.
 
     :param node: the bridge in ROS 1
     :param participant: the bridge in ROS 2
-    :param client: asks the master
-    :param names: what has another name in ROS 2
-    :param skip_log: is told which nodes are left out
-    :param is_kind: tells whether a whole number is taken for a double
+    :param client: client of the master
+    :param names: renaming rules
+    :param skip_log: receives the nodes that are not bridged
+    :param is_kind: returns whether an integer is accepted for a double
     """
 
     def __init__(
@@ -105,9 +105,9 @@ class NodeBridge:
         self._to_ros2: Bridged[str, NodeToRos2] = Bridged()
         self._to_ros1: Bridged[str, ParametersToRos1] = Bridged()
         self._own: Optional[ParametersToRos2] = None
-        #: What has ended, until other nodes have its topics and services.
+        #: Closed nodes, until other nodes have taken their topics and services.
         self._leaving: List[Ros2Node] = []
-        #: When each node was first seen, s on the monotonic clock.
+        #: When each node was first seen, on the monotonic clock [s].
         self._since: Dict[str, float] = {}
         self._events = participant.create_publisher(
             participant.node, ParameterEvent, _EVENTS, Quality(1000)
@@ -125,13 +125,13 @@ class NodeBridge:
         most: int,
         is_restarted: bool,
     ) -> None:
-        """Begin and end what this poll of both graphs asks for.
+        """Create and close nodes after a poll of both graphs.
 
-        :param in_ros2: names of the nodes of ROS 2
+        :param in_ros2: names of the ROS 2 nodes
         :param services2: names of their services
         :param parameters: whether parameters are bridged
-        :param most: how many nodes of ROS 1 may appear
-        :param is_restarted: whether the master has forgotten everything
+        :param most: most ROS 1 nodes to show
+        :param is_restarted: whether the master was restarted, and has lost its state
         """
         while self._leaving:
             self._participant.destroy_node(self._leaving.pop())
@@ -147,7 +147,7 @@ class NodeBridge:
                 style = "reconfigured"
             style = "described" if name in describing else style
             style = style if parameters else "none"
-            with self._skip_log.catching(name):  # ROS 2 may refuse its name
+            with self._skip_log.catching(name):  # ROS 2 may reject the name
                 self._update_to_ros2(name, style)
         listing = {name for name in in_ros2 if f"{name}/list_parameters" in services2}
         self._update_to_ros1(listing - ros1.nodes() if parameters else set(), most, is_restarted)
@@ -157,22 +157,22 @@ class NodeBridge:
             self._to_ros2[name] = NodeToRos2(
                 self._participant, self._other(name), self._leaving.append
             )
-        if self._to_ros2[name].style != style:  # a managed node has them only for a time
+        if self._to_ros2[name].style != style:  # a managed node has parameters only at times
             self._to_ros2[name].set_parameters("none", None)
             self._to_ros2[name].set_parameters(style, self._parameters(name, style))
 
     def _other(self, name: str) -> str:
-        """Return the name in ROS 2 of what has a name in ROS 1."""
+        """Return the ROS 2 name for a ROS 1 name."""
         return self._names.in_ros2(name) or name
 
     def _chosen(self, nodes: Set[str], describing: Set[str], most: int) -> List[str]:
-        """Return the nodes that appear: nodes before parts of nodes, which describe parameters."""
+        """Return the nodes to show: nodes before the parts of nodes, which describe parameters."""
         order = rank_names(self._to_ros2, nodes, describing)
         legal = [name for name in order if _LEGAL.match(self._names.in_ros2(name) or "")]
         return self._at_most(legal, most, "nodes of ROS 1")
 
     def _at_most(self, names: List[str], most: int, what: str) -> List[str]:
-        """Return the first so many names, and report which are left out."""
+        """Return the first ``most`` names, and report the others."""
         left = len(names) - most
         if left > 0:
             some = ", ".join(names[most : most + 3]) + (f" and {left - 3} more" if left > 3 else "")
@@ -180,7 +180,7 @@ class NodeBridge:
         return names[:most]
 
     def offer_own_parameters(self) -> None:
-        """Offer the bridge's own parameters in ROS 2, unless they are offered already."""
+        """Offer the bridge's own parameters in ROS 2, unless already offered."""
         if self._own is None:
             name = self._node.name
             self._own = self._bridged(
@@ -190,10 +190,10 @@ class NodeBridge:
             )
 
     def _parameters(self, name: str, style: str) -> Optional[ParametersToRos2]:
-        """Bridge the parameters of a node of ROS 1.
+        """Bridge the parameters of a ROS 1 node.
 
-        :param style: "described" where it describes them itself, "reconfigured" where
-            dynamic_reconfigure does, "plain" where neither does
+        :param style: "described" if the node describes them, "reconfigured" if dynamic_reconfigure
+            does, else "plain"
         """
         if style == "none":
             return None
@@ -240,5 +240,5 @@ class NodeBridge:
                     parameters.write_event(event)
 
     def in_ros2(self) -> Dict[str, Ros2Node]:
-        """Return the nodes of ROS 2 that stand for nodes of ROS 1, by name."""
+        """Return the ROS 2 nodes that represent ROS 1 nodes, by name."""
         return {name: shown.node for name, shown in self._to_ros2.items()}

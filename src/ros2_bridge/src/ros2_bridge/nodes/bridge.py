@@ -15,16 +15,17 @@ from ros2_bridge.types.type_registry import TypeRegistry, shared_types
 
 
 class Bridge:
-    """Bridges topics, services, actions, parameters and managed nodes between ROS 1 and ROS 2.
+    """Bridge of topics, services, actions, parameters and managed nodes between ROS 1 and ROS 2.
 
     :ROS Publishers:
-        - ``~statistics`` (std_msgs/String): each second what has gone through, as YAML
+        - ``~statistics`` (std_msgs/String): counters of all topics once a second, as YAML
 
     :ROS Services:
         - ``/ros2_bridge_of_domain_N`` (std_srvs/Trigger): returns the bridge's name
 
     :ROS Parameters:
-        - those of :class:`.BridgeParameters`, private and live; and ``~qos``, read at the start
+        - private, can be changed at run time: see :class:`.BridgeParameters`; and ``~qos``, read at
+          startup
     """
 
     def __init__(self, node: Node) -> None:
@@ -40,7 +41,7 @@ class Bridge:
 
 
 def print_pairs() -> None:
-    """Print each pair of types; what has the same name and differs, on standard error."""
+    """Print each pair of types; on standard error, types with the same name that differ."""
     types = TypeRegistry()
     finders: Dict[str, Callable[[str], Any]] = {
         "msg": types.message,

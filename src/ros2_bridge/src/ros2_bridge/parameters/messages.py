@@ -1,4 +1,4 @@
-"""Parameters as ROS 2 messages."""
+"""Conversion of parameters to and from ROS 2 messages."""
 
 from typing import Any, Dict, Mapping
 
@@ -23,8 +23,8 @@ from ros2_bridge.parameters.values import (
 
 
 def to_message(value: Any, kind: int) -> ParameterValue:
-    """Return a plain value as a message; NOT_SET where ROS 2 has no kind for it."""
-    message = ParameterValue(type=kind, check_fields=True)  # or it would fail when it is sent
+    """Return a plain value as a message; NOT_SET if ROS 2 has no such type."""
+    message = ParameterValue(type=kind, check_fields=True)  # otherwise it would fail when sent
     if kind != NOT_SET:
         try:
             setattr(message, FIELDS[kind], as_kind(value, kind))
@@ -34,7 +34,7 @@ def to_message(value: Any, kind: int) -> ParameterValue:
 
 
 def to_plain(message: ParameterValue) -> Any:
-    """Return the value of a message, None where it has none."""
+    """Return the value of a message; None if it has no value."""
     if message.type not in FIELDS:
         return None
     value = getattr(message, FIELDS[message.type])
@@ -44,9 +44,9 @@ def to_plain(message: ParameterValue) -> Any:
 
 
 def descriptor(name: str, entry: Mapping[str, Any]) -> ParameterDescriptor:
-    """Describe a parameter.
+    """Return the descriptor of a parameter.
 
-    :param entry: of the node's own description
+    :param entry: from the node's own description
     """
     words, allowed = description_of(entry)
     message = ParameterDescriptor(
@@ -65,9 +65,9 @@ def descriptor(name: str, entry: Mapping[str, Any]) -> ParameterDescriptor:
 
 
 def event(node: str, stamp: Any, *parts: Dict[str, ParameterValue]) -> ParameterEvent:
-    """Return the message about a change.
+    """Return the event message of a change.
 
-    :param parts: what is new, what has changed, what has gone
+    :param parts: new, changed and deleted parameters
     """
     new, changed, deleted = (
         [Parameter(name=name, value=value) for name, value in part.items()] for part in parts

@@ -1,7 +1,7 @@
-"""Parameters of a ROS 1 node with a server of dynamic_reconfigure.
+"""Parameters of a ROS 1 node with a dynamic_reconfigure server.
 
-It reads the parameter server at its start only; after that, it is asked by its own service. Its
-server cuts values off at its limits in silence, so they are checked here.
+The node reads the parameter server only at its start; later changes go through its own service.
+That service silently clips values to their limits, so they are validated here.
 """
 
 import ast
@@ -23,11 +23,11 @@ from nodekit.master import MasterClient
 from ros2_bridge.parameters.ros1_parameters import TIMEOUT_S, Parameter, ServerParameters
 from ros2_bridge.parameters.values import declared_kind
 
-#: Base name of the service by which such a node is found.
+#: Base name of the service that identifies such a node.
 SERVICE = "set_parameters"
-#: Names of types in descriptions of nodekit, by those of dynamic_reconfigure.
+#: Type names of nodekit's descriptions, by those of dynamic_reconfigure.
 _TYPES = {"bool": "bool", "int": "int", "double": "float", "str": "str"}
-#: Field of a Config, class of its items and what makes a value one of them, by type.
+#: Field of a Config, class of its items and converter of its values, by type.
 _FIELDS = {
     "bool": ("bools", BoolParameter, bool),
     "int": ("ints", IntParameter, int),
@@ -37,11 +37,11 @@ _FIELDS = {
 
 
 class ReconfiguredParameters(ServerParameters):
-    """The parameters that the node describes, and what else is on the server.
+    """Parameters that the node describes, and its other parameters on the parameter server.
 
-    :param client: asks the master
+    :param client: client of the master
     :param name: global name of the node
-    :param scope: makes the subscriptions to what the node tells
+    :param scope: creates the subscriptions to the node's descriptions and updates
     """
 
     def __init__(self, client: MasterClient, name: str, scope: NodeScope) -> None:
@@ -106,7 +106,7 @@ class ReconfiguredParameters(ServerParameters):
         others = {name: value for name, value in values.items() if name not in entries}
         self._client.write({f"{self.name}/{key}": value for key, value in others.items()})
         return "; ".join(
-            f"{name}: {self.name} has made it {in_force.get(name)!r}"
+            f"{name}: {self.name} has set it to {in_force.get(name)!r}"
             for name in values
             if name in entries and in_force.get(name) != values[name]
         )
@@ -119,11 +119,11 @@ def values_of(config: Any) -> Dict[str, Any]:
 
 
 def entry_of(described: Any, low: Any, high: Any) -> Dict[str, Any]:
-    """Return a parameter as an entry of a description of nodekit.
+    """Return a parameter as an entry of a nodekit description.
 
     :param described: its ParamDescription
-    :param low: least value
-    :param high: largest value
+    :param low: minimum
+    :param high: maximum
     """
     kind = _TYPES[described.type]
     entry: Dict[str, Any] = {"type": kind, "help": described.description}
@@ -133,12 +133,12 @@ def entry_of(described: Any, low: Any, high: Any) -> Dict[str, Any]:
         choices = ast.literal_eval(described.edit_method or "{}")["enum"]
         entry["choices"] = [one["value"] for one in choices]
     except (ValueError, SyntaxError, KeyError, TypeError):
-        pass  # no enumeration
+        pass  # not an enumeration
     return entry
 
 
 def refusal(name: str, value: Any, entry: Mapping[str, Any]) -> str:
-    """Return why a value is refused, empty if it is not.
+    """Return why a value is invalid; empty if it is valid.
 
     :param name: name of the parameter
     :param value: the value

@@ -12,17 +12,17 @@ from nodekit import (
 from nodekit.master import MasterClient
 from ros2_bridge.parameters.values import BOOL, declared_kind, flat, kind_of, ros1_key
 
-#: How long a node may take to describe its parameters, or to check a change [s].
+#: Timeout for a node's description of its parameters, and for the check of a change [s].
 TIMEOUT_S = 2.0
-#: In ROS 2 each node has it; in ROS 1 it is one parameter for all nodes, so it is not set here.
+#: A parameter of every ROS 2 node; in ROS 1 all nodes share one, so the bridge does not set it.
 _SIM_TIME, _SIM_TIME_IN_ROS1 = "use_sim_time", "/use_sim_time"
 
 
 class Parameter(NamedTuple):
     """A parameter.
 
-    :param kind: as ROS 2 numbers them
-    :param entry: of the node's description, None where it has none
+    :param kind: type, as numbered in ROS 2
+    :param entry: of the node's description; None without one
     """
 
     value: Any
@@ -31,13 +31,13 @@ class Parameter(NamedTuple):
 
 
 class Unreadable(Exception):
-    """Parameters that cannot be read; the text says why."""
+    """Parameters that cannot be read; the text gives the cause."""
 
 
 class Ros1Parameters:
-    """The parameters of a node, and whether it goes by simulated time.
+    """Parameters of a ROS 1 node, including use_sim_time.
 
-    :param client: asks the master
+    :param client: client of the master
     :param name: global name of the node
     """
 
@@ -45,7 +45,7 @@ class Ros1Parameters:
         self._client, self.name = client, name
 
     def read(self) -> Dict[str, Parameter]:
-        """Return the parameters in force, by their names in ROS 2.
+        """Return the current parameters, by ROS 2 name.
 
         :raises Unreadable: if the node or the master does not answer
         """
@@ -58,10 +58,10 @@ class Ros1Parameters:
         return found
 
     def change(self, values: Mapping[str, Any]) -> str:
-        """Change all of some parameters, or none.
+        """Change all of the given parameters, or none.
 
-        :param values: new values, by names in ROS 2
-        :returns: why not; empty where they are in force
+        :param values: new values, by ROS 2 name
+        :returns: the reason for a rejection; empty on success
         """
         if _SIM_TIME in values:
             return f"{_SIM_TIME} is shared by all nodes of ROS 1: rosparam set {_SIM_TIME_IN_ROS1}"
@@ -71,9 +71,9 @@ class Ros1Parameters:
             return str(error)
 
     def caution(self, names: List[str]) -> str:
-        """Return what the user must know of a change of parameters; empty for nothing.
+        """Return a warning about a change of parameters; empty for none.
 
-        :param names: names of the parameters in ROS 2
+        :param names: ROS 2 names of the parameters
         """
         del names
         return ""
@@ -86,7 +86,7 @@ class Ros1Parameters:
 
 
 class DescribedParameters(Ros1Parameters):
-    """Those of a node made with nodekit, which describes them and checks changes itself."""
+    """Parameters of a nodekit node, which describes them and validates changes itself."""
 
     def _read(self) -> Dict[str, Parameter]:
         entries = ParameterClient(self.name, TIMEOUT_S).describe()
@@ -104,7 +104,7 @@ class DescribedParameters(Ros1Parameters):
 
 
 class ServerParameters(Ros1Parameters):
-    """Those of any other node: what stands on the parameter server, which takes everything."""
+    """Parameters of any other node, on the parameter server, which accepts every value."""
 
     def _read(self) -> Dict[str, Parameter]:
         tree = self._client.read([self.name]).values[self.name]
@@ -113,9 +113,9 @@ class ServerParameters(Ros1Parameters):
         return {name: Parameter(values[name], kind, None) for name, kind in kinds.items() if kind}
 
     def _change(self, values: Mapping[str, Any]) -> str:
-        # A managed one that was configured since the last poll?
+        # Has a managed node been configured since the last poll?
         if self._client.lookup_service(f"{self.name}/describe"):
-            return f"{self.name} has just begun to check its parameters itself; try again"
+            return f"{self.name} now checks its parameters itself; try again"
         self._client.write({f"{self.name}/{key}": value for key, value in values.items()})
         return ""
 

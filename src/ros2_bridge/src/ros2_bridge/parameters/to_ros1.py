@@ -1,4 +1,4 @@
-"""Mirror of a ROS 2 node's parameters on the parameter server of ROS 1."""
+"""Mirror of a ROS 2 node's parameters on the ROS 1 parameter server."""
 
 import collections
 import difflib
@@ -30,21 +30,21 @@ from ros2_bridge.ros2.client import NoResponse, Ros2Client
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.rules.skip_log import SkipLog
 
-#: Longest wait for the node [s].
+#: Timeout for the node [s].
 _TIMEOUT_S = 2.0
-#: Least time between two warnings that a node does not answer [s]: one may never spin.
+#: Shortest time between two warnings that a node does not answer [s]: a node may never spin.
 _SELDOM_S = 600.0
-#: Shortest time between two log lines of one kind [s].
+#: Shortest time between two equal log lines [s].
 _LOG_PERIOD_S = 10.0
 
 
 class ParametersToRos1:
-    """Writes a node's parameters to the server, and has the node take what is set there.
+    """Mirror that writes a node's parameters to the server, and sends changes there to the node.
 
-    All is done by one thread, one thing after the other.
+    A single thread does all of it, in sequence.
 
     :param participant: the bridge in ROS 2
-    :param client: asks the master
+    :param client: client of the master
     :param name, other: global name of the node in ROS 1 and in ROS 2
     """
 
@@ -58,15 +58,15 @@ class ParametersToRos1:
     ) -> None:
         self._throttle = Throttle(_LOG_PERIOD_S)
         self._name, self._master, self._skip_log = name, client, skip_log
-        #: What the node has and the server too, by ROS 2's name, and of which kind it is there.
+        #: Values shared by node and server, by ROS 2 name, and their types.
         self._values: Dict[str, Any] = {}
         self._kinds: Dict[str, int] = {}
         self._is_written = False
-        #: Names on the server that the node does not have, of which the user has been warned.
+        #: Names on the server that the node does not have and the user has been warned of.
         self._warned: Set[str] = set()
-        #: When it may be warned again, s on the monotonic clock.
+        #: End of the pause between warnings, on the monotonic clock [s].
         self._quiet_until = 0.0
-        #: What stands on the server now, until it is sent to the node.
+        #: Current content of the server, until it is sent to the node.
         self._latest: Deque[Any] = collections.deque(maxlen=1)
         self._work: "queue.SimpleQueue[Callable[[], None]]" = queue.SimpleQueue()
         self._is_closed = False
@@ -78,16 +78,16 @@ class ParametersToRos1:
         threading.Thread(target=self._run, name=f"parameters of {name}", daemon=True).start()
 
     def write_all(self) -> None:
-        """Write all that the node has to the server, as when that has just been restarted."""
+        """Write all of the node's parameters to the server, for example after its restart."""
         self._work.put(self._write_all)
 
     def retry_write_all(self) -> None:
-        """Write all that the node has, where that has failed."""
+        """Write all of the node's parameters again, if that failed before."""
         if not self._is_written and self._work.empty():
             self.write_all()
 
     def write_event(self, event: Any) -> None:
-        """Write to the server what has changed in the node."""
+        """Write the node's changes to the server."""
         changed = [
             (one.name, one.value) for one in [*event.new_parameters, *event.changed_parameters]
         ]
@@ -95,7 +95,7 @@ class ParametersToRos1:
         self._work.put(lambda: self._write([one for one in changed if self._is_news(*one)], gone))
 
     def close(self) -> None:
-        """End it; what the node had is taken from the server again."""
+        """Stop the mirror, and delete the node's parameters from the server."""
         self._followed.close()
         for one in (self._list, self._get, self._set):
             one.close()
@@ -112,7 +112,7 @@ class ParametersToRos1:
             except (NoResponse, MasterUnreachable) as error:
                 self._is_written = False  # the server may lack something
                 self._warn_seldom(f"parameters of {self._name} in ROS 2: {error}")
-            except Exception:  # of a node that sends malformed responses
+            except Exception:  # the node may send malformed responses
                 if self._throttle.is_due():
                     rospy.logerr(traceback.format_exc())
 
@@ -143,16 +143,16 @@ class ParametersToRos1:
         self._master.request([("deleteParam", self._key(name)) for name in gone])
 
     def _write_server(self, values: Dict[str, Any]) -> None:
-        """Set parameters there, and read once more: the same may be set again from there."""
+        """Write to the server, and read it again: the same value may be set again from there."""
         self._master.write(values)
         if values:
             self._followed.report_again()
 
     def _is_news(self, name: str, message: Any) -> bool:
-        """Tell whether a change did not come from the server.
+        """Return whether a change did not come from the server.
 
-        One that did is not written there: by now it may hold the next one, which is still to be
-        sent.
+        A change from there is not written back: the server may already hold a newer value that is
+        still to be sent.
         """
         return not is_same(self._values.get(name), messages.to_plain(message))
 
@@ -160,15 +160,15 @@ class ParametersToRos1:
         return f"{self._name}/{ros1_key(name)}"
 
     def _send_soon(self, tree: Any) -> None:
-        """Have the node take what stands on the server now.
+        """Send the server's current content to the node.
 
-        What stood there before does not matter: what was refused of it may have been put right.
+        Earlier content is dropped: a rejected value may have been corrected since.
         """
         self._latest.append(tree)
         self._work.put(self._send_latest)
 
     def _send_latest(self) -> None:
-        tree = self._latest.pop() if self._latest else None  # it may have been sent already
+        tree = self._latest.pop() if self._latest else None  # may be sent already
         if isinstance(tree, dict):
             self._send_changes(flat(tree))
             if self._is_written:
@@ -177,7 +177,7 @@ class ParametersToRos1:
     def _warn_of_unknown(self, names: List[str]) -> None:
         """Warn once of each parameter on the server that the node does not have.
 
-        :param names: names without a namespace: in one there may be another node
+        :param names: names without a namespace; a namespace may belong to another node
         """
         for name in names:
             if name not in self._values and name not in self._warned:
@@ -206,7 +206,7 @@ class ParametersToRos1:
             self._write_server(kept)
 
     def _send(self, name: str, value: Any) -> str:
-        """Have the node take a value; return why not."""
+        """Send a value to the node; return the reason for a rejection."""
         message = messages.to_message(value, fitting_kind(value, self._kinds[name]))
         if not message.type:
             return "parameters of ROS 2 cannot have such a value"

@@ -29,22 +29,22 @@ from ros2_bridge.parameters.values import DOUBLE_FOR, changes, differs, flat, li
 from ros2_bridge.ros2.participant import Participant
 
 Type = Ros2Parameter.Type
-#: How often a node is asked whether what was set is in force or put back, and the pause [s].
+#: Most polls of a node for whether a new value is in force or reverted, and the pause [s].
 _MOST_READS, _PAUSE_S = 20, 0.1
-#: Shortest time between two log lines of one kind [s].
+#: Shortest time between two equal log lines [s].
 _LOG_PERIOD_S = 1.0
 
 
 class ParametersToRos2:
-    """Answers ROS 2's services of parameters for a node of ROS 1, and publishes its changes.
+    """ROS 2 parameter services for a ROS 1 node; also publishes its changes.
 
-    :param scope: makes what follows them; is closed with this
+    :param scope: creates the subscription to the parameters; closed with this object
     :param participant: the bridge in ROS 2
-    :param node: the node of ROS 2 that stands for it
-    :param other: the global name that it has in ROS 2
+    :param node: the ROS 2 node that represents it
+    :param other: its global name in ROS 2
     :param parameters: its parameters
     :param publish: publishes an event
-    :param is_kind: tells whether a whole number is taken for a double
+    :param is_kind: returns whether an integer is accepted for a double
     """
 
     def __init__(
@@ -62,7 +62,7 @@ class ParametersToRos2:
         self._scope, self._other, self._parameters = scope, other, parameters
         self._publish, self._clock = publish, node.get_clock()
         self._lock = threading.Lock()
-        #: Held while one reads and publishes: who has read before must not publish after.
+        #: Held while a thread reads and publishes, so that an older reading is not published last.
         self._turn = threading.Lock()
         self._known: Dict[str, ParameterValue] = {}
         self._server: Dict[str, Any] = {}
@@ -85,12 +85,12 @@ class ParametersToRos2:
             raise
 
     def _beside(self, answer: Callable[[Any], Any]) -> Callable[[Any, Callable[[Any], None]], None]:
-        """Return what answers in a thread of its own: it waits for the node."""
+        """Return a callback that answers in another thread, because it waits for the node."""
 
         def work(request: Any, send: Callable[[Any], None]) -> None:
             try:
                 send(answer(request))
-            except Unreadable as error:  # ROS 2 has no errors of services: there is no response
+            except Unreadable as error:  # a ROS 2 service cannot report an error: no response
                 if self._throttle.is_due():
                     rospy.logwarn(f"cannot read the parameters of {self._parameters.name}: {error}")
 
@@ -102,7 +102,7 @@ class ParametersToRos2:
         return ListParameters.Response(result=result)
 
     def _found(self, names: List[str]) -> List[Parameter]:
-        """Return the named parameters, none at all where one is unknown: so does rclpy."""
+        """Return the named parameters, or none if one is unknown, as rclpy does."""
         known = self._parameters.read()
         return [known[name] for name in names] if set(names) <= set(known) else []
 
@@ -131,7 +131,7 @@ class ParametersToRos2:
         return SetParametersAtomically.Response(result=self._change(request.parameters))
 
     def _change(self, parameters: List[Any]) -> SetParametersResult:
-        """Have the node take all of some values, or none."""
+        """Send several values to the node, which accepts all or none."""
         values = {one.name: messages.to_plain(one.value) for one in parameters}
         reasons = [reason for reason in (unfit(*item) for item in values.items()) if reason]
         reasons = reasons or self._wrong_types(parameters)
@@ -142,7 +142,7 @@ class ParametersToRos2:
         return SetParametersResult(successful=not reason, reason=said)
 
     def _wrong_types(self, parameters: List[Any]) -> List[str]:
-        """Return why whole numbers are refused that are given to doubles, as rclpy refuses them."""
+        """Return errors for integers given to doubles, which rclpy rejects as well."""
         given = {one.name: one.value.type for one in parameters if one.value.type in DOUBLE_FOR}
         if not given or self._is_kind():
             return []
@@ -157,9 +157,9 @@ class ParametersToRos2:
         ]
 
     def _publish_soon(self, tree: Any) -> None:
-        """Publish what has changed, in a thread of its own, and once more where that is under way.
+        """Publish changes in another thread, and once more if that is already running.
 
-        :param tree: what the server holds now
+        :param tree: current content of the server
         """
         with self._lock:
             self._server = flat(tree) if isinstance(tree, dict) else {}
@@ -179,19 +179,19 @@ class ParametersToRos2:
                 in_force = self._publish_changes()
                 reads += 1
                 with self._lock:
-                    # The node checks what was set on the server in its own time.
+                    # The node validates changes on the server with some delay.
                     behind = reads < _MOST_READS and differs(self._server, in_force)
                     if not (behind or self._again):
                         self._is_reading = False
                         return
                 time.sleep(_PAUSE_S)
-        except Exception:  # or they would never be read again
+        except Exception:  # otherwise changes would never be read again
             with self._lock:
                 self._is_reading = False
             raise
 
     def _publish_changes(self) -> Dict[str, Any]:
-        """Publish what has changed in force; of what is refused nothing is published.
+        """Publish changes of the values in force; rejected values are not published.
 
         :returns: the values in force
         """
@@ -199,7 +199,7 @@ class ParametersToRos2:
             try:
                 read = self._parameters.read()
             except Unreadable:
-                return {}  # it has just ended, or does so
+                return {}  # the node has ended, or is ending
             now = {name: messages.to_message(one.value, one.kind) for name, one in read.items()}
             parts = changes(self._known, now)
             is_first, self._known, self._is_known = not self._is_known, now, True
@@ -209,7 +209,7 @@ class ParametersToRos2:
             return {name: one.value for name, one in read.items()}
 
     def close(self) -> None:
-        """Close it."""
+        """Close the services."""
         self._scope.close()
         for end in self._ends:
             end()

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Parameter values of ROS 2: type numbers, ranges, dotted names; imports neither ROS."""
+"""Parameter values of ROS 2: types, ranges, dotted names; imports neither ROS."""
 
 import math
 import sys
@@ -9,7 +9,7 @@ import numpy
 
 NOT_SET, BOOL, INTEGER, DOUBLE, STRING = 0, 1, 2, 3, 4
 BYTES, BOOLS, INTEGERS, DOUBLES, STRINGS = 5, 6, 7, 8, 9
-#: The field of a ParameterValue that holds a value, by its kind.
+#: Field of a ParameterValue, by type.
 FIELDS = {
     BOOL: "bool_value",
     INTEGER: "integer_value",
@@ -23,16 +23,16 @@ FIELDS = {
 }
 _DECLARED = {"bool": BOOL, "int": INTEGER, "float": DOUBLE, "str": STRING, "enum": STRING}
 _ARRAYS = {BOOL: BOOLS, INTEGER: INTEGERS, DOUBLE: DOUBLES, STRING: STRINGS}
-#: The kind that a kind of whole numbers may be taken for.
+#: Floating-point types that integers are accepted for.
 DOUBLE_FOR = {INTEGER: DOUBLE, INTEGERS: DOUBLES}
-#: What a parameter server of ROS 1 takes for whole numbers.
+#: Range of integers on the ROS 1 parameter server.
 LOWEST, HIGHEST = -(2**31), 2**31 - 1
-#: The largest number that ROS 2 has for a range.
+#: Largest limit of a range in ROS 2.
 LARGEST = sys.float_info.max
 
 
 def kind_of(value: Any) -> int:
-    """Return the kind of a plain value; NOT_SET where ROS 2 has none for it."""
+    """Return the type of a plain value; NOT_SET if ROS 2 has no such type."""
     if isinstance(value, bool):
         return BOOL
     if isinstance(value, (int, float)):
@@ -48,14 +48,14 @@ def kind_of(value: Any) -> int:
 
 
 def declared_kind(entry: Mapping[str, Any]) -> int:
-    """Return the kind of a parameter by an entry of a node's description."""
+    """Return the type of a parameter, from an entry of a node's description."""
     if entry["type"] == "list":
         return _ARRAYS.get(_DECLARED.get(entry["element"]["type"], STRING), STRINGS)
     return _DECLARED.get(entry["type"], STRING)
 
 
 def as_kind(value: Any, kind: int) -> Any:
-    """Return a value as its kind has it: a whole number may stand for another one in ROS 1."""
+    """Return a value converted to a type: ROS 1 may hold an integer for another type."""
     if kind == DOUBLE:
         return float(value)
     if kind == DOUBLES:
@@ -66,9 +66,9 @@ def as_kind(value: Any, kind: int) -> Any:
 
 
 def fitting_kind(value: Any, kind: int) -> int:
-    """Return as which kind a value of ROS 1 is given to a parameter of a kind.
+    """Return the type with which a ROS 1 value is given to a parameter.
 
-    ROS 1 has whole numbers for bytes, and an empty list has no type of elements.
+    ROS 1 uses integers for bytes, and an empty list has no element type.
     """
     found = kind_of(value)
     if (kind, found) == (BYTES, INTEGERS) or (kind >= BYTES and value == []):
@@ -77,7 +77,7 @@ def fitting_kind(value: Any, kind: int) -> int:
 
 
 def unfit(name: str, value: Any) -> str:
-    """Return why ROS 1 cannot carry the value of a parameter; empty where it can."""
+    """Return why ROS 1 cannot carry the value of a parameter; empty if it can."""
     for one in value if isinstance(value, list) else [value]:
         if one is None:
             return f"{name} cannot be removed: ROS 1's nodes keep their parameters"
@@ -89,7 +89,7 @@ def unfit(name: str, value: Any) -> str:
 
 
 def flat(tree: Mapping[str, Any], prefix: str = "") -> Dict[str, Any]:
-    """Return the parameters below a namespace of ROS 1, by their names in ROS 2."""
+    """Return the parameters below a ROS 1 namespace, by ROS 2 name."""
     found: Dict[str, Any] = {}
     for name, value in tree.items():
         if isinstance(value, dict):
@@ -100,12 +100,12 @@ def flat(tree: Mapping[str, Any], prefix: str = "") -> Dict[str, Any]:
 
 
 def ros1_key(name: str) -> str:
-    """Return the name in ROS 1 of a parameter of ROS 2."""
+    """Return the ROS 1 name of a ROS 2 parameter."""
     return name.replace(".", "/")
 
 
 class Range(NamedTuple):
-    """Range of numbers: from, to and step, 0 for any."""
+    """Range of numbers: from, to and step; step 0 for none."""
 
     low: Any
     high: Any
@@ -113,9 +113,9 @@ class Range(NamedTuple):
 
 
 def range_of(entry: Mapping[str, Any]) -> Optional[Range]:
-    """Return the range of a number, exactly: an open end is the number next to it.
+    """Return the exact range of a number; an open end becomes the adjacent number.
 
-    :param entry: of a node's description
+    :param entry: from a node's description
     """
     keys = ("minimum", "above", "maximum", "below", "step")
     minimum, above, maximum, below, step = (entry.get(key) for key in keys)
@@ -137,7 +137,7 @@ def range_of(entry: Mapping[str, Any]) -> Optional[Range]:
 
 
 def description_of(entry: Mapping[str, Any]) -> Tuple[str, str]:
-    """Return what a parameter is, in words, and what is allowed."""
+    """Return the description of a parameter, and its constraints, as text."""
     unit = f" ({entry['unit']})" if entry.get("unit") else ""
     allowed: List[str] = []
     if entry.get("choices"):
@@ -145,14 +145,14 @@ def description_of(entry: Mapping[str, Any]) -> Tuple[str, str]:
     elif entry.get("range"):
         allowed.append(str(entry["range"]))
     if not entry.get("exact", True):
-        allowed.append("and what the node says when it is set")
+        allowed.append("and further checks when it is set")
     return f"{entry.get('help', '')}{unit}", "; ".join(allowed)
 
 
 def is_same(one: Any, other: Any) -> bool:
-    """Tell whether two values are alike, also in kind; NaN is, which does not equal itself.
+    """Return whether two values are equal, also in type; NaN equals itself here.
 
-    :param one: a plain value, or the message of one
+    :param one: a plain value, or its message
     :param other: another
     """
     return repr(one) == repr(other)
@@ -161,7 +161,7 @@ def is_same(one: Any, other: Any) -> bool:
 def changes(
     old: Mapping[str, Any], new: Mapping[str, Any]
 ) -> Tuple[Dict[str, Any], Dict[str, Any], Dict[str, Any]]:
-    """Return what is new, what has changed and what has gone, each with its value."""
+    """Return the new, changed and deleted entries, each with its value."""
     fresh = {name: value for name, value in new.items() if name not in old}
     gone = {name: value for name, value in old.items() if name not in new}
     changed = {
@@ -171,7 +171,7 @@ def changes(
 
 
 def differs(server: Mapping[str, Any], in_force: Mapping[str, Any]) -> bool:
-    """Tell whether the server holds another value than the one in force."""
+    """Return whether the server holds a value that is not in force."""
     return any(
         name in server and server[name] != value and not is_same(server[name], value)
         for name, value in in_force.items()
@@ -179,10 +179,10 @@ def differs(server: Mapping[str, Any], in_force: Mapping[str, Any]) -> bool:
 
 
 def listed(names: List[str], prefixes: List[str], depth: int) -> Tuple[List[str], List[str]]:
-    """Answer ROS 2's ListParameters: names, and the prefixes of those with a dot.
+    """Answer ROS 2's ListParameters: names, and prefixes of names with a dot.
 
-    :param prefixes: what the names are to begin with, none for all
-    :param depth: how many parts of a name there may be, behind the prefix; 0 for any
+    :param prefixes: prefixes of the wanted names; empty for all
+    :param depth: most parts of a name behind its prefix; 0 for any
     """
 
     def fits(name: str) -> bool:

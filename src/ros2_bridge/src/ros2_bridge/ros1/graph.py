@@ -7,12 +7,12 @@ from nodekit.master import MasterClient, Registrations
 
 
 class Ros1Graph(NamedTuple):
-    """The graph of ROS 1 at one moment, without the bridge itself.
+    """Snapshot of the ROS 1 graph, without the bridge itself.
 
     :param publishers, subscribers: names of nodes by topic
-    :param types: of the topics that are published, by topic; ``*`` where no publisher names it
+    :param types: types of the published topics; ``*`` if no publisher announces it
     :param services: name of the node by service
-    :param master_pid: process id of the master: another one has forgotten everything
+    :param master_pid: process id of the master; it changes when the master restarts
     """
 
     publishers: Dict[str, Set[str]]
@@ -28,14 +28,14 @@ class Ros1Graph(NamedTuple):
 
 
 def read_graph(client: MasterClient, own: Set[str]) -> Ros1Graph:
-    """Ask the master, all in one request: while nothing changes, its reply need not be parsed.
+    """Read the graph from the master in one request; an unchanged reply is not parsed again.
 
-    It is not asked for the types of all topics: those it remembers for ever, also of topics that
+    The types of all topics are not requested: the master never forgets them, even when the topics
     are gone.
 
-    :param client: asks it, and little else: it remembers two replies
-    :param own: names of nodes that are the bridge's
-    :raises MasterUnreachable: if it does not answer
+    :param client: client of the master; it caches two replies, so use it for little else
+    :param own: names of the bridge's nodes
+    :raises MasterUnreachable: if the master does not answer
     """
 
     def others(part: Registrations) -> Dict[str, Set[str]]:

@@ -1,13 +1,12 @@
 """Registrations of ROS 2 nodes with the ROS 1 master.
 
-The master lists the nodes that have registered something. Each node of ROS 2 is registered as a
-subscriber of /parameter_events, which it is in ROS 2 too, and for its publishers, subscriptions and
-services. A subscriber of a topic requests it at the address of each publisher; these nodes refuse,
-as the bridge sends it. A service has only one node in ROS 1, here the one of ROS 2; calls go to the
-bridge.
+The master lists only nodes with registrations. Each ROS 2 node is registered as a subscriber of
+/parameter_events, which it also is in ROS 2, and with its publishers, subscriptions and services. A
+subscriber asks each publisher's address for the topic; these nodes refuse, because the bridge sends
+the topic. A service has a single node in ROS 1, here the ROS 2 node; its calls go to the bridge.
 
-They do not have the bridge's own address: the master ends the node at the address of a name that
-another node takes, and a node of ROS 1 may have the name of one of ROS 2.
+They do not use the bridge's own address: the master shuts down the node at the address of a name
+that another node takes, and a ROS 1 node may take the name of a ROS 2 node.
 """
 
 import contextlib
@@ -23,7 +22,7 @@ import rosgraph.xmlrpc
 from nodekit.master import Call, MasterClient
 from ros2_bridge.ros1.graph import Ros1Graph
 
-#: Longest wait for the address, for the master and for another node [s].
+#: Timeout for the address, for the master and for another node [s].
 _TIMEOUT_S = 1.0
 
 
@@ -40,14 +39,14 @@ class Entry(NamedTuple):
     type: str = ""
 
 
-#: What each node of ROS 2 has.
+#: Registration of every ROS 2 node.
 _EVENTS = Entry("Subscriber", "/parameter_events", "rcl_interfaces/ParameterEvent")
 
 
 class NodeRegistrar:
-    """Registers nodes of ROS 2 with the master, and takes them back.
+    """Registrations of ROS 2 nodes with the master.
 
-    One thread does so; another may close it meanwhile.
+    One thread updates them; another may close this meanwhile.
 
     :param bridge: name of the bridge, which offers services for them
     """
@@ -55,10 +54,10 @@ class NodeRegistrar:
     def __init__(self, bridge: str) -> None:
         self._bridge = bridge
         self._registered: Dict[str, Set[Entry]] = {}
-        #: Nodes of another bridge, as of one to another domain, which is there.
+        #: Nodes of another running bridge, for example to another domain.
         self._others: Set[str] = set()
         self._calls_to = ""
-        #: Held while the master is told something, which ends as soon as this is being closed.
+        #: Held during calls of the master, which stop as soon as this is closed.
         self._lock, self._is_closed = threading.Lock(), False
         self._address = _Address()
         self._server = rosgraph.xmlrpc.XmlRpcNode(rpc_handler=self._address)
@@ -66,14 +65,14 @@ class NodeRegistrar:
 
     @property
     def names(self) -> Set[str]:
-        """The names that are registered: of nodes of ROS 2, not of ROS 1."""
+        """Registered names: of ROS 2 nodes, not of ROS 1 nodes."""
         return set(self._registered)
 
     def remove_stale(self, graph: Ros1Graph) -> bool:
-        """Take back what a bridge has left behind that was killed: the master goes on to list it.
+        """Unregister the nodes of a killed bridge, which the master still lists.
 
         :param graph: of ROS 1
-        :returns: whether there was such
+        :returns: whether there were any
         :raises MasterUnreachable: if the master does not answer
         """
         listed = graph.subscribers.get(_EVENTS.name, set())
@@ -84,7 +83,7 @@ class NodeRegistrar:
                 with self._lock:
                     if self._is_closed:
                         return found
-                    self._change(name, {_EVENTS})  # the master forgets all of the old address
+                    self._change(name, {_EVENTS})  # the master drops all of the old address
                     self._forget(name)
                 found = True
             else:
@@ -94,11 +93,11 @@ class NodeRegistrar:
     def register(
         self, nodes: Mapping[str, AbstractSet[Entry]], in_ros1: Set[str], is_restarted: bool
     ) -> None:
-        """Register the nodes that have come, with what they have, and take back what has gone.
+        """Register new nodes with their entries, and unregister what has disappeared.
 
-        :param nodes: what each node of ROS 2 has, by name
-        :param in_ros1: names of the nodes of ROS 1
-        :param is_restarted: whether the master has forgotten all
+        :param nodes: registrations of each ROS 2 node, by name
+        :param in_ros1: names of the ROS 1 nodes
+        :param is_restarted: whether the master was restarted, and has lost its state
         :raises MasterUnreachable: if it does not answer
         """
         with self._lock:
@@ -108,12 +107,12 @@ class NodeRegistrar:
                     return
                 if name not in nodes:
                     self._forget(name)
-                # One of ROS 1 that has just come would end if its name were registered.
+                # Registering the name of a new ROS 1 node would shut that node down.
                 elif name in self._registered or not (name in in_ros1 or self._address_of(name)):
                     self._change(name, {_EVENTS, *nodes[name]})
 
     def _drop_forgotten(self, is_restarted: bool) -> None:
-        """Drop what the master has of us no longer."""
+        """Drop registrations that the master no longer has."""
         if is_restarted:
             self._registered = {}
         if self._address.is_taken.is_set():
@@ -127,7 +126,7 @@ class NodeRegistrar:
         del self._registered[name]
 
     def _change(self, name: str, wanted: Set[Entry]) -> None:
-        """Register what a node has, and take back what it has no longer."""
+        """Register new entries of a node, and unregister old ones."""
         known = self._registered.setdefault(name, set())
         if known == wanted:
             return
@@ -142,7 +141,7 @@ class NodeRegistrar:
         self._registered[name] = wanted
 
     def close(self) -> None:
-        """Take all of them back, if the master answers, and register no more."""
+        """Unregister all nodes, if the master answers, and register no more."""
         self._is_closed = True
         if self._lock.acquire(timeout=_TIMEOUT_S / 2):
             try:
@@ -154,12 +153,12 @@ class NodeRegistrar:
         self._server.shutdown("")
 
     def _address_of(self, name: str) -> str:
-        """Return the address of a node, empty if it has none."""
+        """Return the address of a node; empty if it has none."""
         with self._master(name) as master:
             return master.lookup_node(name) or ""
 
     def _call_address(self) -> str:
-        """Return where the services of the bridge are called, which is the same for all."""
+        """Return the address for calls of the bridge's services, the same for all."""
         if not self._calls_to:
             with self._master(self._bridge) as master:
                 self._calls_to = master.lookup_service(f"{self._bridge}/get_loggers") or ""
@@ -170,7 +169,7 @@ class NodeRegistrar:
 
 
 def _refuses(address: str) -> bool:
-    """Tell whether the address of a node refuses connections."""
+    """Return whether the address of a node refuses connections."""
     parts = urllib.parse.urlsplit(address)
     try:
         with socket.create_connection((parts.hostname or "", parts.port or 0), _TIMEOUT_S):
@@ -182,9 +181,9 @@ def _refuses(address: str) -> bool:
 
 
 class _Address(rosgraph.xmlrpc.XmlRpcHandler):
-    """Answers for all these nodes the requests that a node of ROS 1 gets.
+    """XML-RPC handler that answers ROS 1's requests to all these nodes.
 
-    :ivar is_taken: set once the master has ended one of them, as another has its name
+    :ivar is_taken: set when the master has shut down a node because another took its name
     """
 
     def __init__(self) -> None:
@@ -203,7 +202,7 @@ class _Address(rosgraph.xmlrpc.XmlRpcHandler):
         return self._uri
 
     def shutdown(self, _caller: str, _why: str = "") -> List[Any]:
-        """Remember that a name may be another's now; ``rosnode kill`` asks for this as well."""
+        """Note that a name may have been taken; ``rosnode kill`` sends the same request."""
         self.is_taken.set()
         return [1, "", 0]
 
@@ -216,9 +215,9 @@ class _Address(rosgraph.xmlrpc.XmlRpcHandler):
         return [1, "", []]
 
     def publisherUpdate(self, *_: Any) -> List[Any]:  # noqa: N802
-        """Accept who publishes in ROS 1, which the bridge is told as well."""
+        """Ignore the publishers in ROS 1: the bridge is informed as well."""
         return [1, "", 0]
 
     def requestTopic(self, *_: Any) -> List[Any]:  # noqa: N802
-        """Refuse a subscriber, who gets the topic from the bridge."""
-        return [0, "the bridge sends it", 0]
+        """Refuse a subscriber: the bridge sends it the topic."""
+        return [0, "the bridge sends this topic", 0]

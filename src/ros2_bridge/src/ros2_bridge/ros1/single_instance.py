@@ -10,16 +10,16 @@ import rosgraph
 from nodekit import CallError, probe_service
 from nodekit.entry_point import end
 
-#: The highest number of a domain: its ports are the last ones.
+#: Highest domain id; its ports are the last valid ones.
 _LAST_DOMAIN = 232
-#: Its name only one process of a machine can have at a time, until it ends, in whatever way.
+#: Only one process of a machine can hold its name, until the process ends.
 _held = socket.socket(socket.AF_UNIX)
 
 
 def domain() -> int:
-    """Return the number of ROS 2's domain.
+    """Return the ROS 2 domain id.
 
-    :raises ValueError: if the environment does not have a legal one
+    :raises ValueError: if the environment has an invalid one
     """
     given = os.environ.get("ROS_DOMAIN_ID") or "0"
     if not given.isdecimal() or int(given) > _LAST_DOMAIN:
@@ -30,12 +30,12 @@ def domain() -> int:
 
 
 def marker() -> str:
-    """Return the service that one bridge between this master and this domain offers."""
+    """Return the service name that marks a bridge between this master and this domain."""
     return f"/ros2_bridge_of_domain_{domain()}"
 
 
 def exit_if_second() -> None:
-    """End where there is such a bridge already: two would forward to each other for ever."""
+    """Exit if such a bridge is running: two would forward messages to each other forever."""
     try:
         name = marker()
     except ValueError as error:
@@ -43,9 +43,9 @@ def exit_if_second() -> None:
     with contextlib.suppress(CallError):
         other = probe_service(name, 1.0).get("callerid")
         end(f"bridge: {other} already connects this master and this domain")
-    # One that is starting too, or that is stopped, does not answer.
+    # A bridge that is starting or suspended does not answer.
     master = uuid.uuid5(uuid.NAMESPACE_URL, rosgraph.get_master_uri().rstrip("/"))
     try:
         _held.bind(f"\0{name} {master}")
     except OSError:
-        end("bridge: another one on this machine already connects this master and this domain")
+        end("bridge: another bridge on this machine already connects this master and this domain")

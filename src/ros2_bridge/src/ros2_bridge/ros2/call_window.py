@@ -1,21 +1,21 @@
-"""Window of the calls that a server of ROS 2 may still have in its queue."""
+"""Window of service calls that may still be in a ROS 2 server's queue."""
 
 import threading
 import time
 from typing import Dict, Optional
 
-#: Requests that a server keeps: rclpy's and rclcpp's default. Of more, it drops the oldest in
-#: silence.
+#: Default queue size of a server in rclpy and rclcpp. Beyond it, the oldest request is dropped
+#: silently.
 QUEUE = 10
-#: Age from which a call counts as taken from the queue [s]: the server works on several at once, or
-#: is too slow for all of them anyhow.
+#: Age from which a call counts as taken from the queue [s]: the server handles several in parallel,
+#: or is too slow anyway.
 _TAKEN_S = 1.0
 
 
 class CallWindow:
-    """Admits as many calls at a time as a server's queue holds, for any number of threads.
+    """Limit of pending calls to the queue size of a server; thread-safe.
 
-    :param most: most calls that are younger than ``taken``
+    :param most: most calls younger than ``taken``
     :param taken: age from which a call is not counted [s]
     """
 
@@ -28,8 +28,8 @@ class CallWindow:
     def enter(self, deadline: float) -> Optional[int]:
         """Wait until a call may be sent.
 
-        :param deadline: end of the wait [s], on the monotonic clock
-        :returns: number for :meth:`leave`; None if it may not be sent in time
+        :param deadline: end of the wait, on the monotonic clock [s]
+        :returns: number for :meth:`leave`; None if the deadline passed
         """
         with self._changed:
             while True:
@@ -44,12 +44,12 @@ class CallWindow:
                 self._changed.wait(min(deadline, min(young) + self._taken) - now)
 
     def leave(self, number: int) -> None:
-        """Count a call no longer: it was answered or given up."""
+        """Stop counting a call: it was answered or abandoned."""
         with self._changed:
             del self._began[number]
             self._changed.notify()
 
     def __len__(self) -> int:
-        """Return the number of calls under way, whatever their age."""
+        """Return the number of pending calls of any age."""
         with self._changed:
             return len(self._began)

@@ -1,4 +1,4 @@
-"""ROS 2 service client with a time-out."""
+"""ROS 2 service client with a timeout."""
 
 import threading
 import time
@@ -11,16 +11,16 @@ from ros2_bridge.ros2.participant import Participant
 
 
 class NoResponse(Exception):
-    """A service of ROS 2 has not responded; the text says which, and why."""
+    """A missing response of a ROS 2 service; the text names the service and the cause."""
 
 
 class Ros2Client:
-    """Client of one service of ROS 2, for any number of threads at a time.
+    """Client of one ROS 2 service; thread-safe.
 
     :param participant: the bridge in ROS 2
     :param cls: class of the service
     :param name: of the service
-    :param depth: how many responses are kept in a burst
+    :param depth: queue size for responses
     """
 
     def __init__(self, participant: Participant, cls: Any, name: str, depth: int = 10) -> None:
@@ -31,7 +31,7 @@ class Ros2Client:
         self._client, self.close = participant.create_client(cls, name, self._receive, depth)
 
     def is_ready(self) -> bool:
-        """Tell whether the service is offered."""
+        """Return whether the service is offered."""
         try:
             return bool(self._client.service_is_ready())
         except _rclpy.InvalidHandle:
@@ -42,12 +42,12 @@ class Ros2Client:
 
         :param receive: called with the response, in the loop's thread
         :returns: number of the call, for :meth:`forget`
-        :raises NoResponse: if it is not offered
+        :raises NoResponse: if the service is not offered
         """
         try:
             if not self._client.service_is_ready():
                 raise NoResponse(f"{self._name} is not offered in ROS 2")
-            with self._lock:  # or the response could come before it is waited for
+            with self._lock:  # before a response can arrive
                 number: int = self._client.handle.send_request(request)
                 self._waiting[number] = receive
         except _rclpy.InvalidHandle:
@@ -57,17 +57,17 @@ class Ros2Client:
         return number
 
     def forget(self, number: int) -> None:
-        """Wait for a response no longer."""
+        """Stop waiting for a response."""
         with self._lock:
             self._waiting.pop(number, None)
 
     def call(self, request: Any, timeout: float) -> Any:
         """Call the service and wait for the response.
 
-        No more calls are sent at a time than a server's queue holds; the others wait.
+        At most as many calls are sent as a server's queue holds; the others wait.
 
-        :param timeout: longest wait, for being sent as well [s]
-        :raises NoResponse: if it is not offered, or there is no response in time
+        :param timeout: longest wait, including the wait before sending [s]
+        :raises NoResponse: if the service is not offered, or does not respond in time
         """
         deadline = time.monotonic() + timeout
         turn = self._window.enter(deadline)
@@ -96,7 +96,7 @@ class Ros2Client:
         text = f"{self._name} in ROS 2: no answer within {timeout:g} s"
         if len(self._window) >= QUEUE:
             text += (
-                f"; {len(self._window)} calls are under way, and a server keeps {QUEUE} requests"
+                f"; {len(self._window)} calls are pending, and a server keeps {QUEUE} requests"
                 " unless its node sets a greater depth"
             )
         return NoResponse(text)

@@ -10,21 +10,21 @@ from ros2_bridge.ros2.participant import Participant, keeps
 from ros2_bridge.rules.selection import ROSOUT, is_never_bridged
 from ros2_bridge.rules.renaming import Renaming
 
-#: Most of our own topics whose other users a poll searches for.
+#: Most of the bridge's own topics for which one poll searches other users.
 _TOGETHER = 50
 
 
 class Topic(NamedTuple):
-    """A topic as other participants use it.
+    """A topic as used by other participants.
 
     :param types: ``package/msg/Name`` of each of its publishers
-    :param publishers: names of the publishing nodes in ROS 1
-    :param senders: names of the publishers themselves, 16 bytes each
-    :param subscribers: names of the subscribing nodes in ROS 1
-    :param definitions: of each publisher (True) and subscriber (False), the type, the hash of its
-        definition and the name of its node in ROS 2
-    :param offers: of those publishers that keep messages for those who come later (True), and of
-        those that do not (False), as far as there are such, whether one may lose messages
+    :param publishers: ROS 1 names of the publishing nodes
+    :param senders: ids of the publishers, 16 bytes each
+    :param subscribers: ROS 1 names of the subscribing nodes
+    :param definitions: for publishers (True) and subscribers (False): the type, the hash of its
+        definition and the ROS 2 name of the node
+    :param offers: for transient-local publishers (True) and volatile ones (False), if there are
+        any: whether one is best-effort
     """
 
     types: Set[str]
@@ -36,19 +36,19 @@ class Topic(NamedTuple):
 
     @property
     def latched(self) -> bool:
-        """Whether one of the publishers keeps messages for those who come later."""
+        """Whether a publisher is transient-local."""
         return True in self.offers
 
 
 class Ros2Graph:
-    """Reads the graph, with everything by its name in ROS 1.
+    """Reader of the ROS 2 graph; all names are ROS 1 names.
 
-    :param participant: the bridge in ROS 2, which is left out of all that is returned
-    :param names: what has another name in ROS 2
+    :param participant: the bridge in ROS 2, excluded from all results
+    :param names: renaming rules
 
-    :ivar nameless: what has no name in ROS 1, as it would have another's
-    :ivar shared_names: names in ROS 2 that several nodes have. Of these, ROS 2 tells the services
-        of one only
+    :ivar nameless: names without a ROS 1 name, because another name maps to it
+    :ivar shared_names: ROS 2 names of several nodes; ROS 2 reports the services of only one of
+        these nodes
     """
 
     def __init__(self, participant: Participant, names: Renaming) -> None:
@@ -56,11 +56,11 @@ class Ros2Graph:
         self.nameless: Set[str] = set()
         self.shared_names: Set[str] = set()
         self._turns = RoundRobin(_TOGETHER)
-        #: Topics of ours that others use too, as far as was seen.
+        #: Own topics that others use, too, as far as known.
         self._shared: Set[str] = set()
 
     def _named(self, name: str) -> Optional[str]:
-        """Return the name in ROS 1; what each side has for itself keeps the one it has."""
+        """Return the ROS 1 name; names that each side uses for itself are unchanged."""
         if is_never_bridged(name):
             return name
         found = self._names.in_ros1(name)
@@ -69,12 +69,12 @@ class Ros2Graph:
         return found
 
     def _node_of(self, endpoint: Any) -> str:
-        """Return the name in ROS 1 of the node that has an endpoint, or else the one in ROS 2."""
+        """Return the ROS 1 name of an endpoint's node, or else its ROS 2 name."""
         name = _name_of(endpoint)
         return self._names.in_ros1(name) or name
 
     def topics(self) -> Dict[str, Topic]:
-        """Return the topics that others use."""
+        """Return the topics used by others."""
         found = {}
         for name in self._used():
             publishers = self._others(self._participant.node.get_publishers_info_by_topic(name))
@@ -103,11 +103,11 @@ class Ros2Graph:
         return found
 
     def _used(self) -> Set[str]:
-        """Return the topics that others use.
+        """Return the names of topics used by others.
 
-        For each question about a topic ROS 2 goes through all endpoints that there are, so it is
-        not asked about each topic of ours, which may be thousands. It is asked which topics each
-        node uses. Programs that use DDS without a node are found in turn.
+        For each query about a topic, rmw scans all endpoints, so the bridge's own topics, possibly
+        thousands, are not queried one by one. Instead, each node's topics are queried. DDS programs
+        without a node are found by checking a few own topics per poll.
         """
         node, ours = self._participant.node, self._participant.topics()
         names = {name for name, _ in node.get_topic_names_and_types()} - ours
@@ -125,7 +125,7 @@ class Ros2Graph:
         return used
 
     def _all_nodes(self) -> Set[str]:
-        """Return the names in ROS 2 of all nodes that are not ours."""
+        """Return the ROS 2 names of all nodes of others."""
         names = self._participant.node.get_node_names_and_namespaces()
         found = collections.Counter(f"{space.rstrip('/')}/{name}" for name, space in names)
         own = self._participant.own_names()
@@ -139,14 +139,14 @@ class Ros2Graph:
         return [one for one in endpoints if not self._participant.is_own(bytes(one.endpoint_gid))]
 
     def nodes(self) -> Set[str]:
-        """Return the names of the nodes that are not ours."""
+        """Return the names of the nodes of others."""
         theirs = {name for name in self._all_nodes() if not _is_hidden(name)}
         return {name for name in map(self._named, theirs) if name is not None}
 
     def services(self, nodes: Set[str]) -> Dict[str, Tuple[str, str]]:
-        """Return type and node of each service that some nodes of ROS 2 offer."""
+        """Return type and node of each service of the given ROS 2 nodes."""
         found = {}
-        for node in sorted(nodes):  # of several servers of a name, always the same one counts
+        for node in sorted(nodes):  # of several servers, always use the same
             ask = self._participant.node.get_service_names_and_types_by_node
             for name, types in _asked(ask, self._names.in_ros2(node) or node):
                 name_in_ros1 = self._named(name)
@@ -156,12 +156,12 @@ class Ros2Graph:
 
 
 def _name_of(endpoint: Any) -> str:
-    """Return the name in ROS 2 of the node that has an endpoint."""
+    """Return the ROS 2 name of an endpoint's node."""
     return f"{endpoint.node_namespace.rstrip('/')}/{endpoint.node_name}"
 
 
 def _asked(ask: Callable[[str, str], Any], node: str) -> List[Any]:
-    """Return the names and types that rclpy has of a node; none where that has just gone."""
+    """Return rclpy's names and types of a node; empty if the node has just disappeared."""
     namespace, _, base = node.rpartition("/")
     try:
         return list(ask(base, namespace or "/"))
@@ -170,7 +170,7 @@ def _asked(ask: Callable[[str, str], Any], node: str) -> List[Any]:
 
 
 def _is_of_use(topic: str) -> bool:
-    """Tell whether it matters who uses a topic."""
+    """Return whether the users of a topic matter."""
     return topic == ROSOUT or not is_never_bridged(topic)
 
 

@@ -23,24 +23,24 @@ from ros2_bridge.ros2.rcl_take import ReceivedMessage, MessageTaker
 from ros2_bridge.ros2.wait_loop import Waitable, WaitLoop
 from ros2_bridge.rules.settings import Quality
 
-#: Of the 16 bytes that name an endpoint those that name its participant.
+#: Number of the 16 bytes of an endpoint's id that identify its participant.
 _GUID_PREFIX_SIZE = 12
-#: How many calls of a service are kept in a burst, as by rclpy.
+#: Queue size for calls of a service, as in rclpy.
 _CALLS = 10
-#: Pause between the end of all nodes and that of the participant [s]: ROS 2's word that a node has
-#: gone is repeated until it has arrived, but only while the participant is there.
+#: Pause between the end of all nodes and that of the participant [s]: DDS repeats the message that
+#: a node has ended until it is received, but only while the participant exists.
 _LAST_WORD_S = 0.2
-#: Name of the node that keeps the participant until then; ``ros2 node list`` hides it.
+#: Name of the node that keeps the participant alive until then; ``ros2 node list`` hides it.
 _LAST_NODE = "/_ros2_bridge_ends"
-#: Has ROS 2 forget what has failed in this thread. It tries kinds of type support that twins do not
-#: have, collects the failures, and would log for each endpoint that they were truncated.
+#: Clears ROS 2's error state of this thread. rcl tries type supports that twins do not have,
+#: collects the errors, and would log for each endpoint that they were truncated.
 _forget_failures = ctypes.CDLL("librcutils.so").rcutils_reset_error
 
 
 def _profile(quality: Quality, publishes: bool) -> QoSProfile:
-    """Return a quality of service as rclpy has it.
+    """Return a quality of service as rclpy's class.
 
-    :param publishes: whether it is a publisher's
+    :param publishes: whether it is for a publisher
     """
     kept, lost = DurabilityPolicy.TRANSIENT_LOCAL, ReliabilityPolicy.BEST_EFFORT
     return QoSProfile(
@@ -52,14 +52,14 @@ def _profile(quality: Quality, publishes: bool) -> QoSProfile:
 
 
 def _as_rclpy(offered: Any) -> Any:
-    """Return a part of what a publisher offers as rclpy has it."""
+    """Return an offered QoS policy as rclpy's type."""
     if isinstance(offered, str):
         return LivelinessPolicy[offered.upper()]
     return Duration(seconds=offered)
 
 
 class Participant:
-    """DDS participant of the bridge, with its nodes; may be used from several threads.
+    """DDS participant of the bridge, with its nodes; thread-safe.
 
     :param name: global name of the bridge's own node
     """
@@ -68,9 +68,9 @@ class Participant:
         self.context = Context()
         rclpy.init(args=[], context=self.context, signal_handler_options=SignalHandlerOptions.NO)
         self._lock = threading.RLock()
-        #: Our nodes and their names: a new one may come before the old one of its name has gone.
+        #: Own nodes and their names: a new node may start before the old one of its name has ended.
         self._nodes: Dict[Node, str] = {}
-        #: How many publishers and subscriptions of each topic are ours.
+        #: Number of own publishers and subscriptions of each topic.
         self._published: "Counter[str]" = collections.Counter()
         self._subscribed: "Counter[str]" = collections.Counter()
         self.node = self.create_node(name)
@@ -80,10 +80,10 @@ class Participant:
         self.guid_prefix = self._find_guid_prefix()
 
     def _find_guid_prefix(self) -> bytes:
-        """Return what the names of all our endpoints begin with.
+        """Return the common prefix of the ids of all own endpoints.
 
-        They are read from a topic that no other node has: under our node's name, another bridge
-        may still be listed that was killed.
+        It is read from a topic that only this node has: a killed bridge may still be listed under
+        the same node name.
         """
         topic = f"_{uuid.uuid4().hex}"
         publisher = self.node.create_publisher(ParameterEvent, topic, 1)
@@ -92,7 +92,7 @@ class Participant:
         return bytes(own.endpoint_gid)[:_GUID_PREFIX_SIZE]
 
     def create_node(self, name: str) -> Node:
-        """Make a node without parameters, services and a log of its own."""
+        """Create a node without parameters, services and log."""
         namespace, _, base = name.rpartition("/")
         quiet = [Parameter("start_type_description_service", value=False)]
         with self._lock:
@@ -109,7 +109,7 @@ class Participant:
         return node
 
     def destroy_node(self, node: Node) -> None:
-        """Destroy a node; what it had was removed before."""
+        """Destroy a node whose entities were removed before."""
 
         def destroy() -> None:
             with self._lock:
@@ -119,9 +119,9 @@ class Participant:
         self.calls.call_between_waits(destroy)
 
     def create_publisher(self, node: Node, cls: Any, topic: str, quality: Quality) -> Any:
-        """Publish a topic: ``publish`` of what is returned takes bytes.
+        """Create a publisher, whose ``publish`` takes bytes.
 
-        :param node: who publishes it
+        :param node: publishing node
         """
         with self._lock:
             publisher = node.create_publisher(cls, topic, _profile(quality, True))
@@ -130,7 +130,7 @@ class Participant:
             return publisher
 
     def destroy_publisher(self, node: Node, publisher: Any) -> None:
-        """Publish a topic no longer."""
+        """Destroy a publisher."""
         with self._lock:
             _uncount(self._published, publisher.topic_name)
             node.destroy_publisher(publisher)
@@ -144,8 +144,8 @@ class Participant:
     ) -> Callable[[], None]:
         """Subscribe to a topic.
 
-        :param receive: called with what has arrived
-        :returns: what ends it
+        :param receive: called with the received messages
+        :returns: function that ends the subscription
         """
         with self._lock:
             subscription = self.node.create_subscription(
@@ -181,11 +181,11 @@ class Participant:
     ) -> Callable[[], None]:
         """Offer a service.
 
-        :param node: whose it is
-        :param depth: how many requests are kept in a burst
-        :param answer: called in the loop's thread with the request and what sends the response,
-            once and from any thread
-        :returns: what ends it
+        :param node: offering node
+        :param depth: queue size for requests
+        :param answer: called in the loop's thread with the request and a function that sends the
+            response, to be called once, from any thread
+        :returns: function that ends the service
         """
         with self._lock:
             service = node.create_service(
@@ -206,12 +206,11 @@ class Participant:
     def create_client(
         self, cls: Any, name: str, receive: Callable[[int], None], depth: int = _CALLS
     ) -> Tuple[Any, Callable[[], None]]:
-        """Make what calls a service.
+        """Create a service client.
 
-        :param depth: how many responses are kept in a burst
-        :param receive: takes responses that have arrived, up to so many; called in the loop's
-            thread
-        :returns: rclpy's client, and what ends it
+        :param depth: queue size for responses
+        :param receive: takes up to the given number of responses; called in the loop's thread
+        :returns: rclpy's client, and a function that ends it
         """
         with self._lock:
             client = self.node.create_client(cls, name, qos_profile=QoSProfile(depth=depth))
@@ -222,10 +221,10 @@ class Participant:
     def _attach(
         self, loop: WaitLoop, waitable: Waitable, destroy: Callable[[], Any]
     ) -> Callable[[], None]:
-        """Have a loop wait for something.
+        """Add an entity to a loop.
 
         :param destroy: destroys it; called with the lock, once no loop waits for it
-        :returns: what ends it
+        :returns: function that ends it
         """
         loop.add(waitable)
 
@@ -236,10 +235,10 @@ class Participant:
         return lambda: loop.remove(waitable, locked)
 
     def close(self) -> None:
-        """End everything, and disconnect from ROS 2.
+        """Close everything, and disconnect from ROS 2.
 
-        A participant ends with its last node, and says so once: where that is lost, or overtakes
-        what was said of the nodes, ROS 2 goes on to list them.
+        A participant ends with its last node, and announces that only once: if the message is lost,
+        or overtakes those about the nodes, ROS 2 keeps listing them.
         """
         self.messages.close()
         self.calls.close()
@@ -253,36 +252,36 @@ class Participant:
             rclpy.shutdown(context=self.context)
 
     def topics(self) -> Set[str]:
-        """Return the topics that we publish or subscribe to."""
+        """Return the topics that the bridge publishes or subscribes to."""
         with self._lock:
             return {*self._published, *self._subscribed}
 
     def is_alone_with(self, topic: str) -> bool:
-        """Tell quickly whether all publishers and subscriptions of a topic are ours."""
+        """Return quickly whether all publishers and subscriptions of a topic are the bridge's."""
         return bool(
             self.node.count_publishers(topic) == self._published[topic]
             and self.node.count_subscribers(topic) == self._subscribed[topic]
         )
 
     def latching(self, topic: str) -> Dict[bytes, bool]:
-        """Tell by the name of each publisher of a topic whether it keeps messages for later."""
+        """Return by publisher id whether each publisher of a topic is transient-local."""
         publishers = self.node.get_publishers_info_by_topic(topic)
         return {bytes(each.endpoint_gid): keeps(each) for each in publishers}
 
     def own_names(self) -> Set[str]:
-        """Return the names of our nodes."""
+        """Return the names of the bridge's nodes."""
         with self._lock:
             return set(self._nodes.values())
 
     def is_own(self, gid: bytes) -> bool:
-        """Tell whether the endpoint of this name is one of our own."""
+        """Return whether an endpoint id belongs to the bridge."""
         return gid.startswith(self.guid_prefix)
 
 
 def keeps(publisher: Any) -> bool:
-    """Tell whether a publisher keeps messages for those who come later.
+    """Return whether a publisher is transient-local.
 
-    :param publisher: as rclpy describes it
+    :param publisher: rclpy's description of it
     """
     return bool(publisher.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL)
 
@@ -294,5 +293,5 @@ def _uncount(counter: "Counter[str]", topic: str) -> None:
 
 
 def _send(service: Any, header: Any, response: Any) -> None:
-    with contextlib.suppress(_rclpy.InvalidHandle):  # it has been closed since it was called
+    with contextlib.suppress(_rclpy.InvalidHandle):  # closed since the call
         service.send_response(response, header)

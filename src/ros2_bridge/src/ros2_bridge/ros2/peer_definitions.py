@@ -1,4 +1,4 @@
-"""Definitions of types that nodes of ROS 2 use, compared with the bridge's own."""
+"""Check of the type definitions of other ROS 2 nodes against the bridge's own."""
 
 import contextlib
 import json
@@ -23,26 +23,26 @@ from ros2_bridge.types.descriptions import (
     kind_of,
 )
 
-#: Longest wait for a node's description of a type [s].
+#: Timeout for a node's type description [s].
 _TIMEOUT_S = 3.0
-#: Names of the kinds of fields, by their number.
+#: Names of field types, by number.
 _KINDS = {
     getattr(FieldType, name): name[len("FIELD_TYPE_") :].lower()
     for name in dir(FieldType)
     if name.startswith("FIELD_TYPE_")
 }
-#: What the graph has for a node that does not say the hash of its type.
+#: Placeholder in the graph for an unknown type hash.
 _UNKNOWN_HASH = "INVALID"
 
 
 class _Question:
-    """A request for the definition that a node uses.
+    """A request for a node's definition.
 
     :param client: client of the node's service
     :param request: the request
 
-    :ivar deadline: until when an answer is waited for [s], on the monotonic clock
-    :ivar fields: the answer, flattened; None before it, and without one
+    :ivar deadline: end of the wait, on the monotonic clock [s]
+    :ivar fields: the flattened answer; None until then, and without an answer
     """
 
     def __init__(self, client: Ros2Client, request: Any) -> None:
@@ -54,7 +54,7 @@ class _Question:
     def send_once_ready(self) -> None:
         """Send the request as soon as the node's service has been discovered."""
         if not self._is_sent and self._client.is_ready():
-            with contextlib.suppress(NoResponse):  # gone in between: the deadline holds
+            with contextlib.suppress(NoResponse):  # the service has just disappeared
                 self._client.send(self._request, self._receive)
                 self._is_sent = True
 
@@ -72,7 +72,7 @@ class _Question:
 
 
 class PeerDefinitions:
-    """Checks of the definitions that other nodes of ROS 2 use.
+    """Checker of the type definitions of other ROS 2 nodes.
 
     :param participant: the bridge in ROS 2
     """
@@ -84,14 +84,14 @@ class PeerDefinitions:
         self._warned: Set[str] = set()
 
     def are_known_to_fit(self, topic: str, type_name: str, type_hash: str, node: str) -> bool:
-        """Return whether a node's definition of a type is the bridge's, but for names of fields.
+        """Return whether a node's definition of a type matches the bridge's, ignoring field names.
 
-        :param topic: name of the topic, for messages to the user
+        :param topic: name of the topic, for messages
         :param type_name: ``package/msg/Name``
         :param type_hash: hash of the node's definition
         :param node: name of the node
-        :returns: False if its definition has been asked for and is not there yet
-        :raises Unbridgeable: if it is another definition, so that values would be swapped
+        :returns: False while the node's answer is pending
+        :raises Unbridgeable: if the definitions differ, so that values would be mixed up
         """
         own_hash, ours = self._own_definition(type_name)
         if type_hash in (own_hash, _UNKNOWN_HASH) or not own_hash:
@@ -132,7 +132,7 @@ class PeerDefinitions:
             rospy.logwarn(text)
 
     def _own_definition(self, type_name: str) -> Tuple[str, List[Field]]:
-        """Return hash and fields of a type as the bridge has it; an empty hash without one."""
+        """Return hash and fields of the bridge's own type; an empty hash if it has none."""
         if type_name not in self._own:
             package, kind, name = type_name.split("/")
             path = pathlib.Path(sys.prefix, "share", package, kind, f"{name}.json")
@@ -152,7 +152,7 @@ class PeerDefinitions:
 def _as_fields(part: Any) -> Tuple[str, List[Field]]:
     """Return the name of a type, and its fields.
 
-    :param part: an IndividualTypeDescription, or what has its attributes
+    :param part: an IndividualTypeDescription, or an object with the same attributes
     """
     return part.type_name, [
         Field(
@@ -164,7 +164,7 @@ def _as_fields(part: Any) -> Tuple[str, List[Field]]:
 
 
 def _as_object(value: Any) -> Any:
-    """Return what JSON has as objects with attributes, as messages have them."""
+    """Return decoded JSON as objects with attributes, like messages."""
     if isinstance(value, dict):
         return SimpleNamespace(**{name: _as_object(each) for name, each in value.items()})
     return [_as_object(each) for each in value] if isinstance(value, list) else value

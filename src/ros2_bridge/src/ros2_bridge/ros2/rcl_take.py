@@ -1,16 +1,16 @@
-"""Take of messages with their senders, which Jazzy's rclpy does not return.
+"""Message taker that also returns the senders, which Jazzy's rclpy does not.
 
-The structures are those of ``rmw/types.h`` and ``rcutils/types/uint8_array.h``.
+The structures are from ``rmw/types.h`` and ``rcutils/types/uint8_array.h``.
 """
 
 import ctypes
 from typing import Any, NamedTuple, Optional
 
-#: rcl's own: a message was taken, and no message waited.
+#: Return codes of rcl: a message was taken; no message was available.
 _TAKEN, _NONE = 0, 401
-#: The number of a message that has none.
+#: Sequence number of an unnumbered message.
 _UNNUMBERED = 2**64 - 1
-# Held meanwhile is Python's lock, as by rclpy: nothing in there waits.
+# PyDLL holds the GIL, as rclpy does: none of these calls blocks.
 _rcl, _rcutils = ctypes.PyDLL("librcl.so"), ctypes.PyDLL("librcutils.so")
 
 
@@ -18,8 +18,8 @@ class ReceivedMessage(NamedTuple):
     """A message from ROS 2.
 
     :param data: its bytes
-    :param sender: 16 bytes that name the publisher
-    :param number: which of that publisher's messages it is, None where it is not numbered
+    :param sender: 16-byte id of the publisher
+    :param number: its sequence number at that publisher; None without one
     """
 
     data: bytes
@@ -70,9 +70,9 @@ _take.restype = ctypes.c_int
 
 
 class MessageTaker:
-    """Taker of serialized messages of subscriptions, for one thread.
+    """Taker of serialized messages, for one thread.
 
-    Its buffer has grown to the largest message that has come, and stays until the process ends.
+    Its buffer grows to the largest message, and is kept until the process ends.
     """
 
     def __init__(self) -> None:
@@ -81,10 +81,10 @@ class MessageTaker:
         self._given = ctypes.byref(self._buffer), ctypes.byref(self._info)
 
     def take(self, handle: Any) -> Optional[ReceivedMessage]:
-        """Take a message; None if none waits.
+        """Take a message; None if there is none.
 
-        :param handle: of rclpy's subscription, held by the caller so that it is not destroyed
-        :raises RuntimeError: if ROS 2 cannot
+        :param handle: rclpy's subscription, held by the caller so that it is not destroyed
+        :raises RuntimeError: if ROS 2 fails
         """
         code = _take(handle.pointer, *self._given, None)
         if code == _NONE:

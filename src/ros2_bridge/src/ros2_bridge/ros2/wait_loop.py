@@ -1,7 +1,7 @@
-"""Wait loop for messages, requests and responses from ROS 2, in a thread of its own.
+"""Wait loop for messages, requests and responses from ROS 2, in its own thread.
 
-One wait set is built and then refilled, and what is ready is taken until there is no more: rclpy's
-executors take eight times as much of the processor for the same.
+It reuses one wait set, and takes everything available before it waits again: rclpy's executors need
+eight times the CPU time for the same work.
 """
 
 import contextlib
@@ -15,12 +15,12 @@ from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 
 from nodekit import Throttle
 
-#: Most messages, requests or responses that are taken from one waitable before the others' turn.
+#: Most items taken from one waitable before the next has its turn.
 _MOST = 1000
 _KINDS = ("subscription", "client", "service")
-#: Pause before it is waited again where that has failed [s].
+#: Pause after a failed wait [s].
 _PAUSE_S = 0.2
-#: Limits the log of exceptions, one function at a time.
+#: Limits the log of exceptions, per function.
 _THROTTLE = Throttle(1.0)
 
 
@@ -29,7 +29,7 @@ class Waitable(NamedTuple):
 
     :param kind: subscription, client or service
     :param entity: rclpy's object
-    :param receive: takes what has arrived, up to so many at once; called in the loop's thread
+    :param receive: takes up to the given number of items; called in the loop's thread
     """
 
     kind: str
@@ -56,14 +56,14 @@ class WaitLoop:
         self._thread.start()
 
     def add(self, waitable: Waitable) -> None:
-        """Wait for something from now on."""
+        """Add an entity."""
         with self._lock:
             self._waitables[id(waitable.entity)] = waitable
             self._changed = True
         self._trigger()
 
     def remove(self, waitable: Waitable, destroy: Callable[[], None]) -> None:
-        """Wait for something no longer.
+        """Remove an entity.
 
         :param destroy: called once no loop waits for it
         """
@@ -72,14 +72,14 @@ class WaitLoop:
         self.call_between_waits(destroy)
 
     def call_between_waits(self, function: Callable[[], None]) -> None:
-        """Call a function in the loop's thread, at a moment when that waits for nothing."""
+        """Call a function in the loop's thread, between two waits."""
         with self._lock:
             self._pending_calls.append(function)
             self._changed = True
         self._trigger()
 
     def close(self) -> None:
-        """End the thread, and wait for that."""
+        """Stop the thread, and join it."""
         self._ended = True
         self._trigger()
         if threading.current_thread() is not self._thread:
@@ -109,7 +109,7 @@ class WaitLoop:
     def _fill(
         self, waitables: List[Waitable], held: contextlib.ExitStack
     ) -> Tuple[Any, List[Tuple[str, Any, Dict[int, Waitable]]]]:
-        """Build a wait set; its entities are held, so that they are not destroyed."""
+        """Build a wait set; hold its entities, so that they are not destroyed."""
         by_kind = []
         held.enter_context(self._context.handle)
         held.enter_context(self._wake_up)
@@ -124,7 +124,7 @@ class WaitLoop:
         counts = {kind: len(mine) for kind, _, mine in by_kind}
         wait_set = _rclpy.WaitSet(
             counts["subscription"],
-            1,  # the bell
+            1,  # the trigger
             0,
             counts["client"],
             counts["service"],
@@ -148,9 +148,9 @@ class WaitLoop:
 
 
 def _guarded(function: Callable[..., None], *arguments: Any) -> bool:
-    """Call a function; what it raises is logged, and ends nothing that others rely on.
+    """Call a function; log its exceptions.
 
-    :returns: whether it has raised nothing
+    :returns: whether it raised none
     """
     try:
         function(*arguments)

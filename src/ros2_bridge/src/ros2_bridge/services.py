@@ -1,4 +1,4 @@
-"""Service bridge: discovers services, and bridges each until it is gone."""
+"""Service bridge: discovers services, and bridges each as long as it exists."""
 
 import threading
 from typing import Any, Callable, Dict, Optional, Tuple, Union
@@ -20,26 +20,25 @@ from ros2_bridge.types.codec_ops import ConversionError
 from ros2_bridge.types.service_types import ServiceTypes
 from ros2_bridge.types.type_registry import ServiceType, TypeRegistry
 
-#: How many requests, and responses, of a service are kept in a burst.
+#: Queue size for the requests and responses of a service.
 _DEPTH = 1000
-#: Fields that say, by convention, why a service has failed.
+#: Fields that conventionally hold the reason of a failure.
 _WHY = ("message", "status_message", "reason")
-#: Shortest time between two log lines of one kind [s].
+#: Shortest time between two equal log lines [s].
 _LOG_PERIOD_S = 1.0
 
 
 class ServiceToRos2:
-    """A service of ROS 1, offered in ROS 2.
+    """ROS 1 service, offered in ROS 2.
 
-    ROS 2 has no errors of services. Where a response has ``success`` and ``message``, an error is
-    reported there; otherwise there is no response, as where a server has died, and a line in the
-    log.
+    ROS 2 services cannot report errors. If a response has ``success`` and ``message``, an error is
+    reported there; otherwise there is no response, as if the server had died, and a log line.
 
     :param node: the bridge in ROS 1
     :param participant: the bridge in ROS 2
-    :param owner: node of ROS 2 that offers it
+    :param owner: ROS 2 node that offers it
     :param name, other: its name in ROS 1 and in ROS 2
-    :param timeout: returns the longest wait [s]
+    :param timeout: returns the timeout of a call [s]
     """
 
     def __init__(
@@ -60,7 +59,7 @@ class ServiceToRos2:
         self._client = self._scope.create_client(name, kind.raw, group=ReentrantCallbackGroup())
 
     def _answer(self, request: Any, send: Callable[[Any], None]) -> None:
-        """Have the service called in a thread of its own: this one is everybody's."""
+        """Call the service in another thread, because this one is shared."""
         try:
             raw = self.kind.raw._request_class()
             raw._buff = self.kind.request.to_ros1(serialize_message(request))
@@ -90,20 +89,20 @@ class ServiceToRos2:
                 rospy.logwarn(f"a caller in ROS 2 gets no response: {why}")
 
     def close(self) -> None:
-        """Close it."""
+        """Stop offering the service."""
         self._end()
         self._scope.close()
 
 
 class ServiceToRos1:
-    """A service of ROS 2, offered in ROS 1; without a response in time the caller gets an error.
+    """ROS 2 service, offered in ROS 1; without a response in time the caller gets an error.
 
     :param node: the bridge in ROS 1
     :param participant: the bridge in ROS 2
     :param name, other: its name in ROS 1 and in ROS 2
-    :param timeout: returns the longest wait [s]
+    :param timeout: returns the timeout of a call [s]
 
-    :ivar server: name in ROS 1 of the node that offers it, as far as is known
+    :ivar server: ROS 1 name of the node that offers it, if known
     """
 
     def __init__(
@@ -132,7 +131,7 @@ class ServiceToRos1:
         return raw
 
     def close(self) -> None:
-        """Close it."""
+        """Stop offering the service."""
         self._scope.close()
         self._client.close()
 
@@ -141,12 +140,12 @@ _Pair = Union[ServiceToRos1, ServiceToRos2]
 
 
 class ServiceBridge(PairBridge[_Pair]):
-    """Pairs of services, created and closed as both graphs require.
+    """Pairs of services, created and closed as services appear and disappear.
 
     :param node: the bridge in ROS 1
     :param participant: the bridge in ROS 2
-    :param client: asks the master
-    :param timeout: returns the longest wait for a response [s]
+    :param client: client of the master
+    :param timeout: returns the timeout of a call [s]
     """
 
     def __init__(
@@ -174,22 +173,22 @@ class ServiceBridge(PairBridge[_Pair]):
         ros2: Dict[str, Tuple[str, str]],
         owners: Dict[str, Ros2Node],
     ) -> None:
-        """Begin and end what this poll of both graphs asks for.
+        """Create and close pairs after a poll of both graphs.
 
-        :param ros2: type and node of each service of ROS 2, by its name in ROS 1
-        :param owners: the nodes of ROS 1 that appear in ROS 2
+        :param ros2: type and node of each ROS 2 service, by its ROS 1 name
+        :param owners: the ROS 1 nodes that are shown in ROS 2
         """
         self._names, self._ros1, self._ros2, self._owners = rules.names, ros1, ros2, owners
         in_ros1 = set(ros1.services) - parameter_services(set(ros1.services))
         in_ros2 = {name for name, (kind, _) in ros2.items() if not kind.startswith(OWN_WAYS)}
         self._types1.begin_poll(in_ros1)
-        # A name that both sides have is not called for the other.
+        # A name with servers in both ROSes is not bridged.
         self.update_pairs(wanted(rules, in_ros1 - in_ros2, in_ros2 - in_ros1))
 
     def servers(self) -> Dict[str, str]:
-        """Return the node of ROS 2 that offers each service, or did so until just now.
+        """Return the current or last ROS 2 node of each service that is bridged to ROS 1.
 
-        By the names in ROS 1, of services that are bridged to there.
+        All names are ROS 1 names.
         """
         found = {}
         for way, pair in self.pairs.items():
@@ -203,7 +202,7 @@ class ServiceBridge(PairBridge[_Pair]):
         return self._type(way) in (None, pair.kind.ros1)
 
     def _is_as_begun(self, way: Way, pair: _Pair) -> bool:
-        """Tell whether a pair is still offered by the right node: that may appear only later."""
+        """Return whether a pair is offered by the right node, which may have appeared later."""
         return isinstance(pair, ServiceToRos1) or pair.owner is self._owner(way)
 
     def _begin(self, way: Way) -> Optional[_Pair]:
@@ -220,11 +219,11 @@ class ServiceBridge(PairBridge[_Pair]):
         return ServiceToRos1(node, participant, name, other, found, self._timeout)
 
     def _owner(self, way: Way) -> Ros2Node:
-        """Return the node that offers a service of ROS 1 in ROS 2."""
+        """Return the node that offers a ROS 1 service in ROS 2."""
         return self._owners.get(self._ros1.services.get(way.name, ""), self._participant.node)
 
     def _type(self, way: Way) -> Optional[str]:
-        """Return ROS 1's name of a service's type, None where it is not known yet."""
+        """Return the ROS 1 name of a service's type; None if it is not known yet."""
         if way.to_ros2:
             return self._types1.of(way.name)
         return self._types.ros1_name(self._ros2[way.name][0])

@@ -73,7 +73,7 @@ def test_second_bridge_is_refused(ros: both.Both) -> None:
             assert second.logged("already connects this master and this domain")
         with hanging(first.popen.pid), both.Bridge("__name:=another") as second:
             assert second.wait() == 1
-            assert second.logged("another one on this machine already connects")
+            assert second.logged("another bridge on this machine already connects")
         ros.call1(marker, "std_srvs/Trigger", b"")
         began = time.monotonic()
         assert first.interrupt() == 0

@@ -209,7 +209,7 @@ def test_calls_that_a_full_server_leaves_say_so(ros: both.Both, bridge: both.Bri
     for thread in threads:
         thread.join()
     assert all("/stuck in ROS 2: no answer within 1.5 s" in text for text in texts)
-    assert any("calls are under way, and a server keeps 10 requests" in text for text in texts)
+    assert any("calls are pending, and a server keeps 10 requests" in text for text in texts)
     stuck.destroy_node()
 
 

@@ -44,7 +44,7 @@ def test_the_same(text: str, other: Dict[str, str]) -> None:
 @pytest.mark.parametrize(
     "text, other, sentence",
     [
-        ("uint8 a", {"b": "uint8"}, "pkg/a has field a in ROS 1 where pkg/A has b in ROS 2"),
+        ("uint8 a", {"b": "uint8"}, "pkg/a has field a in ROS 1 but pkg/A has b in ROS 2"),
         ("uint8 a", {"a": "uint16"}, "field a has different types in pkg/a and pkg/A"),
         ("float32 a", {"a": "int32"}, "has different types"),
         ("uint8[] a", {"a": "uint8[3]"}, "has different types"),
@@ -55,7 +55,7 @@ def test_the_same(text: str, other: Dict[str, str]) -> None:
         (
             "Inner a",
             {"a": "std_msgs/Header"},
-            "pkg/Inner has field x in ROS 1 where std_msgs/Header",
+            "pkg/Inner has field x in ROS 1 but std_msgs/Header",
         ),
     ],
 )

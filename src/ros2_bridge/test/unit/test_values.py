@@ -67,7 +67,7 @@ def test_words() -> None:
     assert values.description_of(ENTRIES["any_number"]) == ("anything (m)", "")
     assert values.description_of(ENTRIES["color"]) == ("color", "one of red, blue")
     assert values.description_of({**ENTRIES["closed"], "exact": False})[1] == (
-        "[-1, 2]; and what the node says when it is set"
+        "[-1, 2]; and further checks when it is set"
     )
 
 

@@ -12,18 +12,18 @@ Bridge topics, services, actions, parameters and managed nodes between ROS 1 and
 until Ctrl-C.
 
 options:
-  -h, --help     print this and end
-  --print-pairs  print which types are bridged, on standard error which are not and why, and end
+  -h, --help     print this help and exit
+  --print-pairs  print the bridged types (the others, with the reason, on standard error) and exit
 
 parameters, such as _direction:=to_ros2; while the bridge runs, rosparam and dynamic_reconfigure
-change those that are not read at the start:
+change those that are not read at startup:
 """
 _TAIL = """
 environment variables:
-  ROS_DOMAIN_ID                  the domain of ROS 2, 0 unless it is set
-  ROS_AUTOMATIC_DISCOVERY_RANGE  LOCALHOST unless it is set: SUBNET for nodes of other machines
-  ROS2_BRIDGE_ENVIRONMENT        the Python environment with ROS 2, where make_environment or
-                                 ./ci/ros2 has not made it in its place
+  ROS_DOMAIN_ID                  the ROS 2 domain; default: 0
+  ROS_AUTOMATIC_DISCOVERY_RANGE  default: LOCALHOST; SUBNET for nodes of other machines
+  ROS2_BRIDGE_ENVIRONMENT        the Python environment with ROS 2, if it is not in the default
+                                 folder of make_environment or ./ci/ros2
 """
 
 

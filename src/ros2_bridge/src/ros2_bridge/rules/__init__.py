@@ -1,2 +1,2 @@
 # Pure: knows no ROS.
-"""Selection of what is bridged: names, directions, rates; and reasons for what is not."""
+"""Rules for what is bridged: names, directions, rates; and reasons for what is not."""

@@ -1,4 +1,4 @@
-"""Active pairs: created, kept, replaced and closed; imports neither ROS."""
+"""Active pairs: created, kept, replaced and closed as the graphs change; imports neither ROS."""
 
 from typing import (
     Any,
@@ -17,8 +17,8 @@ from typing import (
 from ros2_bridge.rules.selection import Rules, Way
 from ros2_bridge.rules.skip_log import SkipLog
 
-#: How many polls of both graphs, one after the other, must miss something until it is closed: a
-#: master that was restarted learns of its nodes only within a second.
+#: A pair is closed after it has been missing in this many consecutive polls: after a restart, the
+#: master learns of its nodes only within a second.
 MISSED_POLLS = 4
 
 
@@ -26,7 +26,7 @@ class Closable(Protocol):
     """A bridged resource."""
 
     def close(self) -> None:
-        """Bridge it no longer."""
+        """Stop bridging it."""
 
 
 Key = TypeVar("Key", bound=Hashable)
@@ -34,9 +34,9 @@ Part = TypeVar("Part", bound=Closable)
 
 
 def for_all(items: Iterable[Any], function: Callable[[Any], None]) -> None:
-    """Call a function with each of some items, also after it has failed for one.
+    """Call a function with each item, even after a failure.
 
-    :raises Exception: the first of the failures
+    :raises Exception: the first failure
     """
     failed: Optional[Exception] = None
     for item in items:
@@ -51,7 +51,7 @@ def for_all(items: Iterable[Any], function: Callable[[Any], None]) -> None:
 class Bridged(Dict[Key, Part]):
     """Active pairs by key; each is closed once it has been missing for several polls.
 
-    :param polls: how many polls, one after the other, must miss it
+    :param polls: number of consecutive polls that must miss it
     """
 
     def __init__(self, polls: int = MISSED_POLLS) -> None:
@@ -60,13 +60,13 @@ class Bridged(Dict[Key, Part]):
         self._missed: Dict[Key, int] = {}
 
     def close_one(self, key: Key) -> None:
-        """Close what has a key, which must be there."""
+        """Close the pair with this key, which must exist."""
         self.pop(key).close()
 
     def close_missing(self, wanted: Collection[Key]) -> None:
-        """Close what this poll and those before it have missed.
+        """Close the pairs that have been missing for several polls.
 
-        :param wanted: what this poll says is to be bridged
+        :param wanted: keys of the pairs to keep, by this poll
         """
         self._missed = {key: self._missed.get(key, 0) + 1 for key in set(self).difference(wanted)}
         gone = [key for key, missed in self._missed.items() if missed >= self._polls]
@@ -74,11 +74,11 @@ class Bridged(Dict[Key, Part]):
 
 
 class PairBridge(Generic[Part]):
-    """Keeps the pairs of topics, or of services, as both graphs want them.
+    """Base class of bridges: keeps pairs of topics, services or actions up to date.
 
-    :param skip_log: is told what cannot be bridged
+    :param skip_log: receives the reasons for missing pairs
 
-    :ivar pairs: what is bridged, by way
+    :ivar pairs: active pairs by way
     """
 
     def __init__(self, skip_log: SkipLog) -> None:
@@ -86,9 +86,9 @@ class PairBridge(Generic[Part]):
         self.pairs: Bridged[Way, Part] = Bridged()
 
     def update_pairs(self, ways: Sequence[Way]) -> None:
-        """Begin and end what a poll of both graphs asks for.
+        """Create and close pairs after a poll of both graphs.
 
-        :param ways: what is to be bridged
+        :param ways: pairs to bridge
         """
         try:
             self.pairs.close_missing(ways)
@@ -99,7 +99,7 @@ class PairBridge(Generic[Part]):
         pair = self.pairs.get(way)
         if pair is not None and not self._has_same_type(way, pair):
             self.pairs.close_one(way)
-            return  # of the new type after the next poll: ROS 2 has the old one until then
+            return  # create it in the next poll: ROS 2 still has the old type
         if pair is not None and not self._is_as_begun(way, pair):
             self.pairs.close_one(way)
         if way not in self.pairs:
@@ -109,20 +109,20 @@ class PairBridge(Generic[Part]):
                     self.pairs[way] = begun
 
     def close_denied(self, rules: Rules) -> None:
-        """End at once what the user allows no longer.
+        """Close pairs immediately that the rules no longer allow.
 
-        :param rules: what the user allows
+        :param rules: the user's rules
         """
         for_all([way for way in self.pairs if not rules.opens(way)], self.pairs.close_one)
 
     def _has_same_type(self, way: Way, pair: Part) -> bool:
-        """Tell whether a topic or service still has the type of its pair."""
+        """Return whether a topic or service still has the type of its pair."""
         raise NotImplementedError
 
     def _is_as_begun(self, way: Way, pair: Part) -> bool:
-        """Tell whether a pair would be begun in the same way again."""
+        """Return whether a new pair would be created in the same way."""
         raise NotImplementedError
 
     def _begin(self, way: Way) -> Optional[Part]:
-        """Return a new pair; None where its type is not known yet, or each ROS has its own."""
+        """Return a new pair; None if its type is not known yet, or differs between the ROSes."""
         raise NotImplementedError

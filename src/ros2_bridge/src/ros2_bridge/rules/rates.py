@@ -6,10 +6,10 @@ from typing import List, Sequence, Tuple
 
 
 class MaxRates:
-    """The highest rate of each topic.
+    """Maximum rate of each topic.
 
-    :param rules: each ``PATTERN=HZ``, such as ``/camera/*=10``; the first that matches counts
-    :raises ValueError: if one is malformed; the text is a clause that says what must hold
+    :param rules: each ``PATTERN=HZ``, such as ``/camera/*=10``; the first match applies
+    :raises ValueError: if a rule is malformed; the text is a clause that states the requirement
     """
 
     def __init__(self, rules: Sequence[str] = ()) -> None:
@@ -28,32 +28,32 @@ class MaxRates:
             self._rates.append((pattern, rate))
 
     def of(self, topic: str) -> float:
-        """Return the highest rate of a topic in Hz, infinite where no rule says."""
+        """Return the maximum rate of a topic [Hz], infinite without a rule."""
         rates = (rate for pattern, rate in self._rates if fnmatch.fnmatchcase(topic, pattern))
         return next(rates, math.inf)
 
 
 class RateLimit:
-    """Lets messages pass at most so often; all of them, until it is told how often."""
+    """Rate limit of messages; unlimited by default."""
 
     def __init__(self) -> None:
         self._rate, self._due = math.inf, -math.inf
 
     def set_rate(self, rate: float) -> None:
-        """Change how often, from the next message on.
+        """Change the rate, from the next message on.
 
-        :param rate: Hz, infinite for all
+        :param rate: Hz, infinite for all messages
         """
         if rate != self._rate:
             self._rate, self._due = rate, -math.inf
 
     def passes(self, now: float) -> bool:
-        """Tell whether a message that has come now passes.
+        """Return whether a message that arrives now passes.
 
-        It may come up to a period late without the next one being late as well: what comes at 30 Hz
-        and may pass at 20 Hz passes at 20 Hz, not at every second message.
+        A message that is up to a period late does not delay the next: a 30 Hz topic limited to 20
+        Hz passes at 20 Hz, not at 15 Hz.
 
-        :param now: s, on a clock that only goes forward
+        :param now: monotonic time [s]
         """
         if now < self._due:
             return False

@@ -7,15 +7,14 @@ _NAME = re.compile(r"/|(/[A-Za-z]\w*)+", re.ASCII)
 
 
 class Renaming:
-    """Finds the name on the other side of topics, services and nodes.
+    """Mapping of the names of topics, services and nodes between ROS 1 and ROS 2.
 
-    A rule is for a name and all that stands below it, and of several the one for the longest name
-    counts. A name from which there is no way back, as two would have the same on the other side,
-    has none there.
+    A rule applies to a name and all names below it; the rule with the longest name wins. If two
+    names would map to the same name, the mapping is not invertible, and has no result.
 
-    :param rules: each ``NAME=NAME``, in ROS 1 and in ROS 2; ``/`` stands for all names
-    :raises ValueError: if one is malformed, or two are for one name; the text is a clause that says
-        what must hold
+    :param rules: each ``NAME=NAME``, ROS 1 first; ``/`` stands for all names
+    :raises ValueError: if a rule is malformed, or a name is repeated; the text is a clause that
+        states the requirement
     """
 
     def __init__(self, rules: Sequence[str] = ()) -> None:
@@ -34,11 +33,11 @@ class Renaming:
             self._to_ros2[ros1], self._to_ros1[ros2] = ros2, ros1
 
     def in_ros2(self, name: str) -> Optional[str]:
-        """Return the name in ROS 2 of what has a name in ROS 1, None where it has none."""
+        """Return the ROS 2 name for a ROS 1 name; None if there is none."""
         return _there_and_back(name, self._to_ros2, self._to_ros1)
 
     def in_ros1(self, name: str) -> Optional[str]:
-        """Return the name in ROS 1 of what has a name in ROS 2, None where it has none."""
+        """Return the ROS 1 name for a ROS 2 name; None if there is none."""
         return _there_and_back(name, self._to_ros1, self._to_ros2)
 
 
@@ -50,7 +49,7 @@ def _there_and_back(name: str, there: Mapping[str, str], back: Mapping[str, str]
 
 
 def _renamed(name: str, rules: Mapping[str, str]) -> str:
-    """Apply the rule for the longest part of a name; empty where it takes away all of it."""
+    """Apply the rule for the longest prefix of a name; empty if it removes the whole name."""
     part = name
     while part not in rules and part != "/":
         part = part.rpartition("/")[0] or "/"

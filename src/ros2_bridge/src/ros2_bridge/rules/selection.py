@@ -8,9 +8,9 @@ from typing import Iterable, List, NamedTuple, Sequence, Set, Tuple
 from ros2_bridge.rules.rates import MaxRates
 from ros2_bridge.rules.renaming import Renaming
 
-#: The log, which is bridged one way, with the names of the nodes.
+#: Log topic, bridged in one direction, with the names of the nodes.
 ROSOUT = "/rosout"
-#: Names that each side has for itself, or that are bridged in a way of their own.
+#: Names that each side uses for itself, or that are bridged specially.
 NEVER = (
     ROSOUT,
     "/rosout_agg",
@@ -22,19 +22,18 @@ NEVER = (
     "*/set_logger_level",
     "*/get_type_description",
 )
-#: Packages whose types each ROS has for itself, or that are bridged in a way of their own:
-#: dynamic_reconfigure's service ``set_parameters`` has the very name of ROS 2's.
+#: Packages whose types each ROS uses for itself, or that are bridged specially: the name of
+#: dynamic_reconfigure's service ``set_parameters`` also exists in ROS 2.
 OWN_WAYS = ("dynamic_reconfigure/", "roscpp/", "rcl_interfaces/", "type_description_interfaces/")
 
 
 class Rules(NamedTuple):
-    """Rules of the user for what is bridged.
+    """The user's rules for what is bridged.
 
-    :param to_ros2, to_ros1: the ways that are open
-    :param allow, deny: patterns of names in ROS 1, such as ``/robot/*``; what is denied is not
-        allowed
-    :param names: what has another name in ROS 2
-    :param max_rates: how often topics are passed on at most
+    :param to_ros2, to_ros1: enabled directions
+    :param allow, deny: patterns of ROS 1 names, such as ``/robot/*``; deny takes precedence
+    :param names: renaming rules
+    :param max_rates: maximum rates of topics
     """
 
     to_ros2: bool
@@ -45,11 +44,11 @@ class Rules(NamedTuple):
     max_rates: MaxRates = MaxRates()
 
     def opens(self, way: "Way") -> bool:
-        """Tell whether something may be bridged in this way."""
+        """Return whether the direction of this pair is enabled."""
         return (self.to_ros2 if way.to_ros2 else self.to_ros1) and self.allows(way.name)
 
     def allows(self, name: str) -> bool:
-        """Tell whether a topic or service that has this name in ROS 1 may be bridged."""
+        """Return whether a topic or service with this ROS 1 name may be bridged."""
         denied, allowed = _compiled(tuple(self.deny)), _compiled(tuple(self.allow))
         if is_never_bridged(name) or denied.match(name) or not allowed.match(name):
             return False
@@ -58,18 +57,18 @@ class Rules(NamedTuple):
 
 
 def is_never_bridged(name: str) -> bool:
-    """Tell whether each side has topics and services of this name for itself."""
+    """Return whether each side has its own topics and services of this name."""
     return _compiled(NEVER).match(name) is not None
 
 
 @functools.lru_cache(maxsize=16)
 def _compiled(patterns: Tuple[str, ...]) -> "re.Pattern[str]":
-    """Return one expression for all of some patterns; for none, one that matches nothing."""
+    """Return a single expression for all patterns; without patterns, one that matches nothing."""
     return re.compile("|".join(map(fnmatch.translate, patterns)) or r"(?!)")
 
 
 class Way(NamedTuple):
-    """Something to be bridged one way.
+    """A name and a direction to bridge.
 
     :param name: of the topic or service in ROS 1
     :param to_ros2: whether from ROS 1 to ROS 2
@@ -80,21 +79,21 @@ class Way(NamedTuple):
 
 
 def wanted(rules: Rules, in_ros1: Set[str], in_ros2: Set[str]) -> List[Way]:
-    """Return what is to be bridged, in order of names.
+    """Return the pairs to bridge, sorted by name.
 
-    :param rules: what the user allows
-    :param in_ros1: topics that others publish in ROS 1, or services that they offer
-    :param in_ros2: the same of ROS 2, by their names in ROS 1
+    :param rules: the user's rules
+    :param in_ros1: topics or services that others offer in ROS 1
+    :param in_ros2: the same in ROS 2, by ROS 1 name
     """
     ways = [*(Way(name, True) for name in in_ros1), *(Way(name, False) for name in in_ros2)]
     return sorted(filter(rules.opens, ways))
 
 
 def rank_names(there: Iterable[str], *kinds: Set[str]) -> List[str]:
-    """Return names, the first of which appear where not all may.
+    """Return names by priority, for use with a limit.
 
-    :param there: those that appear already, and stay as long as they are wanted
-    :param kinds: those that are wanted, of each kind after the kinds before it
+    :param there: names already in use, which keep their place while wanted
+    :param kinds: wanted names, in groups of decreasing priority
     """
     order = [name for name in there if any(name in kind for kind in kinds)]
     for kind in kinds:
@@ -103,9 +102,9 @@ def rank_names(there: Iterable[str], *kinds: Set[str]) -> List[str]:
 
 
 def parameter_services(services: Set[str]) -> Set[str]:
-    """Return those by which nodes made with nodekit describe and change their parameters.
+    """Return the services through which nodekit nodes describe and change their parameters.
 
-    ROS 2 has its own for that.
+    ROS 2 has its own services for that.
 
     :param services: of ROS 1
     """

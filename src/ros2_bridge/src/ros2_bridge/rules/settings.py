@@ -1,4 +1,4 @@
-"""Settings of the user: parameters, and qualities of service."""
+"""Settings of the user: parameters and qualities of service."""
 
 import fnmatch
 from typing import Any, List, Mapping, NamedTuple, Tuple
@@ -20,17 +20,17 @@ from ros2_bridge.rules.rates import MaxRates
 from ros2_bridge.rules.renaming import Renaming
 
 
-#: Longest duration of a quality of service [s]; without one it is infinite.
+#: Longest duration in a quality of service [s]; unset means infinite.
 _LONGEST_S = 86_400.0
 
 
 class BridgeParameters(ParameterSet):
-    """The parameters of the bridge."""
+    """Parameters of the bridge."""
 
     direction = EnumParameter(
         "both",
         choices=("both", "to_ros2", "to_ros1"),
-        help="which way topics, services and actions go",
+        help="direction of topics, services and actions",
     )
     allow = ListParameter(
         ("*",),
@@ -46,73 +46,73 @@ class BridgeParameters(ParameterSet):
         ListParameter(
             (),
             element=StringParameter("", help="a rule"),
-            help="rules NAME=NAME, ROS 1 first: another name in ROS 2, also for all below it",
+            help="rules NAME=NAME, ROS 1 first: other name in ROS 2, also for all names below it",
         )
     )
     max_rate = ListParameter(
         (),
         element=StringParameter("", help="a rule"),
-        help="rules PATTERN=HZ: topics that are passed on at most so often",
+        help="rules PATTERN=HZ: maximum rates of topics",
     )
     parameters = BoolParameter(True, help="whether parameters are bridged")
     integers_for_doubles = BoolParameter(
         False,
-        help="whether a whole number is taken for a double of ROS 1's nodes; rclpy refuses it",
+        help="whether ROS 1 doubles accept an integer from ROS 2, which rclpy rejects",
     )
     depth = read_once(
         IntParameter(
             1000,
             minimum=1,
             maximum=100_000,
-            help="history depth of each topic in ROS 2: messages kept in a burst",
+            help="history depth of each topic in ROS 2",
         )
     )
     max_nodes = IntParameter(
         100,
         minimum=0,
         maximum=1000,
-        help="most nodes of ROS 1 shown in ROS 2, and of ROS 2 with parameters shown in ROS 1",
+        help="most ROS 1 nodes shown in ROS 2, and ROS 2 nodes with parameters in ROS 1",
     )
     service_timeout = FloatParameter(
         5.0,
         unit="s",
         above=0.0,
         maximum=3600.0,
-        help="longest wait for a service's response, or for word of a goal",
+        help="timeout for a service's response, or for a reaction to a goal",
     )
 
     @rule("remap")
     def remap_is_unambiguous(self) -> None:
-        """Refuse malformed rules, and more than one for a name."""
+        """Reject malformed rules, and several rules for a name."""
         self.names()
 
     @rule("max_rate")
     def max_rate_is_a_list_of_rules(self) -> None:
-        """Refuse malformed rules."""
+        """Reject malformed rules."""
         MaxRates(self.max_rate)
 
     def names(self) -> Renaming:
-        """Return what has another name in ROS 2."""
+        """Return the renaming rules."""
         return Renaming(self.remap)
 
     def bridged(self, names: Renaming) -> Rules:
-        """Return what may be bridged.
+        """Return the rules for what is bridged.
 
-        :param names: what has another name in ROS 2
+        :param names: renaming rules
         """
         to_ros2, to_ros1 = self.direction != "to_ros1", self.direction != "to_ros2"
         return Rules(to_ros2, to_ros1, self.allow, self.deny, names, MaxRates(self.max_rate))
 
 
 class Quality(NamedTuple):
-    """The quality of service of a topic in ROS 2.
+    """Quality of service of a ROS 2 topic.
 
-    :param depth: how many messages are kept
-    :param latched: whether they are kept for those who come later too
+    :param depth: history depth
+    :param latched: whether it is transient-local
     :param best_effort: whether messages may be lost
-    :param offered: what a publisher offers besides, by the names of ``rclpy.qos.QoSProfile``:
-        ``liveliness`` in words, all else in seconds. A subscription asks for nothing of it, so
-        that it matches every publisher
+    :param offered: further policies of publishers, by their names in ``rclpy.qos.QoSProfile``:
+        ``liveliness`` as text, the others in seconds. Subscriptions do not request them, so they
+        match every publisher
     """
 
     depth: int
@@ -122,17 +122,17 @@ class Quality(NamedTuple):
 
 
 class Qualities:
-    """The quality of service of each topic: the user's, or one that fits what others publish.
+    """Quality of service of each topic: set by the user, or derived from other publishers.
 
-    :param depth: how many messages are kept where the user does not say
-    :param chosen: a list of mappings, each a pattern of topics, ``topic``, and what is chosen of
+    :param depth: default history depth
+    :param chosen: list of mappings, each with a pattern of topics, ``topic``, and some of
         ``depth``, ``reliability``, ``durability``, ``deadline``, ``lifespan``, ``liveliness`` and
-        ``liveliness_lease_duration``. (The server of parameters takes no slash in a name, so topics
-        cannot be the keys of a mapping.)
+        ``liveliness_lease_duration``. (The parameter server does not accept slashes in names, so
+        topics cannot be keys of a mapping.)
     :raises ParameterError: if it is malformed
     """
 
-    #: What each may be, in ROS 2's own words.
+    #: Allowed values, in ROS 2's terms.
     ALLOWED = {
         "reliability": ("reliable", "best_effort"),
         "durability": ("volatile", "transient_local"),
@@ -162,9 +162,9 @@ class Qualities:
     ) -> Quality:
         """Return the quality of a topic.
 
-        :param latched: whether messages are kept for those who come later, unless the user says
-        :param best_effort: whether messages may be lost, unless the user says
-        :param at_least: how many messages are kept where it is latched
+        :param latched: whether it is transient-local, unless the user sets it
+        :param best_effort: whether messages may be lost, unless the user sets it
+        :param at_least: minimum depth if it is transient-local
         """
         found = [one for one in self._chosen if fnmatch.fnmatchcase(topic, one["topic"])]
         choice = found[0] if found else {}

@@ -1,21 +1,21 @@
-"""Log of what is not bridged: each reason once, at most one line a second."""
+"""Log of what is not bridged: each reason once, at most one line per second."""
 
 import contextlib
 import threading
 from typing import Iterator, List, Optional, Set
 
-#: Least time between two lines [s].
+#: Shortest time between two lines [s].
 _PAUSE_S = 1.0
-#: Most reasons in one line; the others come in the next.
+#: Most reasons in a line; more follow in the next.
 _MOST = 5
 
 
 class Unbridgeable(Exception):
-    """Something that cannot be bridged; the text says what and why."""
+    """Something that cannot be bridged; the text names it and the reason."""
 
 
 class SkipLog:
-    """Log of reasons, from any thread, joined into lines."""
+    """Log of reasons, joined into lines; thread-safe."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -24,7 +24,7 @@ class SkipLog:
         self._last: Optional[float] = None
 
     def report(self, reason: str) -> None:
-        """Have a reason logged, unless it was reported before.
+        """Log a reason, unless it was reported before.
 
         :param reason: what is not bridged, and why
         """
@@ -35,7 +35,7 @@ class SkipLog:
 
     @contextlib.contextmanager
     def catching(self, name: str) -> Iterator[None]:
-        """Report why something cannot be bridged, whatever it is: all else must be.
+        """Report any exception, so that everything else is still bridged.
 
         :param name: of a topic, service or node
         """
@@ -44,14 +44,14 @@ class SkipLog:
         except Unbridgeable as reason:
             self.report(str(reason))
         except Exception as error:
-            # Of rclpy's texts some draw below where in the name it is.
+            # Some of rclpy's messages mark the position in the name on further lines.
             why = (str(error) or repr(error)).partition("\n")[0].rstrip(":")
             self.report(f"{name}: {why}")
 
     def next_line(self, now: float) -> Optional[str]:
-        """Return a line for the log, None where there is nothing to log or it is too soon.
+        """Return a line for the log; None if there is nothing to log, or it is too early.
 
-        :param now: s, on a clock that only goes forward
+        :param now: monotonic time [s]
         """
         with self._lock:
             if not self._pending or (self._last is not None and now < self._last + _PAUSE_S):

@@ -1,1 +1,1 @@
-"""Topic bridge, including the log."""
+"""Topic bridge, including the log topic."""

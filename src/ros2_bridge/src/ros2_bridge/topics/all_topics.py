@@ -1,4 +1,4 @@
-"""Topic bridge: discovers topics, and bridges each until it is gone."""
+"""Topic bridge: discovers topics, and bridges each as long as it exists."""
 
 import contextlib
 from typing import Dict, List, Optional, Set, Union
@@ -23,7 +23,7 @@ _Pair = Union[TopicToRos1, TopicToRos2]
 
 
 class TopicBridge(PairBridge[_Pair]):
-    """Pairs of topics, created and closed as both graphs require.
+    """Pairs of topics, created and closed as topics appear and disappear.
 
     :param node: the bridge in ROS 1
     :param participant: the bridge in ROS 2
@@ -53,10 +53,10 @@ class TopicBridge(PairBridge[_Pair]):
         ros2: Dict[str, Topic],
         owners: Dict[str, Ros2Node],
     ) -> None:
-        """Begin and end what this poll of both graphs asks for.
+        """Create and close pairs after a poll of both graphs.
 
-        :param ros2: the topics of ROS 2, by their names in ROS 1
-        :param owners: the nodes of ROS 1 that appear in ROS 2
+        :param ros2: the ROS 2 topics, by ROS 1 name
+        :param owners: the ROS 1 nodes that are shown in ROS 2
         """
         self._rules, self._ros1, self._ros2, self._owners = rules, ros1, ros2, owners
         of_actions = {name for name, kind in ros1.types.items() if is_of_action(name, kind)}
@@ -79,7 +79,7 @@ class TopicBridge(PairBridge[_Pair]):
         pair.forward_if_heard()
 
     def follow_subscribers1(self) -> None:
-        """Subscribe in ROS 2 to what has subscribers in ROS 1: rospy knows without a request."""
+        """Subscribe in ROS 2 while there are ROS 1 subscribers, which needs no request to rospy."""
         pairs = (pair for pair in self.pairs.values() if isinstance(pair, TopicToRos1))
         for_all(pairs, TopicToRos1.forward_if_heard)
 
@@ -90,10 +90,10 @@ class TopicBridge(PairBridge[_Pair]):
         return not types or pair.kind.ros1 in map(self._types.ros1_name, types)
 
     def _has_known_definitions(self, way: Way) -> bool:
-        """Return whether the other end in ROS 2 uses the bridge's definition of the type.
+        """Return whether the endpoint in ROS 2 uses the bridge's definition of the type.
 
         :returns: False if it is not known yet
-        :raises Unbridgeable: if it does not
+        :raises Unbridgeable: if the definitions differ
         """
         found = self._ros2[way.name].definitions if way.name in self._ros2 else set()
         return all(
@@ -108,7 +108,7 @@ class TopicBridge(PairBridge[_Pair]):
             if not self._has_known_definitions(way):
                 return False
         except Unbridgeable:
-            return False  # the attempt to begin it again reports why
+            return False  # creating it again reports the reason
         return found is None or isinstance(pair, TopicToRos2) or pair.fits(found)
 
     def _begin(self, way: Way) -> Optional[_Pair]:
@@ -129,11 +129,11 @@ class TopicBridge(PairBridge[_Pair]):
         pair.publishers.update_publishers(callers, self._owners, self._is_heard(pair.topic))
 
     def _is_heard(self, name: str) -> bool:
-        """Tell whether a topic has subscribers in ROS 2."""
+        """Return whether a topic has subscribers in ROS 2."""
         return name in self._ros2 and bool(self._ros2[name].subscribers)
 
     def _type1(self, way: Way) -> Optional[str]:
-        """Return the type of a topic in ROS 1, None where no publisher names it."""
+        """Return the type of a topic in ROS 1; None if no publisher announces it."""
         found = self._ros1.types.get(way.name)
         return None if found == "*" else found
 
@@ -142,9 +142,9 @@ class TopicBridge(PairBridge[_Pair]):
         return self._ros2[way.name].types if way.name in self._ros2 else set()
 
     def _kind(self, way: Way) -> Optional[MessageType]:
-        """Return the type of a topic, None where it is not known yet, or each ROS has its own.
+        """Return the type of a topic; None if it is not known yet, or differs between the ROSes.
 
-        :raises Unbridgeable: if it is not one for both sides
+        :raises Unbridgeable: if there is no common type
         """
         type1, types2 = self._type1(way), self._types2(way)
         if way.to_ros2 and type1 is None:
@@ -166,7 +166,7 @@ class TopicBridge(PairBridge[_Pair]):
         return self._types.message(names.pop())
 
     def types(self) -> Dict[Way, str]:
-        """Return ROS 1's name of the type of each pair, and of what ROS 1 is yet to publish."""
+        """Return the ROS 1 type name of each pair, including topics without messages so far."""
         found = {way: pair.kind.ros1 for way, pair in self.pairs.items()}
         heard = {name for name, topic in self._ros2.items() if topic.subscribers}
         for way in wanted(self._rules, heard, set()):
@@ -176,5 +176,5 @@ class TopicBridge(PairBridge[_Pair]):
         return found
 
     def counts(self) -> Dict[Way, Count]:
-        """Return how much has gone through each pair."""
+        """Return the message counts of each pair."""
         return {way: pair.count for way, pair in list(self.pairs.items())}

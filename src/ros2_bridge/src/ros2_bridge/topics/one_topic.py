@@ -1,4 +1,4 @@
-"""Bridge of one topic in one direction, which subscribes on demand."""
+"""Bridge of one topic in one direction, with subscription on demand."""
 
 import contextlib
 import io
@@ -21,17 +21,17 @@ from ros2_bridge.topics.publishers import TopicPublishers
 from ros2_bridge.types.codec import ConversionError
 from ros2_bridge.types.type_registry import MessageType
 
-#: Most senders of a topic of ROS 2 whose messages are counted, until it is subscribed again.
+#: Most publishers of a ROS 2 topic whose sequence numbers are tracked.
 _MOST_SENDERS = 1000
-#: Shortest time between two log lines of one kind [s].
+#: Shortest time between two equal log lines [s].
 _LOG_PERIOD_S = 1.0
 
 
 def serialized(message: Any) -> bytes:
-    """Return the bytes of a message of ROS 1.
+    """Return the bytes of a ROS 1 message.
 
-    :param message: a raw one; of another class on topics that rospy itself subscribes to, such as
-        /clock, as the first subscription of a process chooses the class for all
+    :param message: usually raw; of another class on topics that rospy itself subscribes to, such
+        as /clock, because a process's first subscription sets the class for all
     """
     raw: Optional[bytes] = getattr(message, "_buff", None)
     if raw is None:
@@ -42,16 +42,16 @@ def serialized(message: Any) -> bytes:
 
 
 class Count:
-    """Counters of a pair: messages passed, lost, refused, and dropped by the maximum rate."""
+    """Counters of a pair: messages passed, lost, rejected, and dropped by the maximum rate."""
 
     def __init__(self) -> None:
         self.passed = self.lost = self.refused = self.thinned = 0
 
 
 class OnDemandSubscription:
-    """A subscription that is there only while it is needed.
+    """Subscription that exists only while it is needed.
 
-    :param subscribe: makes it, and returns what ends it
+    :param subscribe: creates it, and returns a function that ends it
     """
 
     def __init__(self, subscribe: Callable[[], Callable[[], None]]) -> None:
@@ -59,7 +59,7 @@ class OnDemandSubscription:
         self._unsubscribe: Optional[Callable[[], None]] = None
 
     def switch(self, is_needed: bool) -> None:
-        """Begin or end it, where that is due."""
+        """Start or end the subscription, as needed."""
         if is_needed and self._unsubscribe is None:
             self._unsubscribe = self._subscribe()
         elif not is_needed and self._unsubscribe is not None:
@@ -68,19 +68,19 @@ class OnDemandSubscription:
 
 
 class LatchedMessage(NamedTuple):
-    """The latest message of a latching publisher of ROS 2, as one of ROS 1."""
+    """Latest message of a transient-local ROS 2 publisher, as a ROS 1 message."""
 
     message: Any
 
     def close(self) -> None:
-        """Nothing is to be done for it."""
+        """Do nothing: there are no resources."""
 
 
 class TopicToRos2:
-    """A topic of ROS 1 in ROS 2.
+    """ROS 1 topic in ROS 2.
 
-    It is published from the beginning, and subscribed to while it has subscribers in ROS 2, and as
-    long as something is kept for those who come later: who does is to get what is latched by then.
+    The publisher exists from the beginning, the subscription only while there are subscribers in
+    ROS 2, and as long as a latched message exists, so that late subscribers receive it.
 
     :param node: the bridge in ROS 1
     :param participant: the bridge in ROS 2
@@ -106,7 +106,7 @@ class TopicToRos2:
         self.publishers = TopicPublishers(participant, self._make_publisher)
 
     def _make_publisher(self, owner: Ros2Node, latched: bool) -> Any:
-        # Of what is latched in ROS 1 there is one message.
+        # ROS 1 latches a single message.
         quality = self._qualities.of(self.topic, latched, at_least=1 if latched else 0)
         return self._participant.create_publisher(owner, self.kind.cls, self._other, quality)
 
@@ -118,7 +118,7 @@ class TopicToRos2:
         return scope.close
 
     def forward_while(self, is_heard: bool) -> None:
-        """Subscribe to the topic, or no longer, unless something of it is kept.
+        """Subscribe to the topic, or unsubscribe unless a message of it is latched.
 
         :param is_heard: whether it has subscribers in ROS 2
         """
@@ -131,7 +131,7 @@ class TopicToRos2:
                 return
             header = message._connection_header
             if header.get("callerid") == self._node.name:
-                continue  # what has come from ROS 2
+                continue  # the bridge's own messages, from ROS 2
             is_latched = header.get("latching") == "1"
             if not (is_latched or self.limit.passes(time.monotonic())):
                 self.count.thinned += 1
@@ -147,24 +147,25 @@ class TopicToRos2:
             self.count.passed += 1
 
     def close(self) -> None:
-        """Close it."""
+        """Close publishers and subscription."""
         self._subscription.switch(False)
         self.publishers.close()
 
 
 class TopicToRos1:
-    """A topic of ROS 2 in ROS 1.
+    """ROS 2 topic in ROS 1.
 
-    It is published from the beginning, and subscribed to while it has subscribers in ROS 1; where
-    it is latched, always. Who comes later then gets the latest of each publisher that latches it.
+    The publisher exists from the beginning, the subscription only while there are subscribers in
+    ROS 1, or always if the topic is transient-local. Late subscribers then receive the latest
+    message of each transient-local publisher.
 
-    Where only some latch it, there are two subscriptions: one that asks for what was before, which
-    only they match, and one for the others.
+    If only some publishers are transient-local, there are two subscriptions: a transient-local one,
+    which only they match, and a volatile one for the others.
 
     :param node: the bridge in ROS 1
     :param participant: the bridge in ROS 2
     :param topic, other: name in ROS 1 and in ROS 2
-    :param found: how others publish it
+    :param found: the topic in ROS 2
     """
 
     def __init__(
@@ -188,9 +189,9 @@ class TopicToRos1:
         self._kept: Bridged[bytes, LatchedMessage] = Bridged()
         self._scope = node.create_scope()
         self._publisher = self._scope.create_publisher(topic, kind.raw, latch=found.latched)
-        #: What there is of the subscriptions wanted, each with what ends it.
+        #: Existing subscriptions by transient-local, each with a function that ends it.
         self._subscriptions: Dict[bool, Tuple[Quality, Callable[[], None]]] = {}
-        #: Of each publisher whether it latches, as far as that was asked.
+        #: Whether each publisher is transient-local, if known.
         self._latching: Dict[bytes, bool] = {}
         try:
             self.forward_if_heard()
@@ -199,17 +200,17 @@ class TopicToRos1:
             raise
 
     def _wanted_qualities(self) -> Dict[bool, Quality]:
-        """Return the subscriptions that are needed, by whether they ask for what was before."""
+        """Return the needed subscriptions, by whether they are transient-local."""
         wanted: Dict[bool, Quality] = {}
         for latched, may_lose in self._found.offers.items():
             quality = self._qualities.of(self.topic, latched, may_lose)
-            other = wanted.get(quality.latched, quality)  # where the user has chosen
+            other = wanted.get(quality.latched, quality)  # if the user set it
             may_lose = quality.best_effort or other.best_effort
             wanted[quality.latched] = quality._replace(best_effort=may_lose)
         return wanted
 
     def forward_if_heard(self) -> None:
-        """Subscribe to the topic, or no longer."""
+        """Subscribe to the topic, or unsubscribe."""
         is_heard = self._found.latched or self._publisher.get_num_connections(in_process=False) > 0
         self._switch(self._wanted if is_heard else {})
 
@@ -228,13 +229,13 @@ class TopicToRos1:
                 self._subscriptions[kept] = quality, end
 
     def fits(self, found: Topic) -> bool:
-        """Tell whether others latch it as they did."""
+        """Return whether the other publishers' durability is unchanged."""
         return self._found.latched == found.latched
 
     def follow_publishers(self, found: Topic) -> None:
-        """Subscribe as others publish it now, and forget what is kept of those that have gone.
+        """Adapt the subscriptions to the current publishers; drop messages of former publishers.
 
-        :param found: how they do
+        :param found: the topic in ROS 2
         """
         if found.offers not in ({}, self._found.offers):
             self._found = found
@@ -247,18 +248,18 @@ class TopicToRos1:
         return self._latching.get(sender, False)
 
     def _forward(self, kept: bool, arrived: List[ReceivedMessage]) -> None:
-        """Publish what has come.
+        """Publish received messages.
 
-        :param kept: whether from the subscription that asks for what was before
+        :param kept: whether they are from the transient-local subscription
         """
         messages = []
         latest: Dict[bytes, LatchedMessage] = {}
         for data, sender, number in arrived:
             if self._participant.is_own(sender):
-                continue  # what has come from ROS 1
+                continue  # the bridge's own messages, from ROS 1
             is_latched = self._found.latched and (kept or self._is_latched(sender))
             if is_latched and not kept and True in self._subscriptions:
-                continue  # it comes by that one as well
+                continue  # the other subscription receives it, too
             self._count_lost(sender, number)
             if not (is_latched or self.limit.passes(time.monotonic())):
                 self.count.thinned += 1
@@ -278,11 +279,11 @@ class TopicToRos1:
         if messages:
             if latest:
                 self._keep(latest)
-            with contextlib.suppress(rospy.ROSException):  # it has just been closed
+            with contextlib.suppress(rospy.ROSException):  # just closed
                 self._publisher.publish_all(messages)
                 self.count.passed += len(messages)
             if self._found.latched and not latest:
-                self._keep({})  # or the last that was published would be kept
+                self._keep({})  # otherwise the last message would stay latched
 
     def _keep(self, latest: Mapping[bytes, LatchedMessage]) -> None:
         with self._lock:
@@ -290,9 +291,9 @@ class TopicToRos1:
             self._publisher.latch_all([kept.message for kept in self._kept.values()])
 
     def forget_all_but(self, senders: Set[bytes]) -> None:
-        """Keep nothing for those who come later of publishers that have gone.
+        """Drop the latched messages of publishers that have disappeared.
 
-        :param senders: the publishers that there are
+        :param senders: the existing publishers
         """
         with self._lock:
             before = len(self._kept)
@@ -301,7 +302,7 @@ class TopicToRos1:
                 self._publisher.latch_all([kept.message for kept in self._kept.values()])
 
     def _count_lost(self, sender: bytes, number: Optional[int]) -> None:
-        """Count what a publisher has numbered and what has not arrived."""
+        """Count lost messages, by the gaps in a publisher's sequence numbers."""
         if number is None:
             return
         before = self._last.get(sender)
@@ -315,6 +316,6 @@ class TopicToRos1:
         self._last[sender] = number
 
     def close(self) -> None:
-        """Close it."""
+        """Close publisher and subscriptions."""
         self._switch({})
         self._scope.close()

@@ -1,4 +1,4 @@
-"""ROS 2 publishers of a ROS 1 topic, one for each node that publishes it in ROS 1."""
+"""ROS 2 publishers of a ROS 1 topic, one for each publishing node."""
 
 import threading
 import time
@@ -9,22 +9,22 @@ from rclpy.node import Node as Ros2Node
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.rules.active_pairs import Bridged
 
-#: How long it takes until all who subscribe know a new publisher [s].
+#: Time until all subscribers have discovered a new publisher [s].
 _KNOWN_S = 0.1
-#: Stands for all nodes that do not appear in ROS 2, as far as they do not latch.
+#: Stands for all nodes that are not shown in ROS 2 and do not latch.
 _OTHERS = ""
 
 
 class NodePublisher:
-    """Publisher of a topic for one node of ROS 1, with its latest message if that is latched.
+    """Publisher of a topic for one ROS 1 node, with its latched message, if any.
 
-    Each has its own history, which no other node's messages fill.
+    Each has its own history, so that other nodes' messages do not displace it.
 
     :param participant: the bridge in ROS 2
-    :param make: makes a publisher of a node, latched or not
-    :param owner: the node of ROS 2 that publishes it
+    :param make: creates a publisher of a node, latched or not
+    :param owner: the publishing ROS 2 node
 
-    :ivar is_latched: whether those get the latest message, too, who come later
+    :ivar is_latched: whether late subscribers receive the latest message
     """
 
     def __init__(
@@ -34,9 +34,9 @@ class NodePublisher:
         self._publisher, self._latest = make(owner, False), b""
 
     def latch(self, is_latched: bool) -> bool:
-        """Keep the latest message for those who come later, from the next one on, or no longer.
+        """Change latching, from the next message on.
 
-        :returns: whether it did otherwise before
+        :returns: whether this is a change
         """
         if is_latched == self.is_latched:
             return False
@@ -50,7 +50,7 @@ class NodePublisher:
         self._publisher.publish(data)
 
     def move(self, owner: Ros2Node) -> None:
-        """Have it published by another node, if that is another one."""
+        """Move the publisher to another node, if the node differs."""
         if owner is not self.owner:
             self._remake(owner)
             if self._latest:
@@ -62,19 +62,19 @@ class NodePublisher:
         self._participant.destroy_publisher(*before)
 
     def close(self) -> None:
-        """Publish it no longer, and take back what is kept for those who come later."""
+        """Close the publisher, and withdraw its latched message."""
         self._participant.destroy_publisher(self.owner, self._publisher)
 
 
 class TopicPublishers:
-    """Publishes a topic in ROS 2, each message as of the node that it comes from.
+    """Publishers of a topic in ROS 2, one per ROS 1 node.
 
-    Who subscribes may not know a new publisher yet when that sends for the first time. Where both
-    are reliable it is sent again then. But what is latched counts as sent before for a
-    subscriber that asks for no earlier messages; so it is sent only when that is over.
+    A new publisher may send its first message before subscribers have discovered it. If both are
+    reliable, DDS resends it. But a latched message counts as old for a volatile subscriber; so it
+    is sent only after the discovery time.
 
     :param participant: the bridge in ROS 2
-    :param make: makes a publisher of a node, latched or not
+    :param make: creates a publisher of a node, latched or not
     """
 
     def __init__(self, participant: Participant, make: Callable[[Ros2Node, bool], Any]) -> None:
@@ -86,14 +86,14 @@ class TopicPublishers:
     def update_publishers(
         self, callers: Set[str], owners: Mapping[str, Ros2Node], is_heard: bool
     ) -> None:
-        """Have those publish it who do so in ROS 1.
+        """Adapt the publishers to those in ROS 1.
 
         :param callers: names of the nodes that publish it in ROS 1
-        :param owners: the nodes of ROS 1 that appear in ROS 2
+        :param owners: the ROS 1 nodes that are shown in ROS 2
         :param is_heard: whether it has subscribers in ROS 2
         """
         if not callers:
-            return  # the master has been restarted
+            return  # the master was restarted
         with self._lock:
             self._by_caller.close_missing(
                 callers if owners.keys() >= callers else {*callers, _OTHERS}
@@ -102,7 +102,7 @@ class TopicPublishers:
                 owner = owners.get(caller, self._participant.node)
                 mine = self._by_caller.get(caller)
                 if mine is not None:
-                    # Of what is latched those who hear it would get the latest once more.
+                    # Subscribers would receive a latched message twice.
                     if not (mine.is_latched and is_heard and mine.owner is self._participant.node):
                         mine.move(owner)
                 elif caller in owners:
@@ -117,14 +117,14 @@ class TopicPublishers:
     def publish(self, caller: str, data: bytes, is_latched: bool) -> None:
         """Publish a message.
 
-        :param caller: name of the node that it comes from
-        :param is_latched: whether those get it, too, who come later
+        :param caller: name of the publishing ROS 1 node
+        :param is_latched: whether late subscribers receive it, too
         """
         with self._lock:
             if self._is_closed:
                 return
             mine = self._by_caller.get(caller)
-            if mine is None and not is_latched:  # it does not appear in ROS 2, or not yet
+            if mine is None and not is_latched:  # the node is not shown in ROS 2, or not yet
                 mine = self._plain() or self._add(_OTHERS, self._participant.node)
             elif mine is None:
                 mine = self._add(caller, self._participant.node)
@@ -138,16 +138,16 @@ class TopicPublishers:
                     mine.publish(data)
 
     def has_latched(self) -> bool:
-        """Tell whether one of them keeps a message for those who come later."""
+        """Return whether any of them has a latched message."""
         with self._lock:
             return any(one.is_latched for one in self._by_caller.values())
 
     def _plain(self) -> Optional[NodePublisher]:
-        """Return one of those that keep nothing for who comes later."""
+        """Return a publisher without a latched message."""
         return next((one for one in self._by_caller.values() if not one.is_latched), None)
 
     def close(self) -> None:
-        """Publish it no longer."""
+        """Close all publishers."""
         with self._lock:
             self._is_closed = True
             for caller in list(self._by_caller):

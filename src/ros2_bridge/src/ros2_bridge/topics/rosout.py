@@ -14,15 +14,15 @@ from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.settings import Quality
 from ros2_bridge.topics.one_topic import OnDemandSubscription
 
-#: ROS 2's levels by ROS 1's.
+#: ROS 2 log levels by ROS 1 level.
 _LEVELS = {1: Log.DEBUG, 2: Log.INFO, 4: Log.WARN, 8: Log.ERROR, 16: Log.FATAL}
 
 
 class NodeLog(NamedTuple):
-    """Publisher of the lines of one node.
+    """Publisher of the log lines of one node.
 
     :param participant: the bridge in ROS 2
-    :param owner: the node of ROS 2 that publishes them
+    :param owner: the publishing ROS 2 node
     """
 
     participant: Participant
@@ -30,18 +30,18 @@ class NodeLog(NamedTuple):
     publisher: Any
 
     def close(self) -> None:
-        """Publish them no longer."""
+        """Close the publisher."""
         self.participant.destroy_publisher(self.owner, self.publisher)
 
 
 class Rosout:
-    """Forwards lines of the log, as of the nodes that they come from.
+    """Bridge of log lines, published by the nodes that they come from.
 
     :param node: the bridge in ROS 1
     :param participant: the bridge in ROS 2
-    :param names: what has another name in ROS 2
+    :param names: renaming rules
 
-    :ivar subscription: to ROS 1's log; to be switched on while ROS 2's has subscribers
+    :ivar subscription: to ROS 1's log; enabled while ROS 2's has subscribers
     """
 
     def __init__(self, node: Node, participant: Participant, names: Renaming) -> None:
@@ -59,9 +59,9 @@ class Rosout:
         )
 
     def update_nodes(self, owners: Mapping[str, Ros2Node]) -> None:
-        """Have those nodes publish the log that appear in ROS 2.
+        """Adapt the log publishers to the nodes in ROS 2.
 
-        :param owners: the nodes of ROS 2 that stand for nodes of ROS 1, by name
+        :param owners: the ROS 2 nodes that represent ROS 1 nodes, by name
         """
         self._logs.close_missing(
             {name for name, log in self._logs.items() if owners.get(name) is log.owner}
@@ -78,7 +78,7 @@ class Rosout:
     def _forward(self, line: Any) -> None:
         log = Log(
             level=_LEVELS.get(line.level, Log.INFO),
-            # ROS 2 writes names of loggers with dots.
+            # Logger names in ROS 2 use dots.
             name=(self._names.in_ros2(line.name) or line.name).strip("/").replace("/", "."),
             msg=line.msg,
             file=line.file,

@@ -1,1 +1,1 @@
-"""Message and service types of both ROS versions, matched and translated."""
+"""Message, service and action types of both ROSes: matched and converted."""

@@ -1,11 +1,11 @@
 # Pure: knows no ROS.
 """Codec between serialized ROS 1 messages and CDR, without message objects.
 
-A definition is compiled once into instructions; after that a codec holds no state, so any number of
-threads may use one. Both notations are little endian. CDR, as ROS 2 writes it, differs in five
-points: each number stands at a multiple of its size, counted from behind the first four bytes; a
-text ends with a zero, which is counted; a Header has no ``seq``; the seconds of a time have a sign;
-and what is empty has one byte.
+A definition is compiled once into operations; afterwards a codec is stateless, and so thread-safe.
+Both formats are little-endian. CDR, as ROS 2 writes it, differs in five points: each number is
+aligned to its size, counted from behind the first four bytes; a string ends with a zero, which is
+counted; a Header has no ``seq``; the seconds of a time are signed; and an empty message has one
+byte.
 """
 
 import struct
@@ -29,10 +29,10 @@ from ros2_bridge.types.codec_ops import (
     text_up,
 )
 
-#: What begins each CDR message: little endian, no options.
+#: CDR header: little-endian, no options.
 _CDR = b"\0\1\0\0"
 _LENGTH = struct.Struct("<I")
-#: What malformed bytes make an instruction raise.
+#: Exceptions that malformed bytes cause in an operation.
 _FAILURES = (struct.error, ConversionError)
 
 
@@ -81,7 +81,7 @@ class _Compiler:
 
 
 class Codec:
-    """Converts messages of one type.
+    """Converter of messages of one type.
 
     :param datatype: its name in ROS 1
     :param fields: its definition, from :func:`nodekit.message_definitions.parse`
@@ -96,7 +96,7 @@ class Codec:
         self.has_header = [(f.base, f.is_array) for f in first] == [("std_msgs/Header", False)]
 
     def to_cdr(self, data: bytes) -> bytes:
-        """Return a ROS 1 message as ROS 2's bytes.
+        """Convert a ROS 1 message to CDR.
 
         :raises ConversionError: if it is not a message of this type
         """
@@ -104,13 +104,13 @@ class Codec:
         end = self._convert(self._down, data, out)
         if end != len(data):
             raise ConversionError(f"{self._type}: {len(data) - end} bytes too many")
-        return _CDR + out  # bytes, as what it begins with
+        return _CDR + out  # of type bytes, like its first operand
 
     def to_ros1(self, cdr: bytes, seq: int = 0) -> bytes:
-        """Return a ROS 2 message as ROS 1's bytes.
+        """Convert a CDR message to ROS 1.
 
         :param cdr: the message
-        :param seq: for the Header that it begins with, if any
+        :param seq: for its Header, if it begins with one
         :raises ConversionError: if it is not a message of this type
         """
         if cdr[:2] != _CDR[:2]:

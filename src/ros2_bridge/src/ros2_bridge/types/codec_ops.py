@@ -1,7 +1,7 @@
 # Pure: knows no ROS.
-"""Operations that convert pieces of a message: see :mod:`ros2_bridge.types.codec`.
+"""Operations that convert parts of a message: see :mod:`ros2_bridge.types.codec`.
 
-An instruction knows where it reads and how much was written before, and nothing else.
+An operation knows only its read position and the output so far.
 """
 
 import struct
@@ -9,25 +9,25 @@ from typing import Any, Callable, List, Tuple, Union
 
 _LENGTH = struct.Struct("<I")
 _LETTERS = {2: "H", 4: "I", 8: "Q"}
-#: Before a length, and behind one before numbers.
+#: Padding before a length, and after it before numbers.
 _PADDING = tuple(bytes(size) for size in range(5))
-#: Most elements of an array whose elements have no bytes in ROS 1.
+#: Most elements of an array whose elements are empty in ROS 1.
 _MOST_EMPTY = 1_000_000
 
-#: Reads from the first at a place, writes to the second, returns the place behind what was read.
+#: Reads the source at an offset, appends to the output, returns the offset behind what it has read.
 Instruction = Callable[[Any, int, bytearray], int]
 
 
 class ConversionError(ValueError):
-    """Bytes that are no message of the type."""
+    """Bytes that are not a message of the type."""
 
 
 class Number:
-    """Numbers of one size, one behind the other.
+    """Consecutive numbers of the same size.
 
-    :param packed, padded: how ROS 1 and ROS 2 have them, as the module struct notes it
-    :param size: bytes of one, what ROS 2 aligns them to; 1 where it has none
-    :param bytes1, bytes2: of all in ROS 1 and in ROS 2
+    :param packed, padded: their ``struct`` formats in ROS 1 and in ROS 2
+    :param size: bytes of one number, its alignment in ROS 2; 1 without alignment
+    :param bytes1, bytes2: bytes of all numbers in ROS 1 and in ROS 2
     """
 
     def __init__(self, packed: str, padded: str, size: int, bytes1: int, bytes2: int) -> None:
@@ -35,26 +35,26 @@ class Number:
         self.bytes1, self.bytes2 = bytes1, bytes2
 
 
-# Zeros where there is nothing to take: a pad byte of struct is skipped, or written as zero.
+# struct skips pad bytes when it reads, and writes them as zeros.
 SEQ = Number("4x", "", 1, 4, 0)
 EMPTY = Number("", "x", 1, 0, 1)
-#: A point in time: its seconds have no sign in ROS 1, and one in ROS 2.
+#: A time: its seconds are unsigned in ROS 1, and signed in ROS 2.
 TIME = Number("II", "iI", 4, 8, 8)
 _NO_TIME = "a time before 1970 or after 2038-01-19: only one of ROS 1 and ROS 2 can have it"
 
 
 def number(size: int, count: int) -> Number:
-    # Single bytes are taken as one piece of text, which is quick however many they are.
+    # Single bytes are handled as one string, which is fast for any number of them.
     note = f"{count}s" if size == 1 else f"{count}{_LETTERS[size]}"
     return Number(note, note, size, size * count, size * count)
 
 
-#: A piece of a message: numbers, or the two instructions (to CDR, to ROS 1) of what varies in size.
+#: Part of a message: numbers, or two operations (to CDR, to ROS 1) for variable sizes.
 Piece = Union[Number, Tuple[Instruction, Instruction]]
 
 
 def _run(numbers: List[Number]) -> Tuple[Instruction, Instruction]:
-    """Compile numbers that follow each other: where they begin decides where there is padding."""
+    """Compile consecutive numbers: their position determines the padding."""
     packed = struct.Struct("<" + "".join(number.packed for number in numbers))
     variants = []
     for start in range(8):
@@ -69,7 +69,7 @@ def _run(numbers: List[Number]) -> Tuple[Instruction, Instruction]:
         values = packed.unpack_from(source, at)
         try:
             out += variants[len(out) & 7].pack(*values)
-        except struct.error:  # nothing else has a range of its own
+        except struct.error:  # only times have a limited range
             raise ConversionError(_NO_TIME) from None
         return at + packed.size
 
@@ -91,7 +91,7 @@ def _count_down(source: Any, at: int, out: bytearray) -> int:
 
 
 def _end(source: Any, at: int, size: int) -> int:
-    """Return where something ends, which must not be behind the end of all."""
+    """Return the end of some bytes, which must be within the source."""
     end = at + size
     if end > len(source):
         raise ConversionError(f"{size} bytes announced, {len(source) - at} left")
@@ -118,10 +118,10 @@ def text_up(source: Any, at: int, out: bytearray) -> int:
 
 
 def block(size: int, numbers: int) -> Tuple[Instruction, Instruction]:
-    """Compile an array of numbers, or of messages that hold such of one size only.
+    """Compile an array of numbers, or of messages that contain numbers of one size only.
 
     :param size: of a number [bytes]
-    :param numbers: in one element
+    :param numbers: per element
     """
 
     def down(source: Any, at: int, out: bytearray) -> int:
@@ -147,9 +147,9 @@ def block(size: int, numbers: int) -> Tuple[Instruction, Instruction]:
 
 
 def array(element: Tuple[Instruction, Instruction], least: int) -> Tuple[Instruction, Instruction]:
-    """Compile an array of elements that are converted one by one.
+    """Compile an array whose elements are converted one by one.
 
-    :param least: bytes that one has at least in ROS 1
+    :param least: minimum size of an element in ROS 1 [bytes]
     """
     element_down, element_up = element
 
@@ -193,7 +193,7 @@ def repeated(
 
 
 def chain(pieces: List[Piece]) -> Tuple[Instruction, Instruction]:
-    """Compile pieces that follow each other."""
+    """Compile consecutive parts."""
     pairs: List[Tuple[Instruction, Instruction]] = []
     numbers: List[Number] = []
     for piece in pieces:

@@ -6,10 +6,10 @@ from typing import Callable, Mapping, Optional, Tuple
 
 from nodekit.message_definitions import SIZES, TIMES, Fields
 
-#: Returns the fields of a ROS 2 type with their types, as rclpy names them.
+#: Returns the fields of a ROS 2 type with their types, in rclpy's notation.
 Describe = Callable[[str], Mapping[str, str]]
 
-#: rclpy's names of numbers. Sign and truth need not agree: the bytes do.
+#: Number types of rclpy. Signedness and Booleans need not agree: the bytes are the same.
 _NUMBERS = {
     **dict.fromkeys(("boolean", "octet", "int8", "uint8", "char"), "1 byte"),
     **dict.fromkeys(("int16", "uint16"), "2 bytes"),
@@ -22,22 +22,22 @@ _ARRAY = re.compile(r"(.*)\[(\d+)\]\Z")
 
 
 def difference(datatype: str, fields: Fields, other: str, describe: Describe) -> Optional[str]:
-    """Return a sentence about the first difference, or None.
+    """Return a description of the first difference, or None.
 
-    :param datatype: ROS 1's type
+    :param datatype: the ROS 1 type
     :param fields: its definition
-    :param other: ROS 2's type
-    :param describe: returns the fields of ROS 2's types
+    :param other: the ROS 2 type
+    :param describe: returns the fields of a ROS 2 type
     """
     ours = [(f.name, _ours(f.base), f.length if f.is_array else 0) for f in fields[datatype]]
     if datatype == "std_msgs/Header":
         ours = ours[1:]
     theirs = [(name, *_theirs(kind)) for name, kind in describe(other).items()]
     if other in ("builtin_interfaces/Time", "builtin_interfaces/Duration"):
-        return None  # a time of ROS 1 is one field, and its bytes are these
+        return None  # ROS 1's primitive time has the same bytes
     for mine, its in zip(ours, theirs):
         if mine[0].lower() != its[0]:
-            return f"{datatype} has field {mine[0]} in ROS 1 where {other} has {its[0]} in ROS 2"
+            return f"{datatype} has field {mine[0]} in ROS 1 but {other} has {its[0]} in ROS 2"
         inner = mine[1] if mine[1] in fields else None
         if mine[2] != its[2] or (inner is None and mine[1] != its[1]):
             return f"field {mine[0]} has different types in {datatype} and {other}"
@@ -61,7 +61,7 @@ def _ours(base: str) -> str:
 
 
 def _theirs(kind: str) -> Tuple[str, Optional[int]]:
-    """Return the type of an element, and the length of an array, 0 where it is not one."""
+    """Return the type of an element, and the length of an array, 0 if it is not an array."""
     sequence, array = _SEQUENCE.match(kind), _ARRAY.match(kind)
     length: Optional[int] = 0
     if sequence is not None:

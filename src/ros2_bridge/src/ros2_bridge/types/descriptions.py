@@ -1,20 +1,20 @@
 # Pure: knows no ROS.
-"""Comparison of two descriptions of a ROS 2 type, field by field, in the order of their bytes.
+"""Comparison of two definitions of a ROS 2 type, field by field, in serialization order.
 
-A subscriber and a publisher in DDS match by the name of the type alone.
+In DDS, a subscriber and a publisher match by the name of the type alone.
 """
 
 from typing import List, Mapping, NamedTuple, Sequence
 
-#: Most fields of a definition in a message to the user.
+#: Most fields of a definition shown in a message.
 _MOST = 12
 
 
 class Field(NamedTuple):
     """A field of a type.
 
-    :param name: its name, after that of the field that holds it and a dot
-    :param kind: its type: of a message, the name; else as ROS 2's descriptions name it
+    :param name: its name, with the name of the containing field and a dot before it
+    :param kind: its type: for a message its name, else ROS 2's type name
     """
 
     name: str
@@ -24,10 +24,10 @@ class Field(NamedTuple):
         return f"{self.kind} {self.name}"
 
 
-#: Fields of each type that a description has, by its name ``package/msg/Name``.
+#: Fields of each type in a description, by its name ``package/msg/Name``.
 Types = Mapping[str, Sequence[Field]]
 
-#: How ROS 2's names of kinds end, and what stands for it after the name of an element.
+#: Suffixes of ROS 2's type names, and what replaces them after the element type.
 _ENDINGS = {
     "_unbounded_sequence": "[]",
     "_bounded_sequence": "[<={}]",
@@ -38,9 +38,9 @@ _ENDINGS = {
 def kind_of(name: str, nested: str, capacity: int) -> str:
     """Return the type of a field, such as ``double[3]``.
 
-    :param name: ROS 2's name of its kind, such as ``double_array``
-    :param nested: name of the message that it holds, if it does
-    :param capacity: length of an array, or most elements of a sequence
+    :param name: ROS 2's type name, such as ``double_array``
+    :param nested: name of the nested message, if any
+    :param capacity: length of an array, or limit of a sequence
     """
     brackets = ""
     for ending, text in _ENDINGS.items():
@@ -51,11 +51,11 @@ def kind_of(name: str, nested: str, capacity: int) -> str:
 
 
 def flatten(types: Types, name: str, prefix: str = "") -> List[Field]:
-    """Return the fields of a type in the order of their bytes, those of nested messages too.
+    """Return the fields of a type in serialization order, including nested fields.
 
     :param types: the types
     :param name: name of the type
-    :param prefix: put before the names
+    :param prefix: prefix of the names
     """
     fields: List[Field] = []
     for field in types[name]:
@@ -70,7 +70,7 @@ def flatten(types: Types, name: str, prefix: str = "") -> List[Field]:
 
 
 def has_same_layout(ours: Sequence[Field], theirs: Sequence[Field]) -> bool:
-    """Return whether the bytes of both definitions mean the same, apart from names.
+    """Return whether both definitions have the same layout, ignoring names.
 
     :param ours: fields, flattened
     :param theirs: fields, flattened
@@ -79,9 +79,9 @@ def has_same_layout(ours: Sequence[Field], theirs: Sequence[Field]) -> bool:
 
 
 def is_renamed_in_order(ours: Sequence[Field], theirs: Sequence[Field]) -> bool:
-    """Return whether the layout is the same and no name of one stands elsewhere in the other.
+    """Return whether the layout is the same, and no name has moved to another position.
 
-    Where two fields of one type have changed places, each value would be the other's.
+    If two fields of the same type were swapped, their values would be, too.
 
     :param ours: fields, flattened
     :param theirs: fields, flattened

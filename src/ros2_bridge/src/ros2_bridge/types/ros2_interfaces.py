@@ -1,8 +1,8 @@
 # Pure: knows no ROS.
 """ROS 2 interface definitions (twins) of a ROS 1 package's types.
 
-ROS 2 takes names of types in CamelCase only, and of fields in lower case; it has other names for
-time, and the text of a constant stands between quotes.
+ROS 2 requires type names in CamelCase and field names in lower case; time types have other names,
+and string constants are quoted.
 """
 
 import keyword
@@ -11,7 +11,7 @@ from typing import Callable, Dict, List, Mapping, NamedTuple, Set
 
 from nodekit.message_definitions import DefinitionError, constant_in, field_in
 
-#: ROS 1's types that have another name, or another home, in ROS 2.
+#: ROS 1 types with another name or package in ROS 2.
 RENAMED = {
     "time": "builtin_interfaces/Time",
     "duration": "builtin_interfaces/Duration",
@@ -19,10 +19,10 @@ RENAMED = {
     "std_msgs/Duration": "builtin_interfaces/Duration",
 }
 
-#: Packages that each package with an action needs.
+#: Dependencies of each package with an action.
 OF_ACTIONS = {"action_msgs", "unique_identifier_msgs"}
 
-#: Keywords of C and C++, which ROS 2 cannot generate code for, as of a keyword of Python.
+#: Keywords of C and C++, for which ROS 2 cannot generate code, in addition to Python's.
 #: Source: ISO/IEC 9899:2011 6.4.1 and 14882:2017 5.11, those in lower case.
 RESERVED = frozenset(
     """alignas alignof and and_eq asm auto bitand bitor bool break case catch char class compl const
@@ -50,11 +50,11 @@ def twin_type(datatype: str) -> str:
 
 
 class TwinPackage(NamedTuple):
-    """A ROS 2 package with the twins of a ROS 1 package's types.
+    """ROS 2 package with the twins of a ROS 1 package's types.
 
     :param files: text by path within the package
-    :param needs: packages whose types it uses
-    :param names: its types whose names differ, ROS 2's by ROS 1's
+    :param needs: its dependencies
+    :param names: ROS 2 names of types by ROS 1 name, if they differ
     """
 
     files: Dict[str, str]
@@ -76,9 +76,9 @@ class Interfaces(NamedTuple):
 class _Interface(NamedTuple):
     """The twin of one type.
 
-    :param name: ROS 1's name, such as ``pkg/signal_msg``
-    :param twin: ROS 2's name, such as ``pkg/SignalMsg``
-    :param uses: ROS 2's names of the messages in its fields
+    :param name: ROS 1 name, such as ``pkg/signal_msg``
+    :param twin: ROS 2 name, such as ``pkg/SignalMsg``
+    :param uses: ROS 2 names of the messages in its fields
     """
 
     name: str
@@ -91,7 +91,7 @@ class _Interface(NamedTuple):
 def generate_interfaces(
     definitions: Mapping[str, Mapping[str, str]], is_available: Callable[[str], bool]
 ) -> Interfaces:
-    """Write the twins of the types of some packages, as far as ROS 2 can have them.
+    """Generate the twins of the types of some packages, if possible in ROS 2.
 
     :param definitions: for each package, text by path within it, such as ``msg/signal_msg.msg``
     :param is_available: returns whether ROS 2 has a message, such as ``std_msgs/Header``, without
@@ -124,7 +124,7 @@ def generate_interfaces(
 def _leave_out_users(
     twins: Dict[str, _Interface], left_out: Dict[str, str], is_available: Callable[[str], bool]
 ) -> None:
-    """Remove the twins whose fields have a type that ROS 2 has not, and the users of those."""
+    """Remove the twins with fields of unavailable types, and the twins that use them."""
     while True:
         messages = {twin.twin for twin in twins.values() if twin.target.startswith("msg/")}
         lost = {}
@@ -162,7 +162,7 @@ def _interface(package: str, path: str, text: str) -> _Interface:
         raise DefinitionError(f"{base} is not a valid name of a type in ROS 2")
     uses: Set[str] = set()
     lines = []
-    known: Dict[str, str] = {}  # ROS 1's name of a field or constant, by ROS 2's
+    known: Dict[str, str] = {}  # ROS 1 names of fields and constants, by ROS 2 name
     for line in text.splitlines():
         if line.strip() == "---":  # between the parts of a service or action
             known = {}
@@ -185,7 +185,7 @@ def _line(line: str, package: str, uses: Set[str], known: Dict[str, str]) -> str
         )
     field = field_in(line, package)
     if field is None:
-        return line.rstrip()  # a comment, or nothing
+        return line.rstrip()  # a comment, or empty
     base = twin_type(field.base)
     if "/" in base:
         uses.add(base)
@@ -196,12 +196,12 @@ def _line(line: str, package: str, uses: Set[str], known: Dict[str, str]) -> str
 
 
 def _valid(name: str, twin: str, pattern: "re.Pattern[str]", known: Dict[str, str]) -> str:
-    """Return ROS 2's name of a field or constant.
+    """Return the ROS 2 name of a field or constant.
 
-    :param name: ROS 1's
-    :param twin: in the case that ROS 2 wants
-    :param known: the names before it; this one is added
-    :raises DefinitionError: if ROS 2 cannot have it
+    :param name: ROS 1 name
+    :param twin: the name in ROS 2's case
+    :param known: the previous names; this one is added
+    :raises DefinitionError: if it is invalid in ROS 2
     """
     if not pattern.match(twin) or twin in RESERVED or keyword.iskeyword(twin):
         raise DefinitionError(f"{name} is not a valid name of a field or constant in ROS 2")

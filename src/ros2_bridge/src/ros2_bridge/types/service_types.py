@@ -1,4 +1,4 @@
-"""Types of ROS 1 services, which only their servers know."""
+"""Types of ROS 1 services, requested from their servers."""
 
 import itertools
 import threading
@@ -7,18 +7,18 @@ from typing import Dict, Optional, Sequence, Set
 from nodekit import CallError, MasterUnreachable, RoundRobin, probe_service
 from nodekit.master import MasterClient
 
-#: Longest wait for a server [s], and most servers that are asked at once.
+#: Timeout of a server [s], and most servers queried at a time.
 _TIMEOUT_S, _MOST = 2.0, 8
-#: Most servers that are asked again in a poll: the master lists all of those that were killed.
+#: Most servers queried again per poll: the master lists all killed servers.
 _AGAIN = 2
-#: Most servers in a poll whose addresses are compared with those of before.
+#: Most servers per poll whose addresses are compared with the previous ones.
 _LOOKUPS = 20
 
 
 class ServiceTypes:
-    """Asks the servers, each in a thread of its own, so that one that hangs delays no other.
+    """Types of services; each server is queried in its own thread, so that none delays the others.
 
-    :param client: asks the master
+    :param client: client of the master
     """
 
     def __init__(self, client: MasterClient) -> None:
@@ -26,14 +26,14 @@ class ServiceTypes:
         self._lock = threading.Lock()
         self._asked: Set[str] = set()
         self._found: Dict[str, str] = {}
-        #: Where each was before it was asked: who is elsewhere now may be of another type.
+        #: Address of each server before the query: at a new address, the type may differ.
         self._places: Dict[str, str] = {}
-        #: Whose servers have not answered, in the order in which they were asked.
+        #: Services without an answer, in the order of the queries.
         self._silent: Dict[str, None] = {}
         self._again: Set[str] = set()
 
     def of(self, name: str) -> Optional[str]:
-        """Return the type of a service, None where it is not known yet: then it is asked for."""
+        """Return the type of a service; None if it is not known yet, which starts a query."""
         with self._lock:
             if name in self._found:
                 return self._found[name]
@@ -47,7 +47,7 @@ class ServiceTypes:
         return None
 
     def begin_poll(self, there: Set[str]) -> None:
-        """Forget all services but these, and choose who is asked again.
+        """Drop all other services, and choose those to query again.
 
         :raises MasterUnreachable: if the master does not answer
         """
@@ -64,7 +64,7 @@ class ServiceTypes:
                     del self._found[name]
 
     def _look_up(self, names: Sequence[str]) -> Dict[str, str]:
-        """Ask the master where servers are."""
+        """Request the addresses of servers from the master."""
         answers = self._client.request([("lookupService", name) for name in names])
         return {name: str(uri) for name, (_, _, uri) in zip(names, answers)}
 
@@ -74,7 +74,7 @@ class ServiceTypes:
             places = self._look_up([name])
             said = probe_service(name, _TIMEOUT_S)
         except (CallError, MasterUnreachable):
-            pass  # it is asked again when its turn comes
+            pass  # a later poll queries it again
         finally:
             with self._lock:
                 self._asked.discard(name)

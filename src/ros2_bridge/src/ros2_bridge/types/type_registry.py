@@ -1,4 +1,4 @@
-"""Registry of types that both ROS versions have: ROS 1's from files, ROS 2's imported."""
+"""Registry of types that exist in both ROSes: ROS 1's from files, ROS 2's imported."""
 
 import contextlib
 import importlib
@@ -20,18 +20,18 @@ from ros2_bridge.types.codec import Codec
 from ros2_bridge.types.compatibility import difference
 from ros2_bridge.types.ros2_interfaces import twin_type
 
-#: Where Debian has packages.
+#: Debian's folder of packages.
 SHARE = pathlib.Path("/usr/share")
-#: What is raised for a type that there simply is not.
+#: Exceptions for a type that does not exist.
 _UNKNOWN = (genmsg.msg_loader.MsgNotFound, ImportError, AttributeError)
 
 
 class MessageType(NamedTuple):
-    """A type of messages.
+    """A message type.
 
     :param ros1, ros2: its names
-    :param raw: the class of ROS 1's messages, which hold their bytes
-    :param cls: the class of ROS 2's messages
+    :param raw: ROS 1 class of serialized messages
+    :param cls: ROS 2 class
     """
 
     ros1: str
@@ -42,11 +42,11 @@ class MessageType(NamedTuple):
 
 
 class ServiceType(NamedTuple):
-    """A type of services.
+    """A service type.
 
     :param ros1, ros2: its names
-    :param raw: ROS 1's class, whose requests and responses hold their bytes
-    :param cls: ROS 2's class
+    :param raw: ROS 1 class with serialized requests and responses
+    :param cls: ROS 2 class
     """
 
     ros1: str
@@ -58,13 +58,13 @@ class ServiceType(NamedTuple):
 
 
 class ActionType(NamedTuple):
-    """A type of actions.
+    """An action type.
 
     :param ros1, ros2: its names
-    :param cls: ROS 2's class
-    :param goal, result, feedback: codecs of what the user has defined
-    :param raw_goal, raw_result, raw_feedback: classes of ROS 1's messages, which hold their bytes:
-        header and id, or header and status, and then what the user has defined
+    :param cls: ROS 2 class
+    :param goal, result, feedback: codecs of the user's definitions
+    :param raw_goal, raw_result, raw_feedback: ROS 1 classes of serialized messages: header and id,
+        or header and status, and then the user's definition
     """
 
     ros1: str
@@ -79,7 +79,7 @@ class ActionType(NamedTuple):
 
 
 class TypeRegistry:
-    """Registry of types; may be used from several threads."""
+    """Registry of types; thread-safe."""
 
     def __init__(self) -> None:
         names = pathlib.Path(sys.prefix, "share", "ros2_bridge", "names.yaml")
@@ -94,33 +94,33 @@ class TypeRegistry:
         self._lock = threading.Lock()
 
     def ros2_name(self, name: str) -> str:
-        """Return ROS 2's name, ``package/Name``, of a ROS 1 type."""
+        """Return the ROS 2 name, ``package/Name``, of a ROS 1 type."""
         return self._names.get(name) or twin_type(name)
 
     def ros1_name(self, name: str) -> str:
-        """Return ROS 1's name of a ROS 2 type, ``package/msg/Name``."""
+        """Return the ROS 1 name of a ROS 2 type, ``package/msg/Name``."""
         package, _, rest = name.partition("/")
         short = f"{package}/{rest.rpartition('/')[2]}"
         return self._back.get(short, short)
 
     def message(self, name: str) -> MessageType:
-        """Return the type of messages that ROS 1 has under a name.
+        """Return the message type with a ROS 1 name.
 
-        :raises Unbridgeable: if one of the ROSes does not know it, or they differ
+        :raises Unbridgeable: if it is unknown in one of the ROSes, or differs
         """
         return self._find("msg", name, self._make_message)
 
     def service(self, name: str) -> ServiceType:
-        """Return the type of services that ROS 1 has under a name.
+        """Return the service type with a ROS 1 name.
 
-        :raises Unbridgeable: if one of the ROSes does not know it, or they differ
+        :raises Unbridgeable: if it is unknown in one of the ROSes, or differs
         """
         return self._find("srv", name, self._make_service)
 
     def action(self, name: str) -> ActionType:
-        """Return the type of actions that ROS 1 has under a name.
+        """Return the action type with a ROS 1 name.
 
-        :raises Unbridgeable: if one of the ROSes does not know it, or they differ
+        :raises Unbridgeable: if it is unknown in one of the ROSes, or differs
         """
         found: ActionType = self._find("action", name, self._make_action)
         return found
@@ -181,13 +181,13 @@ class TypeRegistry:
         return ActionType(name, self.ros2_name(name), cls, *codecs, *raws)
 
     def _raw(self, context: Any, spec: Any, name: str) -> Any:
-        """Return a class of messages of ROS 1 that hold their bytes."""
+        """Return a ROS 1 class of serialized messages."""
         with _explaining(f"invalid definition of {name} in ROS 1"):
             genmsg.msg_loader.load_depends(context, spec, self._folders)
             md5sum = genmsg.gentools.compute_md5(context, spec)
             text = genmsg.gentools.compute_full_text(context, spec)
         attributes = {"_type": name, "_md5sum": md5sum, "_full_text": text, "_has_header": False}
-        # It is never pickled, so its module does not matter.
+        # The class is never pickled, so its module does not matter.
         return type("Raw", (rospy.AnyMsg,), {**attributes, "__slots__": ["_buff"]})
 
     def _part(self, context: Any, spec: Any, name: str, cls: Any) -> Tuple[Codec, Any]:
@@ -209,12 +209,12 @@ class TypeRegistry:
         missing = f"{name} needs {package}/{kind}/{base}, which is not installed in ROS 2{why}"
         with _explaining(missing):
             cls = getattr(importlib.import_module(f"{package}.{kind}"), base)
-            if hasattr(cls, "_md5sum"):  # ROS 1's, whose packages are within reach as well
+            if hasattr(cls, "_md5sum"):  # a ROS 1 class, also on the path
                 raise ImportError(cls)
             return cls
 
     def _describe(self, name: str, top: Any) -> Mapping[str, str]:
-        """Return the fields of a ROS 2 type: of the class itself, or of one that it holds."""
+        """Return the fields of a ROS 2 type: of the class itself, or of a nested one."""
         package, _, base = name.partition("/")
         cls = top
         if base.partition("_")[0] != top.__name__.partition("_")[0]:
@@ -225,9 +225,9 @@ class TypeRegistry:
 
 
 def package_folder(packages: rospkg.RosPack, name: str) -> Optional[pathlib.Path]:
-    """Return the folder that has the definitions of a package, or None.
+    """Return the folder of a package's definitions, or None.
 
-    :param packages: what ROS 1 finds; Debian has definitions that come without a package.xml
+    :param packages: ROS 1's packages; Debian also has definitions without a package.xml
     """
     with contextlib.suppress(rospkg.ResourceNotFound):
         return pathlib.Path(packages.get_path(name))
@@ -236,7 +236,7 @@ def package_folder(packages: rospkg.RosPack, name: str) -> Optional[pathlib.Path
 
 
 def shared_types() -> Iterator[Tuple[str, str]]:
-    """Return kind and name of each type of ROS 1 in packages that ROS 2 has too."""
+    """Yield kind and name of each ROS 1 type in packages that ROS 2 also has."""
     packages = rospkg.RosPack()
     index = pathlib.Path(sys.prefix, "share", "ament_index", "resource_index")
     for package in sorted(os.listdir(str(index / "rosidl_interfaces"))):
@@ -249,7 +249,7 @@ def shared_types() -> Iterator[Tuple[str, str]]:
 
 
 class _Folders(Dict[str, List[str]]):
-    """Folders of definitions by package, found when genmsg asks for them."""
+    """Folders of definitions by package, searched when genmsg requests them."""
 
     def __init__(self, packages: rospkg.RosPack) -> None:
         super().__init__()
@@ -262,19 +262,19 @@ class _Folders(Dict[str, List[str]]):
         folder = package_folder(self._packages, package)
         if folder is None:
             return []
-        # A build writes the messages of an action elsewhere.
+        # A build writes the messages of an action to another folder.
         built = [pathlib.Path(place) / "share" / package for place in _prefixes()]
         return [str(place / kind) for place in (folder, *built) for kind in ("msg", "srv")]
 
 
 def _prefixes() -> List[str]:
-    """Return the folders of ROS 1's workspaces that are in use."""
+    """Return the folders of the active ROS 1 workspaces."""
     return [place for place in os.environ.get("CMAKE_PREFIX_PATH", "").split(":") if place]
 
 
 @contextlib.contextmanager
 def _explaining(what: str) -> Any:
-    """Turn what a library raises for a type that cannot be had into :class:`Unbridgeable`."""
+    """Convert library exceptions for an unavailable type to :class:`Unbridgeable`."""
     try:
         yield
     except Unbridgeable:

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Scopes in which a talker looks up its message: the namespaces of ROS names.
+"""Namespaces in which a talker looks up its message, by the rules of ROS names.
 
 The candidates of a node ``/Group1/talker``, nearest first, are
 ``/Group1/talker/Message``, ``/Group1/Message`` and ``/Message``.
@@ -14,7 +14,7 @@ NOTHING_ANYWHERE = "hello world"
 
 
 def candidates(node_name: str, parameter: str = "Message") -> List[str]:
-    """List where a parameter may stand for a node, nearest first.
+    """Return the names under which a parameter may be set for a node, nearest first.
 
     :param node_name: global name of the node
     :param parameter: base name of the parameter
@@ -25,12 +25,12 @@ def candidates(node_name: str, parameter: str = "Message") -> List[str]:
 
 
 def message_text(found: Mapping[str, Optional[str]], keys: List[str], scope: str) -> str:
-    """Choose the text to publish.
+    """Return the text to publish.
 
-    :param found: text by global name, None or absent where nothing is set
-    :param keys: what :func:`candidates` returned for the node
+    :param found: text by global name; None or missing if it is not set
+    :param keys: the result of :func:`candidates` for the node
     :param scope: one of SCOPES
-    :returns: the text in the scope, or a text that says that none is set
+    :returns: the text in the scope, or a text that says that there is none
     """
     if scope == "closest":
         set_ones = [found[key] for key in keys if found.get(key) is not None]
@@ -41,10 +41,10 @@ def message_text(found: Mapping[str, Optional[str]], keys: List[str], scope: str
 
 
 def as_text(raw: Any) -> Optional[str]:
-    """Turn a scalar of the parameter server into text.
+    """Convert a scalar of the parameter server to text.
 
-    :param raw: the value as the server holds it, None where nothing is set
-    :returns: the text; None where nothing is set, or a list or a namespace
+    :param raw: the value on the server, None if it is not set
+    :returns: the text; None if it is not set, or is a list or a namespace
     """
     if raw is None or isinstance(raw, (dict, list)):
         return None

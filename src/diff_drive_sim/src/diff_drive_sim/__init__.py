@@ -1,1 +1,1 @@
-"""A robot with two wheels as a simulator on a ROS graph."""
+"""Simulator of a differential-drive robot, as a ROS node."""

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""The parameters of a robot; their defaults are those of a TurtleBot3 Burger."""
+"""Parameters of a robot; their defaults are those of a TurtleBot3 Burger."""
 
 from diff_drive_sim.simulation.kinematics import Pose
 from diff_drive_sim.simulation.limits import RobotSettings
@@ -15,14 +15,14 @@ from nodekit import (
     StringParameter,
 )
 
-#: What commands the robot: that decides the type of its commands, as with the controllers.
+#: Source of the commands, which determines their type, as in the controllers.
 RVIZ, GAZEBO = "rviz", "gazebo"
 
 _LENGTH = FloatParameter(0.0, minimum=-1e6, maximum=1e6, unit="m", help="")
 
 
 class RobotParameters(ParameterSet):
-    """Geometry, start and messages of a robot; all parameters may change live."""
+    """Geometry, initial pose and messages of a robot; all can be changed at run time."""
 
     controller_type = EnumParameter(
         RVIZ,
@@ -30,10 +30,10 @@ class RobotParameters(ParameterSet):
         help="type of the commands: geometry_msgs/Twist for rviz, TwistStamped for gazebo",
     )
     publish_rate = RateParameter(
-        30.0, maximum=1000.0, help="how often odometry and joint states are published"
+        30.0, maximum=1000.0, help="publishing rate of odometry and joint states"
     )
     wheel_separation = FloatParameter(
-        0.160, minimum=0.01, maximum=100.0, unit="m", help="distance of the wheels"
+        0.160, minimum=0.01, maximum=100.0, unit="m", help="distance between the wheels"
     )
     wheel_radius = FloatParameter(
         0.033, minimum=0.001, maximum=100.0, unit="m", help="radius of the wheels"
@@ -43,7 +43,7 @@ class RobotParameters(ParameterSet):
         minimum=0.01,
         maximum=100.0,
         unit="m",
-        help="radius of the circle that stops at walls",
+        help="radius of the circle for collisions with walls",
     )
     max_linear_velocity = FloatParameter(
         0.22, above=0.0, maximum=100.0, unit="m/s", help="highest speed, forward or backward"
@@ -62,36 +62,40 @@ class RobotParameters(ParameterSet):
         help="largest acceleration of a wheel; 0 for no limit",
     )
     command_timeout = FloatParameter(
-        1.0, minimum=0.0, maximum=1e6, unit="s", help="how long a command acts; 0 for ever"
+        1.0, minimum=0.0, maximum=1e6, unit="s", help="timeout of a command; 0 for unlimited"
     )
     initial_x = FloatParameter(
-        0.0, minimum=-1e6, maximum=1e6, unit="m", help="where it starts, and returns at ~reset"
+        0.0, minimum=-1e6, maximum=1e6, unit="m", help="initial x, also after ~reset"
     )
     initial_y = FloatParameter(
-        0.0, minimum=-1e6, maximum=1e6, unit="m", help="where it starts, and returns at ~reset"
+        0.0, minimum=-1e6, maximum=1e6, unit="m", help="initial y, also after ~reset"
     )
     initial_theta = FloatParameter(
-        0.0, minimum=-10.0, maximum=10.0, unit="rad", help="its initial heading, 0 along x"
+        0.0, minimum=-10.0, maximum=10.0, unit="rad", help="initial heading, 0 along x"
     )
     odometry_noise = FloatParameter(
         0.0,
         minimum=0.0,
         maximum=1.0,
         unit="m",
-        help="standard deviation of a wheel's measured path after 1 m; 0 for no error",
+        help="standard deviation of the error of a wheel's path after 1 m; 0 for no error",
     )
     seed = IntParameter(0, minimum=0, help="seed of the noise; ~reset starts its sequence again")
-    frame_prefix = StringParameter("", help="what is put before the names of all frames")
+    frame_prefix = StringParameter("", help="prefix of the names of all frames")
     publish_tf = BoolParameter(True, help="whether odom to base_footprint is published on /tf")
     scan_rate = RateParameter(
-        0.0, pausable=True, maximum=100.0, help="how often the laser scans; 0 for never"
+        0.0, pausable=True, maximum=100.0, help="rate of the laser scans; 0 for none"
     )
-    scan_rays = IntParameter(360, minimum=1, maximum=10000, help="how many rays a scan has")
+    scan_rays = IntParameter(360, minimum=1, maximum=10000, help="number of rays in a scan")
     scan_range = FloatParameter(
-        3.5, above=0.0, maximum=1000.0, unit="m", help="how far the laser sees"
+        3.5, above=0.0, maximum=1000.0, unit="m", help="maximum range of the laser"
     )
     laser_x = FloatParameter(
-        -0.032, minimum=-10.0, maximum=10.0, unit="m", help="how far ahead of the axle the laser is"
+        -0.032,
+        minimum=-10.0,
+        maximum=10.0,
+        unit="m",
+        help="distance of the laser ahead of the axle",
     )
     walls = ListParameter(
         (),

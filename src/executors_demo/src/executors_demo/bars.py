@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""From lines to bars: which call ran from when to when, and which ran at the same time."""
+"""Conversion of log lines to bars: start and end of each call, and overlaps between calls."""
 
 from typing import Dict, Iterable, List, NamedTuple, Tuple
 
@@ -9,11 +9,11 @@ from executors_demo.events import Event
 class Bar(NamedTuple):
     """A call.
 
-    :param begin: when it began, s since the start of the node
-    :param end: when it ended, or the time of the last line if its end is not in the log, s
-    :param thread: name of the thread that made it
-    :param who: what was called
-    :param number: which of its calls, from 1 on
+    :param begin: its start since the start of the node [s]
+    :param end: its end, or the time of the last line if its end is not in the log [s]
+    :param thread: name of its thread
+    :param who: name of the callback
+    :param number: sequence number of the call, from 1
     """
 
     begin: float
@@ -23,7 +23,7 @@ class Bar(NamedTuple):
     number: int
 
     def overlaps(self, other: "Bar") -> bool:
-        """Tell whether both ran at the same time.
+        """Return whether both ran at the same time.
 
         :param other: another call
         """
@@ -31,7 +31,7 @@ class Bar(NamedTuple):
 
 
 def bars(events: Iterable[Event]) -> List[Bar]:
-    """Return the calls, in the order in which they began.
+    """Return the calls, in order of their start.
 
     :param events: of one run, in their order
     """
@@ -54,11 +54,11 @@ def _bar(event: Event, end: float) -> Bar:
 
 
 def overlaps(made: List[Bar], one: str, other: str) -> int:
-    """Return how many pairs of two callbacks' calls ran at the same time.
+    """Return how many pairs of calls of two callbacks ran at the same time.
 
     :param made: the calls
-    :param one: whose
-    :param other: and whose; may be the same, and each pair counts once then
+    :param one: name of a callback
+    :param other: name of another, or of the same, for which each pair counts once
     """
     pairs = (
         (first, second)
@@ -70,7 +70,7 @@ def overlaps(made: List[Bar], one: str, other: str) -> int:
 
 
 def most_at_once(made: List[Bar]) -> int:
-    """Return how many calls ran at the same time, at most.
+    """Return the maximum number of concurrent calls.
 
     :param made: the calls
     """

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Says which call runs when, and in which thread."""
+"""Log of the start, end and thread of calls."""
 
 import itertools
 import threading
@@ -11,10 +11,10 @@ from executors_demo.events import Event
 
 
 class CallLog:
-    """Says when calls begin and end; any thread may use it.
+    """Log of the start and end of calls; thread-safe.
 
-    :param say: takes a line
-    :param now: returns the time, s; what is said counts from now on
+    :param say: writes a line
+    :param now: returns the time [s]; log times are relative to the creation of this object
     """
 
     def __init__(self, say: Callable[[str], None], now: Callable[[], float] = time.monotonic):
@@ -26,10 +26,10 @@ class CallLog:
 
     @contextmanager
     def call(self, who: str, note: str = "") -> Iterator[None]:
-        """Say that a call begins, and when the block is left, that it ends.
+        """Log the start of a call, and its end when the block is left.
 
-        :param who: what is called; one word
-        :param note: what the call is about
+        :param who: name of the callback, one word
+        :param note: subject of the call
         """
         number = next(self._numbers.setdefault(who, itertools.count(1)))
         self._print_event(who, number, True, " ".join(note.split()))
@@ -40,6 +40,6 @@ class CallLog:
 
     def _print_event(self, who: str, number: int, begins: bool, note: str = "") -> None:
         thread = threading.current_thread().name
-        with self._lock:  # so that the lines come in the order of their times
+        with self._lock:  # keeps the lines in order of their times
             elapsed = self._now() - self._start
             self._say(str(Event(elapsed, thread, who, number, begins, note)))

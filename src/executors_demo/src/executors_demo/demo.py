@@ -1,4 +1,4 @@
-"""Base of the demos: an executor that a parameter chooses, and a log of all calls."""
+"""Base class of the demos: an executor chosen by a parameter, and a log of all calls."""
 
 import contextlib
 import sys
@@ -19,40 +19,40 @@ from nodekit import (
     SingleThreadedExecutor,
 )
 
-#: How long an executor that was exchanged may take for the calls that still wait for it, s.
+#: Time for a replaced executor to finish its waiting calls [s].
 _DRAIN_S = 600.0
 
 Executor = Union[SingleThreadedExecutor, MultiThreadedExecutor]
 
 
 class ExecutorParameters(ParameterSet):
-    """Which executor makes the calls of a demo."""
+    """Parameters that choose the executor of a demo."""
 
     executor = EnumParameter("multi", choices=("single", "multi"), help="executor")
     threads = IntParameter(4, minimum=1, maximum=100, help="threads of the executor multi")
 
     def new_executor(self) -> Executor:
-        """Return an executor as these values have it."""
+        """Return an executor with these settings."""
         if self.executor == "single":
             return SingleThreadedExecutor()
         return MultiThreadedExecutor(self.threads)
 
 
 def period_of(default: float, what: str) -> FloatParameter:
-    """Declare how often something is called.
+    """Declare the period of a callback.
 
-    :param default: time between calls, s
-    :param what: what is called
+    :param default: time between calls [s]
+    :param what: name of the callback
     """
     text = f"time between calls of {what}"
     return FloatParameter(default, minimum=0.001, maximum=3600.0, unit="s", help=text)
 
 
 def sleep_of(default: float, what: str) -> FloatParameter:
-    """Declare how long a call sleeps, which stands for work that takes its time.
+    """Declare how long a callback sleeps, to simulate work.
 
-    :param default: length, s
-    :param what: what is called
+    :param default: duration [s]
+    :param what: name of the callback
     """
     text = f"how long a call of {what} sleeps"
     return FloatParameter(default, minimum=0.0, maximum=3600.0, unit="s", help=text)
@@ -62,10 +62,10 @@ Settings = TypeVar("Settings", bound=ExecutorParameters)
 
 
 class Demo(Generic[Settings]):
-    """A node whose callbacks an executor calls; a parameter chooses it, also while it runs.
+    """Node whose callbacks run on an executor chosen by a parameter, even at run time.
 
-    :param node: what it makes everything through
-    :param declaration: the class that declares its parameters
+    :param node: the node's API
+    :param declaration: class that declares its parameters
     """
 
     def __init__(self, node: Node, declaration: Type[Settings]) -> None:
@@ -81,7 +81,7 @@ class Demo(Generic[Settings]):
         return self.parameters.values
 
     def add_node(self, node: Node) -> None:
-        """Have the executor call the callbacks of a node, too.
+        """Add a node to the executor.
 
         :param node: another node of this process
         """
@@ -89,11 +89,11 @@ class Demo(Generic[Settings]):
         self._executor.add_node(node)
 
     def work(self, who: str, length: float, note: str = "") -> None:
-        """Work for some time, and log when that begins and ends.
+        """Work for some time, and log its start and end.
 
-        :param who: what is called; one word
-        :param length: how long it takes, s
-        :param note: what the call is about
+        :param who: name of the callback, one word
+        :param length: duration [s]
+        :param note: subject of the call
         """
         with self._call_log.call(who, note):
             time.sleep(length)
@@ -104,11 +104,11 @@ class Demo(Generic[Settings]):
         previous, self._executor = self._executor, new.new_executor()
         for node in self._nodes:
             self._executor.add_node(node)
-        # Beside: it waits for the calls under way, and this is one of them.
+        # In another thread: shutdown waits for running calls, of which this is one.
         threading.Thread(target=previous.shutdown, args=(_DRAIN_S,), daemon=True).start()
 
 
 def _print(line: str) -> None:
     rospy.loginfo("%s", line)
-    with contextlib.suppress(OSError):  # the pipe's reader has gone: nodekit reports that
-        sys.stdout.flush()  # or else "| tee" shows nothing for a while
+    with contextlib.suppress(OSError):  # the pipe is closed: nodekit reports that
+        sys.stdout.flush()  # otherwise "| tee" shows lines late

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""The lines that a demo prints: who begins or ends, in which thread, and when."""
+"""Lines that a demo prints: start or end of a call, its thread, and the time."""
 
 import re
 from typing import Iterable, Iterator, NamedTuple, Optional
@@ -9,14 +9,14 @@ _LINE = re.compile(r"(\d+\.\d{3}) s +(\S+) +(\S+) #(\d+) (begins|ends)(?:: (.*))
 
 
 class Event(NamedTuple):
-    """A call begins or ends.
+    """Start or end of a call.
 
-    :param time: since the start of the node, s
-    :param thread: name of the thread that makes the call
-    :param who: what is called; one word
-    :param number: which of its calls, from 1 on
-    :param begins: whether it begins; it ends otherwise
-    :param note: what the call is about, in one line; may be empty
+    :param time: since the start of the node [s]
+    :param thread: name of the calling thread
+    :param who: name of the callback, one word
+    :param number: sequence number of the call, from 1
+    :param begins: whether it starts; otherwise it ends
+    :param note: subject of the call, in one line; may be empty
     """
 
     time: float
@@ -33,9 +33,9 @@ class Event(NamedTuple):
 
 
 def read(lines: Iterable[str]) -> Iterator[Event]:
-    """Return the events in what a demo has printed; other lines are left out.
+    """Yield the events in the output of a demo; other lines are ignored.
 
-    :param lines: as a terminal shows them, with whatever the log puts before
+    :param lines: as shown by a terminal, with any prefix of the log
     """
     for line in lines:
         event = _event(line)

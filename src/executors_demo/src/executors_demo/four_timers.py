@@ -1,4 +1,4 @@
-"""Four timers, in whatever callback groups a demo puts them."""
+"""Four timers in callback groups that a demo chooses."""
 
 from typing import Type
 
@@ -17,10 +17,10 @@ class FourTimersParameters(ExecutorParameters):
 
 
 class FourTimers(Demo[FourTimersParameters]):
-    """Four timers with the same period, which all begin at the start.
+    """Four timers with the same period, started together.
 
-    :param node: what it makes everything through
-    :param declaration: the class that declares its parameters
+    :param node: the node's API
+    :param declaration: class that declares its parameters
     """
 
     def __init__(
@@ -38,7 +38,7 @@ class FourTimers(Demo[FourTimersParameters]):
     ) -> None:
         """Start the timers, each in its callback group.
 
-        :param group1: that of timer1, and so on
+        :param group1: group of timer1, and so on
         """
         self._node.create_timer(self._rate, self.timer1, group=group1)
         self._node.create_timer(self._rate, self.timer2, group=group2)

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""The timeline picture: a row for each thread, a bar for each call."""
+"""Timeline picture: a row for each thread, a bar for each call."""
 
 from itertools import cycle
 from typing import Dict, List, NamedTuple
@@ -13,20 +13,20 @@ from matplotlib.patches import Patch
 
 from executors_demo.bars import Bar
 
-#: Part of the time axis from which on a bar has room for its number.
+#: Width from which on a bar has room for its number, relative to the time axis.
 _ROOM = 0.012
-#: Least width of a bar, as a part of the time axis: a call of no length is to be seen, too.
+#: Least width of a bar, relative to the time axis, so that short calls are visible.
 _THINNEST = 0.004
-#: Most callbacks that are named in one line.
+#: Most callback names in one line of the legend.
 _COLUMNS = 8
-#: The same picture gives the same file.
+#: Reproducible output: the same picture gives the same file.
 _STYLE = {"svg.hashsalt": "executors_demo", "font.size": 8}
 
 
 class Panel(NamedTuple):
-    """The calls of one run.
+    """Calls of one run.
 
-    :param title: what it is
+    :param title: its title
     :param bars: the calls, at least one
     """
 
@@ -35,7 +35,7 @@ class Panel(NamedTuple):
 
 
 def draw(panels: List[Panel]) -> Figure:
-    """Draw runs one below the other, over the same time.
+    """Draw runs one below the other, with a common time axis.
 
     :param panels: the runs, at least one
     """

@@ -1,4 +1,4 @@
-"""Findings as the messages that ROS's tools for diagnostics show."""
+"""Findings as diagnostic messages."""
 
 from typing import Sequence
 
@@ -13,7 +13,7 @@ def as_message(node: str, findings: Sequence[Finding]) -> DiagnosticArray:
     """Return findings as a message.
 
     :param node: name of the monitor
-    :param findings: a status each, named ``NODE: NAME``, and that of the fleet ``NODE``
+    :param findings: each becomes a status named ``NODE: NAME``, that of the fleet ``NODE``
     """
     prefix = node.lstrip("/")
     return DiagnosticArray(

@@ -19,8 +19,8 @@ KNOWN = {int(mode): mode for mode in Mode}
 
 
 def name_of(mode: int) -> str:
-    """Return a mode in a word, an unknown one as its number.
+    """Return the name of a mode, or the number of an unknown one.
 
-    :param mode: number, as a message carries it
+    :param mode: number in a message
     """
     return KNOWN[mode].name.lower() if mode in KNOWN else str(mode)

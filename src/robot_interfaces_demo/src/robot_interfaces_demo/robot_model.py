@@ -1,17 +1,17 @@
 # Pure: knows no ROS.
-"""A robot that drains its battery, warms up and passes obstacles, and its faults."""
+"""Simulated robot that drains its battery, warms up and passes obstacles, and its faults."""
 
 import math
 from typing import Callable, Dict, List, NamedTuple
 
 from robot_interfaces_demo.modes import Mode
 
-#: What a message changes, and the bounds: battery, V, and temperature, degC.
+#: Change per message, and bounds: battery [V] and temperature [degC].
 _CHARGE_V, _FULL_V = 0.03, 12.6
 _DRAIN_V, _EMPTY_V = 0.005, 10.0
 _WARM_UP_C, _HOTTEST_C = 0.1, 45.0
 _COOL_DOWN_C, _COOLEST_C = 0.05, 20.0
-#: The nearest obstacle: mean distance, m, how far it is from that, m, and messages for a turn.
+#: Nearest obstacle: mean distance [m], amplitude [m], and messages per cycle.
 _DISTANCE_M, _SWING_M, _TURN = 2.0, 1.5, 40
 
 
@@ -19,7 +19,7 @@ class Status(NamedTuple):
     """Status that a robot publishes.
 
     :param mode: number of its mode
-    :param readings: battery, V; temperature, degC; nearest obstacle, m
+    :param readings: battery [V]; temperature [degC]; nearest obstacle [m]
     """
 
     mode: int
@@ -27,7 +27,7 @@ class Status(NamedTuple):
 
 
 class RobotModel:
-    """A robot that goes through all modes, one after the other, again and again."""
+    """Robot that cycles through all modes."""
 
     def __init__(self) -> None:
         self._count = 0
@@ -35,9 +35,9 @@ class RobotModel:
         self._battery_v, self._temperature_c = 12.5, 25.0
 
     def step(self, messages_per_mode: int) -> Status:
-        """Return its next status.
+        """Return the next status.
 
-        :param messages_per_mode: after how many messages it goes on to the next mode
+        :param messages_per_mode: number of messages in each mode
         """
         self._count += 1
         if self._count % messages_per_mode == 0:
@@ -63,7 +63,7 @@ def _with_reading(index: int, value: float) -> Callable[[Status], Status]:
     return change
 
 
-#: The faults of a robot, and what it publishes then.
+#: Faults of a robot, each with its effect on the status.
 FAULTS: Dict[str, Callable[[Status], Status]] = {
     "none": lambda status: status,
     "low_battery": _with_reading(0, 10.5),

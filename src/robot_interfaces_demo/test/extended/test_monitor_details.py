@@ -81,7 +81,7 @@ class MonitorDetails(MonitorRig):
         wait_until(heard, lambda: str(monitor.lines))
         self.assertIn("OK: 1 robot", report("/simulated").message)
         # After fifty periods of the machine's time, in which the clock stands still.
-        stands = "simulated time stands still, so no robot becomes stale"
+        stands = "simulated time is stopped, so no robot becomes stale"
         self.wait_for_line("WARN: 1 robot, nothing wrong", stands, monitor="/simulated")
         self.assertEqual(monitor.logged("sim: stale"), [])
 

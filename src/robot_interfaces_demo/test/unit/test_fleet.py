@@ -280,7 +280,7 @@ def test_a_clock_that_stands_still_is_told() -> None:
     rig.fleet.still_s = 5.0
     assert rig.message() == (Level.OK, "1 robot, nothing wrong")
     rig.fleet.still_s = 5.1
-    text = "1 robot, nothing wrong; simulated time stands still, so no robot becomes stale"
+    text = "1 robot, nothing wrong; simulated time is stopped, so no robot becomes stale"
     assert rig.message() == (Level.WARN, text)
 
 

@@ -1,13 +1,13 @@
-"""Condition a signal sample by sample: scale, phase shift, offset and a lift above zero.
+"""Signal conditioning, sample by sample: scale, phase shift, offset and a lift above zero.
 
 For samples of A sin(theta) the result is
 
     scale * A * sin(theta + shift) + offset + lift,   lift = max(0, |scale * A| - offset) or 0
 
 where sin(theta + shift) = sin(theta) cos(shift) + cos(theta) sin(shift). The first sine is the
-sample itself: without a phase shift any signal passes unchanged but for scale, offset and lift.
-That is the method ``sine``. The method ``delay`` takes any periodic shape f in place of A sin: it
-looks f(theta + shift) up in the latest period, and does without the shift until there is one.
+sample itself: without a phase shift any signal passes unchanged except for scale, offset and lift.
+This is the method ``sine``. The method ``delay`` works for any periodic shape f instead of A sin:
+it looks up f(theta + shift) in the latest period, and does not shift until a period is complete.
 """
 
 import math
@@ -20,17 +20,17 @@ from nodekit import LARGEST_FLOAT32
 
 
 class Conditioner:
-    """Turn samples of a signal into samples of the conditioned signal.
+    """Conditioner of the samples of a signal.
 
-    A sample with neither amplitude nor frequency does not belong to a signal: a stopped generator
-    sends it. Such a value passes without a shift, and the phase is kept until the signal goes on.
+    A sample with neither amplitude nor frequency is from a stopped generator. Its value passes
+    without a shift, and the phase is kept until the signal continues.
 
-    Settings act on the output alone, and both methods follow every sample: a change of settings
-    takes effect at the next sample and leaves no trace behind.
+    Settings affect only the output, and both methods follow every sample: a change of settings
+    applies from the next sample on and has no after-effects.
     """
 
     def __init__(self) -> None:
-        #: How many samples gave no output, see :meth:`process`.
+        #: Number of samples without an output, see :meth:`process`.
         self.rejected = 0
         self._tracker = PhaseTracker()
         self._line = PhaseDelayLine()
@@ -49,15 +49,15 @@ class Conditioner:
         signal_y: float,
         settings: ProcessParameters,
     ) -> Optional[float]:
-        """Take in one sample and give the conditioned one.
+        """Process one sample and return the conditioned one.
 
         :param amplitude: peak of the signal around input_offset
-        :param frequency: angular frequency since the previous sample, rad/s
-        :param time_x: time of the sample, s
+        :param frequency: angular frequency since the previous sample [rad/s]
+        :param time_x: time of the sample [s]
         :param signal_y: value of the signal
-        :param settings: what to do, a snapshot; read only when it is another one than last time
-        :returns: conditioned value; None if a field is not finite (then the sample is as good as
-            lost) or the value does not fit into a float32
+        :param settings: an immutable snapshot; read only when the object changes
+        :returns: conditioned value; None if a field is not finite (the sample is then dropped) or
+            the value does not fit into a float32
         """
         if not math.isfinite(amplitude + frequency + time_x + signal_y):
             self.rejected += 1

@@ -1,13 +1,13 @@
-"""Shift the phase of a periodic signal of any shape: a delay line that counts phase, not time.
+"""Phase delay line: shifts the phase of a periodic signal of any shape.
 
-A lead of s rad equals a lag of 2 pi - s, and a lag can be had from memory. As each sample is kept
-with the phase it was taken at, neither the frequency nor the sample rate needs to stay the same.
+A lead of s rad equals a lag of 2 pi - s, which stored samples provide. Each sample is stored with
+its phase, so the frequency and the sample rate may change.
 
-Between samples the value follows the parabola through the two neighbours and whichever of the next
-ones bends it less (essentially non-oscillatory, ENO; Harten et al., J. Comput. Phys. 71, 1987), so
+Between samples the value follows the parabola through the two neighbours and the further neighbour
+that bends it less (essentially non-oscillatory, ENO; Harten et al., J. Comput. Phys. 71, 1987), so
 edges do not ring. Samples evenly D rad apart give a sine to 0.065 D^3 of its amplitude, a straight
-line exactly, and an edge between the two samples where it occurred. Between the latest two samples,
-and across a gap, the value follows a straight line, which gives a sine to D^2 / 8.
+line exactly, and an edge between the two samples at which it occurred. Between the latest two
+samples, and across a gap, the value follows a straight line, which gives a sine to D^2 / 8.
 """
 
 import bisect
@@ -16,28 +16,28 @@ from typing import List, Optional
 
 _TURN = 2.0 * math.pi
 # Samples closer than this are thinned out, which bounds the memory: at most 4096 samples
-# a period, and as many that await their removal.
+# a period, and as many waiting to be removed.
 _SPACING = _TURN / 2048.0
-# A parabola serves between neighbours that are not this much farther apart than the next ones.
+# A parabola is used only if the neighbours are at most this much farther apart than the next ones.
 _UNEVEN = 2.0
 
 
 class PhaseDelayLine:
-    """Remember the latest period of a signal and give its value at any phase.
+    """Memory of the latest period of a signal, with its value at any phase.
 
-    All arguments must be finite. A gap of a period or more, or a time_x that repeats itself or runs
-    backwards, clears the memory. When the frequency changes its sign the signal retraces itself.
+    All arguments must be finite. A gap of a period or more, or a time_x that repeats or runs
+    backwards, clears the memory. When the frequency changes its sign, the signal retraces itself.
     """
 
     def __init__(self) -> None:
         self._time = -math.inf
         self._direction = 1.0
-        # Phase passed and value of each sample, oldest first.
+        # Phase and value of each sample, oldest first.
         self._phases: List[float] = []
         self._values: List[float] = []
 
     def push(self, frequency: float, time_x: float, value: float) -> None:
-        """Take in one sample.
+        """Add one sample.
 
         :param frequency: angular frequency since the previous sample, rad/s
         :param time_x: time of the sample, s
@@ -62,16 +62,15 @@ class PhaseDelayLine:
         else:
             phases.append(phase)
             values.append(value)
-            # Seldom, for it costs time; counting from zero again keeps phases small and so exact.
+            # Rarely, because it is slow; restarting from zero keeps phases small and so exact.
             if phase > 2.0 * _TURN:
                 self._drop(phase - _TURN)
 
     def value(self, lead: float) -> Optional[float]:
-        """Look up the value that belongs to a phase ahead of the latest sample.
+        """Return the value at a phase ahead of the latest sample.
 
-        :param lead: phase ahead of the latest sample, rad
-        :returns: value of the signal there, as of the latest time it passed; None if the memory
-            does not reach back that far
+        :param lead: phase ahead of the latest sample [rad]
+        :returns: value of the signal when it last had that phase; None if the memory is too short
         """
         phases = self._phases
         if not phases:
@@ -105,7 +104,7 @@ class PhaseDelayLine:
         return value - bend * fraction * (1.0 - fraction)
 
     def _drop(self, oldest: float) -> None:
-        """Forget what lies before a phase, but for two samples that interpolation needs."""
+        """Drop the samples before a phase, except two that interpolation needs."""
         phases = self._phases
         spare = max(0, bisect.bisect_right(phases, oldest) - 2)
         start = phases[spare]
@@ -113,7 +112,7 @@ class PhaseDelayLine:
         del self._values[:spare]
 
     def _retrace(self) -> None:
-        """Turn the memory around for a phase that runs back: what lies ahead is a period old."""
+        """Reverse the memory for a phase that runs backwards: values ahead are a period old."""
         phases = self._phases
         values = self._values
         self._phases = []

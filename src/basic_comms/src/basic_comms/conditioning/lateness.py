@@ -1,56 +1,56 @@
-"""Recognise samples that come late, though they carry no stamp, only a time of their own.
+"""Detection of late samples, which have no stamp, only the signal's own time.
 
-A sample says how far its signal had run when it was made. The lag, the receiver's clock minus that
-time, is a constant whose value means nothing. Samples that a broken link has held back have a
-larger one, by as much as they are late; after them it falls back.
+A sample contains the signal's time at its creation. The lag, the receiver's clock minus that time,
+is a constant of arbitrary value. Samples that a broken connection has delayed have a larger lag, by
+their lateness; afterwards it falls back.
 """
 
 import math
 from typing import Any, Sequence
 
-#: from here on samples count as late, s: more than a generator catches up after a busy moment
+#: From this lateness on samples count as late [s]: more than a generator catches up when busy.
 LATE_S = 1.0
-#: a lag that has lasted so long is the new normal one, s: the signal was stopped meanwhile
+#: A lag that has lasted this long is the new normal lag [s]: the signal was stopped meanwhile.
 SETTLED_S = 5.0
 
 
 class LatenessMonitor:
-    """Watches a stream of samples for late ones.
+    """Monitor of a stream of samples for late ones.
 
-    The lag may change slowly, as when a bag is played at half its speed; it is compared with that
-    of the samples just before. A signal whose time stands still or restarts has a new lag.
+    The lag may change slowly, for example when a bag is played at half speed; it is compared with
+    that of the preceding samples. A signal whose time stops or restarts has a new lag.
 
-    A simulated clock may jump, and the signal's time with it. The signal may show the
-    jump before the clock does: then the lag falls, and soon rises to just what it was before.
-    That is not lateness either.
+    A simulated clock may jump, and the signal's time with it. If the signal shows the jump first,
+    the lag falls, and soon rises to its former value. That is not lateness.
     """
 
     def __init__(self) -> None:
-        #: whether the latest samples were late
+        #: Whether the latest samples were late.
         self.is_late = False
-        #: samples that came late, of those coming in now or else the last time
+        #: Number of samples in the current or last series of late ones.
         self.count = 0
-        #: how late the latest of them was at most, s
+        #: Largest lateness in that series [s].
         self.worst = 0.0
         self._lag = -math.inf
         self._time = math.inf
         self._since = 0.0
-        # The lag before the signal jumped ahead of the clock, until when in its time, s.
+        # Lag before the signal jumped ahead of the clock, and until when it is kept, in its time
+        # [s].
         self._lag_before, self._before_until = -math.inf, -math.inf
 
     def update(self, now: float, samples: Sequence[Any]) -> bool:
-        """Take in samples that came together.
+        """Process samples that were received together.
 
-        :param now: when they came, on a clock that runs as the signal does, s; 0 is what a
-            simulated clock shows until its first message
-        :param samples: the samples, the oldest first; each has its time in s as ``time_x``
-        :returns: whether samples have begun or ceased to be late
+        :param now: reception time, on a clock that runs like the signal's [s]; 0 is a simulated
+            clock before its first message
+        :param samples: the samples, oldest first, each with its time ``time_x`` [s]
+        :returns: whether samples have become late, or ceased to be late
         """
         first, latest = samples[0].time_x, samples[-1].time_x
         if not math.isfinite(first + latest):
             return False  # not a signal
         if now == 0.0:
-            return False  # a simulated clock before its first message: no lag to go by
+            return False  # a simulated clock before its first message: the lag is undefined
         lateness = now - first - self._lag if first > self._time else 0.0
         if lateness >= LATE_S and self._clock_has_followed(now, first):
             lateness = 0.0
@@ -73,6 +73,6 @@ class LatenessMonitor:
         return begins
 
     def _clock_has_followed(self, now: float, time_x: float) -> bool:
-        """Tell whether the lag is as it was before the signal jumped ahead of the clock."""
+        """Return whether the lag is as it was before the signal jumped ahead of the clock."""
         lag = now - time_x
         return time_x <= self._before_until and abs(lag - self._lag_before) < LATE_S

@@ -1,15 +1,15 @@
-"""Estimate the phase of a sine from samples of it and from how far it went between them.
+"""Estimator of the phase of a sine, from its samples and the advance between them.
 
-A sample is exact to a rounding only, so it confines the phase to an interval, and the way from one
-sample to the next is known within a small error. Bounded-error (set-membership) estimation carries
-the interval forward, cuts it by what the new sample allows and answers with its middle, the
-estimate of the smallest worst-case error (Milanese and Vicino, "Optimal estimation theory for
-dynamic systems with set membership uncertainty: an overview", Automatica 27(6), 1991). Two things
-follow.
+A sample is exact only to rounding, so it confines the phase to an interval, and the advance from
+one sample to the next is known within a small error. Bounded-error (set-membership) estimation
+propagates the interval, intersects it with that of the new sample and returns its middle, the
+estimate with the smallest worst-case error (Milanese and Vicino, "Optimal estimation theory for
+dynamic systems with set membership uncertainty: an overview", Automatica 27(6), 1991). Two
+consequences:
 
 - A single sample leaves a rising and a falling phase open; the estimate carries both until a sample
   contradicts one. Two samples D rad apart pin the quadrature to 2e-7/|sin D| of the amplitude.
-- Near a crest, where the sine says little about its phase, the prediction decides by itself.
+- Near a crest, where the sine contains little information on its phase, the prediction decides.
 """
 
 import math
@@ -23,54 +23,54 @@ from basic_comms.conditioning.phase_intervals import (
     phases_of_sine,
 )
 
-# What two samples D rad apart promise of the quadrature: _PAIR_ERROR / |sin D| of the amplitude.
+# Guaranteed error of the quadrature from two samples D rad apart: _PAIR_ERROR / |sin D|, relative.
 _PAIR_ERROR = 1.9e-7
 # Below this half width (rad) an interval is cut along the tangent of the sine.
 _NARROW = 1e-4
-#: By how much the tangent may leave the sine there: the least tolerance of a measured value.
+#: Largest deviation of the tangent from the sine there: the least tolerance of a measured value.
 LEAST_TOLERANCE = 0.5 * _NARROW**2
-# A phase that samples contradict is still tried on later ones up to this half width (rad).
+# A phase that samples contradict is still tried on later ones up to this half width [rad].
 _FORGET = 1e-3
 # Pull towards an input that is not an exact sine, per rad of advance: a phase-locked loop that
 # settles within a few periods.
 _PULL = 0.2
-# A larger phase (rad) is known to no part of a turn.
+# A larger phase [rad] has no accuracy within a turn.
 _LARGEST_PHASE = 1e15
 
 
 class PhaseEstimate:
     """Estimate of the phase of a unit sine.
 
-    Each sample goes to :meth:`follow` and, if that gives None, to :meth:`search`. An input that is
-    not a unit sine leaves the phase on its course for one period and pulls it gently from then on.
+    Each sample is passed to :meth:`follow` and, if that returns None, to :meth:`search`. An input
+    that is not a unit sine is ignored for one period, and pulls the phase gently from then on.
     """
 
     __slots__ = ("phase", "_half", "_open", "_contradicted")
 
     def __init__(self) -> None:
-        #: The most likely phase, rad.
+        #: The most likely phase [rad].
         self.phase = 0.0
-        # Half width of the interval around phase when that is the only one, and was narrow when it
-        # was left; else infinite, and _open holds all that are left open, the most likely first.
+        # Half width of the interval around phase, if it is the only one and was narrow at the last
+        # sample; else infinite, and _open holds all possible intervals, the most likely first.
         self._half = math.inf
         self._open: List[Interval] = []
-        # Phase passed since samples began to contradict each other, rad.
+        # Phase advance since samples began to contradict each other [rad].
         self._contradicted = 0.0
 
     def start(self, phase: float) -> None:
-        """Forget what is known, but for a guess.
+        """Restart from a guess.
 
-        :param phase: the guess, rad, of any size
+        :param phase: the guess, of any size [rad]
         """
         self.phase = math.remainder(phase, TURN) if abs(phase) < _LARGEST_PHASE else 0.0
         self._half = math.inf
         self._open = []
 
     def advance(self, angle: float, slack: float) -> None:
-        """Carry the estimate forward without a sample.
+        """Propagate the estimate without a sample.
 
-        :param angle: how far the phase went, rad
-        :param slack: largest error of angle, rad
+        :param angle: advance of the phase [rad]
+        :param slack: largest error of angle [rad]
         """
         self.phase = math.remainder(self.phase + angle, TURN)
         self._half += slack
@@ -78,13 +78,13 @@ class PhaseEstimate:
             self._open = [(centre + angle, half + slack) for centre, half in self._open]
 
     def follow(self, angle: float, slack: float, value: float, tolerance: float) -> Optional[float]:
-        """Carry the estimate forward to a sample and, in the usual case, take the sample in.
+        """Propagate the estimate to a sample and, in the usual case, process the sample.
 
-        :param angle: how far the phase went since the previous sample, rad
-        :param slack: largest error of angle, rad
+        :param angle: advance of the phase since the previous sample [rad]
+        :param slack: largest error of angle [rad]
         :param value: measured value of the sine, 1 at the crest
         :param tolerance: largest error of the value, at least LEAST_TOLERANCE
-        :returns: cosine of the phase; None if the sample is still to be taken in by :meth:`search`
+        :returns: cosine of the phase; None if the sample is still to be processed by :meth:`search`
         """
         half = self._half + slack
         if half >= _NARROW:
@@ -111,13 +111,13 @@ class PhaseEstimate:
     def search(
         self, value: float, tolerance: float, angle: float, other: Optional[Interval]
     ) -> Tuple[float, bool]:
-        """Take in a sample by all intervals that are open, when :meth:`follow` could not.
+        """Process a sample with all possible intervals, if :meth:`follow` could not.
 
         :param value: as for :meth:`follow`
         :param tolerance: as for :meth:`follow`
         :param angle: as for :meth:`follow`; 0 after :meth:`start`
-        :param other: how much further the phase may have gone, if the sample contradicts angle
-        :returns: cosine of the phase; whether it has gone further by ``other``
+        :param other: further advance of the phase to try if the sample contradicts angle
+        :returns: cosine of the phase; whether it has advanced further by ``other``
         """
         predicted = [(self.phase, self._half)] if self._half < math.inf else self._open
         measured = phases_of_sine(value, tolerance)
@@ -141,7 +141,7 @@ class PhaseEstimate:
         return cosine, other_was_right
 
     def _go_on_with(self, left: List[Interval]) -> None:
-        """Settle for the intervals that are left open, the one most likely first."""
+        """Keep the remaining intervals, the most likely first."""
         self._contradicted = 0.0
         self.phase, half = left[0]
         is_usual = len(left) == 1 and half < _NARROW
@@ -151,7 +151,7 @@ class PhaseEstimate:
     def _go_on_against(
         self, predicted: List[Interval], measured: List[Interval], value: float, angle: float
     ) -> None:
-        """Go on after an outlier, a jump, or in an input that is not such a sine."""
+        """Continue after an outlier or a jump, or with an input that is not such a sine."""
         # The old course and a fresh start are tried side by side.
         self._open = [course for course in predicted[:1] if course[1] < _FORGET] + measured
         self._half = math.inf
@@ -162,12 +162,12 @@ class PhaseEstimate:
 
 
 def _within_promise(cosine: float, left: List[Interval], angle: float) -> float:
-    """Follow the prediction only as far as the promise holds whichever interval is true.
+    """Follow the prediction only as far as the error bound holds, whichever interval is true.
 
     :param cosine: cosine of the most likely phase
-    :param left: intervals that are left open
-    :param angle: how far the phase went since the previous sample, rad
-    :returns: the nearest cosine that keeps the promise
+    :param left: remaining intervals
+    :param angle: advance of the phase since the previous sample [rad]
+    :returns: the nearest cosine within the bound
     """
     ends = [math.cos(centre + side * half) for centre, half in left for side in (-1, 1)]
     promise = _PAIR_ERROR / max(abs(math.sin(angle)), 1e-9)

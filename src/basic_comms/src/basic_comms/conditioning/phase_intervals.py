@@ -1,6 +1,6 @@
-"""Intervals of phase: what one sample of a sine, and several together, say of its phase.
+"""Intervals of the phase of a sine, from one sample and from several.
 
-An interval is a pair (centre, half width) in rad. Phases that differ by whole turns are the same.
+An interval is a pair (centre, half width) in rad. Phases that differ by whole turns are equal.
 """
 
 import math
@@ -37,11 +37,11 @@ def phases_of_sine(value: float, tolerance: float) -> List[Interval]:
 
 
 def intersect(predicted: Sequence[Interval], measured: Sequence[Interval]) -> List[Interval]:
-    """Keep the part of each measured interval that some predicted interval agrees with.
+    """Return the part of each measured interval that overlaps a predicted interval.
 
-    :param predicted: phases that earlier samples leave open
-    :param measured: phases that the newest sample leaves open
-    :returns: phases that all samples leave open, at most one interval per measured interval
+    :param predicted: phases that are compatible with the earlier samples
+    :param measured: phases that are compatible with the newest sample
+    :returns: phases compatible with all samples, at most one interval per measured interval
     """
     agreed = []
     for centre, half in measured:

@@ -1,4 +1,4 @@
-"""The parameters of the process node."""
+"""Parameters of the process node."""
 
 import math
 
@@ -28,10 +28,10 @@ class ProcessParameters(ParameterSet):
         help="how the phase is shifted: by the phase of a sine, or any shape by its last period",
     )
     input_offset = FloatParameter(
-        0.0, minimum=-1e9, maximum=1e9, help="mean of the input, taken off first"
+        0.0, minimum=-1e9, maximum=1e9, help="mean of the input, subtracted first"
     )
     rate = RateParameter(
         0.0,
         pausable=True,
-        help="publish the latest output at this rate; 0 answers each sample at once",
+        help="publish the latest output at this rate; 0 publishes at each sample",
     )

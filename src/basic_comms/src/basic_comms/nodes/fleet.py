@@ -1,4 +1,4 @@
-"""The fleet: many pairs of signal generator and process in one process of the machine."""
+"""Fleet node: many pairs of signal generator and process in one process of the machine."""
 
 import sys
 
@@ -19,8 +19,8 @@ from nodekit import (
     run,
 )
 
-#: How long one thread keeps the interpreter from the others, s. With Python's 5 ms, a subscriber
-#: that connects would wait as long at each of its steps while the members' signals are made.
+#: Thread switch interval of the interpreter [s]. With Python's 5 ms, each step of a connecting
+#: subscriber would wait that long while the members compute their signals.
 _SWITCH_INTERVAL_S = 0.0005
 
 
@@ -40,14 +40,14 @@ class FleetParameters(ParameterSet):
 
 
 class Fleet:
-    """Hosts groups that look like pairs of separate nodes.
+    """Host of groups that look like pairs of separate nodes.
 
-    Each group ``<prefix>1`` ... ``<prefix>N`` holds what the nodes
-    ``signal_generator`` and ``process`` would hold there: topics, parameters,
-    services. A member whose parameters are refused does not run; the others do.
+    Each group ``<prefix>1`` ... ``<prefix>N`` has the topics, parameters and services of the nodes
+    ``signal_generator`` and ``process`` in that namespace. A member with invalid parameters does
+    not run; the others do.
 
     :ROS Parameters:
-        - those of :class:`FleetParameters`, private
+        - private: see :class:`FleetParameters`
         - of each member, in ``<group>/signal_generator`` and ``<group>/process``
     """
 

@@ -1,4 +1,4 @@
-"""The listener: logs the messages of a topic."""
+"""Listener node: logs the messages of a topic."""
 
 from std_msgs.msg import String
 
@@ -6,7 +6,7 @@ from nodekit import Node, run
 
 
 class Listener:
-    """Logs each message with its publisher's name; of a quick stream, a part.
+    """Logs each message with its publisher's name; of a fast stream, some messages.
 
     :ROS Subscribers:
         - ``chatter`` (std_msgs/String)

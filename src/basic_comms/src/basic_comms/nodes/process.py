@@ -1,4 +1,4 @@
-"""The process node: scales, shifts and offsets the signal."""
+"""Process node: scales, shifts and offsets the signal."""
 
 import time
 from typing import List, Optional
@@ -12,14 +12,14 @@ from basic_comms.conditioning.process_parameters import ProcessParameters
 from basic_comms.msg import signal_msg
 from nodekit import Node, Throttle, run
 
-#: Least time between two warnings about the same kind of odd input, s.
+#: Shortest time between two warnings about the same kind of invalid input [s].
 _WARN_EVERY_S = 10.0
-#: A subscriber that comes so soon after an answer still gets it: nodes start one by one, s.
+#: A subscriber that connects this soon after an answer still receives it [s]: nodes start in turn.
 _LIFESPAN_S = 0.1
 
 
 class Process:
-    """Publishes the conditioned signal, for each sample at once or at a rate of its own.
+    """Publishes the conditioned signal, at each sample or at its own rate.
 
     :ROS Subscribers:
         - ``signal`` (basic_comms/signal_msg)
@@ -28,7 +28,7 @@ class Process:
         - ``proc_signal`` (std_msgs/Float32); nothing before the first sample
 
     :ROS Parameters:
-        - those of :class:`.ProcessParameters`, private and live
+        - private, can be changed at run time: see :class:`.ProcessParameters`
     """
 
     def __init__(self, node: Node) -> None:
@@ -36,7 +36,7 @@ class Process:
         self._conditioner = Conditioner()
         self._throttle = Throttle(_WARN_EVERY_S)
         self._lateness = LatenessMonitor()
-        # time_x follows /clock where there is one.
+        # time_x follows /clock if there is one.
         self._now = time.monotonic if rospy.rostime.is_wallclock() else rospy.get_time
         self._latest: Optional[float] = None
         self._publisher = node.create_publisher("proc_signal", Float32, lifespan=_LIFESPAN_S)

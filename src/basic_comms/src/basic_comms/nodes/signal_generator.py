@@ -1,4 +1,4 @@
-"""The signal generator: publishes samples of a waveform."""
+"""Signal generator node: publishes samples of a waveform."""
 
 from typing import Optional
 
@@ -19,31 +19,31 @@ from basic_comms.signals.signal_parameters import SignalParameters
 from basic_comms.signals.signal_source import SignalSource
 from nodekit import Node, run
 
-#: A machine that is busy for up to this long makes samples late, but loses none, s.
+#: On a machine that is busy for up to this long, samples are late, but not lost [s].
 _CATCH_UP_S = 0.5
-#: A process node started at the same moment is there a little later; it gets the first sample, s.
+#: A process node that starts this much later still receives the first sample [s].
 _LIFESPAN_S = 0.1
 
 
 class SignalGenerator:
     """Publishes a signal, sample by sample; by default y = amplitude sin(frequency time_x).
 
-    Each sample carries its own time: it belongs to the moment it was due, n / rate after the first
-    one, and not to the slightly later one at which it went out. A change of a parameter takes
-    effect at a sample and never makes the phase jump. While the signal does not run, stop_value
-    goes out with amplitude and frequency 0, and time_x stands still.
+    Each sample has its own time: its nominal time, n / rate after the first one, not the slightly
+    later time at which it was sent. A change of a parameter takes effect at a sample and never
+    makes the phase jump. While the signal does not run, stop_value is published with amplitude and
+    frequency 0, and time_x does not advance.
 
     :ROS Publishers:
         - ``signal`` (basic_comms/signal_msg)
         - ``~status`` (std_msgs/String), latched: ``running``, ``idle`` or ``finished``, and the
-          signal's time in s
+          signal's time [s]
 
     :ROS Services:
-        - ``~enable`` (std_srvs/SetBool): stop the signal, or continue it where it was
-        - ``~reset`` (std_srvs/Trigger): time_x and phase start at 0 again
+        - ``~enable`` (std_srvs/SetBool): stop the signal, or continue it from there
+        - ``~reset`` (std_srvs/Trigger): time_x and phase restart at 0
 
     :ROS Parameters:
-        - those of :class:`.SignalParameters`, private and live
+        - private, can be changed at run time: see :class:`.SignalParameters`
     """
 
     def __init__(self, node: Node) -> None:
@@ -51,7 +51,7 @@ class SignalGenerator:
         self._source = SignalSource()
         self._enabled = self._settings.values.autostart
         self._run_control = RunControl(self._enabled)
-        # Requests are carried out at the next sample, which tells the signal's time.
+        # Requests are executed at the next sample, which determines the signal's time.
         self._wanted: Optional[bool] = None
         self._reset_wanted = False
         self._state = ""

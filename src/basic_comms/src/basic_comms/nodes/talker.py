@@ -1,4 +1,4 @@
-"""The talker: publishes a text again and again."""
+"""Talker node: publishes a text periodically."""
 
 from functools import partial
 from typing import Any, Dict, Optional
@@ -28,9 +28,9 @@ class Talker:
         - ``chatter`` (std_msgs/String)
 
     :ROS Parameters:
-        - those of :class:`TalkerParameters`, private
-        - ``Message`` (any scalar), at ``~``, in the namespaces around the node
-          and at ``/``: the text; read live, never written
+        - private: see :class:`TalkerParameters`
+        - ``Message`` (any scalar), at ``~``, in the enclosing namespaces and at ``/``: the text;
+            read at run time, never written
     """
 
     def __init__(self, node: Node) -> None:

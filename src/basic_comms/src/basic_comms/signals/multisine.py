@@ -7,10 +7,10 @@ from basic_comms.signals.oscillator import PhaseAccumulator
 
 
 class Multisine:
-    """A sum of sines whose components can be changed at any sample without a jump of their phases.
+    """Sum of sines whose components can be changed at any sample without a jump of their phases.
 
-    Each component has an oscillator of its own. One that is added later starts as if it had always
-    been there.
+    Each component has its own oscillator. A component added later starts as if it had always been
+    there.
     """
 
     def __init__(self) -> None:
@@ -23,14 +23,14 @@ class Multisine:
         frequencies: Sequence[float],
         phases: Sequence[float],
     ) -> float:
-        """Return the next sample, as a part of the sum of all amplitudes.
+        """Return the next sample, relative to the sum of all amplitudes.
 
-        The three lists are of one length. Without any amplitude the value is 0.
+        The three lists have the same length. If all amplitudes are 0, the value is 0.
 
-        :param time: time of the sample, s
+        :param time: time of the sample [s]
         :param amplitudes: relative amplitudes of the components
-        :param frequencies: angular frequencies of the components, rad/s
-        :param phases: constants added to the phases of the components, rad
+        :param frequencies: angular frequencies of the components [rad/s]
+        :param phases: constants added to the phases of the components [rad]
         :returns: value in [-1, 1]
         """
         count = len(frequencies)

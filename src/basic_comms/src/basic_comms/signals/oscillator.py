@@ -1,6 +1,6 @@
 """Phase accumulator: the phase of an oscillator whose frequency may change at any sample."""
 
-#: Advance since the anchor at which the anchor moves on, rad. Rounding then changes
+#: Advance [rad] at which the anchor moves. Rounding then changes
 #: ``phase + frequency * (time - anchor)`` by no more than 1.5 units in the last place of 1024.
 _LONGEST_ADVANCE = 1024.0
 
@@ -11,19 +11,19 @@ _TWO_PI = (2 * 3_14159265358979323846264338327950288419716939937510 << _FRACTION
 
 
 class PhaseAccumulator:
-    """Accumulate phase so that no change of frequency ever makes it jump.
+    """Phase accumulator without phase jumps at changes of frequency.
 
     From sample n-1 to sample n the phase advances with the frequency of sample n::
 
         phase[n] = phase[n-1] + frequency[n] * (time[n] - time[n-1])
 
     with phase 0 at time 0. Frequency 0 holds the phase, a negative one runs it backwards. While the
-    frequency stays the same from the start, the phase is ``frequency * time``.
+    frequency has not changed since the start, the phase is ``frequency * time``.
 
-    Adding up one product per sample would add up its rounding as well. So the sum is kept relative
-    to an anchor, a past (time, phase), which moves only when the frequency changes or the phase has
-    gone far from it, and then in exact integer arithmetic modulo 2 pi. The error stays below
-    1e-12 rad however many samples and changes there were.
+    Summing one product per sample would accumulate rounding errors. So the sum is kept relative to
+    an anchor, a past (time, phase), which moves only when the frequency changes or the phase has
+    advanced far, and then in exact integer arithmetic modulo 2 pi. The error stays below 1e-12 rad
+    for any number of samples and changes.
     """
 
     def __init__(self) -> None:
@@ -40,9 +40,9 @@ class PhaseAccumulator:
     def advance(self, time: float, frequency: float) -> float:
         """Return the phase of the next sample.
 
-        :param time: time of the sample, s
-        :param frequency: angular frequency since the sample before, rad/s
-        :returns: phase, rad, up to whole turns
+        :param time: time of the sample [s]
+        :param frequency: angular frequency since the sample before [rad/s]
+        :returns: phase, modulo whole turns [rad]
         """
         if frequency != self._frequency:
             self._move_anchor(self._time)
@@ -55,7 +55,7 @@ class PhaseAccumulator:
         return self._anchor_phase + advance
 
     def _move_anchor(self, time: float) -> None:
-        """Move the anchor along the current frequency to a given time, s, without rounding."""
+        """Move the anchor along the current frequency to a given time [s], without rounding."""
         frequency, frequency_scale = self._frequency.as_integer_ratio()
         new, new_scale = time.as_integer_ratio()
         old, old_scale = self._anchor_time.as_integer_ratio()

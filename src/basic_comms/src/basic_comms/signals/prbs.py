@@ -36,21 +36,21 @@ TAPS = {
     31: (28,),
 }
 
-#: Chips up to which stepping through the sequence is cheaper than going to the chip directly.
+#: Up to this number of chips, stepping is cheaper than a direct computation.
 _SHORT_WAY = 64
 
 
 class Prbs:
-    """The sequence of a linear feedback shift register, with access to any of its chips.
+    """Sequence of a linear feedback shift register, with random access to its chips.
 
-    The period is ``2**order - 1`` chips, one more of which are 1 than -1.
+    The period is ``2**order - 1`` chips; 1 occurs once more than -1.
 
-    Chip k is a sum over GF(2) of some of the first ``order`` chips. Which ones, is given by the
-    residue of x**k modulo the register's polynomial, kept as an integer whose bit i stands for
-    x**i. Times x is one step of the register; a power of x by repeated squaring goes anywhere.
+    Chip k is a sum over GF(2) of some of the first ``order`` chips, given by the residue of x**k
+    modulo the register's polynomial, stored as an integer whose bit i stands for x**i.
+    Multiplication by x is one step of the register; repeated squaring gives any power of x.
 
     :param order: length of the register, 2 to 31
-    :param seed: chooses the place in the sequence at which chip 0 lies; any integer
+    :param seed: selects the position of chip 0 in the sequence; any integer
     """
 
     def __init__(self, order: int, seed: int) -> None:

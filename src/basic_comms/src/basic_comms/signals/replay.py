@@ -8,28 +8,28 @@ from array import array
 from bisect import bisect_right
 from typing import Iterable, Tuple
 
-#: Most bytes and lines that are read. It is the thread that follows all parameters of the process
-#: that reads a file: at about 1 us a line it is kept from the others for 0.2 s at most.
+#: Most bytes and lines of a file. It is read in the thread that handles all parameters of the
+#: process: at about 1 us a line, the others wait for at most 0.2 s.
 LARGEST_BYTES = 8_000_000
 LARGEST_LINES = 200_000
 
-#: A held row and the end of a loop count as reached this long before their time, s: sample times
-#: are rounded, so one that falls on a row would otherwise land on either side of it by chance.
+#: A held row and the end of a loop count as reached this long before their time [s]: sample times
+#: are rounded, so a sample exactly on a row could otherwise fall on either side of it.
 _EARLY = 1e-9
 
 
 class SeriesError(ValueError):
-    """A file that cannot be replayed; the text says where and what is allowed."""
+    """A file that cannot be replayed; the text gives the position and the expected content."""
 
 
 class Series:
-    """A recorded signal: values in [-1, 1] at strictly increasing times. It never changes.
+    """Recorded signal: values in [-1, 1] at strictly increasing times; immutable.
 
-    The values are divided by the largest magnitude among them, the :attr:`peak`. Played with an
-    amplitude equal to the peak, the signal is the recorded one.
+    The values are divided by their largest magnitude, the :attr:`peak`. Played with an amplitude
+    equal to the peak, the signal is the recorded one.
 
-    :param times: times of the rows, s; only their differences matter
-    :param values: values of the rows, as many
+    :param times: times of the rows [s]; only their differences matter
+    :param values: values of the rows, of the same number
     :raises ValueError: if there are no rows
     """
 
@@ -55,10 +55,10 @@ class Series:
     def value(self, elapsed: float, hold: bool, loop: bool) -> float:
         """Return the signal at a time.
 
-        Before the first row and beyond the last their values stay, unless the signal loops: then
-        the time of the last row is that of the first again.
+        Before the first row and after the last, the signal is constant, unless it loops: then the
+        time of the last row is that of the first again.
 
-        :param elapsed: time since the first row, s
+        :param elapsed: time since the first row [s]
         :param hold: keep each value until the next row, instead of interpolating linearly
         :param loop: start again at the last row
         :returns: value in [-1, 1]
@@ -78,12 +78,12 @@ class Series:
 def load_series(path: str) -> Series:
     """Read a recorded signal from a CSV file.
 
-    Each line holds a time in s and a value, separated by a comma. Blank lines and lines that start
-    with ``#`` count for nothing; the first other line may be a heading, the names of the two.
+    Each line has a time [s] and a value, separated by a comma. Blank lines and lines that start
+    with ``#`` are ignored; the first other line may be a heading, two names.
 
-    :param path: path of the file; ``~`` stands for the home directory
+    :param path: path of the file; ``~`` is expanded to the home directory
     :returns: the signal
-    :raises SeriesError: if the file is missing, too big or not of this form
+    :raises SeriesError: if the file is missing, too large or malformed
     """
     try:
         content = _content(path)
@@ -98,18 +98,18 @@ def load_series(path: str) -> Series:
 
 
 def _content(path: str) -> bytes:
-    """Return what a file holds; nothing but a file of a size that is allowed is opened."""
+    """Return the content of a file; open only regular files up to the maximum size."""
     full_path = os.path.expanduser(path)
     try:
         status = os.stat(full_path)
-    except (FileNotFoundError, ValueError) as error:  # the latter: no file can have such a name
+    except (FileNotFoundError, ValueError) as error:  # ValueError: an invalid file name
         raise SeriesError(f"{path!r}: no such file; a CSV file of time,value is needed") from error
     if not stat.S_ISREG(status.st_mode):
         kind = _kind(status.st_mode)
         raise SeriesError(f"{path}: this is {kind}; a CSV file of time,value is needed")
     if status.st_size <= LARGEST_BYTES:
         with open(full_path, "rb") as file:
-            content = file.read(LARGEST_BYTES + 1)  # those of /proc say that they are empty
+            content = file.read(LARGEST_BYTES + 1)  # files in /proc report size 0
         if len(content) <= LARGEST_BYTES:
             return content
     size = max(status.st_size, LARGEST_BYTES + 1)
@@ -117,7 +117,7 @@ def _content(path: str) -> bytes:
 
 
 def _kind(mode: int) -> str:
-    """Return what something other than a file is called."""
+    """Return the name of a type of file."""
     if stat.S_ISDIR(mode):
         return "a folder"
     if stat.S_ISFIFO(mode):
@@ -126,7 +126,7 @@ def _kind(mode: int) -> str:
 
 
 def _rows(path: str, lines: Iterable[str]) -> "Tuple[array[float], array[float]]":
-    """Return the times and the values of all rows, checked."""
+    """Return the times and the values of all rows, validated."""
     times, values = array("d"), array("d")
     latest = -math.inf
     may_be_heading = True
@@ -163,5 +163,5 @@ def _rows(path: str, lines: Iterable[str]) -> "Tuple[array[float], array[float]]
 
 
 def _is_name(field: str) -> bool:
-    """Tell whether this may be the heading of one column: ``time [s]``, ``%time``, ``/a/b``."""
+    """Return whether this may be the heading of a column: ``time [s]``, ``%time``, ``/a/b``."""
     return "," not in field and field.strip(" \t\"'%/~_")[:1].isalpha()

@@ -1,4 +1,4 @@
-"""Run control: when a signal runs, and for how long it has."""
+"""Run control: start delay, stops and duration of a signal."""
 
 from typing import NamedTuple, Optional
 
@@ -8,10 +8,10 @@ FINISHED = "finished"
 
 
 class RunStatus(NamedTuple):
-    """Whether a signal runs, and its time.
+    """State of a signal, and its time.
 
     :ivar state: ``idle``, ``running`` or ``finished``
-    :ivar time_x: time for which the signal has run, s
+    :ivar time_x: time for which the signal has run [s]
     """
 
     state: str
@@ -22,16 +22,16 @@ class RunStatus(NamedTuple):
 
 
 class RunControl:
-    """Turn readings of a clock into the time of a signal that can be delayed, stopped and limited.
+    """Converter from clock readings to the time of a signal with start delay, stops and duration.
 
     The signal's time is the time for which it has run. It starts at 0 with the first reading, or
-    when the start delay is over, which counts while the signal is enabled. It stands still while
-    the signal is stopped and goes on from there when it is enabled again: phase and sweep go on
-    where they were, and ``frequency * (time_x[n] - time_x[n-1])`` is the advance across the pause
-    as well. At the duration the signal is finished; a longer duration lets it go on, a reset lets
-    it start again. Only a reset takes the time back, also if the clock is set back.
+    after the start delay, which counts while the signal is enabled. It is held while the signal is
+    stopped, and continues when it is enabled again: phase and sweep continue from there, and
+    ``frequency * (time_x[n] - time_x[n-1])`` is the advance across the pause as well. After the
+    duration the signal is finished; a longer duration continues it, a reset restarts it. Only a
+    reset sets the time back, even if the clock is set back.
 
-    Not safe for several threads at once.
+    Not thread-safe.
 
     :param enabled: whether the signal runs without being enabled first
     """
@@ -40,14 +40,14 @@ class RunControl:
         self._enabled = enabled
         self._delayed = True
         self._collected = 0.0  # s, up to the reading _since
-        self._since: Optional[float] = None  # None while the time stands still
+        self._since: Optional[float] = None  # None while the time is held
         self._latest_reading = float("-inf")
         self._time_x = 0.0
 
     def enable(self, now: float, enabled: bool) -> None:
-        """Stop the signal or let it go on.
+        """Stop or continue the signal.
 
-        :param now: reading of the clock, s
+        :param now: reading of the clock [s]
         :param enabled: whether the signal is to run
         """
         if enabled == self._enabled:
@@ -61,16 +61,16 @@ class RunControl:
             self._since = None
 
     def reset(self) -> None:
-        """Take the time back to 0, or start the delay again if it is not over."""
+        """Set the time back to 0, or restart the delay if it has not elapsed."""
         self._collected = 0.0
         self._since = None
 
     def at(self, now: float, start_delay: float, duration: float) -> RunStatus:
         """Return the state and the time of the signal for its next sample.
 
-        :param now: reading of the clock, s
-        :param start_delay: time to wait before the signal starts, s, >= 0
-        :param duration: time after which the signal is finished, s; 0 for never
+        :param now: reading of the clock [s]
+        :param start_delay: delay before the signal starts, >= 0 [s]
+        :param duration: time after which the signal is finished [s]; 0 for unlimited
         :returns: state and time of the signal
         """
         self._read(now)
@@ -84,7 +84,7 @@ class RunControl:
             seconds -= start_delay
             self._collected, self._since = seconds, now
         if 0.0 < duration <= seconds:
-            # Not below the time of the last sample, should the duration have become shorter.
+            # Not below the time of the last sample, in case the duration was reduced.
             seconds = self._collected = max(duration, self._time_x)
             self._since = None
             state = FINISHED
@@ -94,14 +94,14 @@ class RunControl:
         return RunStatus(state, seconds)
 
     def _read(self, now: float) -> None:
-        """Record a reading of the clock; count on from it if the clock has been set back."""
+        """Record a reading of the clock; continue from it if the clock has been set back."""
         if now < self._latest_reading and self._since is not None:
             self._collected = self._seconds(self._latest_reading)
             self._since = now
         self._latest_reading = now
 
     def _seconds(self, now: float) -> float:
-        """Return the time collected at a reading that is not before the one last noted, s."""
+        """Return the time collected up to a reading, which must not be before the last one [s]."""
         if self._since is None:
             return self._collected
         return self._collected + (now - self._since)

@@ -1,4 +1,4 @@
-"""The waveforms by name: each takes what it needs from the settings and gives a unit value."""
+"""Waveforms by name: each computes a value in [-1, 1] from the settings."""
 
 import math
 from typing import Callable, Dict, Optional, Tuple
@@ -66,7 +66,7 @@ def _multisine() -> Shape:
 
 
 class _NoiseShape:
-    """White noise that starts its sequence again when it is given another seed."""
+    """White noise that restarts its sequence when the seed changes."""
 
     def __init__(self, draw: Callable[[Noise], float]) -> None:
         self._draw = draw
@@ -80,7 +80,7 @@ class _NoiseShape:
 
 
 class _PrbsShape:
-    """A PRBS whose chips go on without a leap when their duration changes."""
+    """PRBS whose chips continue without a jump when their duration changes."""
 
     def __init__(self) -> None:
         self._register: Optional[Tuple[int, int]] = None
@@ -101,7 +101,7 @@ class _PrbsShape:
         return float(self._prbs.chip(math.floor(self._chips + waveforms.EDGE)))
 
 
-#: For each waveform, a function that makes one without a past.
+#: For each waveform, a function that creates a new one.
 SHAPES: Dict[str, Callable[[], Shape]] = {
     "sine": lambda: _sine,
     "square": lambda: _square,

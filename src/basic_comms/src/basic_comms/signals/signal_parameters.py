@@ -1,4 +1,4 @@
-"""The parameters of the signal generator, and which of them go together."""
+"""Parameters of the signal generator, and rules between them."""
 
 import math
 from typing import Any, Optional
@@ -38,12 +38,12 @@ WAVEFORMS = (
 
 _TWO_PI = 2.0 * math.pi
 
-#: Largest magnitudes; sums of them still fit into a float32.
+#: Largest magnitudes; their sums still fit into a float32.
 _MAX_VALUE, _MAX_FREQUENCY, _MAX_SECONDS = 1e9, 1e6, 1e9
 
 
 class SeriesPath(str):
-    """The path of a CSV file, together with what was read from it.
+    """Path of a CSV file, with the content of the file.
 
     :ivar series: the signal in the file; None for an empty path
     """
@@ -52,7 +52,7 @@ class SeriesPath(str):
 
 
 class SeriesParameter(StringParameter):
-    """The path of a CSV file of time,value; the file is read when the path is set."""
+    """Path of a CSV file of time,value; the file is read when the path is set."""
 
     @property
     def allowed(self) -> str:
@@ -103,7 +103,7 @@ class SignalParameters(ParameterSet):
         1.0, minimum=0.0, maximum=1.0, help="sawtooth: part of the period that rises"
     )
     step_time = FloatParameter(
-        1.0, minimum=0.0, maximum=_MAX_SECONDS, unit="s", help="step: when it comes"
+        1.0, minimum=0.0, maximum=_MAX_SECONDS, unit="s", help="step: time of the step"
     )
     slope = FloatParameter(
         1.0,
@@ -163,26 +163,27 @@ class SignalParameters(ParameterSet):
         0.0, minimum=0.0, maximum=_MAX_SECONDS, unit="s", help="time before the signal starts"
     )
     duration = FloatParameter(
-        0.0, minimum=0.0, maximum=_MAX_SECONDS, unit="s", help="time the signal runs; 0 for ever"
+        0.0,
+        minimum=0.0,
+        maximum=_MAX_SECONDS,
+        unit="s",
+        help="duration of the signal; 0 for unlimited",
     )
     stop_value = _value(0.0, "value published while the signal does not run")
-    autostart = read_once(
-        BoolParameter(True, help="run from the start on, without a call of ~enable")
-    )
+    autostart = read_once(BoolParameter(True, help="run from the start, without a call of ~enable"))
 
     @property
     def series(self) -> Optional[Series]:
-        """The signal read from ``file``; None where that is empty."""
+        """The signal read from ``file``; None if it is empty."""
         path = self.file
         return path.series if isinstance(path, SeriesPath) else None
 
     @property
     def highest_frequency(self) -> float:
-        """The highest fundamental frequency of the signal, rad/s, >= 0; 0 without one.
+        """Highest fundamental frequency of the signal, >= 0 [rad/s]; 0 if there is none.
 
-        At a sample rate in Hz a signal is misrepresented if this exceeds ``pi * rate``, Nyquist's
-        limit. For a PRBS that is the case when its chips are shorter than the interval between
-        samples.
+        At a sample rate in Hz the signal is aliased if this exceeds ``pi * rate``, the Nyquist
+        limit. A PRBS is aliased if its chips are shorter than the interval between samples.
         """
         if self.waveform in ("sine", "square", "triangle", "sawtooth", "pulse"):
             return abs(self.frequency)
@@ -196,7 +197,7 @@ class SignalParameters(ParameterSet):
 
     @property
     def aliasing(self) -> str:
-        """Why the samples misrepresent the signal, in words; empty where they do not."""
+        """Why the signal is aliased, as text; empty if it is not."""
         nyquist = math.pi * self.rate
         if self.highest_frequency <= nyquist:
             return ""

@@ -1,4 +1,4 @@
-"""Signal source: from settings and time to one sample after another."""
+"""Signal source: computes samples from settings and time."""
 
 from typing import NamedTuple
 
@@ -9,12 +9,12 @@ from basic_comms.signals.sweeps import Chirp
 
 
 class Sample(NamedTuple):
-    """One sample of a signal and the settings that were in force for it.
+    """A sample of a signal, with its settings.
 
-    :ivar value: the signal, offset included
+    :ivar value: the signal, including the offset
     :ivar amplitude: peak around the offset
-    :ivar frequency: angular frequency, rad/s; of a chirp the instantaneous one
-    :ivar phase: phase of the oscillator, the constant ``phase`` included, rad, up to whole turns
+    :ivar frequency: angular frequency [rad/s]; of a chirp the instantaneous one
+    :ivar phase: phase of the oscillator, including the constant ``phase``, modulo whole turns [rad]
     """
 
     value: float
@@ -24,7 +24,7 @@ class Sample(NamedTuple):
 
 
 class SignalSource:
-    """Make the samples of a signal whose settings may change at any of them.
+    """Source of the samples of a signal whose settings may change at any sample.
 
     One oscillator runs through all waveforms. From one sample to the next its phase advances with
     the later sample's frequency, so no change of frequency, amplitude, waveform or sample rate
@@ -44,9 +44,9 @@ class SignalSource:
     file                                scaled to ``offset +- amplitude``, see :class:`.Series`
     ==================================  ===========================================================
 
-    The shapes that have a start (chirp, step, ramp, noise, prbs, multisine, file) start at time
-    0, or at the sample with which they are chosen later. Meanwhile the oscillator goes on, with
-    ``frequency`` or with that of the chirp, so that a periodic shape finds its phase again.
+    The shapes with a start (chirp, step, ramp, noise, prbs, multisine, file) start at time 0, or at
+    the sample with which they are selected later. Meanwhile the oscillator continues, with
+    ``frequency`` or the chirp's frequency, so that a periodic shape keeps its phase.
     """
 
     def __init__(self) -> None:
@@ -62,8 +62,8 @@ class SignalSource:
     def sample(self, time_x: float, settings: SignalParameters) -> Sample:
         """Return the next sample.
 
-        :param time_x: time of the sample, s since the start of the signal, never decreasing
-        :param settings: the settings in force for this sample
+        :param time_x: time of the sample since the start of the signal, never decreasing [s]
+        :param settings: settings of this sample
         :returns: the sample
         """
         if settings.waveform != self._waveform:

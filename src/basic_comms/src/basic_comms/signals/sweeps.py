@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 
 class Chirp(NamedTuple):
-    """A sweep from one frequency to another, once or over and over.
+    """Sweep from one frequency to another, once or repeatedly.
 
     The phase of a chirp is the integral of its frequency. So a sweep is described by its frequency
     at a time and by the mean over an interval; a phase accumulator that is fed with the means gets
@@ -15,7 +15,7 @@ class Chirp(NamedTuple):
     * linear: ``first + (last - first) * u``
     * logarithmic: ``first * (last / first) ** u``
 
-    A single sweep stays at its last frequency afterwards; a repeated one starts again at its first.
+    A single sweep stays at its last frequency afterwards; a repeated one restarts at its first.
 
     :ivar first: frequency at the start of the sweep, rad/s
     :ivar last: frequency at the end of the sweep, rad/s
@@ -73,9 +73,9 @@ class Chirp(NamedTuple):
         return self._sweep(since, self.duration) + whole + self._sweep(0.0, until)
 
     def _sweep(self, since: float, until: float) -> float:
-        """Return the phase advance, rad, between two times within one sweep.
+        """Return the phase advance between two times within one sweep [rad].
 
-        Each form is free of the cancellation that a difference of two total phases would have.
+        Each formula avoids the cancellation of a difference between two total phases.
         """
         if self.logarithmic:
             rate = math.log(self.last / self.first) / self.duration

@@ -1,15 +1,15 @@
-"""Pure functions from phase (or time) to a value in [-1, 1].
+"""Waveforms as pure functions from phase (or time) to a value in [-1, 1].
 
-The periodic shapes take a phase in rad and repeat every 2 pi. A shape that jumps counts a sample
-within :data:`EDGE` before the jump as being on it: sample times are rounded, so an edge that falls
-on a sample would otherwise land on either side of it by chance.
+The periodic shapes take a phase in rad and repeat every 2 pi. A shape with a jump counts a sample
+within :data:`EDGE` before the jump as after it: sample times are rounded, so a sample exactly on an
+edge could otherwise fall on either side of it.
 """
 
 import math
 
 TWO_PI = 2.0 * math.pi
 
-#: How far before a jump a sample already counts as past it, as a part of the period.
+#: A sample this close before a jump already counts as after it, relative to the period.
 EDGE = 1e-9
 
 

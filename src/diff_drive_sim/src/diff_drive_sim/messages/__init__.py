@@ -1,1 +1,1 @@
-"""Messages that the robot receives and publishes."""
+"""Messages of the robot."""

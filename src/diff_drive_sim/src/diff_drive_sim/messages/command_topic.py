@@ -1,8 +1,8 @@
-"""A subscription that reports publishers of the wrong type.
+"""Subscription that reports publishers of the wrong type.
 
-ROS lets no publisher of another type connect: not one message comes, and the log names no way out.
-So the subscription accepts any type, and ignores messages of an unexpected one with a warning. The
-master is told the expected type all the same.
+ROS does not connect a publisher of another type: no message arrives, and the log suggests no
+remedy. So the subscription accepts any type, and ignores messages of another type with a warning.
+It is still registered with the expected type.
 """
 
 from typing import Any, Callable, Optional
@@ -13,18 +13,18 @@ import rospy
 def any_type_as(expected: Any) -> type:
     """Return a class with which a topic of any type can be subscribed to.
 
-    :param expected: message class of which the master is told
+    :param expected: message class for the registration
     """
     return type("Any" + expected.__name__, (rospy.AnyMsg,), {"_type": expected._type})
 
 
 def decoder(expected: Any, advice: str) -> Callable[[Any], Optional[Any]]:
-    """Return a function that decodes messages as they are received.
+    """Return a function that decodes received messages.
 
     It returns None for a message of another type, and warns once for each such publisher.
 
     :param expected: message class
-    :param advice: what to do about another type
+    :param advice: remedy for another type
     """
     warned = set()
 

@@ -1,7 +1,6 @@
-"""The messages that a robot publishes.
+"""Messages that a robot publishes.
 
-They are made once and filled again and again, as a hundred robots publish them thirty times a
-second.
+They are reused for each publication, because a hundred robots publish them thirty times a second.
 """
 
 import math
@@ -19,21 +18,21 @@ from diff_drive_sim.simulation.robot import Robot
 #: As turtlebot3_fake names them.
 ODOM, BASE, SCAN = "odom", "base_footprint", "base_scan"
 LEFT_JOINT, RIGHT_JOINT = "wheel_left_joint", "wheel_right_joint"
-#: Variance of what is exact, which filters can divide by, and of what wheels do not measure.
+#: Variances: of exact values, nonzero for filters that divide by it; and of unmeasured values.
 EXACT_VARIANCE, UNKNOWN_VARIANCE = 1e-9, 1e6
-#: Where x, y and the heading stand in a covariance of 6 x 6.
+#: Indices of x, y and the heading in a 6 x 6 covariance.
 _PLACES = (0, 1, 5, 7, 11, 35)
 _MIRRORED = ((1, 6), (5, 30), (11, 31))
 _VARIANCES = (0, 7, 35)
-#: Height of the laser, m; for the eye only.
+#: Height of the laser, for display only [m].
 _LASER_Z = 0.18
 
 
 class RobotMessages:
     """All messages of one robot.
 
-    :param prefix: what stands before the names of its frames
-    :param laser_x: how far ahead of the axle its laser is, m
+    :param prefix: of the names of its frames
+    :param laser_x: distance of its laser ahead of the axle [m]
     """
 
     def __init__(self, prefix: str, laser_x: float) -> None:
@@ -50,14 +49,14 @@ class RobotMessages:
         self.laser.transform.rotation.w = 1.0
 
     def transforms(self, with_laser: bool) -> TFMessage:
-        """Return where the robot is in its odometry's frame, and where its laser is on it."""
+        """Return the transforms of the robot in its odometry frame, and of its laser."""
         return TFMessage([self.base, self.laser] if with_laser else [self.base])
 
     def fill(self, robot: Robot, stamp: Any) -> None:
-        """Fill the messages, except the scan, for a moment.
+        """Fill all messages except the scan.
 
-        :param robot: at that moment
-        :param stamp: the moment, a time of ROS
+        :param robot: its state
+        :param stamp: time of the state, as ROS time
         """
         speeds = robot.speeds
         _fill(self.odometry, robot.odometry.pose, speeds, robot.odometry.covariance, stamp)

@@ -1,4 +1,4 @@
-"""A robot's laser: what it sees of the world, as a message."""
+"""Laser scanner of a robot, which produces LaserScan messages."""
 
 import math
 from typing import Any
@@ -9,20 +9,20 @@ from diff_drive_sim.robot_parameters import RobotParameters
 from diff_drive_sim.simulation.kinematics import Pose
 from diff_drive_sim.simulation.world import World
 
-#: How near the laser sees, m.
+#: Shortest range of the laser [m].
 RANGE_MIN = 0.01
 
 
 class Scanner:
-    """Scans all around: the first ray goes ahead, the others follow counter-clockwise.
+    """Laser scanner over 360°: the first ray points ahead, the others follow counter-clockwise.
 
-    :param world: what it sees
+    :param world: walls and boxes
     :param values: the robot's parameters
     :param frame: name of the laser's frame
     """
 
     def __init__(self, world: World, values: RobotParameters, frame: str) -> None:
-        # Only now: a robot that never scans does without numpy, which takes a third of its start.
+        # Imported late: numpy takes a third of the startup time, and not all robots scan.
         from diff_drive_sim.simulation.laser import Laser
 
         self._laser = Laser(world.segments, values.scan_rays)
@@ -35,14 +35,14 @@ class Scanner:
         message.range_min, message.range_max = RANGE_MIN, values.scan_range
 
     def scan(self, pose: Pose, stamp: Any) -> LaserScan:
-        """Return what the laser sees; the next call fills the same message again.
+        """Return a scan; the next call fills the same message again.
 
-        :param pose: where the robot is
-        :param stamp: when, a time of ROS
+        :param pose: of the robot
+        :param stamp: ROS time of the scan
         """
         x, y, theta = pose.moved(self._offset, 0.0)
         ranges: Any = self._laser.ranges(x, y, theta)
-        # REP 117: infinity is beyond the range, minus infinity too near.
+        # REP 117: infinity means beyond the range, minus infinity too near.
         ranges[ranges > self._message.range_max] = math.inf
         ranges[ranges < RANGE_MIN] = -math.inf
         self._message.header.stamp = stamp

@@ -1,4 +1,4 @@
-"""The world as rviz and a page in the browser draw it."""
+"""Markers of the world for rviz and for the oscilloscope's page."""
 
 import math
 from typing import Sequence
@@ -7,18 +7,18 @@ from geometry_msgs.msg import Point
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker, MarkerArray
 
-#: Thickness of a wall and height of all, m; for the eye only.
+#: Thickness of walls, and height of walls and boxes, for display only [m].
 _THICKNESS, _HEIGHT = 0.02, 0.3
 
 
 def world_markers(
     frame: str, walls: Sequence[Sequence[float]], boxes: Sequence[Sequence[float]]
 ) -> MarkerArray:
-    """Return a picture of a world, which replaces one that was drawn before.
+    """Return the markers of a world, which replace markers drawn before.
 
-    :param frame: name of the frame that it stands in
-    :param walls: as :class:`.World` has them
-    :param boxes: as :class:`.World` has them
+    :param frame: name of their frame
+    :param walls: as in :class:`.World`
+    :param boxes: as in :class:`.World`
     """
     clear = Marker(action=Marker.DELETEALL)
     clear.header.frame_id = frame

@@ -1,1 +1,1 @@
-"""The nodes: what wires robots to ROS."""
+"""Nodes of the robots."""

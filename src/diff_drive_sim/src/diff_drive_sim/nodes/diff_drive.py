@@ -1,4 +1,4 @@
-"""The robot's node: it drives as commanded, and publishes where it is."""
+"""Robot node: drives as commanded, and publishes its pose."""
 
 import math
 from typing import Any, Optional, Type
@@ -25,19 +25,19 @@ _WARN_EVERY_S = 10.0
 
 
 class DiffDrive:
-    """A robot with two driven wheels.
+    """Robot with two driven wheels.
 
-    A command acts from the moment at which it arrives. Time is that of ROS: while /clock stands
-    still or is set back nothing moves, and when it jumps ahead the last command acts no longer than
-    its time-out.
+    A command takes effect when it arrives. Time is ROS time: while /clock does not advance, or is
+    set back, the robot does not move; when it jumps ahead, the last command applies at most for its
+    timeout.
 
     :ROS Subscribers:
         - ``cmd_vel`` (geometry_msgs/Twist, or TwistStamped with ``controller_type`` gazebo);
-          one that is not finite, or of the other type, is ignored, with a warning
+          non-finite commands, and those of the other type, are ignored with a warning
 
     :ROS Publishers:
-        - ``odom`` (nav_msgs/Odometry): where the robot believes itself to be
-        - ``ground_truth`` (nav_msgs/Odometry): where it really is, in the same frame
+        - ``odom`` (nav_msgs/Odometry): estimated pose
+        - ``ground_truth`` (nav_msgs/Odometry): true pose, in the same frame
         - ``joint_states`` (sensor_msgs/JointState): wheel_left_joint, wheel_right_joint
         - ``/tf`` (tf2_msgs/TFMessage): odom to base_footprint, and to base_scan
         - ``scan`` (sensor_msgs/LaserScan), with ``scan_rate`` above 0
@@ -48,7 +48,7 @@ class DiffDrive:
         - ``~reset`` (std_srvs/Trigger): put the robot back to its initial pose
 
     :ROS Parameters:
-        - those of :class:`.RobotParameters`, private and live
+        - private, can be changed at run time: see :class:`.RobotParameters`
     """
 
     def __init__(self, node: Node, declaration: Type[RobotParameters] = RobotParameters) -> None:
@@ -80,7 +80,7 @@ class DiffDrive:
         self._world.publish(world_markers(frame, values.walls, values.boxes))
 
     def _subscribe_commands(self, values: RobotParameters) -> None:
-        """Subscribe to commands of the type that the parameters name."""
+        """Subscribe to commands of the type set by the parameters."""
         stamped = values.controller_type == GAZEBO
         kind = TwistStamped if stamped else Twist
         self._decode = decoder(kind, "controller_type must be the same in both nodes")
@@ -103,7 +103,7 @@ class DiffDrive:
         self._robot.command(linear, angular)
 
     def _catch_up(self) -> None:
-        """Move the robot up to now."""
+        """Move the robot up to the current time."""
         now = rospy.get_rostime()
         self._robot.step(now.secs - self._now.secs + 1e-9 * (now.nsecs - self._now.nsecs))
         self._now = now

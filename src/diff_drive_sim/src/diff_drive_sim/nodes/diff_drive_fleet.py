@@ -1,4 +1,4 @@
-"""Many robots in one process of the machine."""
+"""Fleet node: many robots in one process of the machine."""
 
 import copy
 import math
@@ -28,7 +28,11 @@ class FleetParameters(RobotParameters):
     count = IntParameter(2, minimum=0, maximum=1000, help="number of robots")
     prefix = StringParameter("robot", help="prefix of the robots' names, before 1, 2, ...")
     spacing = FloatParameter(
-        1.0, minimum=0.0, maximum=1000.0, unit="m", help="how far apart they start, in a square"
+        1.0,
+        minimum=0.0,
+        maximum=1000.0,
+        unit="m",
+        help="distance of their initial positions, in a square",
     )
 
     @property
@@ -37,7 +41,7 @@ class FleetParameters(RobotParameters):
         return math.ceil(math.sqrt(self.count))
 
     def defaults(self, number: int) -> Dict[str, Any]:
-        """Return what a robot starts from, by name.
+        """Return the default parameters of a robot, by name.
 
         :param number: of the robot, from 0
         """
@@ -61,21 +65,22 @@ class FleetParameters(RobotParameters):
                 RobotParameters(**self.defaults(number))
 
 
-# Here also what a robot follows live is read once: each robot has its own, of which these are the
-# defaults.
+# Parameters that a single robot can change at run time are read once here: they are only the
+# defaults of each robot's own parameters.
 for _name, _parameter in FleetParameters.declared.items():
     FleetParameters.declared[_name] = read_once(copy.copy(_parameter))
 
 
 class DiffDriveFleet:
-    """Hosts robots that look like as many separate nodes.
+    """Host of robots that look like separate nodes.
 
-    Robot ``<prefix>1`` and so on has all that the node ``diff_drive`` would have in a namespace of
-    that name, which is also the prefix of its frames. The robots do not see each other.
+    Robot ``<prefix>1`` and so on has the topics, services and parameters of the node ``diff_drive``
+    in a namespace of that name, which is also the prefix of its frames. The robots do not see each
+    other.
 
     :ROS Parameters:
-        - those of :class:`FleetParameters`, private
-        - of each robot, in ``<robot>/diff_drive``, where those of the fleet are the defaults
+        - private: see :class:`FleetParameters`
+        - of each robot, in ``<robot>/diff_drive``; the fleet's parameters are the defaults
     """
 
     def __init__(self, node: Node) -> None:

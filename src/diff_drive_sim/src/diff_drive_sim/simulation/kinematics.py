@@ -1,9 +1,9 @@
-"""Motion of a robot with two driven wheels, in closed form without accumulated error.
+"""Kinematics of a differential-drive robot, in closed form without accumulated error.
 
-While both wheels keep their speeds, the robot drives an arc of a circle. A turn of 2h over a path
-of length d takes it along a chord of d sin(h) / h, in the direction that is half way between its
-headings before and after (Siegwart, Nourbakhsh: Autonomous Mobile Robots, section 3.2). Lengths are
-in m, angles in rad, counter-clockwise, speeds in m/s and rad/s (REP 103).
+At constant wheel speeds, the robot drives a circular arc. A turn of 2h over a path of length d
+moves it along a chord of length d sin(h) / h, at the mean of the headings before and after
+(Siegwart, Nourbakhsh: Autonomous Mobile Robots, section 3.2). Lengths are in m, angles in rad,
+counter-clockwise, speeds in m/s and rad/s (REP 103).
 """
 
 import math
@@ -66,12 +66,12 @@ class Wheels(NamedTuple):
 
 
 def wheel_speeds(linear: float, angular: float, separation: float, radius: float) -> Wheels:
-    """Return the wheels' speeds, rad/s, of a robot that drives at some speed.
+    """Return the wheels' speeds of a robot [rad/s].
 
-    :param linear: speed forward, m/s
-    :param angular: rate of turn, rad/s
-    :param separation: distance of the wheels, m
-    :param radius: of the wheels, m
+    :param linear: speed forward [m/s]
+    :param angular: rate of turn [rad/s]
+    :param separation: distance between the wheels [m]
+    :param radius: of the wheels [m]
     """
     difference = 0.5 * separation * angular
     return Wheels((linear - difference) / radius, (linear + difference) / radius)

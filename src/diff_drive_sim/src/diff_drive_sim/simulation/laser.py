@@ -1,19 +1,19 @@
-"""Ranges of a laser scanner: all rays against all walls at once."""
+"""Ranges of a laser scanner, vectorised over all rays and walls."""
 
 from typing import Sequence
 
 import numpy
 
-#: How far a ray passes the end of a wall and still meets it, in parts of the wall: where two walls
-#: meet in a corner, rounding must not let it through.
+#: A ray that passes the end of a wall by less than this still hits it, relative to the wall's
+#: length: rounding must not let it through a corner.
 _CORNER = 1e-12
 
 
 class Laser:
-    """Casts rays all around, the first one ahead, counter-clockwise.
+    """Ray caster over 360°: the first ray points ahead, the others follow counter-clockwise.
 
-    :param segments: walls, each from x, y to x, y, m
-    :param rays: how many
+    :param segments: walls, each from x, y to x, y [m]
+    :param rays: number of rays
     """
 
     def __init__(self, segments: Sequence[Sequence[float]], rays: int) -> None:
@@ -37,7 +37,7 @@ class Laser:
         to_x, to_y = self._starts[:, 0] - x, self._starts[:, 1] - y
         along_x, along_y = self._along[:, 0], self._along[:, 1]
         slant = numpy.outer(ray_x, along_y) - numpy.outer(ray_y, along_x)
-        # Along a wall, or next to, the numbers are infinite, or none.
+        # Along a wall, or beside it, the quotients are infinite or NaN.
         with numpy.errstate(divide="ignore", invalid="ignore", over="ignore"):
             distance = (to_x * along_y - to_y * along_x) / slant
             part = (numpy.outer(ray_y, to_x) - numpy.outer(ray_x, to_y)) / slant

@@ -4,7 +4,7 @@ from typing import NamedTuple, Tuple
 
 from diff_drive_sim.simulation.kinematics import Wheels, wheel_speeds
 
-#: Faster than any robot, in m/s and in rad/s.
+#: Faster than any robot [m/s] [rad/s].
 _HUGE = 1e6
 
 
@@ -34,16 +34,16 @@ class RobotSettings(NamedTuple):
 
 
 def saturated(linear: float, angular: float, robot: RobotSettings) -> Tuple[float, float]:
-    """Return the speeds that a robot drives at when it is asked for some: none above its limits.
+    """Return the speeds that a robot reaches for a command: none above its limits.
 
-    All are reduced by the same factor, so that it drives the same curve, only slower.
+    Both are reduced by the same factor, so that it drives the same curve, only slower.
 
-    :param linear: m/s, finite
-    :param angular: rad/s, finite
-    :param robot: what it is like
-    :returns: m/s and rad/s
+    :param linear: finite [m/s]
+    :param angular: finite [rad/s]
+    :param robot: its limits
+    :returns: linear [m/s] and angular speed [rad/s]
     """
-    # Of what is huge, only the curve matters; and no product may overflow.
+    # Scale huge commands down first, so that no product overflows; the curve is the same.
     scale = max(1.0, abs(linear) / _HUGE, abs(angular) / _HUGE)
     linear, angular = linear / scale, angular / scale
     linear, angular = _reduced(linear, angular, abs(linear), robot.max_linear_velocity)
@@ -54,20 +54,20 @@ def saturated(linear: float, angular: float, robot: RobotSettings) -> Tuple[floa
 
 
 def _reduced(linear: float, angular: float, value: float, limit: float) -> Tuple[float, float]:
-    """Return both speeds times a factor that takes a value down to its limit."""
+    """Return both speeds times the factor that reduces a value to its limit."""
     if value <= limit:
         return linear, angular
     return linear / value * limit, angular / value * limit
 
 
 def ramp_time(start: Wheels, end: Wheels, acceleration: float) -> float:
-    """Return how long the wheels take to come from some speeds to others, s.
+    """Return the time for the wheels to change speed [s].
 
-    Both take the same time, so that the curve changes evenly too.
+    Both take the same time, so that the curvature changes evenly, too.
 
-    :param start: rad/s
-    :param end: rad/s
-    :param acceleration: most for either, rad/s^2; 0 for no limit
+    :param start: [rad/s]
+    :param end: [rad/s]
+    :param acceleration: limit for each wheel [rad/s^2]; 0 for no limit
     """
     if acceleration <= 0.0:
         return 0.0
@@ -75,10 +75,10 @@ def ramp_time(start: Wheels, end: Wheels, acceleration: float) -> float:
 
 
 def between(start: Wheels, end: Wheels, part: float) -> Wheels:
-    """Return speeds on the straight line from some to others.
+    """Return linearly interpolated speeds.
 
-    :param start: rad/s
-    :param end: rad/s
+    :param start: [rad/s]
+    :param end: [rad/s]
     :param part: 0 for the start, 1 for the end
     """
     return Wheels(

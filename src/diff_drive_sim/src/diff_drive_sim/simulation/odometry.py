@@ -1,8 +1,8 @@
-"""Odometry: the pose estimated from the wheels' turns, and its uncertainty.
+"""Odometry: the pose estimated from the wheels' rotation, and its uncertainty.
 
-A wheel slips a little, so its measured path is off. The errors of pieces of the path have nothing
-to do with each other: their variances add up, k^2 for each m, however the path is cut to pieces.
-How they spread to the pose is Siegwart and Nourbakhsh's, Autonomous Mobile Robots, section 5.2.4.
+A wheel slips a little, so its measured path has an error. The errors of successive pieces of the
+path are independent: their variances add up, k^2 for each m, however the path is divided. The
+propagation to the pose follows Siegwart and Nourbakhsh, Autonomous Mobile Robots, section 5.2.4.
 """
 
 import math
@@ -15,19 +15,19 @@ from diff_drive_sim.simulation.kinematics import Pose, Wheels, chord
 Covariance = Tuple[float, float, float, float, float, float]
 EXACT: Covariance = (0.0,) * 6
 
-#: Half the width of an even distribution, in standard deviations.
+#: Half the width of a uniform distribution, in standard deviations.
 _WIDTH = math.sqrt(3.0)
 
 
 class Odometry:
-    """Integrates the paths of both wheels as they are measured.
+    """Integrator of the measured paths of both wheels.
 
-    :param pose: where it starts
+    :param pose: initial pose
     :param seed: of the noise: the same seed gives the same errors
 
-    :ivar pose: where the robot believes itself to be
+    :ivar pose: estimated pose
     :ivar covariance: of that pose
-    :ivar angles: of the wheels since the start, rad, as they are measured
+    :ivar angles: measured rotation of the wheels since the start [rad]
     """
 
     def __init__(self, pose: Pose, seed: int = 0) -> None:
@@ -39,13 +39,13 @@ class Odometry:
     def roll(
         self, distance: float, turn: float, separation: float, radius: float, k: float
     ) -> None:
-        """Measure an arc; short of a few cm, as the errors are linearised.
+        """Measure an arc of at most a few cm, because the errors are linearised.
 
-        :param distance: its true length, m; below 0 backwards
-        :param turn: true change of the heading on it, rad
-        :param separation: distance of the wheels, m
-        :param radius: of the wheels, m
-        :param k: standard deviation of the error of a wheel's path after 1 m, m
+        :param distance: its true length [m]; below 0 backwards
+        :param turn: true change of the heading [rad]
+        :param separation: distance between the wheels [m]
+        :param radius: of the wheels [m]
+        :param k: standard deviation of the error of a wheel's path after 1 m [m]
         """
         if k > 0.0:
             left, right = wheel_paths(distance, turn, separation)
@@ -58,7 +58,7 @@ class Odometry:
         self.angles = Wheels(self.angles.left + left / radius, self.angles.right + right / radius)
 
     def _error(self, path: float, k: float) -> float:
-        """Return an error of a path, m: never more than 1.73 standard deviations."""
+        """Return an error of a path, at most 1.73 standard deviations [m]."""
         return k * math.sqrt(abs(path)) * _WIDTH * self._random.uniform(-1.0, 1.0)
 
     def _spread(self, distance: float, turn: float, separation: float, k: float) -> None:
@@ -90,10 +90,10 @@ class Odometry:
 
 
 def wheel_paths(distance: float, turn: float, separation: float) -> Wheels:
-    """Return how far the wheels roll on an arc, m.
+    """Return the paths of the wheels on an arc [m].
 
-    :param distance: its length, m; below 0 backwards
-    :param turn: change of the heading on it, rad
-    :param separation: distance of the wheels, m
+    :param distance: its length [m]; below 0 backwards
+    :param turn: change of the heading [rad]
+    :param separation: distance between the wheels [m]
     """
     return Wheels(distance - 0.5 * separation * turn, distance + 0.5 * separation * turn)

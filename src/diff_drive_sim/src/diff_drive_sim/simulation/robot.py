@@ -1,6 +1,6 @@
-"""A robot with two wheels: commands in, poses out. It knows no ROS and no clock.
+"""Simulated differential-drive robot, from commands to poses; without ROS and without a clock.
 
-A controller's test closes the loop with it::
+A test of a controller closes the loop like this::
 
     robot = Robot(RobotSettings(), pose=Pose(0.0, 0.0, 0.0))
     while ...:
@@ -16,32 +16,32 @@ from diff_drive_sim.simulation.limits import RobotSettings, between, ramp_time, 
 from diff_drive_sim.simulation.odometry import Odometry
 from diff_drive_sim.simulation.world import World
 
-#: Pieces that a change of speed is driven in, s: each with its mean speeds, so that the heading is
-#: exact and the place off by the cube of this.
+#: Step of a change of speed [s], driven with its mean speeds: the heading is exact, the position
+#: has an error of third order in this step.
 _RAMP_PIECE_S = 0.01
-#: Longest path of a wheel for which the errors of odometry are taken as linear, m.
+#: Longest path of a wheel for which odometry errors are linearised [m].
 _NOISE_PIECE_M = 0.02
-#: What it turns at a wall before it tries to drive on, rad.
+#: Turn at a wall before the robot tries to drive again [rad].
 _TURN_AT_WALL_RAD = 0.05
-#: Longest time that is driven in one step, s: the pieces of a jump by years would take days.
+#: Longest time simulated in one step [s]: a clock jump of years would take days.
 LONGEST_STEP_S = 3600.0
 
 
 class Robot:
-    """Its state, which steps from one moment to the next; any step, without losing exactness.
+    """State of a robot, simulated in steps of any length without loss of accuracy.
 
-    A command acts until the next one, or until it is too old; then the robot stops. A wall stops
-    it where it touches that, but not its turn: it drives on as soon as its way is free. Not safe
-    for several threads at once.
+    A command applies until the next one, or until its timeout; then the robot stops. A wall stops
+    its forward motion on contact, but not its turn: it drives on as soon as its way is free. Not
+    thread-safe.
 
-    :param settings: what it is like
-    :param world: what is in its way
-    :param pose: where it starts
-    :param seed: of the noise of its odometry
+    :param settings: of the robot
+    :param world: walls and boxes
+    :param pose: initial pose
+    :param seed: of the odometry noise
 
-    :ivar pose: where it is
-    :ivar wheels: speeds of the wheels, rad/s
-    :ivar odometry: where it believes itself to be, and how its wheels have turned
+    :ivar pose: true pose
+    :ivar wheels: speeds of the wheels [rad/s]
+    :ivar odometry: estimated pose, and rotation of the wheels
     :ivar touches: whether a wall stopped it in the last step
     """
 
@@ -57,10 +57,10 @@ class Robot:
         self.reset(pose, seed)
 
     def reset(self, pose: Pose, seed: int = 0) -> None:
-        """Put it to a place, at rest and without a command; its odometry restarts there.
+        """Move the robot to a pose, at rest and without a command; restart its odometry there.
 
-        :param pose: the place
-        :param seed: of the noise of its odometry
+        :param pose: the pose
+        :param seed: of the odometry noise
         """
         self.pose = pose
         self.wheels = Wheels()
@@ -76,10 +76,10 @@ class Robot:
         return body_speeds(self.wheels, *self._geometry)
 
     def command(self, linear: float, angular: float) -> None:
-        """Have it drive at some speed from now on; beyond its limits the same curve, slower.
+        """Set the speed; beyond its limits, the robot drives the same curve, only slower.
 
-        :param linear: speed forward, m/s
-        :param angular: rate of turn, rad/s
+        :param linear: speed forward [m/s]
+        :param angular: rate of turn [rad/s]
         :raises ValueError: if a speed is not finite
         """
         if not (math.isfinite(linear) and math.isfinite(angular)):
@@ -88,17 +88,17 @@ class Robot:
         self._acts_for = self.settings.command_timeout or math.inf
 
     def change(self, settings: RobotSettings) -> None:
-        """Make it another robot; its command acts on, from now no longer than the new time-out.
+        """Change the settings; the current command continues, from now at most for the new timeout.
 
-        :param settings: what it is like from now on
+        :param settings: new settings
         """
         self.settings = settings
         self._acts_for = min(self._acts_for, settings.command_timeout or math.inf)
 
     def step(self, dt: float) -> None:
-        """Let time pass.
+        """Advance the time.
 
-        :param dt: how much, s; nothing moves in 0 or less, nor for longer than LONGEST_STEP_S
+        :param dt: duration [s]; ignored if not positive, limited to LONGEST_STEP_S
         """
         if dt <= 0.0:
             return
@@ -115,7 +115,7 @@ class Robot:
         return self.settings.wheel_separation, self.settings.wheel_radius
 
     def _drive(self, dt: float) -> None:
-        """Drive towards the speeds that are wanted, and on at those."""
+        """Accelerate to the commanded speeds, and continue at them."""
         dt = min(dt, LONGEST_STEP_S)
         target = wheel_speeds(*saturated(*self._wanted, self.settings), *self._geometry)
         start = self.wheels
@@ -126,11 +126,11 @@ class Robot:
         self.wheels = between(start, target, driven / ramp) if driven < ramp else target
         self._roll(self.wheels, dt - driven)
         if self._is_held:
-            # The wall has taken the speed forward, and that of the turn is left.
+            # The wall stops the forward motion; the turn remains.
             self.wheels = wheel_speeds(0.0, self.speeds[1], *self._geometry)
 
     def _roll(self, wheels: Wheels, dt: float) -> None:
-        """Roll at constant speeds until the time is over; where a wall is in the way only turn."""
+        """Roll at constant speeds for a time; if a wall is in the way, only turn."""
         if dt <= 0.0:
             return
         linear, angular = body_speeds(wheels, *self._geometry)
@@ -150,7 +150,7 @@ class Robot:
             distance, turn = (1.0 - turned) * distance, (1.0 - turned) * turn
 
     def _move(self, distance: float, turn: float) -> None:
-        """Drive an arc that is free; the wheels' measured paths have their errors on it."""
+        """Drive a free arc, with errors of the wheels' measured paths."""
         self.pose = self.pose.moved(distance, turn)
         separation, radius = self._geometry
         k = self.settings.odometry_noise
@@ -161,7 +161,7 @@ class Robot:
 
 
 def _pieces(whole: float, longest: float) -> Iterator[Tuple[float, float]]:
-    """Return start and end of equal pieces of a time, s; none of 0."""
+    """Yield start and end of equal pieces of a time [s]; none for 0."""
     count = math.ceil(whole / longest)
     for number in range(count):
         yield whole * number / count, whole * (number + 1) / count

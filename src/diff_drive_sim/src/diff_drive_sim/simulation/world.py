@@ -1,6 +1,6 @@
-"""World in which a robot drives: a plane with walls and boxes.
+"""World of a robot: a plane with walls and boxes.
 
-Plain Python, so that a robot without a laser needs no numpy.
+Pure Python, so that a robot without a laser does not need numpy.
 """
 
 import math
@@ -11,7 +11,7 @@ from diff_drive_sim.simulation.kinematics import Pose
 #: From x, y to x, y, m.
 Segment = Tuple[float, float, float, float]
 
-#: Halvings after which a contact is exact to a billionth of what was to be driven.
+#: Number of bisections, for a contact exact to a billionth of the path.
 _HALVINGS = 30
 
 
@@ -42,14 +42,14 @@ class World:
     def free_part(self, pose: Pose, distance: float, turn: float, radius: float) -> float:
         """Return how much of an arc a round robot can drive before it touches a wall, 0 to 1.
 
-        What is this far from any wall can be driven without a further look, so that a long arc
-        takes few steps and jumps over nothing. A robot that touches a wall already, or stands in
-        one, may drive away from it.
+        Each step advances by the current distance to the nearest wall, so a long arc takes few
+        steps and skips no wall. A robot that already touches a wall, or is inside one, may drive
+        away from it.
 
-        :param pose: where the arc starts
-        :param distance: length of the arc, m; below 0 backwards
-        :param turn: change of the heading on it, rad
-        :param radius: of the robot, m
+        :param pose: start of the arc
+        :param distance: length of the arc [m]; below 0 backwards
+        :param turn: change of the heading on it [rad]
+        :param radius: of the robot [m]
         """
         length = abs(distance)
         if not self.segments or length == 0.0:
@@ -59,7 +59,7 @@ class World:
             x, y, _ = pose.moved(part * distance, part * turn)
             return self.distance(x, y) - radius
 
-        # A piece of less than the radius cannot jump over a wall.
+        # A step below the radius cannot skip a wall.
         least = max(0.1 * radius, 1e-3)
         part, room = 0.0, clearance(0.0)
         while part < 1.0:

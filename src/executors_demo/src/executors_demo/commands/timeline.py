@@ -1,4 +1,4 @@
-"""The command ``rosrun executors_demo timeline LOG… -o picture.svg``."""
+"""Command ``rosrun executors_demo timeline LOG… -o picture.svg``."""
 
 import argparse
 import os
@@ -8,17 +8,17 @@ from typing import Dict, List, NoReturn
 from executors_demo.bars import Bar, bars
 from executors_demo.events import read
 
-#: Stands for the standard input.
+#: Stands for standard input.
 STDIN = "-"
 _FORMATS = ("svg", "png")
 
 
 class NoLines(Exception):
-    """A log in which there is nothing to draw; the text says which."""
+    """A log without anything to draw; the text names it."""
 
 
 def main() -> None:
-    """Draw who ran when on which thread."""
+    """Draw when each callback ran, and on which thread."""
     arguments = _parser().parse_args()
     try:
         _write(arguments.output, {log: _bars(log) for log in arguments.logs or [STDIN]})
@@ -29,7 +29,7 @@ def main() -> None:
     except OSError as error:
         _fail(f"{error.filename or arguments.output}: {error.strerror or error}")
     except KeyboardInterrupt:
-        sys.exit(130)  # as a shell puts it
+        sys.exit(130)  # the shell's convention for SIGINT
 
 
 def _fail(text: str) -> NoReturn:
@@ -47,7 +47,7 @@ def _parser() -> argparse.ArgumentParser:
         "logs",
         metavar="LOG",
         nargs="*",
-        help="what a demo has printed; - or none for the standard input",
+        help="output of a demo; - or none for standard input",
     )
     parser.add_argument(
         "-o", "--output", required=True, type=_output, help="file to write: .svg or .png"
@@ -72,16 +72,16 @@ def _bars(log: str) -> List[Bar]:
         with open(log, errors="replace") as file:
             made = bars(read(file))
     if not made:
-        raise NoLines(f"{log}: no line that says that a call begins or ends")
+        raise NoLines(f"{log}: no line about the start or end of a call")
     return made
 
 
 def _write(path: str, runs: Dict[str, List[Bar]]) -> None:
-    # It takes a second to load, which an error need not wait for.
+    # Matplotlib takes a second to load, which errors should not wait for.
     from executors_demo.picture import Panel, draw, save
 
     panels = [Panel(_title(log), made) for log, made in runs.items()]
-    # The file appears when it is complete.
+    # The file is renamed when it is complete.
     partial = path + ".part"
     try:
         save(draw(panels), partial, _format(path))

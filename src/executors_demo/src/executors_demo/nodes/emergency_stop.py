@@ -1,4 +1,4 @@
-"""More slow work than there are threads, and a stop that does not wait its turn."""
+"""More slow work than threads, and a stop service that does not wait in the queue."""
 
 from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
 
@@ -20,21 +20,21 @@ class EmergencyStopParameters(ExecutorParameters):
     jobs = read_once(IntParameter(8, minimum=1, maximum=100, help="number of slow timers"))
     job_period = period_of(1.0, "each job")
     job_sleep = sleep_of(0.5, "each job")
-    urgent = read_once(BoolParameter(True, help="whether the stop goes ahead of all that waits"))
+    urgent = read_once(BoolParameter(True, help="whether the stop precedes all waiting calls"))
 
 
 class EmergencyStop(Demo[EmergencyStopParameters]):
-    """Eight jobs of half a second each, to be done every second by two threads: some always wait.
+    """Eight jobs of half a second each, every second, on two threads: some jobs always wait.
 
-    The service ``stop`` is in an urgent group, so it is called as soon as one thread is free. With
-    ``_urgent:=false`` it waits until it is its turn, after the jobs that came before.
+    The service ``stop`` is in an urgent group, so it is called as soon as a thread is free. With
+    ``_urgent:=false`` it waits in the queue behind the jobs.
 
     :ROS Services:
-        - ``stop`` (std_srvs/SetBool): true stops the jobs, false has them go on
-        - ``~executor`` (std_srvs/Trigger): what waits, what runs, what was left out
+        - ``stop`` (std_srvs/SetBool): true stops the jobs, false continues them
+        - ``~executor`` (std_srvs/Trigger): waiting, running and skipped calls
 
     :ROS Parameters:
-        - those of :class:`EmergencyStopParameters`, private and live
+        - private, can be changed at run time: see :class:`EmergencyStopParameters`
     """
 
     def __init__(self, node: Node) -> None:
@@ -52,11 +52,11 @@ class EmergencyStop(Demo[EmergencyStopParameters]):
 
     @property
     def is_stopped(self) -> bool:
-        """Whether the jobs are to stand still."""
+        """Whether the jobs are stopped."""
         return self._is_stopped
 
     def stop(self, request: SetBoolRequest) -> SetBoolResponse:
-        """Stop the jobs, or have them go on."""
+        """Stop or continue the jobs."""
         self._is_stopped = request.data
         text = "stopped" if request.data else "going on"
         self.work("stop", 0.0, text)
@@ -64,9 +64,9 @@ class EmergencyStop(Demo[EmergencyStopParameters]):
 
 
 class Job:
-    """Slow work, in a group of its own: it runs beside all others, but not beside itself.
+    """Slow work in its own group: it runs in parallel with other jobs, but not with itself.
 
-    :param demo: what it belongs to
+    :param demo: the demo that it belongs to
     :param name: its name
     """
 
@@ -74,7 +74,7 @@ class Job:
         self._demo, self._name = demo, name
 
     def work(self, elapsed: float) -> None:
-        """Work for ``~job_sleep``, unless all stand still."""
+        """Work for ``~job_sleep``, unless the jobs are stopped."""
         if not self._demo.is_stopped:
             self._demo.work(self._name, self._demo.settings.job_sleep)
 

@@ -1,20 +1,20 @@
-"""Two timers in a reentrant group, and two that exclude each other."""
+"""Two timers in a reentrant group, and two in a mutually exclusive group."""
 
 from executors_demo.four_timers import FourTimers
 from nodekit import MutuallyExclusiveCallbackGroup, Node, ReentrantCallbackGroup, run
 
 
 class MutexReentrant(FourTimers):
-    """``timer1`` and ``timer2`` in a reentrant group, ``timer3`` and ``timer4`` in an exclusive.
+    """``timer1`` and ``timer2`` in a reentrant group, ``timer3`` and ``timer4`` in a mutex group.
 
-    A reentrant group lets everything run: also ``timer1`` beside itself, where it sleeps for longer
-    than its period. Of an exclusive group one call runs at a time.
+    A reentrant group does not restrict its calls: even two calls of ``timer1`` overlap if it sleeps
+    for longer than its period. An exclusive group runs one call at a time.
 
     :ROS Services:
-        - ``~executor`` (std_srvs/Trigger): what waits, what runs, what was left out
+        - ``~executor`` (std_srvs/Trigger): waiting, running and skipped calls
 
     :ROS Parameters:
-        - those of :class:`.FourTimersParameters`, private and live
+        - private, can be changed at run time: see :class:`.FourTimersParameters`
     """
 
     def __init__(self, node: Node) -> None:

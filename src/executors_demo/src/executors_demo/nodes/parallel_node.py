@@ -1,4 +1,4 @@
-"""A fast timer, a slow one and a topic, all at the same time."""
+"""A fast timer, a slow timer and a topic, in parallel."""
 
 from std_msgs.msg import String
 
@@ -16,16 +16,16 @@ class ParallelNodeParameters(ExecutorParameters):
 
 
 class ParallelNode(Demo[ParallelNodeParameters]):
-    """A fast timer goes on while a slow one works; commands are carried out one by one.
+    """A fast timer continues while a slow timer works; commands are executed one by one.
 
     :ROS Subscribers:
-        - ``commands`` (std_msgs/String), in an exclusive group of its own
+        - ``commands`` (std_msgs/String), in its own exclusive group
 
     :ROS Services:
-        - ``~executor`` (std_srvs/Trigger): what waits, what runs, what was left out
+        - ``~executor`` (std_srvs/Trigger): waiting, running and skipped calls
 
     :ROS Parameters:
-        - those of :class:`ParallelNodeParameters`, private and live
+        - private, can be changed at run time: see :class:`ParallelNodeParameters`
     """
 
     def __init__(self, node: Node) -> None:
@@ -36,7 +36,7 @@ class ParallelNode(Demo[ParallelNodeParameters]):
         node.create_subscription("commands", String, self.command, group=commands)
 
     def fast(self, elapsed: float) -> None:
-        """Be done at once."""
+        """Return immediately."""
         self.work("fast", 0.0)
 
     def slow(self, elapsed: float) -> None:
@@ -44,7 +44,7 @@ class ParallelNode(Demo[ParallelNodeParameters]):
         self.work("slow", self.settings.slow_sleep)
 
     def command(self, message: String) -> None:
-        """Carry out a command, for ``~command_sleep``."""
+        """Execute a command, for ``~command_sleep``."""
         self.work("commands", self.settings.command_sleep, message.data)
 
 

@@ -1,4 +1,4 @@
-"""Several nodes in one process, and one executor for all of them."""
+"""Several nodes in one process, with a common executor."""
 
 from executors_demo.demo import Demo, ExecutorParameters, period_of, sleep_of
 from nodekit import Node, ParameterSet, run
@@ -14,18 +14,17 @@ class MemberParameters(ParameterSet):
 
 
 class SeveralNodes(Demo[ExecutorParameters]):
-    """Hosts the nodes ``camera``, ``lidar`` and ``planner``; one executor calls their timers.
+    """Host of the nodes ``camera``, ``lidar`` and ``planner``; one executor calls their timers.
 
-    The callbacks of one node exclude each other unless it says otherwise, those of two nodes do
-    not. So with four threads the nodes work at the same time, and with ``_executor:=single`` one
-    after the other.
+    By default, the callbacks of one node exclude each other, those of two nodes do not. So with
+    four threads the nodes work in parallel, and with ``_executor:=single`` one after the other.
 
     :ROS Services:
-        - ``~executor`` (std_srvs/Trigger), also of each node that it hosts
+        - ``~executor`` (std_srvs/Trigger), also of each hosted node
 
     :ROS Parameters:
-        - those of :class:`.ExecutorParameters`, private and live
-        - of each node that it hosts those of :class:`MemberParameters`
+        - private, can be changed at run time: see :class:`.ExecutorParameters`
+        - of each hosted node: see :class:`MemberParameters`
     """
 
     def __init__(self, node: Node) -> None:
@@ -35,10 +34,10 @@ class SeveralNodes(Demo[ExecutorParameters]):
 
 
 class Member:
-    """A node with one timer.
+    """Node with one timer.
 
     :ROS Parameters:
-        - those of :class:`MemberParameters`, private and live
+        - private, can be changed at run time: see :class:`MemberParameters`
     """
 
     def __init__(self, node: Node, demo: SeveralNodes) -> None:

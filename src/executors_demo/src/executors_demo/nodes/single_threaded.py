@@ -11,16 +11,17 @@ class SingleThreadedParameters(FourTimersParameters):
 
 
 class SingleThreaded(FourTimers):
-    """Four timers that might run at the same time, each being in a group of its own.
+    """Four timers that could run in parallel, each in its own group.
 
-    But the executor has one thread: it makes one call after the other, in the order in which they
-    became due. While ``timer1`` sleeps, nothing else runs. With ``_executor:=multi`` they all do.
+    But the executor has one thread: it makes one call after the other, in the order of their due
+    times. While ``timer1`` sleeps, nothing else runs. With ``_executor:=multi`` all timers run in
+    parallel.
 
     :ROS Services:
-        - ``~executor`` (std_srvs/Trigger): what waits, what runs, what was left out
+        - ``~executor`` (std_srvs/Trigger): waiting, running and skipped calls
 
     :ROS Parameters:
-        - those of :class:`SingleThreadedParameters`, private and live
+        - private, can be changed at run time: see :class:`SingleThreadedParameters`
     """
 
     def __init__(self, node: Node) -> None:

@@ -1,4 +1,4 @@
-"""A service that takes three seconds, and a timer that goes on meanwhile."""
+"""A service that takes three seconds, and a timer that continues meanwhile."""
 
 from std_srvs.srv import Trigger, TriggerRequest, TriggerResponse
 
@@ -24,18 +24,18 @@ class SlowServiceParameters(ExecutorParameters):
 
 
 class SlowService(Demo[SlowServiceParameters]):
-    """A slow service that delays nothing else.
+    """Slow service that does not delay other callbacks.
 
-    The timer and the service are in groups of their own, so the timer goes on. The service's group
-    is reentrant, so several calls are answered at the same time, as many as there are threads;
-    with ``_exclusive:=true`` it is exclusive, and they are answered one by one.
+    The timer and the service have their own groups, so the timer continues. The service's group is
+    reentrant, so as many calls are answered in parallel as there are threads; with
+    ``_exclusive:=true`` it is exclusive, and they are answered one by one.
 
     :ROS Services:
         - ``slow_service`` (std_srvs/Trigger): answers after ``~service_sleep``
-        - ``~executor`` (std_srvs/Trigger): what waits, what runs, what was left out
+        - ``~executor`` (std_srvs/Trigger): waiting, running and skipped calls
 
     :ROS Parameters:
-        - those of :class:`SlowServiceParameters`, private and live
+        - private, can be changed at run time: see :class:`SlowServiceParameters`
     """
 
     def __init__(self, node: Node) -> None:
@@ -53,7 +53,7 @@ class SlowService(Demo[SlowServiceParameters]):
         return TriggerResponse(True, f"done after {length:g} s")
 
     def timer(self, elapsed: float) -> None:
-        """Be done at once."""
+        """Return immediately."""
         self.work("timer", 0.0)
 
 

@@ -1,4 +1,4 @@
-"""Two pairs of timers; those of a pair exclude each other."""
+"""Two pairs of timers; the timers of a pair exclude each other."""
 
 from executors_demo.four_timers import FourTimers
 from nodekit import MutuallyExclusiveCallbackGroup, Node, run
@@ -7,13 +7,13 @@ from nodekit import MutuallyExclusiveCallbackGroup, Node, run
 class TwoMutex(FourTimers):
     """``timer1`` and ``timer2`` are in an exclusive group, ``timer3`` and ``timer4`` in another.
 
-    While ``timer1`` sleeps, ``timer2`` waits; ``timer3`` and ``timer4`` go on, in turns.
+    While ``timer1`` sleeps, ``timer2`` waits; ``timer3`` and ``timer4`` alternate.
 
     :ROS Services:
-        - ``~executor`` (std_srvs/Trigger): what waits, what runs, what was left out
+        - ``~executor`` (std_srvs/Trigger): waiting, running and skipped calls
 
     :ROS Parameters:
-        - those of :class:`.FourTimersParameters`, private and live
+        - private, can be changed at run time: see :class:`.FourTimersParameters`
     """
 
     def __init__(self, node: Node) -> None:

@@ -1,4 +1,4 @@
-"""The command ``rosrun robot_interfaces_demo fleet_report``."""
+"""Command ``rosrun robot_interfaces_demo fleet_report``."""
 
 import argparse
 import sys
@@ -14,12 +14,12 @@ from nodekit.service_hint import service_hint
 
 #: Base name of the service of a fleet_monitor.
 SERVICE = "report"
-#: What the exit status says.
+#: Exit statuses.
 ALL_WELL, SOMETHING_WRONG, NO_ANSWER = 0, 1, 2
 
 
 def main() -> None:
-    """Print the table of a fleet_monitor; the exit status says whether all is well."""
+    """Print the table of a fleet_monitor; the exit status is 0 if all is well."""
     arguments = _parser().parse_args(rospy.myargv()[1:])
     node = arguments.node
     try:
@@ -32,7 +32,7 @@ def main() -> None:
     except CallError as error:
         _give_up(f"{node} does not answer: {error}")
     except KeyboardInterrupt:
-        sys.exit(130)  # as a shell puts it
+        sys.exit(130)  # the shell's convention for SIGINT
     print(answer.message)
     sys.exit(ALL_WELL if answer.success else SOMETHING_WRONG)
 
@@ -45,7 +45,7 @@ def _give_up(why: str) -> NoReturn:
 def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="fleet_report",
-        description="Print how the robots of a fleet_monitor are.",
+        description="Print the state of the robots of a fleet_monitor.",
         epilog="Exit status: 0 if all is well, 1 if something is wrong, 2 if there is no answer.",
     )
     parser.add_argument(

@@ -1,21 +1,21 @@
-"""The time in which messages could arrive: it stands still with /clock, and while we do."""
+"""Clock of the time in which messages could arrive: it stops with /clock, and with this process."""
 
 from typing import Optional
 
-#: A longer step of the clock is a jump, s: no time has passed.
+#: A larger step of the clock is a jump [s]: no time has passed.
 _JUMP_S = 10.0
 
 
 class AwakeClock:
-    """Counts the time that may be held against robots.
+    """Clock of the time for which silence of a robot counts.
 
-    A pause of simulated time does not count, and neither does a jump of it. Nor does the time in
-    which this process was stopped, or got no processor: robots' messages wait to be read then. A
-    reading that is more than twice too late counts as much as one in time.
+    A pause or a jump of simulated time does not count. Nor does time in which this process was
+    suspended or got no CPU: robots' messages are then waiting to be read. A reading that is more
+    than twice too late counts like one in time.
 
-    :param interval_s: how often it is read at least, s
+    :param interval_s: longest interval between readings [s]
 
-    :ivar time: the time so far, s
+    :ivar time: the time so far [s]
     """
 
     def __init__(self, interval_s: float) -> None:
@@ -25,10 +25,10 @@ class AwakeClock:
         self._machine = self._moved_at = 0.0
 
     def read(self, now: float, machine: float) -> float:
-        """Return the time; to be called now and then, and with each message.
+        """Return the time; to be called regularly, and with each message.
 
-        :param now: ROS time where it is simulated, else as ``machine``, s
-        :param machine: the machine's monotonic clock, s
+        :param now: ROS time if it is simulated, else as ``machine`` [s]
+        :param machine: the machine's monotonic clock [s]
         """
         if self._now is None:
             self._moved_at = machine
@@ -45,5 +45,5 @@ class AwakeClock:
 
     @property
     def still_s(self) -> float:
-        """For how long the clock has stood still at the last reading, s of the machine's clock."""
+        """How long the clock had stopped at the last reading, by the machine's clock [s]."""
         return self._machine - self._moved_at

@@ -1,4 +1,4 @@
-"""Any number of robots that are found by themselves; it knows no ROS."""
+"""Fleet of robots, which are discovered from their messages; independent of ROS."""
 
 from typing import Dict, Iterable, List, Sequence, Tuple
 
@@ -7,26 +7,26 @@ from robot_interfaces_demo.monitoring.problems import Level
 from robot_interfaces_demo.monitoring.robot import Finding, Note, Robot
 from robot_interfaces_demo.monitoring.settings import LONGEST_NAME, FleetMonitorParameters, is_name
 
-#: Most notes that are returned at once.
+#: Most notes returned at a time.
 MOST_NOTES = 10
-#: How long simulated time may stand still before that is reported, s of the machine's clock.
+#: Time until stopped simulated time is reported, by the machine's clock [s].
 STILL_S = 5.0
-#: How long ignored messages are reported, s.
+#: How long ignored messages are reported [s].
 IGNORED_S = 60.0
-#: What a table has of each robot, besides its name, level and message.
+#: Columns of the table for each robot, besides name, level and message.
 _COLUMNS = ("presence", "age", "period", "mode", "battery", "temperature", "obstacle")
 
 
 class Fleet:
-    """Keeps what the robots' messages say, and notices which have fallen silent.
+    """State of all robots, from their messages and their silence.
 
-    No more robots are kept than the settings allow, and no more notes than :data:`MOST_NOTES`;
-    the rest is counted.
+    The number of robots is limited by the settings, and that of notes by :data:`MOST_NOTES`; the
+    rest is counted.
 
-    :param settings: limits and more
-    :param now: time, s, of which all that follow are on the same scale
+    :param settings: limits and other parameters
+    :param now: time [s], on the same scale as all later times
 
-    :ivar still_s: for how long the time has stood still, s of the machine's clock
+    :ivar still_s: how long the time has been stopped, by the machine's clock [s]
     """
 
     def __init__(self, settings: FleetMonitorParameters, now: float) -> None:
@@ -35,7 +35,7 @@ class Fleet:
         self._more = 0
         self._found = 0
         self._is_full = False
-        #: By the reason, how many messages were ignored, and when the last one was.
+        #: Number of ignored messages and time of the last one, by reason.
         self._ignored: Dict[str, Tuple[int, float]] = {}
         self.still_s = 0.0
         self.set(settings, now)
@@ -46,10 +46,10 @@ class Fleet:
         return sorted(self._robots.values(), key=lambda robot: robot.name)
 
     def set(self, settings: FleetMonitorParameters, now: float) -> None:
-        """Go by other settings from now on.
+        """Change the settings.
 
-        :param settings: the new ones
-        :param now: time, s
+        :param settings: the new settings
+        :param now: time [s]
         """
         self._settings = settings
         expected = set(settings.expected)
@@ -67,10 +67,10 @@ class Fleet:
         """Record a message.
 
         :param name: of the robot
-        :param publisher: name of the node that sent it
+        :param publisher: name of the sending node
         :param mode: number of the robot's mode
         :param readings: as in the message
-        :param now: time, s
+        :param now: time [s]
         """
         robot = self._robots.get(name)
         if robot is None:
@@ -83,9 +83,9 @@ class Fleet:
         self._add_notes(robot.add_message(publisher, mode, readings, now, self._settings))
 
     def check_ages(self, now: float) -> None:
-        """Record what time alone has changed.
+        """Record changes that follow from time alone.
 
-        :param now: time, s
+        :param now: time [s]
         """
         self._is_full = False
         for why, (_, last) in list(self._ignored.items()):
@@ -97,7 +97,7 @@ class Fleet:
                 self._forget(robot)
 
     def notes(self) -> List[Note]:
-        """Return what is new since the last call, oldest first."""
+        """Return the notes since the last call, oldest first."""
         notes, more = self._notes, self._more
         self._notes, self._more = [], 0
         if more:
@@ -105,9 +105,9 @@ class Fleet:
         return notes
 
     def findings(self, now: float) -> List[Finding]:
-        """Return how the fleet is, and after that each robot.
+        """Return the condition of the fleet, then of each robot.
 
-        :param now: time, s
+        :param now: time [s]
         """
         findings = [robot.finding(now, self._settings) for robot in self.robots]
         return [self._summary(findings), *findings]
@@ -129,23 +129,23 @@ class Fleet:
             f"messages ignored: {number}, as {why}" for why, (number, _) in self._ignored.items()
         ]
         if self.still_s > STILL_S:
-            own.append("simulated time stands still, so no robot becomes stale")
+            own.append("simulated time is stopped, so no robot becomes stale")
         level = max([Level.OK, *(finding.level for finding in findings)])
         if own or not count:
             level = max(level, Level.WARN)
         return Finding("", level, "; ".join(parts + own), values)
 
     def _reason_against(self, name: str) -> str:
-        """Return why a new robot is ignored; empty where it is not."""
+        """Return why a new robot is ignored; empty if it is not."""
         if not is_name(name):
             return f"a name must be 1 to {LONGEST_NAME} printable characters"
         return "" if self._make_room() else f"max_robots is {self._settings.max_robots}"
 
     def _make_room(self) -> bool:
-        """Return whether there is room for one more, after a lost one has made it if need be."""
+        """Return whether there is room for another robot, removing a lost one if necessary."""
         if self._found < self._settings.max_robots:
             return True
-        if not self._is_full:  # until the next check, as no robot is lost by then
+        if not self._is_full:  # no robot becomes lost before the next check
             lost = next(filter(self._is_dispensable, self._robots.values()), None)
             self._is_full = lost is None
             if lost is not None:

@@ -1,22 +1,22 @@
-"""The period of what arrives again and again, learnt from when it arrives."""
+"""Period of recurring messages, learnt from their arrival times."""
 
 import collections
 from typing import Deque, Optional
 
-#: Shortest period, s: a busy machine delays messages by as much.
+#: Shortest period [s]: a busy machine delays messages by as much.
 LEAST_PERIOD_S = 0.1
-#: Arrivals that are closer than this count as one, s.
+#: Arrivals closer than this count as one [s].
 _TOGETHER_S = 0.05
-#: How many intervals are kept.
+#: Number of intervals kept.
 _KEPT = 8
 
 
 class PeriodLearner:
-    """Learns a period from arrivals: the second longest of the last few intervals.
+    """Learner of a period: the second longest of the last few intervals.
 
-    A single gap does not change that. Nor do messages that a link has held back and delivers all at
-    once, which would fool a mean or a median. A new period that is longer is learnt after two
-    intervals, one that is shorter after seven.
+    It is robust against a single gap, and against messages that a connection has held back and
+    delivers together, which would distort a mean or a median. A longer period is learnt after two
+    intervals, a shorter one after seven.
     """
 
     def __init__(self) -> None:
@@ -27,8 +27,8 @@ class PeriodLearner:
     def add_arrival(self, now: float, longest: float) -> None:
         """Record an arrival.
 
-        :param now: time, s
-        :param longest: longest period that there may be, s; what is longer is an absence
+        :param now: time [s]
+        :param longest: longest valid period [s]; a longer interval is an absence
         """
         if self._arrival is None:
             self._arrival = now
@@ -40,8 +40,8 @@ class PeriodLearner:
             self._arrival = now
 
     def period(self, longest: float) -> float:
-        """Return the period, s.
+        """Return the period [s].
 
-        :param longest: longest period that there may be, s; returned before two intervals are known
+        :param longest: longest valid period [s]; returned before two intervals are known
         """
         return min(max(self._second, LEAST_PERIOD_S), longest) if self._second else longest

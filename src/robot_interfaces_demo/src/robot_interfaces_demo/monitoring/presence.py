@@ -1,11 +1,11 @@
-"""Whether a robot is there: a table of states, and the time that leads through it."""
+"""Presence of a robot: a state table, and the timeouts that drive it."""
 
 import enum
 from typing import Dict, Tuple
 
 
 class Presence(enum.Enum):
-    """Whether a robot is there."""
+    """Presence of a robot."""
 
     AWAITED = "awaited"
     NEVER_SEEN = "never seen"
@@ -16,19 +16,19 @@ class Presence(enum.Enum):
 
 
 class Event(enum.Enum):
-    """Events that may change it."""
+    """Events of the table."""
 
     #: a message has arrived
     HEARD = "heard"
-    #: none has for as long as is stale
+    #: no message for the time after which a robot is stale
     OVERDUE = "overdue"
-    #: none has for as long as is lost
+    #: no message for the time after which a robot is lost
     GONE = "gone"
-    #: they have arrived again, without being overdue, for as long as is stale
+    #: messages have arrived on time again for the time after which a robot is stale
     SETTLED = "settled"
 
 
-#: What does not stand here changes nothing.
+#: Other events do not change the state.
 TRANSITIONS: Dict[Tuple[Presence, Event], Presence] = {
     (Presence.AWAITED, Event.HEARD): Presence.PRESENT,
     (Presence.AWAITED, Event.OVERDUE): Presence.NEVER_SEEN,
@@ -43,14 +43,14 @@ TRANSITIONS: Dict[Tuple[Presence, Event], Presence] = {
 
 
 class Attendance:
-    """Follows one robot through the table.
+    """Presence of one robot, by the table.
 
-    How often :meth:`check_age` is called makes no difference to where it leads.
+    The result does not depend on how often :meth:`check_age` is called.
 
     :param state: the first state
-    :param now: time, s
+    :param now: time [s]
 
-    :ivar state: the present state
+    :ivar state: the current state
     """
 
     def __init__(self, state: Presence, now: float) -> None:
@@ -58,18 +58,18 @@ class Attendance:
         self._heard_at = self._returned_at = now
 
     def age(self, now: float) -> float:
-        """Return the time since the last message, or since it is awaited, s.
+        """Return the time since the last message, or since the robot is expected [s].
 
-        :param now: time, s
+        :param now: time [s]
         """
         return now - self._heard_at
 
     def check_age(self, now: float, stale_s: float, lost_s: float) -> None:
-        """Record what time alone has changed.
+        """Record changes that follow from time alone.
 
-        :param now: time, s
-        :param stale_s: age of what is stale, s
-        :param lost_s: age of what is lost, s; not below the other
+        :param now: time [s]
+        :param stale_s: age at which a robot is stale [s]
+        :param lost_s: age at which a robot is lost [s], not below ``stale_s``
         """
         age = now - self._heard_at
         if age > stale_s:
@@ -78,7 +78,7 @@ class Attendance:
                 self._apply(Event.GONE)
 
     def add_message(self, now: float, stale_s: float, lost_s: float) -> None:
-        """Record a message; parameters as those of :meth:`check_age`."""
+        """Record a message; parameters as for :meth:`check_age`."""
         self.check_age(now, stale_s, lost_s)
         self._heard_at = now
         if self.state is Presence.PRESENT:

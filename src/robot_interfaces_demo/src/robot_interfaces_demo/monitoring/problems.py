@@ -8,7 +8,7 @@ from nodekit import to_float32
 from robot_interfaces_demo.modes import KNOWN, Mode
 from robot_interfaces_demo.monitoring.settings import FleetMonitorParameters
 
-#: How many readings a message must have.
+#: Number of readings in a complete message.
 READINGS = 3
 
 
@@ -43,18 +43,18 @@ class Problem(enum.Enum):
         return self.value[1]
 
 
-#: Defects of a message; of each kind only the first is logged.
+#: Defects of a message; only the first of each kind is logged.
 DEFECTS = frozenset((Problem.UNKNOWN_MODE, Problem.SHORT, Problem.NOT_FINITE))
 
 
 class Limit(NamedTuple):
     """A reading and its limit.
 
-    :param problem: what it is when the limit is exceeded
+    :param problem: raised when the limit is exceeded
     :param name: of the reading
     :param unit: its unit
-    :param parameter: the one that holds the limit
-    :param sign: 1.0 where more than the limit is wrong, -1.0 where less is
+    :param parameter: name of the parameter with the limit
+    :param sign: 1.0 for an upper limit, -1.0 for a lower limit
     """
 
     problem: Problem
@@ -64,7 +64,7 @@ class Limit(NamedTuple):
     sign: float
 
 
-#: The readings in the order of the message.
+#: Readings in the order of the message.
 LIMITS = (
     Limit(Problem.LOW_BATTERY, "battery", "V", "battery_low", -1.0),
     Limit(Problem.HOT, "temperature", "°C", "temperature_high", 1.0),
@@ -78,12 +78,12 @@ def find_problems(
     before: FrozenSet[Problem],
     settings: FleetMonitorParameters,
 ) -> FrozenSet[Problem]:
-    """Return what is wrong according to a message.
+    """Return the problems in a message.
 
     :param mode: number of the mode
-    :param readings: as in the message; those beyond the third are not looked at
-    :param before: what was wrong so far, for the hysteresis; a reading that is missing or not
-        finite leaves its own problem as it was
+    :param readings: as in the message; those beyond the third are ignored
+    :param before: previous problems, for the hysteresis; a reading that is missing or not finite
+        keeps its own problem
     :param settings: the limits
     """
     return frozenset(_wrong(mode, readings, before, settings))
@@ -109,7 +109,7 @@ def _wrong(
             if problem in before:
                 yield problem
             continue
-        limit = to_float32(getattr(settings, parameter))  # as readings are
+        limit = to_float32(getattr(settings, parameter))  # like readings
         margin = abs(limit) * settings.hysteresis if problem in before else 0.0
         if sign * (reading - limit) > -margin:
             yield problem

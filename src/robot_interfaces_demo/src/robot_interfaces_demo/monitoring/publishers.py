@@ -1,18 +1,18 @@
-"""Publishers under one name: a robot that was restarted, or two at once."""
+"""Publishers under one robot name: after a restart, or several at the same time."""
 
 from typing import Dict, List
 
-#: Most publishers that are remembered.
+#: Most publishers kept.
 _MOST = 8
 
 
 class Publishers:
-    """The publishers of messages that carry one name.
+    """Publishers of messages with one robot name.
 
-    A robot that is restarted has a new publisher, and its old one falls silent. Two are rivals
-    when a message of the one follows one of the other, and then the other way round.
+    After a restart a robot has a new publisher, and the old one is silent. Two publishers are
+    rivals if their messages alternate.
 
-    :ivar has_rivals: whether several publish now
+    :ivar has_rivals: whether several are publishing now
     """
 
     def __init__(self) -> None:
@@ -23,26 +23,26 @@ class Publishers:
     def add_message(self, publisher: str, now: float, memory_s: float) -> None:
         """Record a message.
 
-        :param publisher: name of the node that sent it
-        :param now: time, s
-        :param memory_s: for how long who is silent is remembered, s
+        :param publisher: name of the sending node
+        :param now: time [s]
+        :param memory_s: how long a silent publisher is kept [s]
         """
         if publisher != self._current:
             self.forget(now, memory_s)
             self._current = publisher
             if publisher in self._heard_at or len(self._heard_at) >= _MOST:
                 self.has_rivals = True
-            # The latest one last: what has to go is the first.
+            # Latest last: the first is removed when there are too many.
             self._heard_at.pop(publisher, None)
             if len(self._heard_at) >= _MOST:
                 del self._heard_at[next(iter(self._heard_at))]
         self._heard_at[publisher] = now
 
     def forget(self, now: float, memory_s: float) -> None:
-        """Forget who has been silent; who is then alone has no rivals.
+        """Remove silent publishers; a single remaining one has no rivals.
 
-        :param now: time, s
-        :param memory_s: for how long, s
+        :param now: time [s]
+        :param memory_s: silence after which a publisher is removed [s]
         """
         if len(self._heard_at) > 1:
             self._heard_at = {
@@ -53,5 +53,5 @@ class Publishers:
             self.has_rivals = self.has_rivals and len(self._heard_at) > 1
 
     def names(self) -> List[str]:
-        """Return the names of the publishers that are remembered, sorted."""
+        """Return the names of the publishers kept, sorted."""
         return sorted(self._heard_at)

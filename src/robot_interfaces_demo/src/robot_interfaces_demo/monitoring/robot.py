@@ -1,4 +1,4 @@
-"""All that is known of one robot."""
+"""State of one robot."""
 
 import math
 from typing import Dict, FrozenSet, Iterator, List, NamedTuple, Sequence, Set
@@ -17,7 +17,7 @@ from robot_interfaces_demo.monitoring.problems import (
 from robot_interfaces_demo.monitoring.publishers import Publishers
 from robot_interfaces_demo.monitoring.settings import FleetMonitorParameters
 
-#: How bad it is to be in each state.
+#: Severity of each state.
 LEVELS: Dict[Presence, Level] = {
     Presence.AWAITED: Level.WARN,
     Presence.NEVER_SEEN: Level.ERROR,
@@ -29,10 +29,10 @@ LEVELS: Dict[Presence, Level] = {
 
 
 class Note(NamedTuple):
-    """Something new, to be logged.
+    """A change to log.
 
-    :param level: how bad it is
-    :param text: what it is
+    :param level: severity
+    :param text: description
     """
 
     level: Level
@@ -43,9 +43,9 @@ class Finding(NamedTuple):
     """Condition of a robot, or of the fleet.
 
     :param name: of the robot, empty for the fleet
-    :param level: how bad it is
-    :param message: in a sentence
-    :param values: in detail, by name
+    :param level: severity
+    :param message: summary
+    :param values: details by name
     """
 
     name: str
@@ -58,9 +58,9 @@ class Robot:
     """One robot.
 
     :param name: its name
-    :param now: time, s
+    :param now: time [s]
 
-    :ivar is_expected: whether it has to be there
+    :ivar is_expected: whether its absence is a problem
     """
 
     def __init__(self, name: str, now: float) -> None:
@@ -77,17 +77,17 @@ class Robot:
 
     @property
     def presence(self) -> Presence:
-        """Whether it is there."""
+        """Presence of the robot."""
         return self._attendance.state
 
     @property
     def was_seen(self) -> bool:
-        """Whether a message of it has ever come."""
+        """Whether a message of it has ever arrived."""
         return self._count > 0
 
     @property
     def problems(self) -> FrozenSet[Problem]:
-        """Present problems."""
+        """Current problems."""
         if self._publishers.has_rivals:
             return self._problems | {Problem.TWO_PUBLISHERS}
         return self._problems
@@ -98,19 +98,19 @@ class Robot:
         return max([LEVELS[self.presence], *(problem.level for problem in self.problems)])
 
     def age(self, now: float) -> float:
-        """Return the time since its last message, or since it is expected, s."""
+        """Return the time since its last message, or since it is expected [s]."""
         return self._attendance.age(now)
 
     def period(self, settings: FleetMonitorParameters) -> float:
-        """Return the time from one of its messages to the next, s."""
+        """Return the time between its messages [s]."""
         return settings.period or self._period.period(settings.longest_period)
 
     def check_age(self, now: float, settings: FleetMonitorParameters) -> List[Note]:
-        """Record what time alone has changed.
+        """Record changes that follow from time alone.
 
-        :param now: time, s
-        :param settings: those in force
-        :returns: what is new
+        :param now: time [s]
+        :param settings: current settings
+        :returns: changes
         """
         before, had_rivals = self.presence, self._publishers.has_rivals
         period = self.period(settings)
@@ -133,12 +133,12 @@ class Robot:
     ) -> List[Note]:
         """Record a message.
 
-        :param publisher: name of the node that sent it
+        :param publisher: name of the sending node
         :param mode: number of the mode
         :param readings: as in the message
-        :param now: time, s
-        :param settings: those in force
-        :returns: what is new
+        :param now: time [s]
+        :param settings: current settings
+        :returns: changes
         """
         before, had_rivals = self.presence, self._publishers.has_rivals
         period = self.period(settings)
@@ -163,10 +163,10 @@ class Robot:
         return news
 
     def finding(self, now: float, settings: FleetMonitorParameters) -> Finding:
-        """Return how it is.
+        """Return the robot's condition.
 
-        :param now: time, s
-        :param settings: those in force
+        :param now: time [s]
+        :param settings: current settings
         """
         texts = [self.presence.value, *(self._text(p) for p in Problem if p in self.problems)]
         if self.presence is Presence.PRESENT and len(texts) > 1:

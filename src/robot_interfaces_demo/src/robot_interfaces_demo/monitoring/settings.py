@@ -1,4 +1,4 @@
-"""The parameters of fleet_monitor."""
+"""Parameters of fleet_monitor."""
 
 from nodekit import (
     FloatParameter,
@@ -15,7 +15,7 @@ LONGEST_NAME = 64
 
 
 def is_name(text: str) -> bool:
-    """Tell whether a text is the name of a robot: short, and fit to be logged.
+    """Return whether a text is a valid name of a robot: short, and printable.
 
     :param text: the text
     """
@@ -79,7 +79,7 @@ class FleetMonitorParameters(ParameterSet):
         minimum=1.0,
         maximum=1e9,
         unit="s",
-        help="time without a message after which a lost robot that is not expected is forgotten",
+        help="time without a message after which an unexpected lost robot is removed",
     )
     rate = RateParameter(
         1.0, maximum=50.0, help="how often diagnostics are published and changes logged"

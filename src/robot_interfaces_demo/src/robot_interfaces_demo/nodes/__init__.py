@@ -1,1 +1,1 @@
-"""The nodes."""
+"""Nodes of robot_interfaces_demo."""

@@ -1,4 +1,4 @@
-"""A monitor of any number of robots."""
+"""Fleet monitor node, for any number of robots."""
 
 import time
 from typing import List
@@ -15,16 +15,16 @@ from robot_interfaces_demo.monitoring.fleet import Fleet, as_table
 from robot_interfaces_demo.monitoring.problems import Level
 from robot_interfaces_demo.monitoring.settings import FleetMonitorParameters
 
-#: How often it checks for robots that have fallen silent, Hz.
+#: Rate of checks for silent robots [Hz].
 CHECK_HZ = 5.0
 _LOGS = {Level.OK: rospy.loginfo, Level.WARN: rospy.logwarn, Level.ERROR: rospy.logerr}
 
 
 class FleetMonitor:
-    """Finds robots by the names in their messages, and reports which are missing or have problems.
+    """Discovers robots by the names in their messages, and reports missing and faulty ones.
 
-    Times are those of arrival. They go by the machine's clock or, with /use_sim_time set, by
-    ``/clock``: while that stands still, no robot becomes stale, and the diagnostics say so.
+    Times are arrival times, by the machine's clock or, with /use_sim_time set, by ``/clock``: while
+    that is stopped, no robot becomes stale, and the diagnostics say so.
 
     :ROS Subscribers:
         - ``robot_status`` (robot_custom_interfaces/RobotStatus)
@@ -36,7 +36,7 @@ class FleetMonitor:
         - ``~report`` (std_srvs/Trigger): the same as a table; success if all is well
 
     :ROS Parameters:
-        - those of :class:`.FleetMonitorParameters`, private and live
+        - private, can be changed at run time: see :class:`.FleetMonitorParameters`
     """
 
     def __init__(self, node: Node) -> None:
@@ -50,7 +50,7 @@ class FleetMonitor:
         self._diagnostics = node.create_publisher("/diagnostics", DiagnosticArray)
         node.create_batch_subscription("robot_status", RobotStatus, self.on_status)
         node.create_service("~report", Trigger, self.report)
-        # By the machine's clock: that /clock stands still has to be reported, too.
+        # By the machine's clock, because a stopped /clock has to be reported, too.
         node.create_timer(CHECK_HZ, self.check_ages, steady=True)
         node.create_timer(lambda: self._parameters.values.rate, self.publish_report, steady=True)
 
@@ -61,7 +61,7 @@ class FleetMonitor:
         self._fleet.set(new, self._now())
 
     def on_status(self, messages: List[RobotStatus]) -> None:
-        """Record messages that have arrived together."""
+        """Record received messages."""
         now = self._now()
         for message in messages:
             publisher = message._connection_header.get("callerid", "")
@@ -69,12 +69,12 @@ class FleetMonitor:
             self._fleet.add_message(message.robot_name, publisher, message.mode, readings, now)
 
     def check_ages(self, elapsed: float) -> None:
-        """Check for robots that have fallen silent."""
+        """Check for silent robots."""
         self._fleet.check_ages(self._now())
         self._fleet.still_s = self._clock.still_s
 
     def publish_report(self, elapsed: float) -> None:
-        """Log what is new, and publish diagnostics."""
+        """Log changes, and publish diagnostics."""
         for level, text in self._fleet.notes():
             _LOGS[level]("%s", text)
         self._diagnostics.publish(as_message(self._name, self._fleet.findings(self._now())))

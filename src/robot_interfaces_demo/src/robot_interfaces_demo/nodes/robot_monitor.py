@@ -1,4 +1,4 @@
-"""A robot that publishes its status."""
+"""Robot node that publishes its status."""
 
 import rospy
 from std_msgs.msg import Header
@@ -16,7 +16,7 @@ from robot_custom_interfaces.msg import RobotStatus
 from robot_interfaces_demo.modes import name_of
 from robot_interfaces_demo.robot_model import FAULTS, RobotModel
 
-#: The fault of publishing nothing.
+#: Fault: publish nothing.
 SILENT = "silent"
 
 
@@ -28,17 +28,17 @@ class RobotMonitorParameters(ParameterSet):
         2.0, minimum=0.001, maximum=3600.0, unit="s", help="time between messages"
     )
     messages_per_mode = IntParameter(15, minimum=1, help="messages in each mode")
-    fault = EnumParameter("none", choices=(*FAULTS, SILENT), help="fault in what it publishes")
+    fault = EnumParameter("none", choices=(*FAULTS, SILENT), help="fault of the published messages")
 
 
 class RobotMonitor:
-    """A robot that goes through its modes, and publishes its status each period.
+    """Simulated robot that cycles through its modes, and publishes its status periodically.
 
     :ROS Publishers:
         - ``robot_status`` (robot_custom_interfaces/RobotStatus)
 
     :ROS Parameters:
-        - those of :class:`RobotMonitorParameters`, private and live
+        - private, can be changed at run time: see :class:`RobotMonitorParameters`
     """
 
     def __init__(self, node: Node) -> None:
@@ -49,7 +49,7 @@ class RobotMonitor:
         node.create_timer(lambda: 1.0 / self._parameters.values.period, self.publish_status)
 
     def publish_status(self, elapsed: float) -> None:
-        """Publish how the robot is."""
+        """Publish the robot's status."""
         settings = self._parameters.values
         status = self._model.step(settings.messages_per_mode)
         if settings.fault == SILENT:

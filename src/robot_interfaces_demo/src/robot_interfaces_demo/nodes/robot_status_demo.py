@@ -6,7 +6,7 @@ from robot_interfaces_demo.nodes.robot_monitor import RobotMonitor
 
 
 class RobotStatusDemo:
-    """Hosts the nodes ``robot_monitor`` and ``fleet_monitor``; it has nothing of its own."""
+    """Host of the nodes ``robot_monitor`` and ``fleet_monitor``."""
 
     def __init__(self, node: Node) -> None:
         node.host("robot_monitor", "", RobotMonitor)

@@ -190,7 +190,7 @@ class Teleop(unittest.TestCase):
         self.addCleanup(process.end)
         self.assertEqual(process.wait(), 1)
         self.assertEqual(len(process.error_lines), 1)
-        self.assertIn("the standard input is not a terminal", process.error_lines[0])
+        self.assertIn("standard input is not a terminal", process.error_lines[0])
 
 
 if __name__ == "__main__":

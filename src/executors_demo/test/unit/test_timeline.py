@@ -108,7 +108,11 @@ def test_several_logs_stand_below_each_other(
 @pytest.mark.parametrize(
     "text, arguments, said",
     [
-        ("nothing", ["{log}", "-o", "{out}.svg"], "{log}: no line about the start or end of a call"),
+        (
+            "nothing",
+            ["{log}", "-o", "{out}.svg"],
+            "{log}: no line about the start or end of a call",
+        ),
         (LOG, ["{log}x", "-o", "{out}.svg"], "{log}x: No such file or directory"),
         (LOG, ["{log}", "-o", "{out}/a/b.svg"], "{out}/a/b.svg.part: No such file or directory"),
         (LOG, ["{log}", "-o", "{out}.pdf"], "'{out}.pdf' does not end in .svg or .png"),

@@ -1,1 +1,1 @@
-"""A first-order system as a plant simulator on a ROS graph."""
+"""Simulator of a first-order plant, as a ROS node."""

@@ -1,12 +1,12 @@
 # Pure: knows no ROS.
-"""A first-order plant, tau dy/dt + y = K u, whose input is held from one moment to the next.
+"""First-order plant, tau dy/dt + y = K u, with a piecewise constant input.
 
-While the held input u and the settings stay the same, the state is known in closed form::
+While the input u and the settings are constant, the state is known in closed form::
 
     y(t) = y(t0) + (K u - y(t0)) (1 - exp(-(t - t0) / tau))
 
-so it is exact at any moment, and nothing adds up from sample to sample (zero-order hold; Franklin,
-Powell, Workman: Digital Control of Dynamic Systems, section 4.3).
+so it is exact at any time, without accumulated errors (zero-order hold; Franklin, Powell, Workman:
+Digital Control of Dynamic Systems, section 4.3).
 """
 
 import math
@@ -20,8 +20,8 @@ METHODS = (EXACT, EULER)
 class PlantSettings(NamedTuple):
     """Parameters of the plant.
 
-    :ivar gain: K, output for each unit of input
-    :ivar time_constant: tau, s, > 0
+    :ivar gain: K, output per unit of input
+    :ivar time_constant: tau, > 0 [s]
     :ivar max_output: largest magnitude of the output, > 0
     :ivar min_input: dead zone: an input of this magnitude or less acts as 0
     :ivar method: EXACT, or EULER for the forward difference, whose output changes only when the
@@ -36,35 +36,34 @@ class PlantSettings(NamedTuple):
 
 
 class FirstOrderPlant:
-    """The plant's state, in a time that starts at 0 and is given with each call.
+    """State of the plant; time starts at 0 and is an argument of each call.
 
-    A time before one that was given already counts as that one. The output stops at its limit, and
-    since it moves towards K u and never past it, to cut it off there is what the limited plant
-    does: there is no hidden state that winds up, and the output leaves the limit at once when the
-    input turns it round.
+    A time before that of an earlier call counts as that one. The output stops at its limit. Because
+    it moves monotonically towards K u, clipping it is what the limited plant does: no hidden state
+    winds up, and the output leaves the limit as soon as the input reverses.
 
-    Not safe for several threads at once.
+    Not thread-safe.
 
-    :param settings: what the plant is like
-    :param output: the state at time 0; cut off at the limit
+    :param settings: of the plant
+    :param output: the state at time 0; clipped to the limit
     """
 
     def __init__(self, settings: PlantSettings, output: float = 0.0) -> None:
         self._settings = settings
         self._now = 0.0
         self._held = 0.0
-        # The state at the last moment at which the held input or a setting changed.
+        # State at the last change of the held input or of a setting.
         self._start, self._changed_at = output, 0.0
 
     @property
     def held(self) -> float:
-        """The input that acts now."""
+        """The current input."""
         return self._held
 
     def hold(self, time: float, value: float) -> None:
         """Hold another input.
 
-        :param time: from which moment on, s
+        :param time: from this time on [s]
         :param value: the input u
         """
         self._now = max(time, self._now)
@@ -72,32 +71,32 @@ class FirstOrderPlant:
         self._held = value
 
     def output(self, time: float) -> float:
-        """Return the output at a moment.
+        """Return the output at a time.
 
-        :param time: the moment, s
+        :param time: [s]
         :returns: y
         """
         self._now = max(time, self._now)
-        # Until the input is held again, the forward difference knows nothing new.
+        # The forward difference changes only when the input is held again.
         seconds = self._now - self._changed_at if self._settings.method == EXACT else 0.0
         return self._response(seconds)
 
     def change(self, time: float, settings: PlantSettings) -> None:
-        """Change the settings; the output goes on from where it is.
+        """Change the settings; the output continues from its value.
 
-        Only a new limit below the output moves it, to that limit.
+        It jumps only if the new limit is below it, to that limit.
 
-        :param time: the moment, s
-        :param settings: what the plant is like from now on
+        :param time: [s]
+        :param settings: new settings
         """
         self._restart(self.output(time))
         self._settings = settings
 
     def set_output(self, time: float, value: float) -> None:
-        """Put the plant into a state.
+        """Set the state of the plant.
 
-        :param time: the moment, s
-        :param value: the output; cut off at the limit
+        :param time: [s]
+        :param value: the output; clipped to the limit
         """
         self._now = max(time, self._now)
         self._restart(value)
@@ -106,10 +105,10 @@ class FirstOrderPlant:
         self._start, self._changed_at = output, self._now
 
     def _response(self, seconds: float) -> float:
-        """Return the output a time after the last change, s."""
+        """Return the output a time after the last change [s]."""
         gain, time_constant, limit, dead_zone, method = self._settings
         target = gain * self._held if abs(self._held) > dead_zone else 0.0
-        # Finite also where tau is next to nothing: 0 times infinity would be NaN.
+        # Finite even for a tiny tau: 0 times infinity would be NaN.
         ratio = min(seconds / time_constant, sys.float_info.max)
         approached = -math.expm1(-ratio) if method == EXACT else ratio
         return max(-limit, min(limit, self._start + (target - self._start) * approached))

@@ -1,26 +1,26 @@
 # Pure: knows no ROS.
-"""A plant behind a sampler that holds its input."""
+"""Plant with a sampler that holds its input."""
 
 import math
 
 from first_order_sys_sim.first_order_plant import EXACT, FirstOrderPlant, PlantSettings
 
-#: How close to a sample a moment counts as the sample itself, in sample times.
+#: A time this close to a sample counts as the sample itself, in sample times.
 _EDGE = 1e-9
-#: How many samples are taken one by one, with EULER, of those up to a moment far ahead: a simulated
-#: clock may leap by years, which would take as long.
+#: Most samples computed one by one with EULER, of those up to a distant time: a simulated clock may
+#: jump by years.
 _MOST_ONE_BY_ONE = 10_000
 
 
 class SampledPlant:
-    """A :class:`.FirstOrderPlant` whose input is sampled at time 0 and every sample time.
+    """:class:`.FirstOrderPlant` whose input is sampled at time 0 and every sample time.
 
-    Inputs may come and outputs may be asked for at any moment, at samples or not, with the times of
-    the calls never decreasing. Not safe for several threads at once.
+    Inputs and outputs may be at any time, at samples or not; the times of the calls must not
+    decrease. Not thread-safe.
 
-    :param settings: what the plant is like
-    :param sample_time: how often the input is sampled, s, > 0
-    :param output: the state at time 0; cut off at the limit
+    :param settings: of the plant
+    :param sample_time: sample time of the input, > 0 [s]
+    :param output: the state at time 0; clipped to the limit
     """
 
     def __init__(self, settings: PlantSettings, sample_time: float, output: float = 0.0) -> None:
@@ -29,14 +29,14 @@ class SampledPlant:
         self._sample_time = sample_time
         self._now = 0.0
         self._input = 0.0
-        # Sample n is due at _grid + n sample_time; _next is the n of the next one.
+        # Sample n is at _grid + n sample_time; _next is the n of the next one.
         self._grid, self._next = 0.0, 0
         self._sampled_at = 0.0
 
     def set_input(self, time: float, value: float) -> None:
-        """Let the sampler find another input from now on.
+        """Set the input for the following samples.
 
-        :param time: the moment, s; a sample at this very moment finds the new input
+        :param time: [s]; a sample at exactly this time uses the new input
         :param value: the input u
         """
         self._advance(time)
@@ -45,20 +45,20 @@ class SampledPlant:
             self._plant.hold(self._now, value)
 
     def output(self, time: float) -> float:
-        """Return the output at a moment.
+        """Return the output at a time.
 
-        :param time: the moment, s
+        :param time: [s]
         :returns: y
         """
         self._advance(time)
         return self._plant.output(self._now)
 
     def change(self, time: float, settings: PlantSettings, sample_time: float) -> None:
-        """Change the settings; the output goes on from where it is, see :class:`.FirstOrderPlant`.
+        """Change the settings; the output continues, see :class:`.FirstOrderPlant`.
 
-        :param time: the moment, s
-        :param settings: what the plant is like from now on
-        :param sample_time: how often the input is sampled, counted from the last sample, s
+        :param time: [s]
+        :param settings: new settings
+        :param sample_time: sample time of the input, counted from the last sample [s]
         """
         self._advance(time)
         self._plant.change(self._now, settings)
@@ -67,16 +67,16 @@ class SampledPlant:
         self._sample_time = sample_time
 
     def set_output(self, time: float, value: float) -> None:
-        """Put the plant into a state.
+        """Set the state of the plant.
 
-        :param time: the moment, s
-        :param value: the output; cut off at the limit
+        :param time: [s]
+        :param value: the output; clipped to the limit
         """
         self._advance(time)
         self._plant.set_output(self._now, value)
 
     def _advance(self, time: float) -> None:
-        """Take the samples up to a moment."""
+        """Process the samples up to a time."""
         self._now = max(time, self._now)
         last = math.floor((self._now - self._grid) / self._sample_time + _EDGE)
         while self._next <= last:
@@ -85,7 +85,7 @@ class SampledPlant:
             if self._settings.method == EXACT:
                 if self._input != self._plant.held:
                     self._plant.hold(due, self._input)
-                self._next = last + 1  # the others find the same input
+                self._next = last + 1  # the others have the same input
             else:
                 self._plant.hold(due, self._input)
                 if last - self._next > _MOST_ONE_BY_ONE:

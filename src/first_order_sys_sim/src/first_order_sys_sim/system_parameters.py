@@ -1,15 +1,15 @@
 # Pure: knows no ROS.
-"""The parameters of the first-order system, under the names that the course gave them."""
+"""Parameters of the first-order system, under the course's names."""
 
 from first_order_sys_sim.first_order_plant import EXACT, METHODS, PlantSettings
 from nodekit import EnumParameter, FloatParameter, ParameterSet, to_float32
 
 
 class SystemParameters(ParameterSet):
-    """Parameters of the system, and its output's rate; all may change live."""
+    """Parameters of the system and its output rate; all can be changed at run time."""
 
     system_node_rate = FloatParameter(
-        150.0, minimum=0.1, maximum=10000.0, unit="Hz", help="how often the output is published"
+        150.0, minimum=0.1, maximum=10000.0, unit="Hz", help="publishing rate of the output"
     )
     system_sample_time = FloatParameter(
         0.02,
@@ -19,13 +19,13 @@ class SystemParameters(ParameterSet):
         help="time between samples of the input, which is held",
     )
     system_param_K = FloatParameter(
-        13.2, minimum=-1e6, maximum=1e6, help="gain: steady output for each unit of input"
+        13.2, minimum=-1e6, maximum=1e6, help="gain: steady-state output per unit of input"
     )
     system_param_T = FloatParameter(
         0.05, above=0.0, maximum=1e6, unit="s", help="time constant: time for 63 % of a step"
     )
     system_initial_conditions = FloatParameter(
-        0.0, minimum=-1e9, maximum=1e9, help="output at the start; a change puts the output there"
+        0.0, minimum=-1e9, maximum=1e9, help="initial output; a change sets the output"
     )
     system_max_output = FloatParameter(
         13.0, above=0.0, maximum=1e9, help="largest magnitude of the output"
@@ -36,7 +36,7 @@ class SystemParameters(ParameterSet):
     method = EnumParameter(
         EXACT,
         choices=METHODS,
-        help="how the state is computed; euler as in the course, for comparison",
+        help="integration method; euler as in the course, for comparison",
     )
 
     @property
@@ -46,7 +46,7 @@ class SystemParameters(ParameterSet):
             gain=self.system_param_K,
             time_constant=self.system_param_T,
             max_output=self.system_max_output,
-            # Inputs are float32, and the one next to 0.2 is greater than 0.2.
+            # Inputs are float32, and the float32 nearest to 0.2 is greater than 0.2.
             min_input=to_float32(self.system_min_input),
             method=self.method,
         )

@@ -1,4 +1,4 @@
-"""Sends the robot somewhere, and logs how far it is until it has arrived."""
+"""Node that sends the robot to a goal, and logs its progress until it arrives."""
 
 import math
 from typing import Optional
@@ -20,9 +20,9 @@ from nodekit import (
 )
 
 _CONTROLLER = "proportional_controller"
-#: The phase of a goal to which there is no progress.
+#: Phase of an abandoned goal.
 _GIVEN_UP = "given_up"
-#: How long the controller may tell no progress before that is logged, s.
+#: Time without progress messages until that is logged [s].
 _SILENCE_S = 3.0
 
 
@@ -31,16 +31,16 @@ def _coordinate(unit: str, what: str) -> FloatParameter:
 
 
 class RobotControlParameters(ParameterSet):
-    """Parameters of robot_control; a change sends the robot there."""
+    """Parameters of robot_control; a change sends the robot to the new goal."""
 
     x = _coordinate("m", "x of the goal, in the frame of the odometry")
     y = _coordinate("m", "y of the goal")
     theta = _coordinate("rad", "heading at the goal")
 
     def is_at(self, pose: PoseStamped) -> bool:
-        """Tell whether a pose is this goal.
+        """Return whether a pose is this goal.
 
-        :param pose: a goal, as the controller tells it
+        :param pose: a goal published by the controller
         """
         position, turn = pose.pose.position, pose.pose.orientation
         angle = 2.0 * math.atan2(turn.z, turn.w) - self.theta
@@ -50,7 +50,7 @@ class RobotControlParameters(ParameterSet):
 class RobotControl:
     """Calls the controller until it accepts the goal; ends on arrival, with status 0.
 
-    It ends with status 1 if the controller aborts the goal, or another client sets another one.
+    It ends with status 1 if the controller aborts the goal, or another client sets another goal.
 
     :ROS Services called:
         - ``proportional_controller/set_goal`` (bot_controller_demo_msgs/SetGoal)
@@ -60,7 +60,7 @@ class RobotControl:
         - ``proportional_controller/current_goal`` (geometry_msgs/PoseStamped)
 
     :ROS Parameters:
-        - those of :class:`RobotControlParameters`, private and live
+        - private, can be changed at run time: see :class:`RobotControlParameters`
     """
 
     def __init__(self, node: Node) -> None:
@@ -88,12 +88,12 @@ class RobotControl:
 
     def _on_answer(self, call: CallFuture) -> None:
         if call is not self._call:
-            return  # it was about a goal that has been changed since
+            return  # the answer is about a previous goal
         self._call = None
         try:
             answer = call.result()
         except CallCancelled:
-            return  # by the node's own end
+            return  # cancelled by the node's shutdown
         except CallError as error:
             rospy.logwarn("cannot send the robot: %s", error)
             return
@@ -104,7 +104,7 @@ class RobotControl:
         self._set_at = rospy.Time.now()
 
     def _on_goal(self, goal: PoseStamped) -> None:
-        # A goal of before is told too, as the topic is latched.
+        # The topic is latched, so an earlier goal arrives, too.
         is_new = self._set_at is not None and goal.header.stamp > self._set_at
         if is_new and not self._parameters.values.is_at(goal):
             where = goal.pose.position
@@ -112,7 +112,7 @@ class RobotControl:
 
     def _on_progress(self, progress: Progress) -> None:
         self._progress, self._heard_at = progress, rospy.Time.now()
-        # What was on its way when the goal was set is about the goal before.
+        # Earlier messages are about the previous goal.
         is_new = self._set_at is not None and progress.header.stamp > self._set_at
         if is_new and progress.phase == Progress.ARRIVED:
             rospy.signal_shutdown("arrived")
@@ -124,5 +124,5 @@ class RobotControl:
 
 
 def main() -> None:
-    """Run the node until the robot has arrived, or does not get there."""
+    """Run the node until the robot has arrived, or the goal is aborted."""
     run("robot_control", RobotControl)

@@ -1,4 +1,4 @@
-"""Poses on the plane, errors between them, and wrapped angles."""
+"""Poses in the plane, errors between them, and wrapped angles."""
 
 import math
 from typing import NamedTuple, Optional, Sequence
@@ -37,10 +37,10 @@ class Goal(NamedTuple):
 class Errors(NamedTuple):
     """Distance and angles between a robot and its goal.
 
-    :param distance: m
-    :param direction: angle from the heading of the robot to the goal, counter-clockwise, rad
-    :param heading: angle from the heading of the robot to that at the goal, counter-clockwise,
-        rad; 0 where the heading does not matter
+    :param distance: [m]
+    :param direction: angle from the robot's heading to the goal, counter-clockwise [rad]
+    :param heading: angle from the robot's heading to the goal's heading, counter-clockwise [rad]; 0
+        if the goal has no heading
     """
 
     distance: float
@@ -59,8 +59,8 @@ def wrap(angle: float) -> float:
 def errors(pose: Pose, goal: Goal) -> Errors:
     """Return distance and angles between a robot and its goal.
 
-    :param pose: where it is
-    :param goal: where it is to go
+    :param pose: of the robot
+    :param goal: target pose
     """
     dx, dy = goal.x - pose.x, goal.y - pose.y
     heading = 0.0 if goal.theta is None else wrap(goal.theta - pose.theta)
@@ -68,10 +68,10 @@ def errors(pose: Pose, goal: Goal) -> Errors:
 
 
 def pose_fault(position: Sequence[float], orientation: Sequence[float]) -> str:
-    """Return why a robot's pose cannot be used; empty if it can.
+    """Return why a robot's pose is invalid; empty if it is valid.
 
-    :param position: its coordinates, m
-    :param orientation: the parts of its quaternion
+    :param position: its coordinates [m]
+    :param orientation: the components of its quaternion
     """
     length = math.hypot(*orientation[:2]) + math.hypot(*orientation[2:])
     if not all(map(math.isfinite, (*position, length * length))):
@@ -86,11 +86,11 @@ def _listed(parts: Sequence[float]) -> str:
 
 
 def heading_of(x: float, y: float, z: float, w: float) -> float:
-    """Return the heading of a robot on a plane, rad; NaN where a part is not finite.
+    """Return the heading of a robot in the plane [rad]; NaN if a component is not finite.
 
-    It is right for any length of the quaternion, as people type z 1, w 1 for a quarter turn.
+    The quaternion need not be normalised: people type z 1, w 1 for a quarter turn.
 
-    :param x: of its orientation as a quaternion, as are the others
+    :param x: component of the quaternion, like the others
     """
     if not math.isfinite(x + y + z + w):
         return math.nan

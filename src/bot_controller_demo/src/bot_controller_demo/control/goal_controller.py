@@ -1,4 +1,4 @@
-"""Controller of one goal: drive, turn, arrive."""
+"""Goal controller: drive to a goal, turn to its heading, stay."""
 
 import math
 from typing import NamedTuple
@@ -10,9 +10,9 @@ from bot_controller_demo.control.velocities import STOP, Limits, Velocity, satur
 DRIVING, TURNING, ARRIVED = "driving", "turning", "arrived"
 PHASES = (DRIVING, TURNING, ARRIVED)
 
-#: What has been reached counts as left at so many times its tolerance.
+#: A tolerance that was met counts as exceeded from this multiple on.
 HYSTERESIS = 2.0
-#: A turn keeps its direction while its error is larger than this, rad.
+#: A turn keeps its direction while its error is larger than this [rad].
 _KEEP_ABOVE = 0.75 * math.pi
 
 
@@ -22,8 +22,8 @@ class Tuning(NamedTuple):
     :param law: one of :data:`.LAWS`
     :param gains: of the law
     :param limits: of the velocities
-    :param linear_tolerance: distance at which the goal counts as reached, m
-    :param angular_tolerance: the same of the heading, rad
+    :param linear_tolerance: distance at which the goal counts as reached [m]
+    :param angular_tolerance: the same for the heading [rad]
     """
 
     law: str
@@ -36,7 +36,7 @@ class Tuning(NamedTuple):
 class Guidance(NamedTuple):
     """Output of the goal controller.
 
-    :param velocity: how to move now
+    :param velocity: current command
     :param phase: one of :data:`PHASES`
     :param errors: between the robot and its goal
     """
@@ -47,18 +47,18 @@ class Guidance(NamedTuple):
 
 
 class Turn:
-    """Direction of a turn, kept while the error is about pi.
+    """Direction of a turn, kept while the error is near pi.
 
-    There its sign changes from sample to sample, and the robot would never turn.
+    There its sign would change from sample to sample, and the robot would not turn.
     """
 
     def __init__(self) -> None:
         self._side = 0.0
 
     def keep(self, error: float) -> float:
-        """Return the error, or the same angle the other way round.
+        """Return the error, or the equivalent angle in the other direction.
 
-        :param error: between -pi and pi, rad
+        :param error: between -pi and pi [rad]
         """
         if abs(error) > _KEEP_ABOVE and error * self._side < 0.0:
             return error + math.copysign(2.0 * math.pi, self._side)
@@ -71,7 +71,7 @@ class GoalController:
 
     A robot that is pushed away from its goal drives or turns again.
 
-    :param goal: where to go
+    :param goal: target pose
 
     :ivar phase: one of :data:`PHASES`
     """
@@ -82,10 +82,10 @@ class GoalController:
         self._direction, self._heading = Turn(), Turn()
 
     def step(self, pose: Pose, tuning: Tuning) -> Guidance:
-        """Return velocity, phase and errors for the present pose.
+        """Return velocity, phase and errors for the current pose.
 
-        :param pose: where the robot is
-        :param tuning: how to drive
+        :param pose: of the robot
+        :param tuning: settings
         """
         seen = errors(pose, self.goal)
         self.phase = self._next_phase(seen, tuning)

@@ -5,23 +5,22 @@ import math
 from bot_controller_demo.control.geometry import Errors
 from bot_controller_demo.control.goal_controller import TURNING
 
-#: The phase of a goal that is given up. Progress has no constant for it: one more would make it
-#: another message, which the nodes of before do not know.
+#: Phase of an abandoned goal. Progress.msg has no constant for it: a new one would change its
+#: md5sum, and older nodes could not connect.
 GIVEN_UP = "given_up"
 
-#: An error that falls to this part of its least counts as progress: a slow robot makes it too, and
-#: what odometry's noise makes of a robot at rest does not for long. Of a distance this many metres
-#: are enough: 1 % of a long way takes long.
+#: An error that falls to this fraction of its minimum counts as progress: a slow robot achieves it,
+#: and odometry noise of a robot at rest does not for long. For a distance, this many metres also
+#: count, because 1 % of a long way takes long.
 _CLOSER, _CLOSER_BY = 0.99, 0.05
-#: Below this an angle is not followed any further, rad.
+#: Angles below this are not tracked further [rad].
 _LEAST_ANGLE = 0.01
 
 
 class ProgressChecker:
     """Time without progress towards a goal.
 
-    Progress is a distance below all before, or a turn towards where the robot is to drive or to
-    look.
+    Progress is a new minimum of the distance, or a turn towards the goal or its heading.
     """
 
     def __init__(self) -> None:
@@ -37,8 +36,8 @@ class ProgressChecker:
         """Return the time without progress [s].
 
         :param phase: of the goal controller
-        :param seen: between the robot and its goal
-        :param now: s
+        :param seen: errors between the robot and its goal
+        :param now: time [s]
         """
         angle = abs(seen.heading if phase == TURNING else seen.direction)
         is_closer = seen.distance < max(_CLOSER * self._distance, self._distance - _CLOSER_BY)

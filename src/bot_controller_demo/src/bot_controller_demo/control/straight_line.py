@@ -1,19 +1,19 @@
-"""The course's exercise: a straight line, of which the distance left is known in closed form."""
+"""Straight line, the course's exercise: the remaining distance in closed form."""
 
 import math
 from typing import List
 
 
 def distance_left(time: float, distance: float, gain: float, limit: float = math.inf) -> float:
-    """Return what is left of the way under v = min(K d, limit), m.
+    """Return the remaining distance under v = min(K d, limit) [m].
 
-    The speed is the limit first, and the distance falls in proportion to the time. From where
-    K d is the limit, it falls exponentially.
+    At first the speed is the limit, and the distance falls linearly. Once K d is below the limit,
+    it falls exponentially.
 
-    :param time: since the start, s
-    :param distance: of the whole way, m
-    :param gain: K, 1/s
-    :param limit: of the speed, m/s
+    :param time: since the start [s]
+    :param distance: at the start [m]
+    :param gain: K [1/s]
+    :param limit: of the speed [m/s]
     """
     knee = min(distance, limit / gain)
     at_knee = (distance - knee) / limit
@@ -23,12 +23,12 @@ def distance_left(time: float, distance: float, gain: float, limit: float = math
 
 
 def time_when(left: float, distance: float, gain: float, limit: float = math.inf) -> float:
-    """Return when so much is left of the way, s.
+    """Return the time at which a distance remains [s].
 
-    :param left: above 0 and up to the whole way, m
-    :param distance: of the whole way, m
-    :param gain: K, 1/s
-    :param limit: of the speed, m/s
+    :param left: remaining distance, above 0 and up to the whole distance [m]
+    :param distance: at the start [m]
+    :param gain: K [1/s]
+    :param limit: of the speed [m/s]
     """
     knee = min(distance, limit / gain)
     if left >= knee:
@@ -39,13 +39,13 @@ def time_when(left: float, distance: float, gain: float, limit: float = math.inf
 def sampled(
     distance: float, gain: float, period: float, count: int, limit: float = math.inf
 ) -> List[float]:
-    """Return what is left at each sample, m: the speed is computed there and held until the next.
+    """Return the remaining distance at each sample [m]; the speed is held between samples.
 
-    :param distance: of the whole way, m
-    :param gain: K, 1/s
-    :param period: from one sample to the next, s
-    :param count: of samples
-    :param limit: of the speed, m/s
+    :param distance: at the start [m]
+    :param gain: K [1/s]
+    :param period: sample period [s]
+    :param count: number of samples
+    :param limit: of the speed [m/s]
     """
     left = [distance]
     while len(left) < count:

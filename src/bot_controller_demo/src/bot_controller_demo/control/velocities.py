@@ -1,4 +1,4 @@
-"""Commands to a robot with two wheels, and the limits of each model."""
+"""Commands to a differential-drive robot, and the limits of each model."""
 
 from typing import Dict, NamedTuple
 
@@ -28,7 +28,7 @@ class Limits(NamedTuple):
     angular: float
 
 
-#: What the makers state of their robots.
+#: Limits as specified by the manufacturers.
 MODELS: Dict[str, Limits] = {
     "burger": Limits(0.22, 2.84),
     "waffle": Limits(0.26, 1.82),
@@ -37,11 +37,11 @@ MODELS: Dict[str, Limits] = {
 
 
 def saturate(velocity: Velocity, limits: Limits) -> Velocity:
-    """Return a velocity within limits, of the same curvature.
+    """Return a velocity within limits, with the same curvature.
 
-    Both parts are reduced together: cut off each by itself, the robot would leave its path.
+    Both components are scaled together: clipped separately, the robot would leave its path.
 
-    :param velocity: what is wanted
+    :param velocity: requested velocity
     :param limits: above 0
     """
     excess = max(abs(velocity.linear) / limits.linear, abs(velocity.angular) / limits.angular)
@@ -51,10 +51,10 @@ def saturate(velocity: Velocity, limits: Limits) -> Velocity:
 
 
 def clamp(velocity: Velocity, limits: Limits) -> Velocity:
-    """Return a velocity with each part within its limit.
+    """Return a velocity with each component clipped to its limit.
 
-    :param velocity: what is wanted
-    :param limits: from 0
+    :param velocity: requested velocity
+    :param limits: not negative
     """
     linear = max(-limits.linear, min(limits.linear, velocity.linear))
     return Velocity(linear, max(-limits.angular, min(limits.angular, velocity.angular)))

@@ -6,17 +6,17 @@ from typing import Tuple
 
 from bot_controller_demo.control.velocities import Velocity
 
-#: The least and the largest value.
+#: Minimum and maximum.
 Interval = Tuple[float, float]
 
-#: What is turned at a wall, rad: from along it to straight back.
+#: Turn at a wall [rad]: from parallel to the wall to straight back.
 _TURN_AWAY: Interval = (0.5 * math.pi, math.pi)
 
 
 class Wanderer:
     """Source of random velocities.
 
-    :param seed: what the sequence is made from; 0 for another one each time
+    :param seed: of the sequence; 0 for a different one each time
     """
 
     def __init__(self, seed: int) -> None:
@@ -28,12 +28,12 @@ class Wanderer:
     ) -> Velocity:
         """Return the next velocity.
 
-        At a wall it is a turn on the spot, the fastest that is allowed, until the robot has turned
-        away by a random angle, or a random velocity if no turn is allowed.
+        At a wall it is a turn in place at the highest allowed rate, until the robot has turned away
+        by a random angle, or a random velocity if no turn is allowed.
 
-        :param linear: least and largest speed, m/s
-        :param angular: least and largest turning rate, rad/s
-        :param period: how long it will last, s
+        :param linear: minimum and maximum speed [m/s]
+        :param angular: minimum and maximum turning rate [rad/s]
+        :param period: duration of the velocity [s]
         :param touches: whether the robot has touched a wall since the last one
         """
         if touches and self._turning_s <= 0.0 and any(angular):

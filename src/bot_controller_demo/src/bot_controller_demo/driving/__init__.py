@@ -1,1 +1,1 @@
-"""The laws, wired to ROS: what commands a robot."""
+"""ROS interface of the control laws: commands, goals and odometry."""

@@ -1,4 +1,4 @@
-"""Publish commands to a robot, and stop it at the end."""
+"""Publisher of commands to a robot, which stops it at the end."""
 
 import threading
 from typing import Any
@@ -9,23 +9,23 @@ from geometry_msgs.msg import Twist, TwistStamped
 from bot_controller_demo.control.velocities import STOP, Velocity
 from nodekit import Node
 
-#: Velocities are in the robot's own frame.
+#: Velocities are in the robot's frame.
 _FRAME = "base_footprint"
 
 
 class Commands:
-    """Publishes ``cmd_vel``.
+    """Publisher of ``cmd_vel``.
 
-    A stop is published once: silence leaves the topic to others. A robot that was commanded to
-    move is stopped when the node ends or, where it is managed, is deactivated.
+    A stop is published once, so that others may use the topic afterwards. A moving robot is stopped
+    when the node ends or, if it is managed, is deactivated.
 
-    :param node: makes the publisher
+    :param node: creates the publisher
     :param controller_type: rviz for Twist, gazebo for TwistStamped
     """
 
     def __init__(self, node: Node, controller_type: str) -> None:
         self._is_stamped = controller_type == "gazebo"
-        # Made once and filled again: making one takes longer than all else here.
+        # Reused, because creating a message takes longer than all else here.
         self._message: Any = Twist()
         if self._is_stamped:
             self._message = TwistStamped()
@@ -41,13 +41,13 @@ class Commands:
     def publish(self, velocity: Velocity) -> None:
         """Command the robot.
 
-        :param velocity: how it is to move from now on
+        :param velocity: new velocity
         """
         with self._lock:
             self._send(velocity)
 
     def close(self) -> None:
-        """Stop the robot, and publish nothing more."""
+        """Stop the robot, and stop publishing."""
         with self._lock:
             self._send(STOP)
             self._is_closed = True
@@ -58,7 +58,7 @@ class Commands:
             self._publisher.publish(self._filled(velocity))
 
     def _filled(self, velocity: Velocity) -> Any:
-        """Return the message, filled with a velocity and the present time."""
+        """Return the message, filled with a velocity and the current time."""
         message = twist = self._message
         if self._is_stamped:
             message.header.stamp, twist = rospy.Time.now(), message.twist

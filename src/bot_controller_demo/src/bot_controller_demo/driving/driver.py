@@ -1,4 +1,4 @@
-"""Goal controller connected to ROS."""
+"""Goal controller with its ROS topics."""
 
 import math
 from typing import Any, Optional
@@ -19,15 +19,15 @@ from bot_controller_demo.control.velocities import STOP
 from bot_controller_demo_msgs.msg import Progress
 from nodekit import LiveParameters, Node
 
-#: Frame of the odometry, until there is some.
+#: Frame of the odometry, until a message tells it.
 _ODOM = "odom"
 
 
 class Driver:
     """Drives to one goal at a time, and stays there; a new goal replaces the last one.
 
-    A goal to which it makes no progress for ``~no_progress_timeout``, as where a wall is in the
-    way, is given up: the robot is stopped.
+    A goal without progress for ``~no_progress_timeout``, for example behind a wall, is abandoned:
+    the robot is stopped.
 
     :ROS Subscribers:
         - ``odom`` (nav_msgs/Odometry); the robot stops while it is older than ``~odom_timeout``
@@ -35,14 +35,14 @@ class Driver:
     :ROS Publishers:
         - ``cmd_vel`` (geometry_msgs/Twist, or TwistStamped): while it drives, and one zero to stop
         - ``~progress`` (bot_controller_demo_msgs/Progress): with each command, at the goal, and
-          when it is given up
+            when a goal is abandoned
         - ``~arrived`` (std_msgs/Bool), latched
         - ``~current_goal`` (geometry_msgs/PoseStamped), latched
 
-    :param node: the node that drives
-    :param parameters: how to drive; a set of :class:`.DrivingParameters`
+    :param node: the node
+    :param parameters: a set of :class:`.DrivingParameters`
 
-    :ivar frame: that of the odometry, None before the first
+    :ivar frame: frame of the odometry, None before the first message
     """
 
     def __init__(self, node: Node, parameters: "LiveParameters[Any]") -> None:
@@ -59,15 +59,15 @@ class Driver:
         self._progress_checker = ProgressChecker()
         self.frame: Optional[str] = None
         self._odometry_name = node.resolve("odom")
-        #: Why the latest message cannot be used; empty if it can.
+        #: Why the latest message is invalid; empty if it is valid.
         self._fault = ""
-        #: What the robot waits for, as was logged; empty while it does not wait.
+        #: Last logged reason for waiting; empty while the robot does not wait.
         self._waits_for = ""
         self._checked: Optional[DrivingParameters] = None
         node.create_subscription("odom", Odometry, self._on_odometry)
 
     def head_for(self, goal: Goal) -> None:
-        """Drive to a goal from now on.
+        """Drive to a goal.
 
         :param goal: in the frame of the odometry
         """
@@ -91,15 +91,15 @@ class Driver:
         self._current_goal.publish(message)
 
     def stop(self) -> None:
-        """Stop, and have no goal."""
+        """Stop the robot, and clear the goal."""
         self._controller = None
         self._commands.publish(STOP)
 
     def step(self) -> Optional[Progress]:
         """Command the robot; to be called ``~control_frequency`` times a second.
 
-        :returns: how far it is, the same message each time; None without a goal, also after one
-            that was given up, or while it is not known where the robot is
+        :returns: the progress, the same message each time; None without a goal, after an abandoned
+            one, or while the pose is unknown
         """
         settings: DrivingParameters = self._parameters.values
         self._warn_of_circling(settings)
@@ -122,7 +122,7 @@ class Driver:
         left = f"{progress.distance:.3f} m and {progress.heading_error:.3f} rad are left"
         if phase == GIVEN_UP:
             rospy.logwarn(
-                "no progress for %g s: the goal is given up and the robot stopped; %s",
+                "no progress for %g s: the goal is abandoned and the robot stopped; %s",
                 settings.no_progress_timeout,
                 left,
             )
@@ -133,7 +133,7 @@ class Driver:
         return progress
 
     def _makes_no_progress(self, guidance: Guidance, limit: float) -> bool:
-        """Tell whether the robot has come no closer to its goal for some time, s; 0 for never."""
+        """Return whether the robot has made no progress for a time [s]; 0 disables the check."""
         if guidance.phase == ARRIVED:
             self._progress_checker.forget()
             return False
@@ -145,7 +145,7 @@ class Driver:
         parts = (turn.x, turn.y, turn.z, turn.w)
         self._fault = pose_fault((position.x, position.y), parts)
         if self._fault:
-            return  # so the odometry grows old
+            return  # so the odometry becomes stale
         self._pose = Pose(position.x, position.y, heading_of(*parts))
         self._stamp = message.header.stamp or rospy.Time.now()
         self._staleness.record_message(message.header.stamp.to_sec(), rospy.get_time())
@@ -154,7 +154,7 @@ class Driver:
             self._publish_goal(self._controller.goal)
 
     def _has_odometry(self, limit: float) -> bool:
-        """Tell whether it is known where the robot is; stop it where not, and say so once."""
+        """Return whether the robot's pose is known; if not, stop it and log that once."""
         now = rospy.get_time()
         age, skew = self._staleness.age(now), self._staleness.skew(now, limit)
         if age <= limit:
@@ -186,7 +186,7 @@ class Driver:
         return False
 
     def _warn_of_circling(self, settings: DrivingParameters) -> None:
-        """Warn, once for each change of settings, of a law that may circle its goal."""
+        """Warn once per change of settings if the law may circle its goal."""
         if settings is self._checked:
             return
         self._checked = settings

@@ -1,4 +1,4 @@
-"""The action go_to."""
+"""Server of the action go_to."""
 
 from typing import Any, Callable, Optional
 
@@ -12,31 +12,31 @@ from nodekit import Node, ServerGoalHandle
 
 
 class GoToServer:
-    """Serves ``go_to`` in the node's own callbacks; the newest goal replaces the one before.
+    """Server of ``go_to`` in the node's own callbacks; a new goal replaces the current one.
 
-    :param node: whose action it is
+    :param node: owner of the action
     :param accept: called with a goal's PoseStamped; raises GoalRefused
-    :param stop: called where the robot is to stop
+    :param stop: called to stop the robot
     """
 
     def __init__(self, node: Node, accept: Callable[[Any], None], stop: Callable[[], None]) -> None:
         self._accept = accept
         self._stop = stop
-        self._goal: Optional[ServerGoalHandle] = None  # that the robot drives to
+        self._goal: Optional[ServerGoalHandle] = None  # current goal of the action
         node.create_action_server(
             "go_to", GoToAction, handle_accepted_callback=self._begin, newest_only=True
         )
         node.before_deactivate(self._forget)
 
     def _begin(self, goal: ServerGoalHandle) -> None:
-        """Drive to a goal; the server has preempted the one before."""
+        """Drive to a goal; the server has preempted the previous one."""
         before, self._goal = self._goal, goal
         try:
             self._accept(goal.request.target_pose)
         except GoalRefused as refusal:
             rospy.logwarn("ignoring the goal: %s", refusal)
             self._goal = None
-            if before is not None:  # otherwise another goal has the robot
+            if before is not None:  # otherwise the robot drives to a goal of another source
                 self._stop()
             goal.abort(text=str(refusal))
 
@@ -48,15 +48,15 @@ class GoToServer:
             goal.canceled(text="cancelled: the robot has stopped")
 
     def _forget(self) -> None:
-        """Stop the robot if the action drives it, so that it stands once it is active again."""
+        """Stop the robot if the action drives it, so that it rests after an activation."""
         if self._goal is not None:
             self._goal = None
             self._stop()
 
     def publish_progress(self, progress: Optional[Progress]) -> None:
-        """Publish to the client how far the robot is.
+        """Publish the progress to the client.
 
-        :param progress: on the way to the goal that was accepted last; None where it is not known
+        :param progress: towards the accepted goal; None if unknown
         """
         goal = self._goal
         if progress is None or goal is None:
@@ -71,7 +71,7 @@ class GoToServer:
             goal.abort(GoToResult(progress), why)
 
     def preempt(self) -> None:
-        """Preempt the goal of a client: another one has replaced it."""
+        """Preempt a client's goal, because another goal has replaced it."""
         goal, self._goal = self._goal, None
         if goal is not None:
             goal.canceled(text="another goal was set")

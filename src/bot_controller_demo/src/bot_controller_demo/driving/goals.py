@@ -1,4 +1,4 @@
-"""Goals as messages give them."""
+"""Conversion and validation of goals in messages."""
 
 from typing import Optional
 
@@ -6,19 +6,19 @@ from geometry_msgs.msg import PoseStamped
 
 from bot_controller_demo.control.geometry import Goal, heading_of
 
-#: Largest coordinate, m, and heading, rad: those of the parameters. From 1e308 on errors overflow,
-#: and with them the velocities.
+#: Largest coordinate [m] and heading [rad], as in the parameters. From 1e308 on, errors and
+#: velocities overflow.
 FARTHEST = 1e6
 
 
 class GoalRefused(ValueError):
-    """A goal that is not valid; the text says why."""
+    """An invalid goal; the text gives the reason."""
 
 
 def goal_of(message: PoseStamped, frame: Optional[str]) -> Goal:
-    """Return the goal that a message means.
+    """Return the goal in a message.
 
-    :param message: a pose; without a frame, it is in that of the odometry
+    :param message: a pose; without a frame, it is in the odometry's frame
     :param frame: of the odometry, None before the first odometry
     :raises GoalRefused: if it is in another frame, not finite, or too far away
     """
@@ -39,7 +39,7 @@ def goal_of(message: PoseStamped, frame: Optional[str]) -> Goal:
 def allowed(goal: Goal) -> Goal:
     """Return a goal if it is valid.
 
-    :param goal: to be validated
+    :param goal: the goal
     :raises GoalRefused: if it is not finite, or too far away
     """
     if not all(abs(part) <= FARTHEST for part in (goal.x, goal.y, goal.theta or 0.0)):

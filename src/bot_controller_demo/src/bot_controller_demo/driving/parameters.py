@@ -1,11 +1,11 @@
-"""The parameters of whatever drives to a goal, under the names that the course gave them."""
+"""Parameters of driving to a goal, under the course's names."""
 
 from bot_controller_demo.control.goal_controller import Tuning
 from bot_controller_demo.control.steering import LAWS, Gains
 from bot_controller_demo.control.velocities import Limits
 from nodekit import EnumParameter, FloatParameter, ParameterSet, RateParameter, read_once, rule
 
-#: The message types by the names that the course gave them.
+#: Message types, by the course's names.
 CONTROLLER_TYPES = ("rviz", "gazebo")
 
 
@@ -25,7 +25,7 @@ def _gain(default: float, what: str) -> FloatParameter:
 
 
 class DrivingParameters(ParameterSet):
-    """Parameters of driving to a goal; all but the type may change on the way."""
+    """Parameters of driving to a goal; all but the type may change while driving."""
 
     controller_type = controller_type()
     control_law = EnumParameter(
@@ -65,12 +65,12 @@ class DrivingParameters(ParameterSet):
         minimum=0.0,
         maximum=3600.0,
         unit="s",
-        help="time without progress after which a goal is given up; 0 for never",
+        help="time without progress after which a goal is abandoned; 0 for never",
     )
 
     @rule("kp_linear", "kp_angular", "control_frequency")
     def is_stable(self) -> None:
-        """Refuse what oscillates: held for a period, and with odometry one period old."""
+        """Reject oscillating gains, for velocities held for a period and odometry a period old."""
         if max(self.kp_linear, self.kp_angular) >= self.control_frequency:
             raise ValueError("both gains must be below control_frequency, or the robot oscillates")
 

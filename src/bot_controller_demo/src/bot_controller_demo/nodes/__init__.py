@@ -1,1 +1,1 @@
-"""The nodes: what wires the control laws and the keys to ROS."""
+"""Nodes: ROS interfaces of the control laws and of the keyboard."""

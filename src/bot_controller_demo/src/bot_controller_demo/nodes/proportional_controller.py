@@ -1,4 +1,4 @@
-"""The proportional controller: drives a robot to a goal."""
+"""Proportional controller node: drives a robot to a goal."""
 
 import math
 
@@ -19,10 +19,10 @@ def _coordinate(default: float, unit: str, what: str) -> FloatParameter:
 
 
 class ProportionalControllerParameters(DrivingParameters):
-    """Parameters of proportional_controller: where to go, and how."""
+    """Parameters of proportional_controller: goal and driving."""
 
     goal_x = _coordinate(
-        2.0, "m", "x of the goal; the robot goes there at the start, and after a change"
+        2.0, "m", "x of the goal; the robot drives there at the start, and after a change"
     )
     goal_y = _coordinate(1.0, "m", "y of the goal")
     goal_theta = _coordinate(math.pi / 2.0, "rad", "heading at the goal")
@@ -34,7 +34,7 @@ class ProportionalControllerParameters(DrivingParameters):
 
 
 class ProportionalController:
-    """Drives to the goal of its parameters, then to whatever goal it is given.
+    """Drives to the goal in its parameters, and then to other goals on request.
 
     :ROS Subscribers:
         - ``~goal`` (geometry_msgs/PoseStamped), in the frame of the odometry; rviz sends it
@@ -46,9 +46,9 @@ class ProportionalController:
         - ``go_to`` (bot_controller_demo_msgs/GoTo)
 
     :ROS Parameters:
-        - those of :class:`ProportionalControllerParameters`, private and live
+        - private, can be changed at run time: see :class:`ProportionalControllerParameters`
 
-    Its other topics are those of :class:`.Driver`.
+    For its other topics see :class:`.Driver`.
     """
 
     def __init__(self, node: Node) -> None:
@@ -85,7 +85,7 @@ class ProportionalController:
         return SetGoalResponse(True, str(goal))
 
     def _head_for(self, goal: Goal) -> None:
-        """Drive to a goal that is not the action's."""
+        """Drive to a goal that is not from the action."""
         self._go_to.preempt()
         self._driver.head_for(goal)
 

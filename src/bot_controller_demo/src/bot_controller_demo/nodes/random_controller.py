@@ -1,4 +1,4 @@
-"""The random controller: drives a robot at random."""
+"""Random controller node: drives a robot at random."""
 
 from std_msgs.msg import Bool
 
@@ -33,21 +33,21 @@ class RandomControllerParameters(ParameterSet):
 
     @rule("linear_min", "linear_max")
     def has_speeds(self) -> None:
-        """Refuse an interval that is empty."""
+        """Reject an empty interval."""
         if self.linear_min > self.linear_max:
             raise ValueError("linear_min must be at most linear_max")
 
     @rule("angular_min", "angular_max")
     def has_rates(self) -> None:
-        """Refuse an interval that is empty."""
+        """Reject an empty interval."""
         if self.angular_min > self.angular_max:
             raise ValueError("angular_min must be at most angular_max")
 
 
 class RandomController:
-    """Publishes a new random velocity each period, and a zero when it ends.
+    """Publishes a new random velocity each period, and zero at the end.
 
-    Where the robot touches a wall, it turns away on the spot.
+    At a wall, the robot turns away in place.
 
     :ROS Subscribers:
         - ``contact`` (std_msgs/Bool): whether the robot touches a wall; not every robot has it
@@ -56,7 +56,7 @@ class RandomController:
         - ``cmd_vel`` (geometry_msgs/Twist, or TwistStamped)
 
     :ROS Parameters:
-        - those of :class:`RandomControllerParameters`, private and live
+        - private, can be changed at run time: see :class:`RandomControllerParameters`
     """
 
     def __init__(self, node: Node) -> None:

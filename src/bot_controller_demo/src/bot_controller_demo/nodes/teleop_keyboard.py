@@ -1,4 +1,4 @@
-"""Teleoperation by the keys of a terminal."""
+"""Keyboard teleoperation node, for a terminal."""
 
 import sys
 import threading
@@ -22,7 +22,7 @@ from nodekit import (
     run,
 )
 
-#: Longest wait for a key, s: how late the end of the process is noticed.
+#: Longest wait for a key [s]; shutdown is noticed after it.
 _PATIENCE_S = 0.2
 _PROGRAM = "teleop_keyboard"
 
@@ -56,15 +56,19 @@ class TeleopKeyboardParameters(ParameterSet):
 
     @rule("speed", "turn", "model")
     def is_within_limits(self) -> None:
-        """Refuse what the robot cannot do."""
+        """Reject speeds beyond the robot's limits."""
         if self.speed > self.limits.linear:
-            raise ValueError(f"speed must be at most {self.limits.linear:g} m/s, as model has it")
+            raise ValueError(
+                f"speed must be at most {self.limits.linear:g} m/s, the limit of this model"
+            )
         if self.turn > self.limits.angular:
-            raise ValueError(f"turn must be at most {self.limits.angular:g} rad/s, as model has it")
+            raise ValueError(
+                f"turn must be at most {self.limits.angular:g} rad/s, the limit of this model"
+            )
 
     @property
     def limits(self) -> Limits:
-        """The largest velocities of the robot."""
+        """Largest velocities of the robot."""
         return MODELS[self.model]
 
     @property
@@ -74,7 +78,7 @@ class TeleopKeyboardParameters(ParameterSet):
 
     @property
     def time_outs(self) -> TimeOuts:
-        """Time for which a key counts as held."""
+        """Times for which a key counts as held."""
         return TimeOuts(self.first_timeout, self.repeat_timeout)
 
 
@@ -85,7 +89,7 @@ class TeleopKeyboard:
         - ``cmd_vel`` (geometry_msgs/Twist, or TwistStamped)
 
     :ROS Parameters:
-        - those of :class:`TeleopKeyboardParameters`, private and live
+        - private, can be changed at run time: see :class:`TeleopKeyboardParameters`
     """
 
     def __init__(self, node: Node) -> None:
@@ -95,7 +99,7 @@ class TeleopKeyboard:
         self._lock = threading.Lock()
         self._terminal = node.own(KeyTerminal(sys.stdin.fileno()))
         node.on_shutdown(self._terminal.close)
-        # Keys are held for so long by the machine's clock: /clock may stand still.
+        # By the machine's clock, because /clock may be stopped.
         node.create_timer(lambda: self._parameters.values.rate, self._drive, steady=True)
         print(HELP, flush=True)
         self._print_speeds()
@@ -144,7 +148,7 @@ def main() -> None:
     """Run the node until it is shut down."""
     if not sys.stdin.isatty():
         sys.exit(
-            f"{_PROGRAM}: the standard input is not a terminal, so there are no keys to read; "
-            f"start it in a terminal of its own: rosrun bot_controller_demo {_PROGRAM}"
+            f"{_PROGRAM}: standard input is not a terminal, so there are no keys to read; "
+            f"start it in its own terminal: rosrun bot_controller_demo {_PROGRAM}"
         )
     run(_PROGRAM, TeleopKeyboard)

@@ -1,4 +1,4 @@
-"""The waypoint controller: drives a robot from one point to the next."""
+"""Waypoint controller node: drives a robot from point to point."""
 
 from typing import List
 
@@ -13,7 +13,7 @@ from nodekit import BoolParameter, FloatParameter, ListParameter, Node, run
 
 
 class WaypointControllerParameters(DrivingParameters):
-    """Parameters of waypoint_controller: where to go, and how."""
+    """Parameters of waypoint_controller: points and driving."""
 
     waypoints = ListParameter(
         [],
@@ -25,7 +25,7 @@ class WaypointControllerParameters(DrivingParameters):
             help="",
         ),
         unit="m, m, rad",
-        help="x and y of each point, and the heading where it matters; a change restarts the tour",
+        help="x and y of each point, optionally the heading; a change restarts the tour",
     )
     repeat = BoolParameter(False, help="whether to start again after the last point")
 
@@ -39,9 +39,9 @@ class WaypointController:
     """Drives through points; stays at the last one, or starts again.
 
     :ROS Parameters:
-        - those of :class:`WaypointControllerParameters`, private and live
+        - private, can be changed at run time: see :class:`WaypointControllerParameters`
 
-    Its topics are those of :class:`.Driver`.
+    For its topics see :class:`.Driver`.
     """
 
     def __init__(self, node: Node) -> None:
@@ -68,7 +68,7 @@ class WaypointController:
         elif self._ahead:
             self._driver.head_for(self._ahead.pop(0))
         elif self._parameters.values.repeat and self._has_driven:
-            self._start()  # unless it was at all points without driving: then it stays
+            self._start()  # not if it was at all points without driving
 
     def _start(self) -> None:
         self._has_driven = False

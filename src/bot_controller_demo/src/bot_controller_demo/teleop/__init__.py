@@ -1,1 +1,1 @@
-"""Keys of the teleoperation, and the terminal that they come from."""
+"""Keys of the teleoperation, and their terminal."""

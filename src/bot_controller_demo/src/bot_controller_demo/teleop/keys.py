@@ -1,8 +1,8 @@
 # Pure: knows no ROS.
 """Commands of the teleoperation's keys, and their duration.
 
-A terminal reports a key when it goes down, and repeatedly while it is held, for the first time
-after about half a second. It never reports that a key was released: that is known from silence.
+A terminal reports a key when it is pressed, and repeatedly while it is held, from about half a
+second on. It does not report the release, which follows only from silence.
 """
 
 import math
@@ -11,7 +11,7 @@ from typing import Dict, List, NamedTuple, Optional, Tuple
 
 from bot_controller_demo.control.velocities import STOP, Velocity
 
-#: Keys that move: share of the speed, share of the turning rate.
+#: Keys that move the robot: relative speed, relative turning rate.
 MOVES: Dict[str, Tuple[float, float]] = {
     "u": (1.0, 1.0),
     "i": (1.0, 0.0),
@@ -23,7 +23,7 @@ MOVES: Dict[str, Tuple[float, float]] = {
     ",": (-1.0, 0.0),
     ".": (-1.0, 1.0),
 }
-#: Keys that change the speeds: by which factor the linear, and the angular one.
+#: Keys that change the speeds: factors of the linear and of the angular speed.
 SCALES: Dict[str, Tuple[float, float]] = {
     "q": (1.1, 1.1),
     "z": (0.9, 0.9),
@@ -41,23 +41,23 @@ Drive while a key is held:      Speeds, 10 % a press:
 
 Any other key stops the robot; Ctrl-C ends this."""
 
-#: A key, or the sequence that a terminal sends for one with a name, as an arrow.
+#: A key, or the escape sequence of a special key such as an arrow.
 _KEY = re.compile("\x1b(?:\\[|O)[0-9;]*[A-Za-z~]|.", re.DOTALL)
 
 
 def split(text: str) -> List[str]:
-    """Return the keys that were pressed.
+    """Return the pressed keys.
 
-    :param text: as it came from the terminal
+    :param text: input from the terminal
     """
     return _KEY.findall(text)
 
 
 class TimeOuts(NamedTuple):
-    """Time for which a key counts as held without another character from the terminal.
+    """Times for which a key counts as held without further input from the terminal.
 
-    :param first: after its first press, s; longer than the terminal waits before it repeats
-    :param repeated: while it repeats, s
+    :param first: after its first press [s]; longer than the terminal's delay before it repeats
+    :param repeated: while it repeats [s]
     """
 
     first: float
@@ -65,10 +65,10 @@ class TimeOuts(NamedTuple):
 
 
 class HeldKey:
-    """Which key is held, as seen from presses.
+    """Currently held key, inferred from presses.
 
-    Two presses of a key within the shorter time-out are taken for the terminal's repetition. Two
-    quick ones by hand are further apart, and each is a new press.
+    Two presses of a key within the shorter timeout count as the terminal's repetition. Quick manual
+    presses are further apart, and each is a new press.
     """
 
     def __init__(self) -> None:
@@ -79,8 +79,8 @@ class HeldKey:
     def press(self, key: str, now: float, time_outs: TimeOuts) -> None:
         """Record a press.
 
-        :param key: what was pressed, or is repeated
-        :param now: s, by any clock that goes on
+        :param key: pressed or repeated key
+        :param now: monotonic time [s]
         :param time_outs: how long it counts as held
         """
         gap = now - self._pressed_at
@@ -92,9 +92,9 @@ class HeldKey:
         self.key = None
 
     def held(self, now: float, time_outs: TimeOuts) -> Optional[str]:
-        """Return the key that is held, None for none.
+        """Return the held key, or None.
 
-        :param now: s, by the same clock
+        :param now: time by the same clock [s]
         :param time_outs: how long a key counts as held
         """
         limit = time_outs.repeated if self._repeats else time_outs.first
@@ -104,17 +104,17 @@ class HeldKey:
 
 
 class Teleoperation:
-    """Turns presses into velocities: the key's own while it is held, one zero, and silence."""
+    """Converter of key presses to velocities: the key's while held, one zero, then none."""
 
     def __init__(self) -> None:
         self._held = HeldKey()
         self._moves = False
 
     def press(self, key: str, now: float, time_outs: TimeOuts) -> None:
-        """Record a key that moves the robot, or any other, which stops it.
+        """Record a key that moves the robot; any other key stops it.
 
-        :param key: what was pressed, or is repeated
-        :param now: s, by any clock that goes on
+        :param key: pressed or repeated key
+        :param now: monotonic time [s]
         :param time_outs: how long it counts as held
         """
         if any(MOVES.get(key, ())):
@@ -123,10 +123,10 @@ class Teleoperation:
             self._held.release()
 
     def velocity(self, now: float, speeds: Velocity, time_outs: TimeOuts) -> Optional[Velocity]:
-        """Return the command to the robot now, None for none.
+        """Return the current command to the robot, or None.
 
-        :param now: s, by the same clock
-        :param speeds: at a share of 1
+        :param now: time by the same clock [s]
+        :param speeds: velocity at a relative speed of 1
         :param time_outs: how long a key counts as held
         """
         key = self._held.held(now, time_outs)

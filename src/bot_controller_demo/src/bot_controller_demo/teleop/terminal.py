@@ -1,4 +1,4 @@
-"""A terminal that hands over each key at once, and is given back as it was."""
+"""Terminal in raw mode, which delivers each key immediately and is restored at the end."""
 
 import atexit
 import os
@@ -7,20 +7,20 @@ import subprocess
 import termios
 from typing import Any, List
 
-#: Longest answer to one read, bytes.
+#: Longest result of one read [bytes].
 _MOST = 4096
-#: Places in what termios returns.
+#: Indices in the result of termios.tcgetattr.
 _IFLAG, _LFLAG, _CC = 0, 3, 6
-#: A shell that waits for the end of the process, however it comes, and gives the terminal back.
+#: Shell command that waits for the end of this process, in any way, and restores the terminal.
 _GUARD = 'cat; stty "$0" <&1'
 
 
 class KeyTerminal:
-    """A terminal without echo and without lines.
+    """Terminal without echo and line buffering.
 
-    Ctrl-C works. What would stop or kill the process on the way does not: it would leave the
-    terminal as it is, and the robot driving. It is given back by :meth:`close`, and at any other
-    end of the process: no handler would run at SIGKILL, so a second process waits for it.
+    Ctrl-C works. Keys that would suspend or kill the process do not: the terminal would remain in
+    raw mode, and the robot would keep driving. The terminal is restored by :meth:`close`, and at
+    any other end of the process: after SIGKILL no handler runs, so a second process waits for it.
 
     :param descriptor: an open terminal
     """
@@ -29,7 +29,7 @@ class KeyTerminal:
         self._descriptor = descriptor
         self._before: List[Any] = termios.tcgetattr(descriptor)
         saved = subprocess.check_output(["stty", "-g"], stdin=descriptor).strip()
-        # In a session of its own: the keys' signals are not for it.
+        # In its own session, so that it does not receive the keys' signals.
         self._guard = subprocess.Popen(
             ["sh", "-c", _GUARD, saved],
             stdin=subprocess.PIPE,
@@ -48,10 +48,10 @@ class KeyTerminal:
         termios.tcsetattr(descriptor, termios.TCSANOW, mode)
 
     def read(self, timeout: float) -> str:
-        """Return what was typed, nothing where that takes too long.
+        """Return typed characters; empty after the timeout.
 
-        :param timeout: longest wait, s
-        :raises EOFError: if the terminal is gone
+        :param timeout: longest wait [s]
+        :raises EOFError: if the terminal was closed
         """
         if not select.select([self._descriptor], [], [], timeout)[0]:
             return ""
@@ -64,7 +64,7 @@ class KeyTerminal:
         return typed.decode("utf-8", "replace")
 
     def close(self) -> None:
-        """Give the terminal back as it was; without effect a second time, or where it is gone."""
+        """Restore the terminal; no effect if already restored or closed."""
         atexit.unregister(self.close)
         before, self._before = self._before, []
         if before:

@@ -1,1 +1,1 @@
-"""The node: what wires the plant to ROS."""
+"""Node of the plant."""

@@ -1,4 +1,4 @@
-"""The first-order system: a plant to control and to identify."""
+"""First-order system node: a plant to control and to identify."""
 
 import rospy
 from std_msgs.msg import Float32
@@ -7,7 +7,7 @@ from first_order_sys_sim.sampled_plant import SampledPlant
 from first_order_sys_sim.system_parameters import SystemParameters
 from nodekit import Node, run
 
-#: A machine that is busy for up to this long makes outputs late, but loses none, s.
+#: On a machine that is busy for up to this long, outputs are late, but not lost [s].
 _CATCH_UP_S = 0.5
 
 
@@ -15,16 +15,16 @@ class FirstOrderSystem:
     """Publishes the output y of a first-order plant, tau dy/dt + y = K u.
 
     The input u is sampled every sample time and held; it is 0 before the first message. Each output
-    is that of the moment it was due, n / node rate after the first one.
+    is that at its nominal time, n / node rate after the first one.
 
     :ROS Subscribers:
-        - ``input`` (std_msgs/Float32); what is not finite is ignored, with a warning
+        - ``input`` (std_msgs/Float32); a value that is not finite is ignored, with a warning
 
     :ROS Publishers:
         - ``output`` (std_msgs/Float32)
 
     :ROS Parameters:
-        - those of :class:`.SystemParameters`, private and live
+        - private, can be changed at run time: see :class:`.SystemParameters`
     """
 
     def __init__(self, node: Node) -> None:
@@ -33,8 +33,8 @@ class FirstOrderSystem:
         self._plant = SampledPlant(
             values.plant, values.system_sample_time, values.system_initial_conditions
         )
-        # In the plant's time, when the last output was due and the next one is; by the clock, when
-        # the last one went out.
+        # Nominal times of the last and of the next output, in the plant's time; by the clock, the
+        # time at which the last one was published.
         self._due = self._next_due = 0.0
         self._published_at = 0.0
         self._publisher = node.create_publisher("output", Float32)
@@ -58,8 +58,8 @@ class FirstOrderSystem:
             self._plant.set_output(self._now(), new.system_initial_conditions)
 
     def _now(self) -> float:
-        """Return the plant's time, s: from the last output on, until the next one is due."""
-        since = rospy.get_time() - self._published_at  # below 0 where the clock was set back
+        """Return the plant's time [s]: between the last output and the next one."""
+        since = rospy.get_time() - self._published_at  # negative if the clock was set back
         return min(self._due + max(since, 0.0), self._next_due)
 
 

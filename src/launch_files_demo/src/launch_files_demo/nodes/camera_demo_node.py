@@ -1,4 +1,4 @@
-"""A camera that looks at a test card."""
+"""Camera node with a test card."""
 
 import rospy
 from sensor_msgs.msg import Image
@@ -12,7 +12,7 @@ _RATE_HZ = 1.0
 
 
 class CameraDemoNode:
-    """Publishes a test card on which something moves, once a second.
+    """Publishes a test card with a moving object, once a second.
 
     :ROS Publishers:
         - ``data/camera`` (sensor_msgs/Image): 640 by 480, rgb8, in the frame ``camera_frame``

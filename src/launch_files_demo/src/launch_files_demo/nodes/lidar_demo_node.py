@@ -1,4 +1,4 @@
-"""A lidar in a room."""
+"""Lidar node in a simulated room."""
 
 import math
 
@@ -11,12 +11,12 @@ from parameters_demo.messages import laser_scan
 from parameters_demo.room import Scanner, scan
 
 _RATE_HZ = 10.0
-#: All around by 1 degree, from 0.2 to 10 m.
+#: Full circle in steps of 1 degree, from 0.2 to 10 m.
 SCANNER = Scanner(-math.pi, math.pi, 361, 0.2, 10.0)
 
 
 class LidarDemoNode:
-    """Publishes a scan of a room in which a person walks around, ten times a second.
+    """Publishes scans of a room with a walking person, ten times a second.
 
     :ROS Publishers:
         - ``data/lidar`` (sensor_msgs/LaserScan): in the frame ``laser_frame``

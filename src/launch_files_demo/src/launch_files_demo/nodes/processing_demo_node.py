@@ -1,4 +1,4 @@
-"""A node that subscribes to three sensors."""
+"""Node that subscribes to three sensors."""
 
 import rospy
 from sensor_msgs.msg import Image, LaserScan, Temperature
@@ -24,18 +24,18 @@ class ProcessingDemoNode:
         node.create_subscription("data/temperature", Temperature, self.on_temperature)
 
     def on_lidar(self, scan: LaserScan) -> None:
-        """Log what is nearest."""
+        """Log the nearest distance."""
         if self._throttle.is_due("lidar"):
             rospy.loginfo("Received LiDAR data: %s", of_scan(scan))
 
     def on_camera(self, image: Image) -> None:
-        """Log how large the image is."""
+        """Log the size of the image."""
         if self._throttle.is_due("camera"):
             text = "Received Camera data: width=%d, height=%d"
             rospy.loginfo(text, image.width, image.height)
 
     def on_temperature(self, temperature: Temperature) -> None:
-        """Log how warm it is."""
+        """Log the temperature."""
         if self._throttle.is_due("temperature"):
             rospy.loginfo("Received Temperature data: %.2f °C", temperature.temperature)
 

@@ -1,4 +1,4 @@
-"""A thermometer."""
+"""Temperature sensor node."""
 
 import random
 
@@ -13,7 +13,7 @@ _RATE_HZ = 1.0
 
 
 class TemperatureDemoNode:
-    """Publishes a temperature that rises and falls once a minute, from -5 to 35 degrees, and noise.
+    """Publishes a noisy temperature that varies once a minute between -5 and 35 degrees.
 
     :ROS Publishers:
         - ``data/temperature`` (sensor_msgs/Temperature): once a second
@@ -25,7 +25,7 @@ class TemperatureDemoNode:
         node.create_timer(_RATE_HZ, self.publish)
 
     def publish(self, elapsed: float) -> None:
-        """Publish what is measured now."""
+        """Publish a measurement."""
         header = Header(stamp=rospy.get_rostime(), frame_id="temperature_frame")
         value = measured(header.stamp.to_sec(), self._chance)
         self._temperatures.publish(Temperature(header, value, VARIANCE))

@@ -1,1 +1,1 @@
-"""The demos, a node each."""
+"""Demo nodes."""

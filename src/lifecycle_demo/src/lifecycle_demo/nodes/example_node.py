@@ -1,4 +1,4 @@
-"""A node that logs its names, and lines at five levels."""
+"""Node that logs its names, and lines at five levels."""
 
 import rospy
 
@@ -8,14 +8,14 @@ from nodekit import Node, ParameterSet, RateParameter, run
 class ExampleNodeParameters(ParameterSet):
     """Parameters of example_node."""
 
-    rate = RateParameter(1.0, help="how often the five lines are logged")
+    rate = RateParameter(1.0, help="rate of the five log lines")
 
 
 class ExampleNode:
-    """Logs its names and the time once, and a line of each level again and again.
+    """Logs its names and the time once, and a line of each level periodically.
 
     :ROS Parameters:
-        - those of :class:`ExampleNodeParameters`, private and live
+        - private, can be changed at run time: see :class:`ExampleNodeParameters`
     """
 
     def __init__(self, node: Node) -> None:
@@ -28,7 +28,7 @@ class ExampleNode:
         node.create_timer(lambda: settings.values.rate, self.log)
 
     def log(self, elapsed: float) -> None:
-        """Log a line of each level; debug messages are shown only when asked for."""
+        """Log a line of each level; debug messages are hidden by default."""
         rospy.logdebug("Debug message")
         rospy.loginfo("Info message")
         rospy.logwarn("Warning message")

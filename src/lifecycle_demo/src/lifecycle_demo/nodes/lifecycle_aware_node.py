@@ -1,4 +1,4 @@
-"""A managed node whose heart beats only while it is active."""
+"""Managed node with a heartbeat while it is active."""
 
 import rospy
 
@@ -24,7 +24,7 @@ class LifecycleAwareNodeParameters(ParameterSet):
     wait_for_manager = read_once(
         BoolParameter(
             False,
-            help="wait until others configure and activate the node; otherwise it does itself",
+            help="wait for a manager to configure and activate it; otherwise it does so itself",
         )
     )
 
@@ -35,10 +35,10 @@ class LifecycleAwareNode(ManagedNode):
     It configures and activates itself at the start, unless it is to wait for a manager.
 
     :ROS Publishers and Services:
-        - those of every :class:`nodekit.ManagedNode`
+        - see :class:`nodekit.ManagedNode`
 
     :ROS Parameters:
-        - those of :class:`LifecycleAwareNodeParameters`, private and live
+        - private, can be changed at run time: see :class:`LifecycleAwareNodeParameters`
     """
 
     def __init__(self, node: Node) -> None:
@@ -50,7 +50,7 @@ class LifecycleAwareNode(ManagedNode):
             self._start = node.create_timer(1.0, self._bring_up)
 
     def _bring_up(self, _elapsed: float) -> None:
-        """Do once what a manager would."""
+        """Configure and activate once, as a manager would."""
         self._start.close()
         self._request("configure").add_done_callback(lambda _: self._request("activate"))
 
@@ -58,7 +58,7 @@ class LifecycleAwareNode(ManagedNode):
         return self._change_state.call_async(ChangeStateRequest(Transition(label=label)))
 
     def on_configure(self, scope: NodeScope) -> None:
-        """Get ready for the robot that the parameters name."""
+        """Prepare for the robot in the parameters."""
         rospy.loginfo("Configuring...")
         rospy.loginfo("Configured for robot: %s", self.settings.values.robot_name)
 
@@ -69,12 +69,12 @@ class LifecycleAwareNode(ManagedNode):
         rospy.loginfo("Active and running")
 
     def on_deactivate(self) -> None:
-        """Log it; the timer is stopped by itself."""
+        """Log it; the timer is stopped automatically."""
         rospy.loginfo("Deactivating...")
         rospy.loginfo("Deactivated")
 
     def on_cleanup(self) -> None:
-        """Log it; what :meth:`on_configure` created is closed without it."""
+        """Log it; resources of :meth:`on_configure` are closed automatically."""
         rospy.loginfo("Cleaning up...")
 
     def on_shutdown(self) -> None:

@@ -95,7 +95,7 @@ class LifecycleManager:
         - of each node: ``heartbeat`` (std_msgs/Header), ``state`` (lifecycle_msgs/State)
 
     :ROS Parameters:
-        - those of :class:`LifecycleManagerParameters`, private
+        - private: see :class:`LifecycleManagerParameters`
 
     :param node: the node
     :raises nodekit.ParameterError: if one of the nodes has another manager

@@ -29,7 +29,7 @@ class DcMotor:
         - ``EnableProcess`` (motor_control_msgs/SetProcessBool): start or stop the motor
 
     :ROS Parameters:
-        - those of :class:`.MotorParameters`, private and live
+        - private, can be changed at run time: see :class:`.MotorParameters`
     """
 
     def __init__(self, node: Node) -> None:

@@ -45,7 +45,7 @@ class SetPoint:
         - those of :class:`.MotorEnabler`
 
     :ROS Parameters:
-        - those of :class:`.SetPointParameters`, private and live
+        - private, can be changed at run time: see :class:`.SetPointParameters`
     """
 
     def __init__(self, node: Node) -> None:

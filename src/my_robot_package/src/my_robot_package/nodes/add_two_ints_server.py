@@ -58,7 +58,7 @@ class AddTwoIntsServer:
         - ``add_two_ints`` (my_robot_package_interfaces/AddTwoInts)
 
     :ROS Parameters:
-        - those of :class:`AddTwoIntsServerParameters`, private and live
+        - private, can be changed at run time: see :class:`AddTwoIntsServerParameters`
     """
 
     def __init__(self, node: Node) -> None:

@@ -40,7 +40,7 @@ class AdvancedNode:
         - ``input_topic`` (std_msgs/String)
 
     :ROS Parameters:
-        - those of :class:`AdvancedNodeParameters`, private and live
+        - private, can be changed at run time: see :class:`AdvancedNodeParameters`
     """
 
     def __init__(self, node: Node) -> None:

@@ -18,7 +18,7 @@ class AnotherNode:
         - ``output_topic`` (std_msgs/String)
 
     :ROS Parameters:
-        - those of :class:`AnotherNodeParameters`, private and live
+        - private, can be changed at run time: see :class:`AnotherNodeParameters`
     """
 
     def __init__(self, node: Node) -> None:

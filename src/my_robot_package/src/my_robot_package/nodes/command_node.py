@@ -32,7 +32,7 @@ class CommandNode:
         - ``robot_command`` (my_robot_package_interfaces/RobotCommand), latched
 
     :ROS Parameters:
-        - those of :class:`CommandNodeParameters`, private and live
+        - private, can be changed at run time: see :class:`CommandNodeParameters`
     """
 
     def __init__(self, node: Node) -> None:

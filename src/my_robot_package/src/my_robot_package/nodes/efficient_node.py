@@ -32,7 +32,7 @@ class EfficientNode:
           without any, nothing
 
     :ROS Parameters:
-        - those of :class:`EfficientNodeParameters`, private and live
+        - private, can be changed at run time: see :class:`EfficientNodeParameters`
     """
 
     def __init__(self, node: Node) -> None:

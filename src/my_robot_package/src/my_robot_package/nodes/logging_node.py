@@ -27,7 +27,7 @@ class LoggingNode:
           topics and services there are
 
     :ROS Parameters:
-        - those of :class:`LoggingNodeParameters`, private and live
+        - private, can be changed at run time: see :class:`LoggingNodeParameters`
     """
 
     def __init__(self, node: Node) -> None:

@@ -17,7 +17,7 @@ class MyRobotNode:
         - ``input_topic`` (std_msgs/String)
 
     :ROS Parameters:
-        - those of :class:`.RobotParameters`, private and live
+        - private, can be changed at run time: see :class:`.RobotParameters`
     """
 
     def __init__(self, node: Node) -> None:

@@ -10,7 +10,7 @@ class ParameterizedNode:
     """Logs how fast its robot may go, at the start and after each change.
 
     :ROS Parameters:
-        - those of :class:`.RobotParameters`, private and live
+        - private, can be changed at run time: see :class:`.RobotParameters`
     """
 
     def __init__(self, node: Node) -> None:

@@ -56,7 +56,7 @@ class RobustNode:
     ended, it stops the actuators first.
 
     :ROS Parameters:
-        - those of :class:`RobustNodeParameters`, private
+        - private: see :class:`RobustNodeParameters`
     """
 
     def __init__(self, node: Node) -> None:

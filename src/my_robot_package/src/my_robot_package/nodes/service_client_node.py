@@ -45,7 +45,7 @@ class ServiceClientNode:
         - ``add_two_ints`` (my_robot_package_interfaces/AddTwoInts)
 
     :ROS Parameters:
-        - those of :class:`ServiceClientNodeParameters`, private and live
+        - private, can be changed at run time: see :class:`ServiceClientNodeParameters`
     """
 
     def __init__(self, node: Node) -> None:

@@ -34,7 +34,7 @@ class CameraDemo:
         - ``~slow_down`` (std_srvs/Trigger): sets ``~camera_rate`` to 40, in code
 
     :ROS Parameters:
-        - those of :class:`CameraDemoParameters`, private and live
+        - private, can be changed at run time: see :class:`CameraDemoParameters`
     """
 
     def __init__(self, node: Node) -> None:

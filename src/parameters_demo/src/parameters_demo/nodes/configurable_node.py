@@ -26,7 +26,7 @@ class ConfigurableNode:
     """Logs a tick at a rate while it is enabled, and each change of its parameters.
 
     :ROS Parameters:
-        - those of :class:`ConfigurableNodeParameters`, private and live
+        - private, can be changed at run time: see :class:`ConfigurableNodeParameters`
     """
 
     def __init__(self, node: Node) -> None:

@@ -28,7 +28,7 @@ class LidarDemo:
         - ``lidar/points`` (sensor_msgs/LaserScan): in the frame ``NAME_frame``
 
     :ROS Parameters:
-        - those of :class:`LidarDemoParameters`, private and live
+        - private, can be changed at run time: see :class:`LidarDemoParameters`
     """
 
     def __init__(self, node: Node) -> None:

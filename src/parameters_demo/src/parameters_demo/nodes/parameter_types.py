@@ -38,7 +38,7 @@ class ParameterTypes:
     parameters, as of every node; where they are not, it is followed as a whole.
 
     :ROS Parameters:
-        - those of :class:`ParameterTypesParameters`, private and live
+        - private, can be changed at run time: see :class:`ParameterTypesParameters`
         - ``~limits`` (a dictionary): read live, never written
     """
 

@@ -19,7 +19,7 @@ class ParameterizedPublisher:
         - ``chatter`` (std_msgs/String)
 
     :ROS Parameters:
-        - those of :class:`ParameterizedPublisherParameters`, private and live
+        - private, can be changed at run time: see :class:`ParameterizedPublisherParameters`
     """
 
     def __init__(self, node: Node) -> None:

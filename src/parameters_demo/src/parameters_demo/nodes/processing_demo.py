@@ -43,7 +43,7 @@ class ProcessingDemo:
         - ``radar/tracks`` (parameters_demo_msgs/RadarTracks)
 
     :ROS Parameters:
-        - those of :class:`ProcessingDemoParameters`, private and live
+        - private, can be changed at run time: see :class:`ProcessingDemoParameters`
     """
 
     def __init__(self, node: Node) -> None:

@@ -23,7 +23,7 @@ class RadarDemo:
         - ``radar/tracks`` (parameters_demo_msgs/RadarTracks): in the frame ``NAME_frame``
 
     :ROS Parameters:
-        - those of :class:`RadarDemoParameters`, private and live
+        - private, can be changed at run time: see :class:`RadarDemoParameters`
     """
 
     def __init__(self, node: Node) -> None:

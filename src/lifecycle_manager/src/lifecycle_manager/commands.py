@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""The commands that a manager takes, which are nav2's."""
+"""Commands of a manager, as in nav2."""
 
 from typing import NamedTuple, Sequence
 
@@ -11,8 +11,8 @@ class Command(NamedTuple):
     """A command.
 
     :param name: nav2's name
-    :param goal: how far up it leads
-    :param starts: goals of the system from which it is allowed
+    :param goal: level that it leads to
+    :param starts: current goals from which it is allowed
     """
 
     name: str
@@ -20,7 +20,7 @@ class Command(NamedTuple):
     starts: Sequence[Level] = tuple(Level)
 
 
-#: By nav2's numbers.
+#: Commands by nav2's numbers.
 COMMANDS = (
     Command("STARTUP", Level.ACTIVE),
     Command("PAUSE", Level.INACTIVE, (Level.INACTIVE, Level.ACTIVE)),
@@ -33,10 +33,10 @@ COMMANDS = (
 
 
 def validated(number: int, meant: Level) -> Command:
-    """Return the command of a number.
+    """Return the command with a number.
 
     :param number: the number
-    :param meant: the present goal of the system
+    :param meant: current goal of the system
     :raises ValueError: if there is no such command, or it is not allowed now
     """
     if number >= len(COMMANDS):

@@ -1,4 +1,4 @@
-"""A manager's connection to one node."""
+"""Client of one managed node."""
 
 import time
 from typing import Callable, Optional
@@ -14,14 +14,14 @@ from nodekit import CallError, CallFuture, Node
 
 
 class NodeClient:
-    """A manager's subscriptions to one node and its service clients.
+    """A manager's subscriptions to one node, and its service clients.
 
     All callbacks run in the manager's default group.
 
     :param node: the manager
-    :param system: what is known of all nodes
-    :param member: what is known of this one
-    :param on_change: called after each change of what is known
+    :param system: states of all nodes
+    :param member: state of this node
+    :param on_change: called after each change of the state
     """
 
     def __init__(
@@ -40,15 +40,15 @@ class NodeClient:
         self._connections = 0
 
     def check_connection(self) -> None:
-        """Mark the node as lost if its connection is gone: then its process has ended."""
+        """Mark the node as lost if its connection is closed: its process has ended."""
         before, self._connections = self._connections, self._heartbeat.get_num_connections()
         if self._connections < before and self.member.is_heard:
             self._system.mark_lost(self.member, "it has ended", time.monotonic())
 
     def send_request(self, timeout: float) -> None:
-        """Send the node the request that is under way; then ask for its state, which alone counts.
+        """Send the node its pending request; then query its state, which is authoritative.
 
-        :param timeout: longest wait for each answer, s
+        :param timeout: timeout of each answer [s]
         """
         label = self.member.under_way
         if label == GET_STATE:
@@ -61,7 +61,7 @@ class NodeClient:
 
     def _ask_state(self, why: str, timeout: float, call: Optional[CallFuture] = None) -> None:
         if call is not None and call is not self._call:
-            return  # it was dropped
+            return  # the request was dropped
         self._call = self._get.call_async(GetStateRequest(), timeout)
         self._call.add_done_callback(lambda call: self._on_answer(call, why))
 
@@ -86,7 +86,7 @@ class NodeClient:
 
 
 def _error_of(call: CallFuture) -> str:
-    """Return why a call that is done has no answer, empty where it has."""
+    """Return the error of a finished call, empty without one."""
     try:
         call.result()
     except CallError as error:

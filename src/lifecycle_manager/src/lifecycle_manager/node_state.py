@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""States of managed nodes as the manager knows them; times by a monotonic clock [s]."""
+"""States of managed nodes, as known to the manager; times by a monotonic clock [s]."""
 
 import math
 
@@ -18,11 +18,11 @@ from nodekit.lifecycle_states import (
     Outcome,
 )
 
-#: The request to a node whose state is in doubt.
+#: Request to a node with unknown state.
 GET_STATE = "get_state"
 
-#: Level of each state. A node in a transition counts as the level that is the safer one for the
-#: others: unconfigured until it is configured, active until it is deactivated.
+#: Level of each state. During a transition, a node has the level that is safer for the others:
+#: unconfigured until it is configured, active until it is deactivated.
 LEVELS = {
     **dict(enumerate(Level)),
     CONFIGURING.id: Level.UNCONFIGURED,
@@ -30,34 +30,34 @@ LEVELS = {
     ACTIVATING.id: Level.ACTIVE,
     DEACTIVATING.id: Level.ACTIVE,
 }
-#: Labels of the primary states; 0 is that of a node that does not answer.
+#: Labels of the primary states; 0 stands for a node that does not answer.
 STATES = ("absent", *(state.label for state in (UNCONFIGURED, INACTIVE, ACTIVE, FINALIZED)))
-#: States from which a transition is possible.
+#: States that allow transitions.
 _ON = (UNCONFIGURED.id, INACTIVE.id, ACTIVE.id)
-#: The state to which each transition leads.
+#: Resulting state of each transition.
 RESULTS = {request.label: OUTCOMES[request.goal, Outcome.SUCCESS].goal.id for request in REQUESTS}
 
 
 def state_text(state: int) -> str:
-    """Return the name of a state for a sentence.
+    """Return the name of a state, for messages.
 
     :param state: its number
     """
-    return STATES[state] if state < len(STATES) else "in the middle of a transition"
+    return STATES[state] if state < len(STATES) else "in transition"
 
 
 class NodeState:
-    """State of one managed node as the manager knows it.
+    """State of one managed node, as known to the manager.
 
     :param name: its global name
-    :param now: the time
+    :param now: current time
 
     :ivar state: number of its state; 0 while it does not answer
     :ivar is_heard: whether its heartbeat is received
     :ivar heard_at: time of the last heartbeat
-    :ivar query_at: when to ask for its state; infinite where that is not in doubt
-    :ivar under_way: the request without a reply so far; empty without one
-    :ivar told: number of the state that it has published last meanwhile, 0 for none
+    :ivar query_at: time of the next state query; infinite if the state is known
+    :ivar under_way: the pending request; empty without one
+    :ivar told: last state that it has published meanwhile, 0 for none
     :ivar is_stuck: whether a transition down has failed
     """
 
@@ -79,17 +79,17 @@ class NodeState:
 
     @property
     def is_busy(self) -> bool:
-        """Whether its state is yet to be learnt."""
+        """Whether its state is unknown until a reply."""
         return bool(self.under_way) or self.query_at < math.inf
 
     @property
     def is_moving(self) -> bool:
-        """Whether it is in the middle of a transition."""
+        """Whether it is in transition."""
         return self.state >= len(STATES)
 
     @property
     def rests(self) -> bool:
-        """Whether it is in a state from which a transition is possible."""
+        """Whether it is in a state that allows transitions."""
         return self.state in _ON
 
     def enter(self, state: int, now: float) -> None:
@@ -101,9 +101,9 @@ class NodeState:
         self.state = state
 
     def is_overdue(self, since: float, window: float, now: float) -> bool:
-        """Tell whether it should have come to rest by now.
+        """Return whether it should have reached a primary state by now.
 
-        :param since: when the time began, at the earliest
-        :param window: how long it may take, s
+        :param since: earliest start of the time window
+        :param window: length of the window [s]
         """
         return not self.rests and now - max(since, self._restless_since) > window

@@ -1,4 +1,4 @@
-"""Another manager of the same nodes."""
+"""Detection of another manager of the same nodes."""
 
 from typing import Optional, Sequence
 
@@ -8,19 +8,19 @@ from std_srvs.srv import Trigger, TriggerRequest
 from nodekit import CallError, CallTimeout, Node
 from nodekit.master import MasterClient
 
-#: The service by which a manager is recognised, besides its subscription to a heartbeat.
+#: Service that identifies a manager, besides its subscription to a heartbeat.
 SERVICE = "/manage_nodes"
-#: Longest wait for an answer of the master, and of another manager, s.
+#: Timeout for an answer of the master, and of another manager [s].
 TIMEOUT_S = 1.0
 
 
 def find_other_manager(node: Node, names: Sequence[str]) -> Optional[str]:
-    """Return a sentence that names a node with another manager, or None.
+    """Return a message that names a node with another manager, or None.
 
-    A manager subscribes to a node's heartbeat and offers ``~manage_nodes``. It looks for others
-    after it has subscribed itself, so of two that start at once the later one sees the other.
+    A manager subscribes to a node's heartbeat and offers ``~manage_nodes``. It searches for others
+    after its own subscription, so of two that start together the later one sees the other.
 
-    :param node: the manager that asks
+    :param node: the searching manager
     :param names: of the nodes
     :raises nodekit.MasterUnreachable: if the master does not answer
     """
@@ -42,7 +42,7 @@ def find_other_manager(node: Node, names: Sequence[str]) -> Optional[str]:
 
 
 def _is_there(node: Node, manager: str) -> bool:
-    """Tell whether a manager still runs; one that is suspended does."""
+    """Return whether a manager still runs, even if suspended."""
     client = node.create_client(f"{manager}/is_active", Trigger)
     try:
         client.call(TriggerRequest(), TIMEOUT_S)

@@ -1,4 +1,4 @@
-"""The state of a system, as messages for /diagnostics."""
+"""State of a system, as messages for /diagnostics."""
 
 from typing import List
 
@@ -7,7 +7,7 @@ from diagnostic_msgs.msg import DiagnosticStatus, KeyValue
 from lifecycle_manager.node_state import NodeState, state_text
 from lifecycle_manager.system import System
 
-#: By how far up a node is.
+#: Diagnostic level by the level of a node.
 _LEVELS = (
     DiagnosticStatus.STALE,
     DiagnosticStatus.WARN,
@@ -22,7 +22,7 @@ def reports(manager: str, system: System) -> List[DiagnosticStatus]:
     :param manager: name of the manager
     :param system: the system
     """
-    manager = manager.lstrip("/")  # as diagnostic_updater has it
+    manager = manager.lstrip("/")  # like diagnostic_updater
     level = DiagnosticStatus.OK if system.is_active else DiagnosticStatus.WARN
     whole = DiagnosticStatus(
         level=DiagnosticStatus.ERROR if system.problem else level,

@@ -1,7 +1,7 @@
 # Pure: knows no ROS.
-"""Known states of the managed nodes, and the requests to them.
+"""States of the managed nodes, and the requests to them.
 
-It is told what happens, and the time: that of any clock that never goes back, s.
+Events and time are arguments; the time is that of any monotonic clock [s].
 """
 
 import math
@@ -11,23 +11,23 @@ from lifecycle_manager.commands import validated
 from lifecycle_manager.node_state import GET_STATE, RESULTS, NodeState, state_text
 from lifecycle_manager.plan import DOWN, Level, next_instruction
 
-#: Time between two queries of a node that is in a transition or does not answer, s.
+#: Interval of queries of a node that is in transition or does not answer [s].
 QUERY_EVERY_S = 0.2
-#: Longest time that a new manager waits for the states of all nodes, s.
+#: Longest time that a new manager waits for the states of all nodes [s].
 FIRST_QUERY_S = 2.0
-#: Time between two checks from which on it was the manager itself that had stopped, s.
+#: From this interval between two checks on, the manager itself was suspended [s].
 PAUSE_S = 0.3
 
 
 class System:
-    """The nodes in their order, and how far up they are to be.
+    """The nodes in order, and their common goal.
 
     :param names: of the nodes, in order
     :param autostart: whether they are brought up without a command
-    :param now: the time
+    :param now: current time
 
-    :ivar goal: how far up they are to be; None until their states are known
-    :ivar problem: why they are not at the goal; empty where they are, or will be
+    :ivar goal: level that all should reach; None until their states are known
+    :ivar problem: why they cannot reach the goal; empty without a problem
     """
 
     def __init__(self, names: Sequence[str], autostart: bool, now: float) -> None:
@@ -37,10 +37,10 @@ class System:
         self._autostart = autostart
         self._told_at = self._checked_at = now
 
-    # What happens.
+    # Events.
 
     def command(self, number: int, now: float) -> None:
-        """Take a command.
+        """Execute a command.
 
         :param number: of the command
         :raises ValueError: if there is no such command, or it is not allowed now
@@ -52,23 +52,23 @@ class System:
             member.is_stuck = False
 
     def record_heartbeat(self, member: NodeState, now: float) -> None:
-        """Record a heartbeat; query the state of a node that had none before."""
+        """Record a heartbeat; query the state of a node whose heartbeat is new."""
         member.heard_at = now
         if not member.is_heard:
             member.is_heard = True
             member.query_at = now
 
     def record_state(self, member: NodeState, state: int, now: float) -> None:
-        """Record the state that a node publishes; query it where it is news, as it may be old."""
+        """Record a published state; query it if it is new, because the message may be old."""
         if member.under_way:
-            member.told = state  # not to be told again; the answer may be older
+            member.told = state  # not published again; the answer may be older
         elif member.is_heard and state != member.state:
             member.query_at = now
 
     def mark_lost(self, member: NodeState, why: str, now: float) -> None:
-        """Record that a node has gone.
+        """Record that a node is lost.
 
-        :param why: how that was noticed
+        :param why: how that was detected
         """
         member.is_heard = False
         member.query_at = math.inf
@@ -80,8 +80,8 @@ class System:
     def record_answer(self, member: NodeState, state: int, why: str, now: float) -> None:
         """Record the result of a request to a node.
 
-        :param state: number of its state, 0 where it has not answered
-        :param why: what went wrong, as far as that is known
+        :param state: number of its state, 0 without an answer
+        :param why: the error, if known
         """
         label, member.under_way = member.under_way, ""
         told, member.told = member.told, 0
@@ -90,7 +90,7 @@ class System:
             member.query_at = now + QUERY_EVERY_S
         elif told not in (0, state):
             member.query_at = now
-        # One that has shut down meanwhile is lost rather than to blame: it may come back.
+        # A node that has shut down meanwhile is lost, not failed: it may come back.
         if member.level > Level.GONE and state != RESULTS.get(label, state):
             result = why or f"it is {state_text(state)}; its log says why"
             self._fail(f"{member.name}: {label} failed: {result}")
@@ -99,14 +99,14 @@ class System:
             self.problem = ""
 
     def check_timeouts(self, heartbeat_timeout: float, respawn_window: float, now: float) -> None:
-        """Record what has not happened in time; to be called regularly.
+        """Record elapsed timeouts; to be called regularly.
 
-        :param heartbeat_timeout: longest time between two heartbeats, s
-        :param respawn_window: longest time until a node that is not there has to be back, s
+        :param heartbeat_timeout: longest time between two heartbeats [s]
+        :param respawn_window: longest absence of a lost node [s]
         """
         pause, self._checked_at = now - self._checked_at, now
         for member in self.members:
-            if pause > PAUSE_S:  # no heartbeat could be received meanwhile
+            if pause > PAUSE_S:  # no heartbeats could be received
                 member.heard_at = min(now, member.heard_at + pause)
             if member.is_heard and now - member.heard_at > heartbeat_timeout:
                 self.mark_lost(member, f"no heartbeat for {heartbeat_timeout:g} s", now)
@@ -121,10 +121,10 @@ class System:
                     )
                     self._fail(f"{member.name} {where}: all others stay down until commanded")
 
-    # What follows from it.
+    # Consequences.
 
     def ask_next(self, now: float) -> Optional[NodeState]:
-        """Return the next node to send a request to, which is then under way; None for none."""
+        """Return the next node to send a request to, which is then pending; None for none."""
         members = list(enumerate(self.members))
         for _, member in members:
             if not member.under_way and member.query_at <= now:
@@ -143,9 +143,9 @@ class System:
         return member
 
     def settle(self) -> Optional[Tuple[bool, str]]:
-        """Return the result of a command, None while it goes on; to be called after all requests.
+        """Return the result of a command, None while it runs; to be called after all requests.
 
-        :returns: whether all nodes are where they are to be, and a sentence
+        :returns: whether all nodes have reached the goal, and a message
         """
         goal = self.goal
         if goal is None or any(member.under_way for member in self.members):
@@ -154,7 +154,7 @@ class System:
             return None
         is_good = self.is_reached and not self.problem
         summary = self.summary
-        if goal is Level.GONE:  # nodes that are started from now on are new ones
+        if goal is Level.GONE:  # nodes started from now on are new
             self.goal = Level.UNCONFIGURED
         return is_good, summary
 
@@ -165,17 +165,17 @@ class System:
 
     @property
     def is_reached(self) -> bool:
-        """Whether all nodes are where they are to be."""
+        """Whether all nodes have reached the goal."""
         return not self._others()
 
     @property
     def is_active(self) -> bool:
-        """Whether all nodes are active, and are to be."""
+        """Whether all nodes are active, and active is the goal."""
         return self.goal is Level.ACTIVE and self.is_reached
 
     @property
     def summary(self) -> str:
-        """Status of the nodes in words."""
+        """Status of the nodes as text."""
         if self.problem:
             return self.problem
         if self.is_reached:
@@ -183,15 +183,15 @@ class System:
         return ", ".join(f"{each.name} is {state_text(each.state)}" for each in self._others())
 
     def _others(self) -> List[NodeState]:
-        """Return the nodes that are not where they are to be."""
+        """Return the nodes that have not reached the goal."""
         return [each for each in self.members if each.is_moving or each.level != self.goal]
 
     def _meant(self) -> Level:
-        """Return how far up the nodes are to be, or where they have been found."""
+        """Return the goal, or the level at which the nodes were found."""
         return self.goal if self.goal is not None else max(Level.UNCONFIGURED, min(self.levels))
 
     def _adopt_found_state(self, now: float) -> None:
-        """Take the states that were found for the goal; with autostart, go up from unconfigured."""
+        """Adopt the level that was found as the goal; with autostart, ACTIVE if unconfigured."""
         self.goal, self._told_at = self._meant(), now
         if self._autostart and self.goal is Level.UNCONFIGURED:
             self.goal = Level.ACTIVE

@@ -313,7 +313,7 @@ class Here(Managing):
         with self.assertLogs("rosout", "WARNING") as logged:
             manager.end()
         left = ", ".join(f"{self.space}/{name}" for name in ABC)
-        self.assertIn(f"left in their present states: {left}", logged.output[-1])
+        self.assertIn(f"left in their current states: {left}", logged.output[-1])
 
     def test_names_are_validated(self) -> None:
         """At the start, and while it runs, where they would take effect at the next start."""

@@ -337,7 +337,7 @@ def test_one_that_is_busy_is_asked_again_and_again() -> None:
     assert fake is not None
     fake.state = 10
     world.run(FIRST_QUERY_S + 0.1)
-    assert world.system.summary == "/0 is in the middle of a transition"
+    assert world.system.summary == "/0 is in transition"
     world.system.command(STARTUP, world.now)
     world.run(1.0)
     assert world.steps == []
@@ -432,7 +432,7 @@ def test_states() -> None:
         "absent",
         "active",
         "finalized",
-        "in the middle of a transition",
+        "in transition",
     ]
 
 

@@ -1,1 +1,1 @@
-"""A simulated DC motor, and the set point that drives it."""
+"""Simulated DC motor, and its set point."""

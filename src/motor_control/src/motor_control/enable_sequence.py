@@ -1,11 +1,11 @@
 # Pure: knows no ROS.
-"""When a set point asks for its motor to be enabled, and when it may publish."""
+"""Enable sequence: when a set point requests its motor, and when it may publish."""
 
 from typing import Optional
 
 
-# The states that a motor publishes on motor_state.
-#: Not yet enabled since it started.
+# States that a motor publishes on motor_state.
+#: Not enabled since its start.
 WAITING = "waiting"
 ENABLED = "enabled"
 #: Stopped by a request.
@@ -13,15 +13,15 @@ DISABLED = "disabled"
 
 
 class EnableSequence:
-    """A motor's state as its client knows it, from replies to its calls and from motor_state.
+    """A motor's state, from replies to calls and from motor_state.
 
-    It asks once for the motor to be enabled, and publishes while the motor is. A motor that has
-    restarted has to be asked again. A motor that another client has disabled is not
-    enabled again, even after its restart, until a client enables it.
+    It requests once that the motor is enabled, and publishes while it is. A restarted motor is
+    requested again. A motor that another client has disabled is not enabled again, even after its
+    restart, until a client enables it.
 
-    Without a motor_state, from a motor that does not publish it, a successful call is all it takes.
+    For a motor without motor_state, a successful call suffices.
 
-    Not safe for several threads at once.
+    Not thread-safe.
     """
 
     def __init__(self) -> None:
@@ -31,18 +31,18 @@ class EnableSequence:
 
     @property
     def may_publish(self) -> bool:
-        """Whether the motor was enabled for us and is still."""
+        """Whether the motor was enabled for us and still is."""
         return self._accepted and self._state in (None, ENABLED)
 
     @property
     def wants_call(self) -> bool:
-        """Whether the motor has to be asked to be enabled."""
+        """Whether the motor has to be requested."""
         return not self._accepted and not self._left_alone
 
     def answered(self, success: bool) -> None:
-        """Record the answer to a request to be enabled.
+        """Record the answer to a request.
 
-        :param success: whether the motor is enabled; False also where there was no answer
+        :param success: whether the motor is enabled; False also without an answer
         """
         self._accepted = success
 
@@ -60,6 +60,6 @@ class EnableSequence:
         self._state = state
 
     def lost(self) -> None:
-        """Record that no motor is connected any more."""
+        """Record that no motor is connected."""
         self._accepted = False
         self._state = None

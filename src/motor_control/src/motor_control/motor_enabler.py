@@ -1,4 +1,4 @@
-"""Has a motor enabled, by its service EnableProcess."""
+"""Client of EnableProcess that enables a motor."""
 
 import time
 from typing import Optional
@@ -10,16 +10,16 @@ from motor_control.enable_sequence import EnableSequence
 from motor_control_msgs.srv import SetProcessBool, SetProcessBoolRequest
 from nodekit import CallError, CallFuture, MutuallyExclusiveCallbackGroup, Node
 
-#: Pauses after calls that fail: the first one, and the longest, up to which they double, s.
+#: Pauses after failed calls: the first, and the maximum; they double [s].
 _FIRST_PAUSE_S, _LONGEST_PAUSE_S = 0.2, 1.0
-#: How often it checks whether the motor is connected, and whether to call, Hz.
+#: Rate of checking whether the motor is connected, and whether to call [Hz].
 _CHECK_HZ = 5.0
-#: Longest wait for the motor's answer, s.
+#: Timeout for the motor's answer [s].
 _ANSWER_S = 5.0
 
 
 class MotorEnabler:
-    """Calls EnableProcess until the motor is enabled; logs once a second what it waits for.
+    """Calls EnableProcess until the motor is enabled; logs once a second while waiting.
 
     :ROS Subscribers:
         - ``motor_state`` (std_msgs/String)
@@ -27,7 +27,7 @@ class MotorEnabler:
     :ROS Services called:
         - ``EnableProcess`` (motor_control_msgs/SetProcessBool)
 
-    :param node: the node that wants the motor enabled
+    :param node: the node that needs the motor
     """
 
     def __init__(self, node: Node) -> None:
@@ -47,7 +47,7 @@ class MotorEnabler:
 
     @property
     def may_publish(self) -> bool:
-        """Whether the motor was enabled for us and is still."""
+        """Whether the motor was enabled for us and still is."""
         with self._group:
             return self._sequence.may_publish
 

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""The parameters of the motor, under the names that the course gave them."""
+"""Parameters of the motor, under the course's names."""
 
 from first_order_sys_sim.first_order_plant import PlantSettings
 from nodekit import LARGEST_FLOAT32, FloatParameter, ParameterSet
@@ -13,10 +13,10 @@ class MotorParameters(ParameterSet):
         minimum=1e-4,
         maximum=1e3,
         unit="s",
-        help="time between samples of the input and between speeds published",
+        help="sample time of the input and of the published speed",
     )
     sys_gain_K = FloatParameter(
-        1.75, minimum=0.0, maximum=1e6, help="gain: steady speed for each unit of input"
+        1.75, minimum=0.0, maximum=1e6, help="gain: steady-state speed per unit of input"
     )
     sys_tau_T = FloatParameter(
         0.5, above=0.0, maximum=1e6, unit="s", help="time constant: time for 63 % of a step"
@@ -25,7 +25,7 @@ class MotorParameters(ParameterSet):
         0.0,
         minimum=-1e9,
         maximum=1e9,
-        help="speed when the motor is enabled; a change puts the speed there",
+        help="initial speed when the motor is enabled; a change sets the speed",
     )
 
     @property

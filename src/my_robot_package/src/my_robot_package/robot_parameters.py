@@ -8,12 +8,12 @@ def _topics(what: str) -> ListParameter:
 
 
 class RobotParameters(ParameterSet):
-    """Parameters that all nodes of a robot have; ``config/robot_config.yaml`` sets each of them."""
+    """Common parameters of a robot's nodes; ``config/robot_config.yaml`` sets each of them."""
 
     robot_name = StringParameter("default_robot", help="name of the robot")
     max_velocity = FloatParameter(
-        1.0, minimum=0.0, maximum=100.0, unit="m/s", help="how fast the robot may go"
+        1.0, minimum=0.0, maximum=100.0, unit="m/s", help="speed limit of the robot"
     )
-    safety_mode = BoolParameter(True, help="whether the robot keeps to max_velocity")
+    safety_mode = BoolParameter(True, help="whether max_velocity is enforced")
     sensor_topics = _topics("topics that its sensors publish")
     control_topics = _topics("topics that its motors subscribe to")

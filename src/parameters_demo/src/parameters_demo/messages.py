@@ -1,4 +1,4 @@
-"""The messages of the sensors, made of what they see."""
+"""Messages of the simulated sensors."""
 
 import math
 
@@ -10,23 +10,23 @@ from parameters_demo.picture import HEIGHT, WIDTH
 from parameters_demo.room import Scanner
 from parameters_demo_msgs.msg import RadarReturn, RadarTracks
 
-#: What the camera sees from side to side, rad.
+#: Horizontal field of view of the camera [rad].
 _VIEW = math.radians(60.0)
 
 
 def image(header: Header, data: bytearray) -> Image:
     """Return a picture as a message.
 
-    :param header: when and by whom it was taken
-    :param data: rgb8, as :meth:`.Picture.draw` returns it
+    :param header: time and frame of the picture
+    :param data: rgb8, as returned by :meth:`.Picture.draw`
     """
     return Image(header, HEIGHT, WIDTH, "rgb8", 0, 3 * WIDTH, data)
 
 
 def camera_info(header: Header) -> CameraInfo:
-    """Return what camera took a picture: one without distortion, that sees 60 degrees.
+    """Return the camera's calibration: no distortion, 60 degrees field of view.
 
-    :param header: that of the picture
+    :param header: of the picture
     """
     focal_length = 0.5 * WIDTH / math.tan(0.5 * _VIEW)  # pixels
     x, y = 0.5 * (WIDTH - 1), 0.5 * (HEIGHT - 1)
@@ -39,12 +39,12 @@ def camera_info(header: Header) -> CameraInfo:
 
 
 def laser_scan(header: Header, scanner: Scanner, ranges: numpy.ndarray, period: float) -> LaserScan:
-    """Return a scan as a message; all rays of it are of one moment.
+    """Return a scan as a message; all rays have the same time.
 
-    :param header: that moment, and the lidar's frame
-    :param scanner: how the lidar looks
-    :param ranges: what :func:`.room.scan` returns for it, m
-    :param period: time between scans, s
+    :param header: time and frame of the scan
+    :param scanner: the lidar
+    :param ranges: result of :func:`.room.scan` for it [m]
+    :param period: time between scans [s]
     """
     return LaserScan(
         header=header,
@@ -59,9 +59,9 @@ def laser_scan(header: Header, scanner: Scanner, ranges: numpy.ndarray, period: 
 
 
 def radar_tracks(header: Header, returns: numpy.ndarray) -> RadarTracks:
-    """Return what a radar sees as a message.
+    """Return the radar's targets as a message.
 
-    :param header: when, and the radar's frame
-    :param returns: what :func:`.traffic.returns` returns
+    :param header: time and frame of the measurement
+    :param returns: result of :func:`.traffic.returns`
     """
     return RadarTracks(header, [RadarReturn(*seen) for seen in returns.tolist()])

@@ -1,8 +1,8 @@
 # Pure: knows no ROS.
-"""Picture of the demos' camera: a test card with a moving object.
+"""Picture of the simulated camera: a test card with a moving object.
 
-Colour bars and a grey ramp show whether colours are right, the name whose picture it is, the number
-whether frames are lost, the time how old it is, and the hand and the ball whether it is smooth.
+Colour bars and a grey ramp show whether the colours are right, the name identifies the camera, the
+frame number shows lost frames, the time their age, and the dial and the ball smooth motion.
 """
 
 import math
@@ -10,29 +10,29 @@ import math
 import numpy
 from PIL import ImageFont
 
-#: Size, pixels.
+#: Size [pixels].
 WIDTH, HEIGHT = 640, 480
 
 _BARS = (0xC0C0C0, 0xC0C000, 0x00C0C0, 0x00C000, 0xC000C0, 0xC00000, 0x0000C0, 0x000000)
 _BARS_END, _RAMP_END = 280, 320  # rows
 _RING = 0x60
-_LEFT = 24  # column at which texts start
+_LEFT = 24  # first column of texts
 _NAME_ROW, _NUMBER_ROW, _TIME_ROW = 338, 396, 434
 _MOST_LETTERS = 19  # of a name: the dial is beside it
 _DIAL_X, _DIAL_Y, _DIAL_RADIUS = 560, 400, 64
 _BALL_RADIUS = 24
-#: Time that the ball takes from one side to the other, and from top to bottom, s.
+#: Periods of the ball's horizontal and vertical motion, one way [s].
 _ACROSS_S, _DOWN_S = 3.1, 1.7
 
 
 class Picture:
     """A test card.
 
-    :param name: stands on it; of a long one the beginning
+    :param name: shown on it; a long name is truncated
     """
 
     def __init__(self, name: str) -> None:
-        # The bytes of the message themselves: what is drawn need not be copied.
+        # A buffer that the message uses directly, without a copy.
         self._data = bytearray(3 * WIDTH * HEIGHT)
         self._pixels = numpy.frombuffer(self._data, numpy.uint8).reshape(HEIGHT, WIDTH, 3)
         self._card = _card(name)
@@ -44,8 +44,8 @@ class Picture:
         """Return the picture at a time.
 
         :param number: of the frame
-        :param time: that time, s
-        :returns: rgb8, row by row; the same bytes each time, drawn again
+        :param time: the time [s]
+        :returns: rgb8, row by row; the same buffer each time
         """
         self._pixels[:] = self._card
         _write(self._pixels, _NUMBER_ROW, f"FRAME {number}", 3)
@@ -68,12 +68,12 @@ class Picture:
 
 
 def _there_and_back(turns: float) -> float:
-    """Return a number that goes from 0 to 1 in one turn, and back in the next."""
+    """Return a triangle wave: 0 to 1 in one turn, and back in the next."""
     return 1.0 - abs(1.0 - turns % 2.0)
 
 
 def _card(name: str) -> numpy.ndarray:
-    """Return all that does not move."""
+    """Return the static part of the picture."""
     card = numpy.zeros((HEIGHT, WIDTH, 3), numpy.uint8)
     for number, colour in enumerate(_BARS):
         bar = slice(number * WIDTH // len(_BARS), (number + 1) * WIDTH // len(_BARS))
@@ -95,8 +95,8 @@ def _write(pixels: numpy.ndarray, row: int, line: str, scale: int) -> None:
 def _letters(line: str, scale: int) -> numpy.ndarray:
     """Return a line of text as rows of pixels, 255 for ink and 0 for paper.
 
-    :param line: at least one letter; those beyond Latin-1, which the font lacks, become "?"
-    :param scale: pixels of the picture for each pixel of the font
+    :param line: at least one character; "?" replaces those outside Latin-1, which the font lacks
+    :param scale: pixels of the picture per pixel of the font
     """
     known = line.upper().encode("latin-1", "replace").decode("latin-1")
     mask = ImageFont.load_default().getmask(known, mode="1")

@@ -1,7 +1,7 @@
 # Pure: knows no ROS.
-"""Room of the demos' lidar: a hall with a door, a cabinet, a pillar, and a person who walks.
+"""Room of the simulated lidar: a hall with a door, a cabinet, a pillar, and a walking person.
 
-The lidar stands at the origin and looks along x. Lengths are in m, angles in rad, times in s.
+The lidar is at the origin and faces along x. Lengths are in m, angles in rad, times in s.
 """
 
 import math
@@ -9,14 +9,14 @@ from typing import NamedTuple, Tuple
 
 import numpy
 
-#: Corners of walls that are open at their ends; the door is where the first one is.
+#: Corners of open polylines; the gap of the first one is the door.
 _WALLS = (
     ((6.0, 0.7), (6.0, 3.0), (-4.0, 3.0), (-4.0, -3.0), (6.0, -3.0), (6.0, -0.7)),
     ((-2.5, -2.0), (-1.5, -2.0), (-1.5, -1.5), (-2.5, -1.5), (-2.5, -2.0)),
 )
 #: Centre and radius of the pillar.
 _PILLAR = ((2.5, 1.5), 0.2)
-#: Radius of the person, half axes of the ellipse that is walked along, and time for one round.
+#: Radius of the person, semi-axes of the elliptic path, and time per round.
 PERSON_RADIUS, _ROUND_X, _ROUND_Y, ROUND_S = 0.25, 2.0, 1.2, 12.0
 
 Point = Tuple[float, float]
@@ -25,11 +25,11 @@ Point = Tuple[float, float]
 class Scanner(NamedTuple):
     """Rays and range of a lidar.
 
-    :param angle_min: direction of the first ray, from x to the left
-    :param angle_max: direction of the last one
-    :param rays: how many rays
-    :param range_min: what is nearer is too near
-    :param range_max: what is further is out of range
+    :param angle_min: direction of the first ray, counter-clockwise from x
+    :param angle_max: direction of the last ray
+    :param rays: number of rays
+    :param range_min: shortest range
+    :param range_max: longest range
     """
 
     angle_min: float
@@ -40,11 +40,11 @@ class Scanner(NamedTuple):
 
     @property
     def angle_increment(self) -> float:
-        """Angle from one ray to the next."""
+        """Angle between adjacent rays."""
         return (self.angle_max - self.angle_min) / (self.rays - 1)
 
 
-#: By model. The names are those of a real family of lidars, the figures are made for this room.
+#: Scanners by model. The names are from a real family of lidars, the figures are made up.
 MODELS = {
     "OS0": Scanner(-math.pi, math.pi, 361, 0.1, 4.0),
     "OS1": Scanner(-math.pi, math.pi, 721, 0.1, 8.0),
@@ -54,7 +54,7 @@ MODELS = {
 
 
 def person(time: float) -> Point:
-    """Return where the person is.
+    """Return the position of the person.
 
     :param time: any time
     """
@@ -63,12 +63,12 @@ def person(time: float) -> Point:
 
 
 def scan(scanner: Scanner, time: float) -> numpy.ndarray:
-    """Return what a lidar measures.
+    """Return the measurement of a lidar.
 
-    :param scanner: how it looks
-    :param time: when
-    :returns: a distance for each ray; as in REP 117, inf where there is nothing in range, and
-        -inf where something is too near
+    :param scanner: the lidar
+    :param time: time of the scan
+    :returns: a distance for each ray; as in REP 117, inf if nothing is in range, and -inf if an
+        object is too near
     """
     angles = numpy.linspace(scanner.angle_min, scanner.angle_max, scanner.rays)
     found = distances(angles, time)
@@ -81,7 +81,7 @@ def distances(angles: numpy.ndarray, time: float) -> numpy.ndarray:
     """Return the distance to the first obstacle in each direction; inf without one.
 
     :param angles: the directions
-    :param time: when
+    :param time: time of the scan
     """
     rays = numpy.stack([numpy.cos(angles), numpy.sin(angles)], axis=1)
     found = _to_walls(rays)

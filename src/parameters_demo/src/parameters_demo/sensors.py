@@ -1,4 +1,4 @@
-"""The sensors: what each publishes, and how its messages are summarized."""
+"""Sensors: their message types and summaries of their messages."""
 
 from typing import Any, Callable, Dict, NamedTuple
 
@@ -9,18 +9,18 @@ from parameters_demo_msgs.msg import RadarTracks
 
 
 def of_image(image: Image) -> str:
-    """Say how bright a picture is.
+    """Return the brightness of an image, as text.
 
-    :param image: of any encoding with a byte for each value
+    :param image: of any encoding with a byte per value
     """
     values = numpy.frombuffer(image.data, numpy.uint8)
     return f"brightness {values.mean():.1f}" if len(values) else "no pixels"
 
 
 def of_scan(scan: LaserScan) -> str:
-    """Say how far away the nearest thing in range is.
+    """Return the nearest distance in range, as text.
 
-    :param scan: any
+    :param scan: any scan
     """
     ranges = numpy.array(scan.ranges)
     ranges = ranges[(ranges >= scan.range_min) & (ranges <= scan.range_max)]
@@ -28,9 +28,9 @@ def of_scan(scan: LaserScan) -> str:
 
 
 def of_tracks(tracks: RadarTracks) -> str:
-    """Say how many returns there are, and when the first of them will be here.
+    """Return the number of targets, and when the first will arrive, as text.
 
-    :param tracks: any
+    :param tracks: any tracks
     """
     nearing = [one for one in tracks.returns if one.doppler_velocity < 0.0]
     times = [one.range / -one.doppler_velocity for one in nearing]

@@ -1,7 +1,7 @@
 # Pure: knows no ROS.
-"""Traffic of the demos' radar: cars that come and go, and a person who walks.
+"""Traffic of the simulated radar: passing cars and a walking person.
 
-The radar is at the origin and looks along x; y is to the left, z is up. Lengths are in m, angles in
+The radar is at the origin and faces along x; y is to the left, z is up. Lengths are in m, angles in
 rad, times in s.
 """
 
@@ -10,9 +10,9 @@ from typing import Tuple
 
 import numpy
 
-#: Where cars come into sight and leave it.
+#: Distances at which cars appear and disappear.
 _NEAR, _FAR = 4.0, 100.0
-#: How far to the left and right the radar sees, and how far ahead.
+#: Half the field of view, and the range of the radar.
 VIEW, SIGHT = math.pi / 6, 80.0
 #: Cars: y, z, speed along x in m/s, x at time 0, radar cross-section in dB over 1 m^2.
 _CARS = numpy.array(
@@ -28,18 +28,18 @@ _CARS = numpy.array(
         (10.5, 0.2, -17.0, 70.0, 8.0),
     ]
 )
-#: The walker: centre and radius of the circle, height, time for one round, cross-section.
+#: Walker: centre and radius of the circle, height, time per round, cross-section.
 _CENTRE, _RADIUS, _HEIGHT, _ROUND_S, _WALKER_DB = 15.0, 5.0, -0.2, 20.0, -5.0
 #: Amplitude of a cross-section of 1 m^2 at 10 m; it falls with the fourth power of the range.
 _AT_10_M_DB = 60.0
 
 
 def returns(time: float) -> numpy.ndarray:
-    """Return what the radar sees.
+    """Return the radar's targets.
 
-    :param time: when
-    :returns: a row each, 1 to 10 of them: range, azimuth, elevation, doppler velocity in m/s, which
-        is the speed at which the range grows, and amplitude in dB
+    :param time: of the measurement
+    :returns: 1 to 10 rows: range, azimuth, elevation, doppler velocity in m/s, which is the rate of
+        change of the range, and amplitude in dB
     """
     places, speeds, sections = targets(time)
     ranges = numpy.linalg.norm(places, axis=1)
@@ -52,9 +52,9 @@ def returns(time: float) -> numpy.ndarray:
 
 
 def targets(time: float) -> Tuple[numpy.ndarray, numpy.ndarray, numpy.ndarray]:
-    """Return place, velocity and cross-section of all that moves; the walker comes first.
+    """Return position, velocity and cross-section of all moving objects; the walker comes first.
 
-    :param time: when
+    :param time: of the measurement
     """
     angle, turning = math.tau * (time / _ROUND_S % 1.0), math.tau / _ROUND_S
     cos, sin = _RADIUS * math.cos(angle), _RADIUS * math.sin(angle)

@@ -53,7 +53,7 @@ def test_param_describe(ros: both.Both, node: both.Running) -> None:
     """Course 001-command-7."""
     request: Dict[str, Any] = {"names": ["max_velocity"]}
     (found,) = ros.call2(DescribeParameters, f"{NODE}/describe_parameters", **request).descriptors
-    assert found.description == "how fast the robot may go (m/s)"
+    assert found.description == "speed limit of the robot (m/s)"
     (limits,) = found.floating_point_range
     assert (limits.from_value, limits.to_value) == (0.0, 100.0)
 

@@ -1,1 +1,1 @@
-"""The manager, a node."""
+"""Manager node."""

@@ -1,4 +1,4 @@
-"""A node that brings a system of managed nodes up in order, watches it, and brings it back."""
+"""Lifecycle manager node: brings managed nodes up in order, monitors and restores them."""
 
 import concurrent.futures
 import contextlib
@@ -33,13 +33,13 @@ from nodekit import (
 )
 from nodekit_msgs.srv import ManageNodes, ManageNodesRequest
 
-#: How often it checks its nodes, Hz.
+#: Rate of the checks of the nodes [Hz].
 CHECK_HZ = 20.0
-#: How often it publishes diagnostics, at least, Hz.
+#: Minimum rate of the diagnostics [Hz].
 REPORT_HZ = 1.0
-#: What is allowed as nodes.
+#: Requirement for the nodes, for messages.
 ALONE = "nodes that have no other manager"
-#: Longest time that it takes, at its end, to bring the nodes down, s.
+#: Timeout for bringing the nodes down at shutdown [s].
 END_S = 1.5
 
 
@@ -54,7 +54,7 @@ class LifecycleManagerParameters(ParameterSet):
         )
     )
     autostart = read_once(
-        BoolParameter(False, help="bring the nodes up at the start, without a command")
+        BoolParameter(False, help="bring the nodes up at startup, without a command")
     )
     heartbeat_timeout = FloatParameter(
         0.8,
@@ -68,23 +68,23 @@ class LifecycleManagerParameters(ParameterSet):
         minimum=0.0,
         maximum=3600.0,
         unit="s",
-        help="how long a lost node may take to come back",
+        help="time for a lost node to come back",
     )
     request_timeout = FloatParameter(
-        5.0, above=0.0, maximum=3600.0, unit="s", help="how long a transition may take"
+        5.0, above=0.0, maximum=3600.0, unit="s", help="timeout of a transition"
     )
 
 
 class LifecycleManager:
-    """Configures all nodes in order, then activates all in order; takes them down in reverse.
+    """Configures all nodes in order, then activates them in order; brings them down in reverse.
 
-    When a node is lost, those before it are deactivated and those after it cleaned up as well,
-    until it is back. When a transition fails, all other nodes come down and stay down until the
-    next command.
+    When a node is lost, the nodes before it are deactivated and those after it cleaned up as well,
+    until it is back. When a transition fails, all other nodes are brought down and stay down until
+    the next command.
 
     :ROS Services:
-        - ``~manage_nodes`` (nodekit_msgs/ManageNodes): brings them up or down; answers when
-          that is done or has failed
+        - ``~manage_nodes`` (nodekit_msgs/ManageNodes): brings them up or down; answers when that
+            has succeeded or failed
         - ``~is_active`` (std_srvs/Trigger): whether all are active
         - of each node: ``change_state``, ``get_state``, as a client
 
@@ -130,7 +130,7 @@ class LifecycleManager:
 
     @rule("node_names")
     def can_be_managed(self, values: LifecycleManagerParameters) -> None:
-        """Refuse what cannot be the nodes of a manager."""
+        """Reject invalid node names."""
         names = [self._node.resolve(name) for name in values.node_names]
         if not names or len(set(names)) < len(names):
             raise ValueError("must be a list of node names without duplicates")
@@ -140,19 +140,19 @@ class LifecycleManager:
             raise ValueError("must be other nodes than the manager itself")
 
     def manage(self, request: ManageNodesRequest) -> Tuple[bool, str]:
-        """Take a command; answer when the nodes have come to its goal, or cannot."""
-        self._has_begun.wait(2 * FIRST_QUERY_S)  # what is allowed depends on what it finds
+        """Execute a command; answer when the nodes have reached its goal, or have failed to."""
+        self._has_begun.wait(2 * FIRST_QUERY_S)  # allowed commands depend on the nodes' states
         try:
             return self._command(request.command).result()
         except ValueError as refusal:
             return False, str(refusal)
 
     def is_active(self, _: TriggerRequest) -> Tuple[bool, str]:
-        """Tell whether all nodes are active."""
+        """Return whether all nodes are active."""
         return self._system.is_active, self._system.summary
 
     def check_nodes(self, _: float) -> None:
-        """Notice nodes that are silent, and nodes that have not come back."""
+        """Detect silent nodes, and nodes that have not come back."""
         if not self._is_alone:
             self._make_sure()
         for client in self._clients.values():
@@ -163,7 +163,7 @@ class LifecycleManager:
         self.update()
 
     def update(self) -> None:
-        """Send the requests that are due, and report what has changed."""
+        """Send due requests, and report changes."""
         if not self._is_alone:
             return
         if self._system.goal is not None:
@@ -178,7 +178,7 @@ class LifecycleManager:
             self._answer.set_result(result)
 
     def _report_changes(self) -> None:
-        """Publish and log the summary where it has changed."""
+        """Publish and log the summary if it has changed."""
         summary = self._system.summary
         if summary != self._reported:
             self._reported = summary
@@ -194,20 +194,20 @@ class LifecycleManager:
         self._diagnostics.publish(header, reports(self._node.name, self._system))
 
     def end(self) -> None:
-        """Bring the nodes down, as far as time allows, as they will have no manager."""
+        """Bring the nodes down at shutdown, as far as time allows."""
         if not self._is_alone:
             return
         with contextlib.suppress(concurrent.futures.TimeoutError):
             self._command(ManageNodesRequest.RESET).result(END_S)
         left = [each.name for each in self._system.members if each.level > Level.UNCONFIGURED]
         if left:
-            rospy.logwarn("left in their present states: %s", ", ".join(left))
+            rospy.logwarn("left in their current states: %s", ", ".join(left))
 
     def _command(self, number: int) -> "Future[Tuple[bool, str]]":
-        """Take a command.
+        """Execute a command.
 
         :param number: of the command
-        :returns: its result, later
+        :returns: its future result
         :raises ValueError: if there is no such command, or it is not allowed now
         """
         with self._node.default_group:

@@ -1,1 +1,1 @@
-"""The nodes: what wires the motor and its set point to ROS."""
+"""Nodes of the motor and its set point."""

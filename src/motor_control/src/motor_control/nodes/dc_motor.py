@@ -1,4 +1,4 @@
-"""The DC motor: its input is a voltage, its output a speed."""
+"""DC motor node: its input is a voltage, its output a speed."""
 
 from typing import Optional
 
@@ -15,11 +15,12 @@ from nodekit import Node, run
 class DcMotor:
     """Publishes the speed y of a motor, tau dy/dt + y = K u, while it is enabled.
 
-    Each time it is enabled it starts from its initial conditions, with an input of 0 until the
-    first message. Disabled, it stands still: it publishes a last speed of 0, and then nothing.
+    When enabled, it starts from its initial conditions, with an input of 0 until the first message.
+    When disabled, it stops: it publishes a final speed of 0, and then nothing.
 
     :ROS Subscribers:
-        - ``motor_input_u`` (std_msgs/Float32); what is not finite is ignored, with a warning
+        - ``motor_input_u`` (std_msgs/Float32); a value that is not finite is ignored, with a
+            warning
 
     :ROS Publishers:
         - ``motor_speed_y`` (std_msgs/Float32)
@@ -36,7 +37,7 @@ class DcMotor:
         self._parameters = node.declare_parameters(MotorParameters)
         self._settings = self._parameters.values
         self._input = 0.0
-        # None while it stands still; its time starts with the first step, at _begun_at.
+        # None while stopped; its time starts with the first step, at _begun_at.
         self._plant: Optional[FirstOrderPlant] = None
         self._begun_at: Optional[float] = None
         self._speed_publisher = node.create_publisher("motor_speed_y", Float32)

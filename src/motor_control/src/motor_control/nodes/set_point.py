@@ -1,4 +1,4 @@
-"""The set point: publishes the input of a motor, once that is enabled."""
+"""Set point node: publishes the input of a motor once it is enabled."""
 
 import copy
 from typing import Any
@@ -14,17 +14,17 @@ from nodekit import Node, run
 
 
 def _with_default(name: str, default: float) -> Any:
-    """Return a signal's parameter with another default, to be declared under another name."""
+    """Return a signal's parameter with another default, for a declaration under another name."""
     parameter = copy.copy(SignalParameters.declared[name])
     parameter.default = default
     return parameter
 
 
 class SetPointParameters(SignalParameters):
-    """All that a signal can be, with ``omega`` in the place of ``frequency``."""
+    """Parameters of a signal, with ``omega`` in place of ``frequency``."""
 
     omega = _with_default("frequency", 1.0)
-    #: What the signal source reads; not a parameter here.
+    #: Read by the signal source; not a parameter here.
     frequency: Any = property(lambda self: self.omega)
     #: The motor decides when the signal starts.
     autostart: Any = property(lambda self: False)
@@ -33,16 +33,16 @@ class SetPointParameters(SignalParameters):
 class SetPoint:
     """Publishes the input of a motor, by default u = amplitude sin(omega t).
 
-    It has the motor enabled first, and publishes nothing before. When the motor is disabled or
-    gone, it publishes stop_value once, and the signal's time stands still until it goes on. It also
-    takes leave with stop_value when it ends or, where it is managed, is deactivated: a motor holds
-    its last input.
+    It enables the motor first, and publishes nothing before. When the motor is disabled or lost, it
+    publishes stop_value once, and the signal's time is held until the motor is enabled again. It
+    also publishes stop_value when it ends or, if it is managed, is deactivated, because a motor
+    holds its last input.
 
     :ROS Publishers:
         - ``motor_input_u`` (std_msgs/Float32)
 
     :ROS Subscribers and Services called:
-        - those of :class:`.MotorEnabler`
+        - see :class:`.MotorEnabler`
 
     :ROS Parameters:
         - private, can be changed at run time: see :class:`.SetPointParameters`
@@ -52,7 +52,7 @@ class SetPoint:
         self._settings = node.declare_parameters(SetPointParameters, on_change=self._on_change)
         self._source = SignalSource()
         self._run_control = RunControl(enabled=False)
-        #: Whether the motor must be stopped, and whether the set point has ended.
+        #: Whether to stop the motor, and whether the set point has ended.
         self._has_to_stop = self._has_ended = False
         self._group = node.default_group
         self._publisher = node.create_publisher("motor_input_u", Float32)
@@ -88,7 +88,7 @@ class SetPoint:
                 self._publisher.publish(Float32(self._settings.values.stop_value))
 
     def _end(self) -> None:
-        with self._group:  # or an input that is due just now would have the last word
+        with self._group:  # so that no input follows the stop value
             self._has_ended = True
             self._stop()
 

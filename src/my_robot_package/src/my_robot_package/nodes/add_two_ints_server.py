@@ -1,4 +1,4 @@
-"""A service that adds."""
+"""Service that adds two numbers."""
 
 import threading
 import time
@@ -21,19 +21,15 @@ from nodekit import (
     run,
 )
 
-#: The numbers that an int64 holds.
+#: Range of an int64.
 INT64_MIN, INT64_MAX = -(2**63), 2**63 - 1
 
 
 class AddTwoIntsServerParameters(ParameterSet):
     """Parameters of add_two_ints_server."""
 
-    delay = FloatParameter(
-        0.0, minimum=0.0, maximum=3600.0, unit="s", help="how long the server takes to answer"
-    )
-    threads = read_once(
-        IntParameter(4, minimum=1, maximum=100, help="calls answered at the same time")
-    )
+    delay = FloatParameter(0.0, minimum=0.0, maximum=3600.0, unit="s", help="duration of each call")
+    threads = read_once(IntParameter(4, minimum=1, maximum=100, help="calls answered in parallel"))
 
 
 def add(a: int, b: int) -> int:
@@ -52,7 +48,7 @@ def add(a: int, b: int) -> int:
 
 
 class AddTwoIntsServer:
-    """Adds two whole numbers; the caller gets an error where the sum does not fit into an int64.
+    """Adds two integers; the caller gets an error if the sum does not fit into an int64.
 
     :ROS Services:
         - ``add_two_ints`` (my_robot_package_interfaces/AddTwoInts)

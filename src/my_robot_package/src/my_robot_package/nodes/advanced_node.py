@@ -1,4 +1,4 @@
-"""Timers that exclude each other, and a topic that is received beside them."""
+"""Timers that exclude each other, and a subscription in parallel."""
 
 import threading
 import time
@@ -34,7 +34,7 @@ class AdvancedNodeParameters(ParameterSet):
 class AdvancedNode:
     """Two timers in one exclusive group, and a subscription in another.
 
-    While a timer works, the other one waits, and messages are received.
+    While a timer works, the other timer waits, and messages are received.
 
     :ROS Subscribers:
         - ``input_topic`` (std_msgs/String)
@@ -62,11 +62,11 @@ class AdvancedNode:
         _log("timer1 ends")
 
     def timer2(self, elapsed: float) -> None:
-        """Be done at once."""
+        """Return immediately."""
         _log("timer2")
 
     def on_input(self, message: String) -> None:
-        """Log what was received."""
+        """Log the message."""
         _log(f"I heard: {message.data}")
 
 

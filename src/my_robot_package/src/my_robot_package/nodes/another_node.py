@@ -1,4 +1,4 @@
-"""A second node, for a launch file to put beside the first."""
+"""Second node for a launch file."""
 
 from std_msgs.msg import String
 
@@ -8,7 +8,7 @@ from nodekit import Node, ParameterSet, StringParameter, run
 class AnotherNodeParameters(ParameterSet):
     """Parameters of another_node."""
 
-    param1 = StringParameter("default", help="text that it publishes")
+    param1 = StringParameter("default", help="text to publish")
 
 
 class AnotherNode:
@@ -27,7 +27,7 @@ class AnotherNode:
         node.create_timer(1.0, self.publish)
 
     def publish(self, elapsed: float) -> None:
-        """Publish it once."""
+        """Publish the parameter."""
         self._publisher.publish(self._parameters.values.param1)
 
 

@@ -1,4 +1,4 @@
-"""Publish a message of one's own package."""
+"""Publisher of a message of the user's own package."""
 
 from typing import Sequence
 
@@ -9,9 +9,9 @@ from nodekit import FloatParameter, ListParameter, Node, ParameterSet, StringPar
 
 
 class CommandNodeParameters(ParameterSet):
-    """Parameters of command_node: the command that it sends."""
+    """Parameters of command_node: the command to send."""
 
-    command_type = StringParameter("move_to", help="what is to be done at the target")
+    command_type = StringParameter("move_to", help="action at the target")
     target_position = ListParameter(
         [0.0, 0.0, 0.0],
         element=FloatParameter(0.0, help="a coordinate"),
@@ -20,13 +20,11 @@ class CommandNodeParameters(ParameterSet):
         unit="m",
         help="x, y and z of the target",
     )
-    velocity = FloatParameter(
-        0.5, minimum=0.0, maximum=100.0, unit="m/s", help="how fast to get there"
-    )
+    velocity = FloatParameter(0.5, minimum=0.0, maximum=100.0, unit="m/s", help="speed on the way")
 
 
 class CommandNode:
-    """Sends the command that its parameters hold, at the start and after each change.
+    """Sends the command in its parameters, at the start and after each change.
 
     :ROS Publishers:
         - ``robot_command`` (my_robot_package_interfaces/RobotCommand), latched
@@ -42,7 +40,7 @@ class CommandNode:
         )
 
     def on_change(self, new: CommandNodeParameters, *old: CommandNodeParameters) -> None:
-        """Send the command of the parameters."""
+        """Send the command in the parameters."""
         self.send_command(new.command_type, new.target_position, new.velocity)
 
     def send_command(
@@ -50,9 +48,9 @@ class CommandNode:
     ) -> None:
         """Send a command.
 
-        :param command_type: what is to be done at the target
-        :param target_position: x, y and z, m
-        :param velocity: how fast to get there, m/s
+        :param command_type: action at the target
+        :param target_position: x, y and z [m]
+        :param velocity: speed on the way [m/s]
         """
         self._publisher.publish(RobotCommand(command_type, Point(*target_position), velocity))
 

@@ -1,4 +1,4 @@
-"""Images without a backlog and without copies."""
+"""Image processing without a backlog and without copies."""
 
 import time
 
@@ -18,18 +18,18 @@ class EfficientNodeParameters(ParameterSet):
 
 
 class EfficientNode:
-    """Publishes how bright images are; of those that come meanwhile it uses the newest only.
+    """Publishes the brightness of images; while it is busy, only the newest image is kept.
 
-    - The queue holds one image, so what is handled is never old.
-    - The image is read where it is: in the camera's memory, if that is a node here too.
-    - The answer is made once and filled again each time.
+    - The queue holds one image, so the handled image is never old.
+    - The image is not copied: a camera node in this process shares its memory.
+    - The output message is created once and reused.
 
     :ROS Subscribers:
         - ``image_topic`` (sensor_msgs/Image)
 
     :ROS Publishers:
-        - ``mean_brightness`` (std_msgs/Float32): mean of all bytes, from 0 to 255; of an image
-          without any, nothing
+        - ``mean_brightness`` (std_msgs/Float32): mean of all bytes, from 0 to 255; nothing for an
+          empty image
 
     :ROS Parameters:
         - private, can be changed at run time: see :class:`EfficientNodeParameters`
@@ -40,13 +40,13 @@ class EfficientNode:
         SingleThreadedExecutor().add_node(node)
         self._answer = Float32()
         self._publisher = node.create_publisher("mean_brightness", Float32)
-        # tcp_nodelay is what nodekit asks of every publisher.
+        # nodekit requests tcp_nodelay from every publisher.
         node.create_subscription(
             "image_topic", Image, self.image_callback, queue_size=1, views=True
         )
 
     def image_callback(self, image: Image) -> None:
-        """Publish how bright an image is."""
+        """Publish the brightness of an image."""
         if image.data:
             self._answer.data = numpy.frombuffer(image.data, numpy.uint8).mean()
             time.sleep(self._parameters.values.processing_time)

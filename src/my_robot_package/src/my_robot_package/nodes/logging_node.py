@@ -1,4 +1,4 @@
-"""Log lines of each severity, and a node's report of itself."""
+"""Log lines of each level, and a node's report of itself."""
 
 from typing import List
 
@@ -16,15 +16,14 @@ class LoggingNodeParameters(ParameterSet):
 
 
 class LoggingNode:
-    """Logs at the start a line at each level, one with a number, and one about an exception.
+    """Logs at startup a line of each level, one with a number, and one about an exception.
 
     The debug line is below the node's level, info, so it is not shown. ``rosservice call
-    NODE/set_logger_level rosout debug`` changes the level of a node that runs, for what it logs
-    from then on.
+    NODE/set_logger_level rosout debug`` changes the level of a running node for its later lines.
 
     :ROS Services:
-        - ``~debug_node_info`` (std_srvs/Trigger): logs, and answers, who the node is and which
-          topics and services there are
+        - ``~debug_node_info`` (std_srvs/Trigger): logs and returns the node's name and the topics
+            and services on the graph
 
     :ROS Parameters:
         - private, can be changed at run time: see :class:`LoggingNodeParameters`
@@ -33,7 +32,7 @@ class LoggingNode:
     def __init__(self, node: Node) -> None:
         self._node = node
         self._parameters = node.declare_parameters(LoggingNodeParameters)
-        # A thread of its own: the master may take its time to answer.
+        # In its own thread, because the master may be slow to answer.
         SingleThreadedExecutor().add_node(node)
         node.create_service("~debug_node_info", Trigger, self.debug_node_info)
         self._log()
@@ -51,9 +50,9 @@ class LoggingNode:
             rospy.logerr("Division error: %s", error)
 
     def debug_node_info(self, request: TriggerRequest) -> TriggerResponse:
-        """Log who this is, and which topics and services there are."""
+        """Log the node's name, and the topics and services on the graph."""
         namespace, _, name = self._node.name.rpartition("/")
-        # With a time-out, unlike rosgraph.Master: when it is over, the caller gets an error.
+        # Unlike rosgraph.Master it has a timeout, after which the caller gets an error.
         with MasterClient(self._node.name) as master:
             state = master.system_state()
         topics = sorted({topic for kind in state[:2] for topic, _ in kind})

@@ -8,7 +8,7 @@ from nodekit import Node, run
 
 
 class MyRobotNode:
-    """Publishes a greeting each 0.5 s, and logs what it receives.
+    """Publishes a greeting every 0.5 s, and logs received messages.
 
     :ROS Publishers:
         - ``topic_name`` (std_msgs/String): "Hello from" and the node's name
@@ -33,7 +33,7 @@ class MyRobotNode:
         self._publisher.publish(self._text)
 
     def listener_callback(self, message: String) -> None:
-        """Log what was received."""
+        """Log the message."""
         rospy.loginfo("I heard: %s", message.data)
 
 

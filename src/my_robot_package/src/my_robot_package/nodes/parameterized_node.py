@@ -1,4 +1,4 @@
-"""A node with a callback for changes of its parameters."""
+"""Node with a callback for parameter changes."""
 
 import rospy
 
@@ -7,7 +7,7 @@ from nodekit import Node, run
 
 
 class ParameterizedNode:
-    """Logs how fast its robot may go, at the start and after each change.
+    """Logs the speed limit of its robot, at startup and after each change.
 
     :ROS Parameters:
         - private, can be changed at run time: see :class:`.RobotParameters`
@@ -19,7 +19,7 @@ class ParameterizedNode:
         rospy.loginfo("%s: up to %s m/s, safety %s", values.robot_name, values.max_velocity, mode)
 
     def on_change(self, new: RobotParameters, old: RobotParameters) -> None:
-        """Log a new velocity; values that come here have been validated already."""
+        """Log a new velocity; the values have already been validated."""
         if new.max_velocity != old.max_velocity:
             rospy.loginfo("Max velocity updated to: %s", new.max_velocity)
 

@@ -1,4 +1,4 @@
-"""A node whose parts may fail when it starts."""
+"""Node whose components may fail at startup."""
 
 import sys
 import time
@@ -12,37 +12,41 @@ from nodekit import FloatParameter, IntParameter, Node, ParameterSet, read_once,
 class RobustNodeParameters(ParameterSet):
     """Parameters of robust_node."""
 
-    failures = read_once(IntParameter(1, minimum=0, help="how often the sensors fail to start"))
-    attempts = read_once(IntParameter(3, minimum=1, maximum=100, help="how often to try to start"))
+    failures = read_once(
+        IntParameter(1, minimum=0, help="number of failures of the sensors at startup")
+    )
+    attempts = read_once(
+        IntParameter(3, minimum=1, maximum=100, help="number of attempts to start")
+    )
     recovery_time = read_once(
         FloatParameter(
             0.5,
             minimum=0.0,
             maximum=3600.0,
             unit="s",
-            help="time that the recovery procedure takes",
+            help="duration of the recovery procedure",
         )
     )
 
 
 class SetupFailed(Exception):
-    """A set-up that failed at each attempt; the text says why."""
+    """Set-up that failed at each attempt; the text gives the cause."""
 
 
 def set_up(attempt: Callable[[], None], recover: Callable[[Exception], None], attempts: int) -> int:
-    """Try until it succeeds, and recover after each failure but the last.
+    """Repeat an attempt until it succeeds, with a recovery after each failure but the last.
 
-    :param attempt: what may fail
-    :param recover: called with what it raised, before it is tried again
-    :param attempts: how often to try at most; at least 1
-    :returns: how often it was tried
-    :raises SetupFailed: if it failed each time
+    :param attempt: may raise an exception
+    :param recover: called with the exception, before the next attempt
+    :param attempts: most attempts; at least 1
+    :returns: number of attempts
+    :raises SetupFailed: if all attempts failed
     """
     for number in range(1, attempts + 1):
         try:
             attempt()
             return number
-        except Exception as error:  # of any kind: hardware fails in many ways
+        except Exception as error:  # hardware fails in many ways
             if number == attempts:
                 raise SetupFailed(f"failed {attempts} times, the last time: {error}") from error
             recover(error)
@@ -50,10 +54,10 @@ def set_up(attempt: Callable[[], None], recover: Callable[[Exception], None], at
 
 
 class RobustNode:
-    """Starts its sensors and actuators, recovers where that fails, and tries again.
+    """Starts its sensors and actuators; after a failure it recovers and tries again.
 
-    After ``~attempts`` failures it gives up: it says why, and its exit status is 1. When it is
-    ended, it stops the actuators first.
+    After ``~attempts`` failures it logs the cause and exits with status 1. At shutdown it stops the
+    actuators first.
 
     :ROS Parameters:
         - private: see :class:`RobustNodeParameters`
@@ -71,12 +75,12 @@ class RobustNode:
         node.on_shutdown(self.shut_down)
 
     def setup_components(self) -> None:
-        """Start everything."""
+        """Start all components."""
         self.initialize_sensors()
         self.initialize_actuators()
 
     def initialize_sensors(self) -> None:
-        """Start the sensors, which fail as often as ``~failures`` says.
+        """Start the sensors, which fail ``~failures`` times.
 
         :raises OSError: if they fail
         """
@@ -88,7 +92,7 @@ class RobustNode:
         """Start the actuators."""
 
     def recovery_procedure(self, error: Exception) -> None:
-        """Bring all parts back to a state from which they can be started."""
+        """Bring all components back to a state from which they can be started."""
         rospy.logerr("Component initialization failed: %s", error)
         rospy.logwarn("Attempting recovery procedure...")
         time.sleep(self._settings.recovery_time)

@@ -1,4 +1,4 @@
-"""A client that calls in both ways: it waits for the answer, or has it handed over later."""
+"""Service client with synchronous and asynchronous calls."""
 
 import threading
 from typing import Optional
@@ -18,7 +18,7 @@ from nodekit import (
     run,
 )
 
-#: Time between log lines while there is no service, s; from 1 s on, nodekit logs lines of its own.
+#: Interval of log lines while there is no service [s]; from 1 s on, nodekit logs its own lines.
 _WAIT_S = 0.9
 
 
@@ -30,16 +30,14 @@ class ServiceClientNodeParameters(ParameterSet):
     period = FloatParameter(
         1.0, minimum=0.001, maximum=3600.0, unit="s", help="time between pairs of calls"
     )
-    timeout = FloatParameter(
-        5.0, minimum=0.001, maximum=3600.0, unit="s", help="longest time that an answer takes"
-    )
+    timeout = FloatParameter(5.0, minimum=0.001, maximum=3600.0, unit="s", help="timeout of a call")
 
 
 class ServiceClientNode:
-    """Has two numbers added, again and again: once asynchronously and once synchronously.
+    """Requests the sum of two numbers repeatedly, asynchronously and synchronously.
 
-    The synchronous call waits, in a thread of the executor. The answer of the asynchronous one is
-    handled in the node's own callback group, so after the callback that made the call.
+    The synchronous call waits, in a thread of the executor. The answer of the asynchronous call is
+    handled in the node's callback group, so after the callback that made the call.
 
     :ROS Clients:
         - ``add_two_ints`` (my_robot_package_interfaces/AddTwoInts)
@@ -75,7 +73,7 @@ class ServiceClientNode:
 
         :param a: an int64
         :param b: an int64
-        :returns: their sum, None where there is no answer
+        :returns: their sum, None without an answer
         """
         try:
             answer = self._client.call(AddTwoIntsRequest(a, b), self._parameters.values.timeout)
@@ -86,14 +84,14 @@ class ServiceClientNode:
         return int(answer.sum)
 
     def send_request_async(self, a: int, b: int) -> Optional[CallFuture]:
-        """Call, and have :meth:`response_callback` called with the answer.
+        """Call; :meth:`response_callback` receives the answer.
 
         :param a: an int64
         :param b: an int64
-        :returns: the answer that comes later, None where nothing could be sent
+        :returns: the future answer, None if the request could not be sent
         """
         try:
-            # A request of its own for each call: a shared one may be changed while it is sent.
+            # A separate request for each call: a shared one might be changed while it is sent.
             request = AddTwoIntsRequest(a, b)
             timeout = self._parameters.values.timeout
             future = self._client.call_async(request, timeout)
@@ -116,7 +114,7 @@ def _log_result(how: str, total: int) -> None:
 
 
 def _log_failure(error: CallError) -> None:
-    if not isinstance(error, CallCancelled):  # by the node's own end
+    if not isinstance(error, CallCancelled):  # cancelled by the node's shutdown
         rospy.logerr("Service call failed: %s", error)
 
 

@@ -1,1 +1,1 @@
-"""The nodes, one module each."""
+"""Nodes, one module each."""

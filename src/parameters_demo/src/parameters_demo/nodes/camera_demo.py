@@ -1,4 +1,4 @@
-"""A camera whose name and rate can be changed while it runs."""
+"""Camera node whose name and rate can be changed at run time."""
 
 import rospy
 from sensor_msgs.msg import CameraInfo, Image
@@ -9,7 +9,7 @@ from nodekit import IntParameter, Node, ParameterSet, StringParameter, Throttle,
 from parameters_demo.messages import camera_info, image
 from parameters_demo.picture import Picture
 
-#: What ``~slow_down`` sets, Hz.
+#: Value that ``~slow_down`` sets [Hz].
 _SLOW_HZ = 40
 
 
@@ -23,7 +23,7 @@ class CameraDemoParameters(ParameterSet):
 
 
 class CameraDemo:
-    """Publishes a test card on which something moves, with its name, number and time.
+    """Publishes a test card with a moving object, the camera's name, the frame number and the time.
 
     :ROS Publishers:
         - ``camera/image_color`` (sensor_msgs/Image): 640 by 480, rgb8, in the frame
@@ -59,7 +59,7 @@ class CameraDemo:
             rospy.loginfo("Published frame from: %s", name)
 
     def slow_down(self, request: TriggerRequest) -> TriggerResponse:
-        """Set a parameter in code: it is validated as any other, and set on the server."""
+        """Set a parameter in code: it is validated like any other, and set on the server."""
         self._parameters.update(camera_rate=_SLOW_HZ)
         return TriggerResponse(True, f"camera_rate is {_SLOW_HZ}")
 

@@ -1,4 +1,4 @@
-"""A node that its parameters control, and that logs their changes."""
+"""Node that is controlled by its parameters, and logs their changes."""
 
 import rospy
 
@@ -14,9 +14,9 @@ class ConfigurableNodeParameters(ParameterSet):
 
     @rule("update_rate")
     def positive(self) -> None:
-        """Refuse what the course refuses, in its words; slower than once in a day is as good as 0.
+        """Reject invalid rates with the course's message; less than once a day counts as 0.
 
-        A range in the declaration would do, and programs could read it.
+        A range in the declaration would also do, and other programs could read it.
         """
         if self.update_rate < 1e-5:
             raise ValueError("update_rate must be positive")

@@ -1,4 +1,4 @@
-"""A lidar in a room, of a model that can be chosen."""
+"""Lidar node in a simulated room, with a choice of models."""
 
 import rospy
 from sensor_msgs.msg import LaserScan
@@ -20,9 +20,9 @@ class LidarDemoParameters(ParameterSet):
 
 
 class LidarDemo:
-    """Publishes scans of a room in which a person walks around.
+    """Publishes scans of a room with a walking person.
 
-    The model decides how far the lidar sees, how wide and how fine.
+    The model determines the range, the field of view and the resolution.
 
     :ROS Publishers:
         - ``lidar/points`` (sensor_msgs/LaserScan): in the frame ``NAME_frame``

@@ -1,4 +1,4 @@
-"""A parameter of every type, and a dictionary."""
+"""Parameters of every type, and a dictionary."""
 
 from typing import Any
 
@@ -21,25 +21,25 @@ class ParameterTypesParameters(ParameterSet):
     """Parameters of parameter_types."""
 
     flag = BoolParameter(True, help="a boolean")
-    count = IntParameter(42, help="a whole number")
+    count = IntParameter(42, help="an integer")
     ratio = FloatParameter(0.5, help="a number")
-    title = StringParameter("robot", help="a text")
+    title = StringParameter("robot", help="a string")
     flags = ListParameter([True, False], element=BoolParameter(False, help=""), help="booleans")
-    counts = ListParameter([1, 2, 3], element=IntParameter(0, help=""), help="whole numbers")
+    counts = ListParameter([1, 2, 3], element=IntParameter(0, help=""), help="integers")
     ratios = ListParameter([0.5, 1.5], element=FloatParameter(0.0, help=""), help="numbers")
-    titles = ListParameter(["a", "b"], element=StringParameter("", help=""), help="texts")
+    titles = ListParameter(["a", "b"], element=StringParameter("", help=""), help="strings")
     blob = BytesParameter(b"\x00\x7f\xff", help="bytes")
 
 
 class ParameterTypes:
-    """Logs each change of its parameters, and of a dictionary that has any keys.
+    """Logs each change of its parameters, and of a dictionary with arbitrary keys.
 
-    On the parameter server, a dictionary is a namespace. Where its keys are known they are
-    parameters, as of every node; where they are not, it is followed as a whole.
+    On the parameter server, a dictionary is a namespace. If its keys are known, they are ordinary
+    parameters; if not, the dictionary is observed as a whole.
 
     :ROS Parameters:
         - private, can be changed at run time: see :class:`ParameterTypesParameters`
-        - ``~limits`` (a dictionary): read live, never written
+        - ``~limits`` (a dictionary): read at run time, never written
     """
 
     def __init__(self, node: Node) -> None:

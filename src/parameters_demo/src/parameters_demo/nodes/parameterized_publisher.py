@@ -1,4 +1,4 @@
-"""A publisher whose text and rate are parameters: the course's first exercise."""
+"""Publisher with text and rate as parameters: the course's first exercise."""
 
 from std_msgs.msg import String
 
@@ -8,8 +8,8 @@ from nodekit import Node, ParameterSet, RateParameter, StringParameter, run
 class ParameterizedPublisherParameters(ParameterSet):
     """Parameters of parameterized_publisher."""
 
-    message_prefix = StringParameter("Hello", help="what each message starts with")
-    publish_rate = RateParameter(2.0, help="how often a message is published")
+    message_prefix = StringParameter("Hello", help="start of each message")
+    publish_rate = RateParameter(2.0, help="publishing rate")
 
 
 class ParameterizedPublisher:

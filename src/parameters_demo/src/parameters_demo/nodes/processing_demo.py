@@ -1,4 +1,4 @@
-"""A node that subscribes to the sensors that a parameter names, and works at its own rate."""
+"""Node that subscribes to the sensors chosen by a parameter, and works at its own rate."""
 
 from functools import partial
 from typing import Any, Dict
@@ -16,7 +16,7 @@ from nodekit import (
 )
 from parameters_demo.sensors import SENSORS
 
-#: Cycles from one status to the next.
+#: Number of cycles per status line.
 _STATUS_CYCLES = 5
 
 
@@ -32,10 +32,10 @@ class ProcessingDemoParameters(ParameterSet):
 
 
 class ProcessingDemo:
-    """Logs in every fifth cycle how many messages it has received, and what the newest say.
+    """Logs every fifth cycle the number of received messages, and a summary of the newest.
 
-    Messages are received in one exclusive group and processed in another, so that neither waits
-    for the other. A topic that the mode leaves out is not even subscribed to.
+    Messages are received in one exclusive group and processed in another, so that neither waits for
+    the other. Topics excluded by the mode are not subscribed to.
 
     :ROS Subscribers:
         - ``camera/image_color`` (sensor_msgs/Image)
@@ -64,7 +64,7 @@ class ProcessingDemo:
         )
 
     def process(self, elapsed: float) -> None:
-        """Work for a cycle."""
+        """Process one cycle."""
         self._cycles += 1
         if self._cycles % _STATUS_CYCLES == 0:
             status = "; ".join(self._status(name) for name in self._counts)
@@ -76,7 +76,7 @@ class ProcessingDemo:
         return f"{name} #{self._counts[name]}: {said}"
 
     def _subscribe(self) -> None:
-        """Subscribe to what the mode names, and to nothing else."""
+        """Subscribe to the topics of the mode, and unsubscribe from the others."""
         self._subscriptions.close()
         mode = self._parameters.values.processing_mode
         names = [name for name in SENSORS if mode in ("all", f"{name}_only")]

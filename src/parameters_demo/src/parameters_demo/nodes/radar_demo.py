@@ -1,4 +1,4 @@
-"""A radar beside a road."""
+"""Radar node beside a simulated road."""
 
 import rospy
 from std_msgs.msg import Header
@@ -17,7 +17,7 @@ class RadarDemoParameters(ParameterSet):
 
 
 class RadarDemo:
-    """Publishes moving objects in front of it: cars, and a person who walks.
+    """Publishes moving objects in front of the radar: cars and a walking person.
 
     :ROS Publishers:
         - ``radar/tracks`` (parameters_demo_msgs/RadarTracks): in the frame ``NAME_frame``
@@ -33,7 +33,7 @@ class RadarDemo:
         node.create_timer(lambda: self._parameters.values.radar_rate, self.publish)
 
     def publish(self, elapsed: float) -> None:
-        """Publish what is seen now."""
+        """Publish the current targets."""
         name = self._parameters.values.radar_name
         now = rospy.get_rostime()
         header = Header(stamp=now, frame_id=f"{name}_frame")

@@ -285,7 +285,7 @@ class Robots(unittest.TestCase):
         self.assertEqual(aborted.status.status, GoalStatus.ABORTED)
         self.assertIn("no progress: the robot has stopped 1.5", aborted.status.text)
         self.assertEqual(aborted.result.progress.phase, GIVEN_UP)
-        self.logged("no progress for 3 s: the goal is abandoned and the robot stopped; 1.5")
+        self.logged("no progress for 3 s: the goal is given up and the robot stopped; 1.5")
         self.until(lambda: self.commands()[-1] == STOP, "it drives on", 1.0, PROGRESS)
         commands = len(self.commands())
         for _ in range(60):

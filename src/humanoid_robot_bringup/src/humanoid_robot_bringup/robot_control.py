@@ -20,7 +20,7 @@ from nodekit import (
 )
 
 _CONTROLLER = "proportional_controller"
-#: Phase of an abandoned goal.
+#: Phase of a goal that is given up.
 _GIVEN_UP = "given_up"
 #: Time without progress messages until that is logged [s].
 _SILENCE_S = 3.0

@@ -5,7 +5,7 @@ import math
 from bot_controller_demo.control.geometry import Errors
 from bot_controller_demo.control.goal_controller import TURNING
 
-#: Phase of an abandoned goal. Progress.msg has no constant for it: a new one would change its
+#: Phase of a goal that is given up. Progress.msg has no constant for it: a new one would change its
 #: md5sum, and older nodes could not connect.
 GIVEN_UP = "given_up"
 

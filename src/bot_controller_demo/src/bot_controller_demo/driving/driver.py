@@ -26,7 +26,7 @@ _ODOM = "odom"
 class Driver:
     """Drives to one goal at a time, and stays there; a new goal replaces the last one.
 
-    A goal without progress for ``~no_progress_timeout``, for example behind a wall, is abandoned:
+    A goal without progress for ``~no_progress_timeout``, for example behind a wall, is given up:
     the robot is stopped.
 
     :ROS Subscribers:
@@ -35,7 +35,7 @@ class Driver:
     :ROS Publishers:
         - ``cmd_vel`` (geometry_msgs/Twist, or TwistStamped): while it drives, and one zero to stop
         - ``~progress`` (bot_controller_demo_msgs/Progress): with each command, at the goal, and
-            when a goal is abandoned
+            when a goal is given up
         - ``~arrived`` (std_msgs/Bool), latched
         - ``~current_goal`` (geometry_msgs/PoseStamped), latched
 
@@ -98,8 +98,8 @@ class Driver:
     def step(self) -> Optional[Progress]:
         """Command the robot; to be called ``~control_frequency`` times a second.
 
-        :returns: the progress, the same message each time; None without a goal, after an abandoned
-            one, or while the pose is unknown
+        :returns: the progress, the same message each time; None without a goal, after the
+            goal was given up, or while the pose is unknown
         """
         settings: DrivingParameters = self._parameters.values
         self._warn_of_circling(settings)
@@ -122,7 +122,7 @@ class Driver:
         left = f"{progress.distance:.3f} m and {progress.heading_error:.3f} rad are left"
         if phase == GIVEN_UP:
             rospy.logwarn(
-                "no progress for %g s: the goal is abandoned and the robot stopped; %s",
+                "no progress for %g s: the goal is given up and the robot stopped; %s",
                 settings.no_progress_timeout,
                 left,
             )

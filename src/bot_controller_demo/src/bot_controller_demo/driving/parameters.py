@@ -65,7 +65,7 @@ class DrivingParameters(ParameterSet):
         minimum=0.0,
         maximum=3600.0,
         unit="s",
-        help="time without progress after which a goal is abandoned; 0 for never",
+        help="time without progress after which a goal is given up; 0 for never",
     )
 
     @rule("kp_linear", "kp_angular", "control_frequency")

@@ -30,7 +30,7 @@ def message_text(found: Mapping[str, Optional[str]], keys: List[str], scope: str
     :param found: text by global name; None or missing if it is not set
     :param keys: the result of :func:`candidates` for the node
     :param scope: one of SCOPES
-    :returns: the text in the scope, or a text that says that there is none
+    :returns: the text in the scope, or "No Parameter Found" or "hello world"
     """
     if scope == "closest":
         set_ones = [found[key] for key in keys if found.get(key) is not None]

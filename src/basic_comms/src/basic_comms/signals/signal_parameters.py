@@ -180,7 +180,7 @@ class SignalParameters(ParameterSet):
 
     @property
     def highest_frequency(self) -> float:
-        """Highest fundamental frequency of the signal, >= 0 [rad/s]; 0 if there is none.
+        """Highest fundamental frequency of the signal, >= 0 [rad/s]; 0 without one.
 
         At a sample rate in Hz the signal is aliased if this exceeds ``pi * rate``, the Nyquist
         limit. A PRBS is aliased if its chips are shorter than the interval between samples.

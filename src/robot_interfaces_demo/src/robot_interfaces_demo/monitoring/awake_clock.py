@@ -45,5 +45,5 @@ class AwakeClock:
 
     @property
     def still_s(self) -> float:
-        """How long the clock had stopped at the last reading, by the machine's clock [s]."""
+        """Time for which the clock had stopped at the last reading, by the machine's clock [s]."""
         return self._machine - self._moved_at

@@ -81,7 +81,7 @@ class MessageTaker:
         self._given = ctypes.byref(self._buffer), ctypes.byref(self._info)
 
     def take(self, handle: Any) -> Optional[ReceivedMessage]:
-        """Take a message; None if there is none.
+        """Take a message; None if the queue is empty.
 
         :param handle: rclpy's subscription, held by the caller so that it is not destroyed
         :raises RuntimeError: if ROS 2 fails

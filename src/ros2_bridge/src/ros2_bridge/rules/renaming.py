@@ -33,11 +33,11 @@ class Renaming:
             self._to_ros2[ros1], self._to_ros1[ros2] = ros2, ros1
 
     def in_ros2(self, name: str) -> Optional[str]:
-        """Return the ROS 2 name for a ROS 1 name; None if there is none."""
+        """Return the ROS 2 name for a ROS 1 name; None without one."""
         return _there_and_back(name, self._to_ros2, self._to_ros1)
 
     def in_ros1(self, name: str) -> Optional[str]:
-        """Return the ROS 1 name for a ROS 2 name; None if there is none."""
+        """Return the ROS 1 name for a ROS 2 name; None without one."""
         return _there_and_back(name, self._to_ros1, self._to_ros2)
 
 

@@ -33,7 +33,7 @@ class Transport(Protocol):
         ...
 
     def read(self) -> bytes:
-        """Return the bytes received; empty if there are none."""
+        """Return the bytes received; empty without any."""
         ...
 
     def write(self, data: bytes) -> None:

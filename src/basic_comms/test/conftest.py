@@ -1,1 +1,1 @@
-"""Stands here to make pytest look for modules in this folder: the tests import helpers from it."""
+"""Makes pytest search this folder for modules: the tests import helpers from it."""

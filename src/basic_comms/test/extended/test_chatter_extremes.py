@@ -19,12 +19,12 @@ from nodekit.testing.waiting import wait_until
 
 RATE, COUNT = 10000.0, 20000
 HUGE = 10_000_000  # characters
-#: What the listener may keep, which malloc decides, bytes: far less than all that it hears.
+#: Memory that the listener may keep, which malloc decides [bytes]: far less than it receives.
 ALLOWANCE = 5 * HUGE
 
 
 class ChatterExtremes(unittest.TestCase):
-    """A listener of its own for each test."""
+    """A separate listener for each test."""
 
     def setUp(self) -> None:
         self.listener = Process(find_node("basic_comms", "listener.py")[0])
@@ -34,7 +34,7 @@ class ChatterExtremes(unittest.TestCase):
         self.publisher.open()
         wait_until(lambda: self.publisher.statistics(), lambda: "the listener did not come")
         self.say_until_heard("first")
-        # That connection may come last, and has a thread.
+        # This connection may be the last, and has a thread.
         Graph().wait_until_heard("/listener", "/rosout", "/rosout")
         self.pid = self.listener.popen.pid
         self.before = usage(self.pid)

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Each node of the workspace, started with the file that rosparam has dumped, has the same values.
+"""Each node of the workspace has the same values when started with a file dumped by rosparam.
 
-That is the exercise of a course, for all nodes. These are found in their packages: each module in
-``nodes`` calls ``run`` with a name and a class. All of them are hosted by this process, first in
-one namespace, where as many of their parameters as possible are changed, then in another, where
-the file is loaded before.
+This is an exercise of a course, for all nodes. They are found in their packages: each module in
+``nodes`` calls ``run`` with a name and a class. This process hosts all of them, first in one
+namespace, where as many of their parameters as possible are changed, then in another, where the
+file is loaded before.
 
-As all of them are there, what they offer is compared with what docs/compatibility.yaml promises.
-With the variable ADD_PROMISES, what is new is promised from then on.
+Because all nodes are running, their interfaces are compared with docs/compatibility.yaml. With the
+variable ADD_PROMISES, new interfaces are added to it.
 """
 
 import contextlib
@@ -62,9 +62,9 @@ def node_of(module: str) -> Tuple[str, Callable[[Node], object]]:
 
 
 def others(entry: Dict[str, Any]) -> Iterator[Any]:
-    """Return values that a parameter may take in place of its own.
+    """Return other valid values of a parameter.
 
-    :param entry: what its node says of it
+    :param entry: from the node's description
     """
     value = entry["value"]
     if isinstance(value, bool):
@@ -83,20 +83,20 @@ def others(entry: Dict[str, Any]) -> Iterator[Any]:
 
 
 class Settings:
-    """The parameters of a running node.
+    """Parameters of a running node.
 
     :param node: its global name
-    :param registered: what it has registered
+    :param registered: its registrations
     """
 
     def __init__(self, node: str, registered: interfaces.Registrations) -> None:
         self._node = node
         self._registered = registered
         services = Server().services()
-        if f"{node}/change_state" in services:  # a managed one has them once it is configured
+        if f"{node}/change_state" in services:  # a managed node has parameters once configured
             self._call("change_state", ChangeState, Transition(label="configure"))
             services = Server().services()
-        #: What the node says of each; none of a node without parameters.
+        #: Descriptions by the nodes; empty for a node without parameters.
         self.described: List[Dict[str, Any]] = []
         if f"{node}/describe" in services:
             self.described = yaml.safe_load(self._call("describe", Trigger).message)
@@ -112,9 +112,9 @@ class Settings:
         return values
 
     def offered(self, promised: Dict[str, Any]) -> Dict[str, Any]:
-        """Return what others may rely on, once that is what is promised, or after a time-out.
+        """Return the interfaces once they match the promises, or after a timeout.
 
-        An action is served from a node's first step on, which need not have come yet.
+        An action is served from a node's first step on, which may be later.
         """
         offered: Dict[str, Any] = {}
 
@@ -126,12 +126,12 @@ class Settings:
             )
             return not any(promises.broken(promised, offered))
 
-        with contextlib.suppress(AssertionError):  # what is missing is for a test to say
+        with contextlib.suppress(AssertionError):  # a test reports missing interfaces
             wait_until(is_all_there, lambda: "something is missing")
         return offered
 
     def change(self) -> List[str]:
-        """Change each parameter that has another value; return the names of these."""
+        """Change each parameter that has another valid value; return the names of these."""
         return [entry["name"] for entry in self.described if any(map(self._set, *_tries(entry)))]
 
     def _set(self, name: str, value: Any) -> bool:
@@ -144,7 +144,7 @@ def _tries(entry: Dict[str, Any]) -> Tuple[List[str], List[Any]]:
 
 
 class Dumped(unittest.TestCase):
-    """One more test for each node is added below."""
+    """A test for each node is added below."""
 
     root: Node
     changed: Dict[str, List[str]] = {}
@@ -173,7 +173,7 @@ class Dumped(unittest.TestCase):
 
     @classmethod
     def started(cls, space: str) -> Iterator[Tuple[str, Settings]]:
-        """Start each node, the one after the other, in a namespace of its own below another."""
+        """Start the nodes one after the other, each in its own namespace below another."""
         for module in modules():
             name, node_class = node_of(module)
             before = interfaces.Registrations()

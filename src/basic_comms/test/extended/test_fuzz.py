@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Hundreds of odd requests to every node's two ports: none dies, all go on as before."""
+"""Hundreds of invalid requests to both ports of every node: all nodes survive unchanged."""
 
 import random
 import socket
@@ -27,7 +27,7 @@ STREAMS = {
     "/process": ("/proc_signal", Float32),
     "/fleet": ("/Group1/proc_signal", Float32),
 }
-#: Services that change nothing, however they are called.
+#: Services without side effects.
 HARMLESS = ("/describe", "/get_loggers")
 
 
@@ -46,7 +46,7 @@ class Fuzz(unittest.TestCase):
 
     @classmethod
     def assert_all_speak(cls) -> None:
-        """Hear something of each node, which shows also that what it listens to is connected."""
+        """Receive a message of each node, which proves that its subscriptions are connected."""
         master = rosgraph.Master("/test")
         for node, (topic, kind) in STREAMS.items():
             wait_until(
@@ -74,7 +74,7 @@ class Fuzz(unittest.TestCase):
         return {node: usage(pid) for node, pid in self.pids.items()}
 
     def send(self, requests: List[bytes], ports: List[Tuple[str, int]]) -> None:
-        """Send each request to one of the ports, and wait for the answers to some of them."""
+        """Send each request to one of the ports, and wait for the answers to some."""
         patience = random.Random(3)
         for number, request in enumerate(requests):
             with connect(ports[number % len(ports)]) as peer:
@@ -93,7 +93,7 @@ class Fuzz(unittest.TestCase):
         wait_until(self.nothing_stays, lambda: f"{self.usages()}, before {self.before}")
 
     def nothing_stays(self) -> bool:
-        """Tell whether no connection and no thread is left of it all."""
+        """Return whether no connection and no thread remains."""
         now = self.usages()
         return all(
             now[node].threads <= self.before[node].threads

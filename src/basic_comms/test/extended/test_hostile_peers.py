@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Whatever connects to a node's ports: the node and those who use it well notice nothing."""
+"""Hostile clients of a node's ports do not disturb the node and its other clients."""
 
 import random
 import socket
@@ -29,7 +29,7 @@ MOST_WAITING = 100
 NODES = ("/talker", "/listener", "/signal_generator", "/process", "/fleet")
 GENERATOR, TOPIC = "/signal_generator", "/signal"
 RATE = 1000.0  # Hz
-#: What a process may take for good when it does a thing for the first time, bytes.
+#: Memory that a process may keep after doing something for the first time [bytes].
 ALLOWANCE = 3_000_000
 #: Longest silence between two samples on a machine that does nothing else, s; the longest that is
 #: meant to be is 0.05 s, in which a subscriber is given time to read.
@@ -37,7 +37,7 @@ SILENCE = 0.2
 
 
 class HostilePeers(unittest.TestCase):
-    """The generator at 1 kHz, a good subscriber of it in this process, and a bad one."""
+    """The generator at 1 kHz, a well-behaved subscriber in this process, and a hostile one."""
 
     graph: Graph
     uri: str
@@ -55,9 +55,9 @@ class HostilePeers(unittest.TestCase):
 
     @contextmanager
     def unnoticed(self) -> Iterator[Lag]:
-        """Check that the good subscriber misses nothing meanwhile, and nothing stays behind.
+        """Check that the well-behaved subscriber loses nothing meanwhile, and nothing leaks.
 
-        :returns: how long the machine keeps everybody waiting
+        :returns: longest delay by the machine
         """
         pid = self.graph.pid(GENERATOR)
         before = usage(pid)
@@ -92,7 +92,7 @@ class HostilePeers(unittest.TestCase):
         log = MessageRecorder("/rosout", Log)
         self.addCleanup(log.close)
         self.graph.wait_until_heard("/talker", "/rosout", rospy.get_name())
-        rospy.set_param("/talker/rate", 20.0)  # the master stays connected to tell of changes
+        rospy.set_param("/talker/rate", 20.0)  # the master keeps a connection for changes
         log.wait_for(lambda line: line.name == "/talker" and "rate: 10 -> 20" in line.msg)
         heard: List[float] = []
         subscriber = rospy.Subscriber("/chatter", String, lambda _: heard.append(time.monotonic()))
@@ -200,12 +200,12 @@ class HostilePeers(unittest.TestCase):
 
 
 def longest_gap(moments: List[float]) -> float:
-    """Return the longest time from one moment to the next, s."""
+    """Return the longest interval between two times [s]."""
     return max(later - one for one, later in zip(moments, moments[1:]))
 
 
 def is_back(now: Usage, before: Usage) -> bool:
-    """Tell whether a process holds no more than before."""
+    """Return whether a process has no more resources than before."""
     return (
         now.threads <= before.threads
         and now.descriptors <= before.descriptors

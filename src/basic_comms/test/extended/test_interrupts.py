@@ -12,7 +12,7 @@ from nodekit.testing.running import rosrun
 
 PROGRAMS = ("talker.py", "listener.py", "signal_generator.py", "process.py", "fleet")
 ROUNDS = 15
-#: Longest end on a machine that does nothing else, s.
+#: Longest shutdown on an idle machine [s].
 END = 2.0
 
 
@@ -24,7 +24,7 @@ class Interrupts(unittest.TestCase):
         with measured_lag() as lag:
             ends = interrupt_rounds(PROGRAMS, ROUNDS, seed=7)
         self.assertEqual([end for end in ends if not end.clean and not end.early], [])
-        # What is too early for us is too early by the time that Python itself takes.
+        # Python's own startup is the margin of "too early".
         self.assertEqual([end for end in ends if end.early and end.from_our_lines], [])
         self.assertEqual([end.imported_too_soon for end in ends if end.imported_too_soon], [])
         self.assertEqual(graph.nodes(), set())

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Each file of launch/features does what its comment tells a student."""
+"""Each file of launch/features behaves as described in its comment."""
 
 import os
 import subprocess
@@ -16,7 +16,7 @@ from nodekit.testing.launching import Launched, Process, launch_file, launched
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
-#: What is started once for all tests, each in the namespace that comes first.
+#: Launch files that are started once for all tests, each in its namespace.
 TOGETHER = {
     "group_ns": "group_ns.launch",
     "remap": "remap.launch",
@@ -41,7 +41,7 @@ TOGETHER = {
 
 
 class LaunchFeatures(unittest.TestCase):
-    """One test per file, more where a file can go two ways."""
+    """One test per file; more for files with alternatives."""
 
     launch: Launched
     at_once: Dict[str, Process]

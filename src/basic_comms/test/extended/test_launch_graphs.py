@@ -14,7 +14,7 @@ from nodekit.testing.graph import Graph
 from nodekit.testing.launching import Launched, launched
 from nodekit.testing.running import rosrun
 
-#: What is started once for all tests; activities 1 to 3 share their nodes' names.
+#: Launch files that are started once for all tests; activities 1 to 3 share node names.
 TOGETHER = (
     "basic_comms activity4.launch",
     "basic_comms cw1.launch",
@@ -72,7 +72,7 @@ class LaunchGraphs(unittest.TestCase):
             self.assert_isolated_groups(launch)
 
     def assert_texts(self, activity: str) -> None:
-        """Check the parameters of activities 2 and 3, which differ in where they come from."""
+        """Check the parameters of activities 2 and 3, which differ in their origin."""
         with launched(f"basic_comms {activity} scope:=local") as launch:
             self.assert_isolated_groups(launch)
             found = {path: launch.graph.parameter(path) for path in TEXTS}

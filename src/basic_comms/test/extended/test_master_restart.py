@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Nodes that talk to each other go on without a master, and tell a new one all that they told."""
+"""Connected nodes continue without a master, and register everything with a new one."""
 
 import unittest
 from typing import Any
@@ -18,7 +18,7 @@ RATE = 100.0  # Hz
 
 
 class RestartedMaster(unittest.TestCase):
-    """The chain of talker and listener, and the one of signal generator and process."""
+    """The talker with its listener, and the signal generator with its process."""
 
     def setUp(self) -> None:
         self.master = Master()
@@ -35,7 +35,7 @@ class RestartedMaster(unittest.TestCase):
         return node
 
     def registrations(self) -> Any:
-        """Return what is registered, sorted, and all parameters."""
+        """Return the registrations, sorted, and all parameters."""
         state = self.server.master.getSystemState("/test")[2]
         return [sorted((name, sorted(nodes)) for name, nodes in part) for part in state]
 
@@ -75,7 +75,7 @@ class RestartedMaster(unittest.TestCase):
         )
         self.assertEqual(parameters["signal_generator"]["amplitude"], 3.0)
         for node in nodes:
-            # Said when all is told, which may be a moment after the master knows it.
+            # Logged after the last registration, which may be a moment after the master has it.
             node.wait_for_log("WARN", "the master was restarted")
             for words in ("the master does not answer", "the master was restarted"):
                 self.assertEqual(len(node.logged(words)), 1, node.logged(words))

@@ -19,7 +19,7 @@ NODES = ("talker", "listener", "signal_generator", "process", "fleet")
 
 
 class NodeLife(unittest.TestCase):
-    """Each test starts nodes of its own, as rosrun does."""
+    """Each test starts its own nodes, as rosrun does."""
 
     graph: Graph
 
@@ -30,7 +30,7 @@ class NodeLife(unittest.TestCase):
 
     @contextmanager
     def started(self, node: str, *arguments: str) -> "Iterator[subprocess.Popen[str]]":
-        """Start a node; kill it where it is still there at the end."""
+        """Start a node; kill it if it still runs at the end."""
         program = node if node == "fleet" else node + ".py"
         process = subprocess.Popen(
             ["rosrun", "basic_comms", program, *arguments],
@@ -52,7 +52,7 @@ class NodeLife(unittest.TestCase):
         wait_until(lambda: name in self.graph.nodes(), lambda: name + " did not come up")
 
     def assert_ends_cleanly(self, node: str, process: "subprocess.Popen[str]") -> None:
-        """Check the exit status, the last words and what the master still knows."""
+        """Check the exit status, the last output and the master's state."""
         _, errors = process.communicate(timeout=TIMEOUT_S)
         self.assertEqual(process.returncode, 0, errors)
         self.assertNotIn("Traceback", errors)

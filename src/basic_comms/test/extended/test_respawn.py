@@ -20,7 +20,7 @@ from nodekit.testing.waiting import TIMEOUT_S
 EVERY_NODE = str(Path(__file__).resolve().parents[1] / "helpers" / "every_node.launch")
 #: How often each node is killed here.
 ROUNDS = 3
-#: Longest silence after a node's return on a machine that does nothing else, s.
+#: Longest silence after a node's return on an idle machine [s].
 SILENCE = 2.0
 
 
@@ -36,13 +36,13 @@ class Respawn(unittest.TestCase):
         cls.launch = running.__enter__()
         cls.addClassCleanup(running.__exit__, None, None, None)
         cls.launch.wait_until_up()
-        # What the graph is compared with later is to be the whole of it.
+        # The later comparison needs the complete graph.
         for node in ("talker", "process", "signal_generator", "fleet", "Group2/process"):
             rospy.wait_for_service(f"/{node}/describe", TIMEOUT_S)  # registered last
         cls.launch.graph.wait_for_subscribers("/chatter", "/listener")
 
     def stream(self, topic: str) -> Stream:
-        """Count what is heard on a topic from now on."""
+        """Count messages on a topic from now on."""
         return self.ear(topic, rospy.AnyMsg).count
 
     def ear(self, topic: str, kind: type) -> MessageRecorder:

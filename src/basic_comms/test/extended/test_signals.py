@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A signal ends any node at any moment: no hang, exit status 0, nothing left with the master."""
+"""A signal ends any node at any time: no hang, exit status 0, no registrations left."""
 
 import os
 import signal
@@ -15,7 +15,7 @@ from nodekit.testing.running import rosrun
 from nodekit.testing.slow_master import SlowMaster
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
-#: Shorter than TIMEOUT_S, for the cases that follow when one of them hangs, s.
+#: Shorter than TIMEOUT_S, for the cases after one that hangs [s].
 END_TIMEOUT = 15.0
 
 
@@ -41,7 +41,7 @@ class Signals(unittest.TestCase):
         return process
 
     def logged(self) -> bytes:
-        """Return what the nodes of this test have written to stderr so far."""
+        """Return the stderr output of this test's nodes so far."""
         with open(self.log.name, "rb") as log:
             return log.read()
 
@@ -63,7 +63,7 @@ class Signals(unittest.TestCase):
     def test_while_a_service_is_registered(self) -> None:
         self.interrupt_registration("signal_generator.py", "registerService", "/enable")
 
-    # What the master does for the start after the end has tidied up is taken back as well.
+    # Registrations that the master processes after the node's cleanup are removed as well.
 
     def test_while_the_first_parameter_is_subscribed(self) -> None:
         self.interrupt_registration("process.py", "subscribeParam", "/process", "unregisterService")
@@ -80,7 +80,7 @@ class Signals(unittest.TestCase):
     ) -> None:
         """Send each signal while the master keeps a node waiting in one call.
 
-        :param then: the call that the end of the node makes before that one is answered, if any
+        :param then: call of the node's shutdown before that call is answered, if any
         """
         for number in (signal.SIGINT, signal.SIGTERM):
             master = SlowMaster(os.environ["ROS_MASTER_URI"], method, ending)
@@ -121,7 +121,7 @@ class Signals(unittest.TestCase):
 
 
 def taken_in(pid: int, number: int) -> bool:
-    """Tell whether a signal that was sent to a process is no longer pending."""
+    """Return whether a signal sent to a process is no longer pending."""
     with open(f"/proc/{pid}/status") as status:
         lines = dict(line.split(":", 1) for line in status if ":" in line)
     pending = int(lines["ShdPnd"], 16)

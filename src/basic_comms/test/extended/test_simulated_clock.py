@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""All nodes on a simulated clock that stands still, jumps, runs tenfold, or comes from a bag."""
+"""All nodes with a simulated clock that stops, jumps, runs tenfold, or is from a bag."""
 
 import math
 import os
@@ -56,16 +56,16 @@ class OnSimulatedClock(unittest.TestCase):
         return ear
 
     def steps(self) -> List[float]:
-        """Return what has passed from sample to sample, in periods."""
+        """Return the intervals between samples, in periods."""
         times = [sample.time_x for sample in self.signal.messages()]
         return [round((later - one) / PERIOD, 4) for one, later in zip(times, times[1:])]
 
     def said_at(self) -> List[float]:
-        """Return the times that the talker has told."""
+        """Return the times in the talker's messages."""
         return [round(float(message.data.split()[-1]), 6) for message in self.chatter.messages()]
 
     def heard(self) -> bool:
-        """Tell whether the listener has logged what the talker said last."""
+        """Return whether the listener has logged the talker's last message."""
         last = self.chatter.messages()[-1].data
         return any(line.name == "/listener" and last in line.msg for line in self.log.messages())
 
@@ -112,7 +112,7 @@ class OnSimulatedClock(unittest.TestCase):
                 ["rosbag", "play", "--quiet", "--clock", "--hz=1000", "-l", "-r", TENFOLD, path],
                 start_new_session=True,
             )
-            # Ctrl-C goes to what it starts as well, as in a terminal.
+            # Ctrl-C also reaches its child processes, as in a terminal.
             self.addCleanup(play.wait, TIMEOUT_S)
             self.addCleanup(os.killpg, play.pid, signal.SIGINT)
             wait_until(
@@ -129,7 +129,7 @@ class OnSimulatedClock(unittest.TestCase):
 
 
 def subscribers(node: str, topic: str) -> Set[str]:
-    """Return the names of the nodes that are connected to a topic of another one."""
+    """Return the names of the nodes that are connected to a topic of another node."""
     with ServerProxy(rosgraph.Master("/test").lookupNode(node)) as slave:
         connections: Any = slave.getBusInfo("/test")
     return {info[1] for info in connections[2] if info[2] == "o" and info[4] == topic}

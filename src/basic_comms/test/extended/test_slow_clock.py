@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A generator whose rate is above that of /clock, which then stands still."""
+"""A generator whose rate is above that of /clock, which then stops."""
 
 import unittest
 from typing import List

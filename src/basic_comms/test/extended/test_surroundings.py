@@ -27,14 +27,14 @@ NODES = {
     "/signal_generator": ("signal_generator.py", "/signal", signal_msg),
     "/fleet": ("fleet", "/Group1/proc_signal", Float32),
 }
-#: A process and the file of what it writes to stderr.
+#: A process and the file of its stderr output.
 Node = Tuple["subprocess.Popen[bytes]", IO[str]]
 GREETING = "gr\u00fc\u00dfe \u4f60\u597d \U0001f916"
 HOUR = 3600.0
 
 
 class Surroundings(unittest.TestCase):
-    """Each test starts nodes of its own."""
+    """Each test starts its own nodes."""
 
     graph: Graph
 
@@ -61,7 +61,7 @@ class Surroundings(unittest.TestCase):
         return process, errors
 
     def end(self, *nodes: Node) -> List[str]:
-        """Interrupt nodes, check how they end and return what each wrote to stderr."""
+        """Interrupt nodes, check how they end and return the stderr output of each."""
         for process, _ in nodes:
             process.send_signal(signal.SIGINT)
         texts = []

@@ -1,7 +1,7 @@
-"""Requests that no honest node sends, drawn with a seed, for a node's two ports.
+"""Seeded random invalid requests for a node's two ports.
 
-Left out are the legitimate ``shutdown``, which ends a node as it should, and ``publisherUpdate``,
-which sends it to another publisher: ROS 1 allows both to every client.
+Valid requests ``shutdown``, which ends a node, and ``publisherUpdate``, which connects it to
+another publisher, are excluded: ROS 1 allows both to every client.
 """
 
 import gzip
@@ -30,12 +30,12 @@ class Fuzzer:
         self._names = names
 
     def http_request(self) -> bytes:
-        """Make up what is sent to a node's XML-RPC port."""
+        """Generate requests for a node's XML-RPC port."""
         make = self._random.choice([self._noise, self._odd_call, self._broken_call, self._odd_http])
         return make()
 
     def tcpros_request(self) -> bytes:
-        """Make up what is sent to the port of a node's topics and services."""
+        """Generate requests for the port of a node's topics and services."""
         make = self._random.choice([self._noise, self._odd_header, self._broken_header])
         return make()
 

@@ -14,7 +14,7 @@ import nodekit.testing
 
 #: Modules of nodekit that are public beside its own names.
 MODULES = ("entry_point", "lifecycle_states", "master", "message_definitions")
-#: Kinds of registrations, in the order in which the master tells them.
+#: Types of registrations, in the master's order.
 KINDS = ("publishes", "subscribes", "services")
 
 
@@ -30,14 +30,14 @@ class Registrations:
         return {kind: {name for name, _ in part} for kind, part in zip(KINDS, state)}
 
     def of(self, node: str) -> Dict[str, Dict[str, str]]:
-        """Return names and types that a node has registered, without those registered before.
+        """Return names and types that a node has registered, without earlier registrations.
 
-        What comes with a package that need not be installed is left out.
+        Those of optional packages are left out.
 
         :param node: its global name
         """
         names = self._names()
-        types = dict(self._master.getTopicTypes())  # afterwards: what has a name has a type then
+        types = dict(self._master.getTopicTypes())  # after the names, so that each has a type
         services = names["services"] - self._earlier["services"]
         types.update((name, rosservice.get_service_type(name)) for name in services)
         return {
@@ -51,7 +51,7 @@ class Registrations:
 
 
 def local(name: str, node: str) -> str:
-    """Return a name as its node's code has it: private, relative or global."""
+    """Return a name as in the node's code: private, relative or global."""
     if name.startswith(node + "/"):
         return "~" + name[len(node) + 1 :]
     space = rosgraph.names.namespace(node)
@@ -59,7 +59,7 @@ def local(name: str, node: str) -> str:
 
 
 def of_packages(sources: pathlib.Path) -> Dict[str, Any]:
-    """Return what packages have, and the names of nodekit.
+    """Return the contents of packages, and the names of nodekit.
 
     :param sources: the folder of the packages
     """
@@ -104,7 +104,7 @@ def arguments(launch_file: pathlib.Path) -> List[str]:
 
 
 def digest(package: str, path: pathlib.Path) -> str:
-    """Return what two nodes compare before they exchange a message or a call."""
+    """Return the fields that two nodes compare before they exchange a message or a call."""
     name = f"{package}/{path.stem}"
     if path.suffix == ".srv":
         return str(roslib.message.get_service_class(name)._md5sum)

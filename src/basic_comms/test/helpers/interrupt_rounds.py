@@ -13,27 +13,27 @@ from roslib.packages import find_node
 
 #: Longest moment after the start, s: by then a node runs, also on a busy machine mostly.
 _LATEST = 1.0
-#: No node takes so long, s; where one does, it hangs.
+#: A node that takes this long hangs [s].
 _PATIENCE = 30.0
 _OUR_LINES = re.compile(r'entry_point\.py", line \d+, in main')
-#: Has Python write a line to stderr for each module that it has imported, and where it hangs.
+#: Makes Python print a line for each imported module, and a traceback if it hangs.
 _TOLD = {"PYTHONPROFILEIMPORTTIME": "1", "PYTHONFAULTHANDLER": "1"}
 _IMPORT = re.compile(r"^import time:.*\| *(\S+)$", re.MULTILINE)
 _ENTRY_POINT = "nodekit.entry_point"
-#: What a node imports only once it can handle an interrupt; it takes most of its start.
+#: Imported only when interrupts can be handled; it takes most of the startup.
 _ROS = {"genpy", "rosgraph", "roslib", "rospy", "yaml"}
 
 
 class End(NamedTuple):
     """End of a node.
 
-    :param program: what was run
-    :param moment: when it was interrupted, after its start or its first line, s
-    :param seconds: from then to its end, s
+    :param program: the program
+    :param moment: time of the interrupt, after its start or its first line [s]
+    :param seconds: from the interrupt to its end [s]
     :param status: exit status
-    :param from_our_lines: whether the moment counts from the first line that can handle it
-    :param errors: what it wrote to stderr
-    :param survivors: ids of processes of its session that are there after its end
+    :param from_our_lines: whether the time counts from the first line that can handle it
+    :param errors: its stderr output
+    :param survivors: ids of processes of its session that still run after its end
     """
 
     program: str
@@ -46,9 +46,9 @@ class End(NamedTuple):
 
     @property
     def early(self) -> bool:
-        """Whether Python was still on its way to the first line that can handle an interrupt.
+        """Whether Python had not reached the first line that can handle an interrupt.
 
-        It then dies of the signal, or with a traceback of its own, and has told the master nothing.
+        It is then killed by the signal, or prints a traceback, and has registered nothing.
         """
         by_python = "KeyboardInterrupt" in self.errors and not _OUR_LINES.search(self.errors)
         return self.status == -signal.SIGINT or (self.status != 0 and by_python)
@@ -68,14 +68,14 @@ class End(NamedTuple):
 
 
 def interrupt_rounds(programs: Sequence[str], count: int, seed: int) -> List[End]:
-    """Start a node and interrupt it, a number of times.
+    """Start a node and interrupt it, several times.
 
-    Every third is interrupted at a moment that counts from its start, which may be too early for
-    the node to handle it; the others at one that counts from when it can.
+    Every third is interrupted at a time after its start, which may be too early for the node to
+    handle it; the others at a time after it can.
 
-    :param programs: executables of basic_comms, which take turns
-    :param count: how many rounds
-    :param seed: of the random moments
+    :param programs: executables of basic_comms, in turn
+    :param count: number of rounds
+    :param seed: of the random times
     """
     moments = random.Random(seed)
     return [
@@ -94,7 +94,7 @@ def _interrupt(program: str, moment: float, from_our_lines: bool) -> End:
             start_new_session=True,
         )
 
-        def told() -> str:  # without moving the place where the process writes
+        def told() -> str:  # without moving the file position of the process
             return os.pread(errors.fileno(), os.fstat(errors.fileno()).st_size, 0).decode()
 
         try:

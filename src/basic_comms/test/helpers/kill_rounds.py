@@ -1,7 +1,7 @@
-"""Kill a node without warning, again and again, and see how its respawned successor comes back.
+"""Kill a node repeatedly, and check how its respawned successor comes back.
 
-Of the roslaunch tags only ``respawn="true"`` is needed. The rounds know nothing of the nodes'
-topics: a stream is a function that counts what has been heard so far.
+Only ``respawn="true"`` is needed in the launch file. The rounds are independent of the topics: a
+stream is a function that counts received messages.
 """
 
 import os
@@ -15,7 +15,7 @@ import rosgraph
 from nodekit.testing.launching import Launched
 from nodekit.testing.waiting import wait_until
 
-#: Counts what has been heard so far of something that a node publishes or causes.
+#: Counts the messages received so far that a node publishes or causes.
 Stream = Callable[[], int]
 #: Publications, subscriptions and services of a graph, each as name and node.
 Registrations = List[List[Tuple[str, str]]]
@@ -33,15 +33,15 @@ class Round(NamedTuple):
 
 
 def kill_rounds(launch: Launched, node: str, streams: List[Stream], count: int) -> List[Round]:
-    """Kill a node as ``kill -9`` does and wait for its return, a number of times.
+    """Kill a node with SIGKILL and wait for its return, several times.
 
-    :param launch: what is running, the node among it
+    :param launch: the running launch, which includes the node
     :param node: global name of the node
-    :param streams: all that should be heard while the node is there
-    :param count: how many times
-    :returns: how each round went
-    :raises AssertionError: where a stream does not resume in good time, another node's process
-        has changed, or the master lists anything twice, or else than before
+    :param streams: streams that continue while the node runs
+    :param count: number of rounds
+    :returns: the results
+    :raises AssertionError: if a stream does not resume in time, another node's process has changed,
+        or the master lists duplicate or other registrations
     """
     return [_kill_once(launch, node, streams) for _ in range(count)]
 
@@ -69,15 +69,15 @@ def _kill_once(launch: Launched, node: str, streams: List[Stream]) -> Round:
 
 
 def registrations() -> Registrations:
-    """Return what is registered with the master, sorted; a name listed twice is there twice."""
+    """Return the master's registrations, sorted, with duplicates."""
     state: Any = rosgraph.Master("/kill_rounds").getSystemState()
     return [sorted((name, node) for name, nodes in part for node in nodes) for part in state]
 
 
 def assert_alive(launch: Launched, node: str) -> None:
-    """Check that everything the master says of a node leads to its present process.
+    """Check that all of the master's entries about a node lead to its current process.
 
-    :raises AssertionError: where it does not
+    :raises AssertionError: if they do not
     """
     master = rosgraph.Master("/kill_rounds")
     pid = launch.processes()[node].pid
@@ -98,11 +98,11 @@ def _port(slave: ServerProxy) -> int:
 
 
 def _is_back(launch: Launched, node: str) -> bool:
-    """Tell whether the node that the master knows is the new process, and has started."""
+    """Return whether the registered node is the new process, and has started."""
     try:
         known = launch.graph.pid(node)
     except (OSError, rosgraph.MasterError):
-        return False  # what is registered is the killed one, or nothing
+        return False  # still the killed process, or not registered
     return known == launch.processes()[node].pid and launch.graph.initialised(node)
 
 

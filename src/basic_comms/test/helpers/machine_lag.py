@@ -9,9 +9,9 @@ _NAP_S = 0.005
 
 
 class Lag:
-    """A loop that only sleeps, beside what is being measured.
+    """Thread that only sleeps, in parallel with a measurement.
 
-    :ivar longest: by how much it woke too late at worst, s
+    :ivar longest: its largest delay [s]
     """
 
     def __init__(self) -> None:
@@ -29,9 +29,9 @@ class Lag:
     def allowed(self, seconds: float) -> float:
         """Return a bound for this machine.
 
-        :param seconds: the bound on a machine that does nothing else, s
+        :param seconds: the bound on an idle machine [s]
         """
-        # What is measured passes through several processes, each of which is kept waiting.
+        # A measurement passes through several processes, each of which may be delayed.
         return seconds + 4.0 * self.longest
 
     def close(self) -> None:

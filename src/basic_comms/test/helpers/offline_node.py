@@ -1,4 +1,4 @@
-"""A Node without a master, for unit tests of what a node's class does with what comes."""
+"""Node without a master, for unit tests of node classes."""
 
 import copy
 from types import SimpleNamespace
@@ -8,7 +8,7 @@ from nodekit import Names, Node, Subscription
 
 
 class Published:
-    """Stands in for a publisher; keeps copies of the messages."""
+    """Fake publisher that keeps copies of the messages."""
 
     def __init__(self, name: str) -> None:
         self.resolved_name = name
@@ -22,15 +22,15 @@ class Published:
 
 
 class OfflineNode(Node):
-    """Keeps what a node's class makes, so that a test can call it. Callbacks keep to their groups.
+    """Fake node that keeps the callbacks of a node class, so that a test can call them by group.
 
-    :param values: parameters other than by default
+    :param values: parameters that differ from their defaults
     """
 
     def __init__(self, **values: Any) -> None:
         super().__init__(Names("/node", True))
         self.settings = SimpleNamespace(values=None)
-        #: What was published, by topic.
+        #: Published messages by topic.
         self.published: Dict[str, List[Any]] = {}
         self.services: Dict[str, Callable[[Any], Any]] = {}
         self.tick: Callable[[float], None]

@@ -22,9 +22,9 @@ class Usage(NamedTuple):
 
 
 def usage(pid: int) -> Usage:
-    """Tell what a process holds now.
+    """Return the resources of a process.
 
-    :raises OSError: when there is no such process
+    :raises OSError: if there is no such process
     """
     with open(f"/proc/{pid}/statm") as statm:
         pages = int(statm.read().split()[1])
@@ -38,7 +38,7 @@ def usage(pid: int) -> Usage:
 def listening(pid: int) -> Set[Tuple[str, int]]:
     """Return address and port of each TCP socket on which a process listens.
 
-    :raises OSError: when there is no such process
+    :raises OSError: if there is no such process
     """
     mine = {_link(f"/proc/{pid}/fd/{name}") for name in os.listdir(f"/proc/{pid}/fd")}
     found = set()

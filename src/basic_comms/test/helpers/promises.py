@@ -1,6 +1,6 @@
-"""Promises of docs/compatibility.yaml, on which users of 1.x rely, and the present state.
+"""Promises of docs/compatibility.yaml to users of 1.x, and the current state.
 
-A table has, for each kind of thing, entries by name: text, a list of names, or again a table.
+A table has, for each type of interface, entries by name: text, a list of names, or another table.
 """
 
 import pathlib
@@ -29,9 +29,9 @@ def write(table: Table, file: pathlib.Path = FILE) -> None:
 
 
 def broken(promised: Any, found: Any, place: str = "") -> Iterator[str]:
-    """Return a sentence about each promise that is not kept; more than is promised breaks none.
+    """Return a message about each broken promise; additions break none.
 
-    :param place: where in the table
+    :param place: position in the table
     """
     if isinstance(promised, dict) and isinstance(found, dict):
         for name, value in promised.items():
@@ -49,7 +49,7 @@ def broken(promised: Any, found: Any, place: str = "") -> Iterator[str]:
 
 
 def merged(promised: Any, found: Any) -> Any:
-    """Return the promises and what is new."""
+    """Return the promises and the additions."""
     if isinstance(promised, dict) and isinstance(found, dict):
         names = sorted({*promised, *found})
         return {

@@ -11,7 +11,7 @@ from rosgraph.network import encode_ros_handshake_header
 from nodekit.testing.waiting import TIMEOUT_S
 
 _LENGTH = struct.Struct("<I")
-# A name of its own for each: rospy hangs up on the older of two connections with one name.
+# Each has its own name: rospy closes the older of two connections with the same name.
 _NUMBERS = itertools.count()
 
 
@@ -26,11 +26,11 @@ def address(node_uri: str, topic: str = "/rosout") -> Tuple[str, int]:
 
 
 def header(topic: str, kind: Any, **changes: str) -> bytes:
-    """Return what a subscriber says first.
+    """Return a subscriber's connection header.
 
     :param topic: the topic's global name
     :param kind: class of its messages
-    :param changes: fields to say something else in
+    :param changes: fields with other values
     """
     fields: Dict[str, str] = {
         "callerid": f"/by_hand_{next(_NUMBERS)}",
@@ -47,7 +47,7 @@ def connect(where: Tuple[str, int]) -> socket.socket:
 
 
 class Tap:
-    """A subscriber that reads when it is asked to.
+    """Subscriber that reads only on request.
 
     :param node_uri: URI of the publishing node's XML-RPC port
     :param topic: the topic's global name

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A fleet of three groups looks like three pairs of nodes; one member's parameter is bad."""
+"""A fleet of three groups looks like three pairs of nodes; one member has an invalid parameter."""
 
 import unittest
 import xmlrpc.client

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A talker and a listener that one process hosts are as good as nodes of their own."""
+"""A talker and a listener hosted in one process behave like separate nodes."""
 
 import os
 import unittest

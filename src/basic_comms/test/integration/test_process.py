@@ -20,12 +20,12 @@ W, RATE = 7.3, 50.0
 
 
 def float32(value: float) -> float:
-    """Return a value as it comes over the wire."""
+    """Return a value rounded to float32, as in a message."""
     return float(struct.unpack("<f", struct.pack("<f", value))[0])
 
 
 class Stopwatch:
-    """Tells how much time has passed since it was made."""
+    """Stopwatch that starts at its creation."""
 
     def __init__(self) -> None:
         self._began = time.monotonic()
@@ -36,7 +36,7 @@ class Stopwatch:
 
 
 class ProcessNode(unittest.TestCase):
-    """A process node that answers at once, and one that repeats itself at 50 Hz."""
+    """A process node that answers immediately, and one that repeats its output at 50 Hz."""
 
     answers: MessageRecorder
     steady_answers: MessageRecorder
@@ -63,7 +63,7 @@ class ProcessNode(unittest.TestCase):
 
     @classmethod
     def listen_for_ten_periods(cls) -> List[Float32]:
-        """Return what the nodes publish while ten periods of the one with a rate go by."""
+        """Return the published messages of ten periods of the node with a rate."""
         beats = MessageRecorder("/beats", Float32)
         metronome = rospy.Publisher("/beats", Float32, queue_size=10)
         timer = rospy.Timer(rospy.Duration(1.0 / RATE), lambda event: metronome.publish(0.0))
@@ -79,12 +79,12 @@ class ProcessNode(unittest.TestCase):
         self.set(keep_positive=True, input_offset=0.0)
 
     def set(self, **values: object) -> None:
-        """Set parameters of the node that answers at once."""
+        """Set parameters of the node that answers immediately."""
         for name, value in values.items():
             rospy.set_param("process/" + name, value)
 
     def send(self, time_x: float, y: Optional[float] = None, amplitude: float = 2.0) -> None:
-        """Publish a sample; of a sine where no value is given."""
+        """Publish a sample; of a sine if no value is given."""
         value = amplitude * math.sin(W * time_x) if y is None else y
         self.publisher.publish(signal_msg(amplitude, W, time_x, value))
 

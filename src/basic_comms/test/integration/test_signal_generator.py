@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The signal generator on the wire: its samples, its services, and what it does when told off."""
+"""Signal generator node: its samples, its services, and its rejection of invalid values."""
 
 import math
 import os
@@ -22,7 +22,7 @@ RATE = 500.0
 
 
 def is_running(sample: signal_msg) -> bool:
-    """Tell whether a sample is one of a running signal."""
+    """Return whether a sample belongs to a running signal."""
     return bool(sample.amplitude > 0.0)
 
 
@@ -60,7 +60,7 @@ class SignalGeneratorNode(unittest.TestCase):
             rospy.set_param("generator/" + name, value)
 
     def record(self, count: int) -> List[signal_msg]:
-        """Return so many consecutive samples."""
+        """Return consecutive samples."""
         self.samples.clear()
         wait_until(
             lambda: len(self.samples.messages()) >= count,

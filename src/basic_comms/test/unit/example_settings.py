@@ -49,7 +49,7 @@ positive_frequencies = st.floats(1e-3, 1e4)
 
 
 def any_settings(waveforms=WAVEFORMS):
-    """Return a strategy for settings of any kind that fit together."""
+    """Return a strategy for valid settings of any waveform."""
     return st.builds(
         lambda components, **single: settings(
             multisine_amplitudes=[component[0] for component in components],

@@ -17,7 +17,7 @@ LAUNCH = os.path.join(rospkg.RosPack().get_path("basic_comms"), "launch")
 
 
 def load(command: str, *more: str) -> ROSLaunchConfig:
-    """Return what roslaunch would start.
+    """Return the nodes that roslaunch would start.
 
     :param command: file and arguments, as in ``cw1.launch ns:=robot``
     :param more: further arguments, not split at blanks
@@ -29,7 +29,7 @@ def load(command: str, *more: str) -> ROSLaunchConfig:
 
 
 def words_from_prefix(node: Node) -> List[str]:
-    """Return what the shell in a node's launch-prefix adds to the command."""
+    """Return the arguments that the shell in a node's launch-prefix adds to the command."""
     command = shlex.split(node.launch_prefix) + ["printf", "%s\n"]
     printed = subprocess.run(command, env=dict(node.env_args), stdout=subprocess.PIPE, check=True)
     return printed.stdout.decode().splitlines()

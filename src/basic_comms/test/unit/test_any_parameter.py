@@ -1,4 +1,4 @@
-"""Whatever a YAML file may hold, for every parameter of every node: taken, or refused in words."""
+"""Any YAML content, for every parameter of every node, is accepted or rejected with a message."""
 
 import math
 
@@ -28,7 +28,7 @@ YAML = st.recursive(
 
 
 def is_finite(value):
-    """Tell whether no number in a value is infinite or NaN."""
+    """Return whether all numbers in a value are finite."""
     if isinstance(value, tuple):
         return all(map(is_finite, value))
     return not isinstance(value, float) or math.isfinite(value)

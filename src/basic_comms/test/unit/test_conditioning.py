@@ -28,7 +28,7 @@ class Settings(NamedTuple):
 
 
 def float32(value):
-    """Round to what a float32 field carries."""
+    """Round to float32."""
     return struct.unpack("f", struct.pack("f", value))[0]
 
 
@@ -54,7 +54,7 @@ class ExactSine:
         )
 
     def expected(self, settings):
-        """Return what the conditioner should make of the latest sample."""
+        """Return the expected result of the conditioner for the latest sample."""
         peak = settings.amplitude_scale * self.amplitude
         result = peak * math.sin(self.phase + settings.phase_shift) + settings.offset
         if settings.keep_positive:

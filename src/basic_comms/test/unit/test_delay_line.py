@@ -45,7 +45,7 @@ def triangle(phase):
 
 
 def square(phase):
-    """Return a square of unit peak; its edges lie where no test takes a sample."""
+    """Return a square wave of unit peak whose edges are between the tests' samples."""
     return 1.0 if (phase + 0.01) % TURN < math.pi else -1.0
 
 

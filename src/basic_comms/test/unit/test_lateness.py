@@ -1,4 +1,4 @@
-"""Samples that come late are told from those that do not."""
+"""Detection of late samples."""
 
 import math
 from typing import List, NamedTuple, Tuple
@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from basic_comms.conditioning.lateness import LATE_S, SETTLED_S, LatenessMonitor
 
 PERIOD = 0.1
-#: What the receiver's clock shows when the signal begins: it means nothing.
+#: Receiver's clock at the beginning of the signal; arbitrary.
 BEGIN = 7000.0
 
 
@@ -19,14 +19,14 @@ class Sample(NamedTuple):
 
 
 def feed(monitor: LatenessMonitor, now: float, times: List[float]) -> None:
-    """Have a monitor take in samples; it is to say whether they change what it thinks."""
+    """Feed samples to a monitor; check whether it reports a change."""
     was_late = monitor.is_late
     changes = monitor.update(now, [Sample(time_x) for time_x in times])
     assert changes == (monitor.is_late != was_late)
 
 
 def steady(begin: float, end: float) -> List[Tuple[float, List[float]]]:
-    """Return (arrival, times) of samples that come one by one, in time."""
+    """Return (arrival, times) of single, timely samples."""
     count = round((end - begin) / PERIOD)
     times = [begin + n * PERIOD for n in range(count)]
     return [(BEGIN + time_x, [time_x]) for time_x in times]
@@ -42,7 +42,7 @@ def fed(*parts: List[Tuple[float, List[float]]]) -> LatenessMonitor:
 
 
 def was_ever_late(*parts: List[Tuple[float, List[float]]]) -> bool:
-    """Tell whether any batch was found late."""
+    """Return whether any batch was detected as late."""
     monitor = LatenessMonitor()
     late = False
     for part in parts:

@@ -1,6 +1,6 @@
-"""The launch files' arguments say what the nodes declare: same names, defaults and help.
+"""Arguments of launch files match the nodes' declarations: names, defaults and help.
 
-After a change of a declaration, copy what a failure shows as missing into the launch file.
+After a change of a declaration, copy the missing text of a failure into the launch file.
 """
 
 from typing import Any, Dict, Type
@@ -14,7 +14,7 @@ from basic_comms.nodes.talker import TalkerParameters
 from basic_comms.signals.signal_parameters import SignalParameters
 from nodekit import Parameter, ParameterSet, to_wire
 
-#: Launch file, start of its arguments' names, what the node declares, name of the node.
+#: Launch file, prefix of its arguments, declaration of the node, name of the node.
 NODES = [
     ("signal_gen.launch", "", SignalParameters, "signal_generator"),
     ("cw1.launch", "signal_", SignalParameters, "signal_generator"),
@@ -28,7 +28,7 @@ Declaration = Type[ParameterSet]
 
 
 def doc_of(parameter: Parameter[Any]) -> str:
-    """Return what a launch file says of a parameter: its help, unit and choices."""
+    """Return the doc of a launch file's argument: help, unit and choices."""
     unit = f" [{parameter.unit}]" if parameter.unit else ""
     choices = f" {parameter.range}" if parameter.type_name == "enum" else ""
     return parameter.help + unit + choices

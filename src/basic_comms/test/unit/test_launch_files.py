@@ -12,7 +12,7 @@ from roslaunch.config import ROSLaunchConfig
 
 GROUPS = ["/Group1/talker", "/Group1/listener", "/Group2/talker", "/Group2/listener"]
 
-#: What may be typed after ``roslaunch basic_comms``, and the nodes that come up.
+#: Arguments of ``roslaunch basic_comms``, and the resulting nodes.
 COMMANDS: Dict[str, List[str]] = {
     "activity1.launch": GROUPS,
     "activity1.launch scope:=private": GROUPS,
@@ -105,7 +105,7 @@ def node_names(config: ROSLaunchConfig) -> List[str]:
 
 
 def required_arguments(command: str) -> List[str]:
-    """Return what must be typed after a file's name for it to load at all."""
+    """Return the required arguments of a launch file."""
     return ["text:=x"] if command.startswith("features/arg") else []
 
 

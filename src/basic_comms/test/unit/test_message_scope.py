@@ -1,4 +1,4 @@
-"""Lookup of a talker's message, and the default without one."""
+"""Lookup of a talker's message, and its default."""
 
 import xmlrpc.client
 

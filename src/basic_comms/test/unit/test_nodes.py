@@ -20,7 +20,7 @@ PLAIN = {"amplitude_scale": 1.0, "phase_shift": 0.0, "keep_positive": False}
 
 
 class Clocks:
-    """The machine's clock and ROS time, as a test sets them; and what is warned of."""
+    """Fake machine clock and ROS time, and the logged warnings."""
 
     def __init__(self) -> None:
         self.machine = self.ros = 100.0
@@ -75,7 +75,7 @@ def test_samples_that_are_all_left_out_do_no_harm(clocks: Clocks) -> None:
     assert answers(node) == []
     node.receive([sample(0.2, 0.5), sample(0.3, math.nan)], True)
     assert answers(node) == [0.5]
-    (warning,) = clocks.warnings  # the second one is within the throttle's period
+    (warning,) = clocks.warnings  # the second warning is throttled
     assert warning.startswith("/signal: 2 samples dropped so far")
 
 
@@ -115,7 +115,7 @@ def test_samples_that_jump_with_the_clock_are_not_called_late(clocks: Clocks) ->
     node = OfflineNode(**PLAIN)
     Process(node)
     node.receive([sample(0.0)], True)
-    node.receive([sample(1000.1)], True)  # before the node has seen what /clock shows
+    node.receive([sample(1000.1)], True)  # before the node has received /clock
     clocks.ros += 1000.2
     node.receive([sample(1000.2)], True)
     assert clocks.warnings == []

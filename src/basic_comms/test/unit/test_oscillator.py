@@ -35,7 +35,7 @@ def exact_phase(samples):
 
 
 def phase_error(phase, exact):
-    """Return the distance of a phase from an exact one on the circle, rad."""
+    """Return the circular distance of a phase from an exact phase [rad]."""
     turns = (Fraction(phase) - exact) / EXACT_TWO_PI
     return abs(float((turns - round(turns)) * EXACT_TWO_PI))
 
@@ -73,8 +73,8 @@ def test_a_change_of_frequency_makes_no_jump(before, after, time, interval):
 def test_a_billion_samples_end_within_the_bound(interval):
     """Half a billion samples at one frequency, a change, then as many close to Nyquist.
 
-    What happens between two changes depends on the time alone, not on the number of samples: the
-    second test below shows it. So the long stretches are jumped over.
+    The phase between two changes depends only on time, not on the number of samples, as the second
+    test below shows. So the long intervals are skipped.
     """
     accumulator = PhaseAccumulator()
     half = 500_000_000 * interval

@@ -97,7 +97,7 @@ def test_start_forgets_all_but_a_guess(phase):
     estimate.start(phase + 1000.0 * math.tau)
     cosine, searched = feed(estimate, phase, 0.0, 0.0)
     assert searched is False
-    # Around a crest one sample tells no more than that it is one: 1 - sin x = x^2 / 2.
+    # Near a crest, one sample only shows that it is a crest: 1 - sin x = x^2 / 2.
     assert cosine == pytest.approx(math.cos(phase), abs=math.sqrt(2.0 * TOLERANCE))
 
 

@@ -15,7 +15,7 @@ ROUNDING = 2.0**-24
 
 
 def float32(value):
-    """Round to what a float32 field carries."""
+    """Round to float32."""
     return struct.unpack("f", struct.pack("f", value))[0]
 
 
@@ -59,7 +59,7 @@ class Promise:
 
     def after(self, angle):
         """Return the bound once the phase has advanced by an angle since the previous sample."""
-        # Half turns say nothing new about a sampled sine: only what goes beyond them counts.
+        # Half turns add no information on a sampled sine: only the rest counts.
         self.passed += abs(math.remainder(angle, math.pi))
         self.settled |= abs(math.sin(angle)) >= 0.02 or self.passed >= 0.05
         if self.settled:
@@ -121,7 +121,7 @@ def test_error_stays_within_the_promise_through_live_changes(drawn, data):
 
 
 def sweep(line, slope, count, step=0.01):
-    """Raise the frequency gradually; return the errors on the way."""
+    """Raise the frequency gradually; return the errors meanwhile."""
     errors = []
     for _ in range(count):
         # The phase advances with the mean frequency, the sample tells the one at its end.
@@ -136,7 +136,7 @@ def sweep(line, slope, count, step=0.01):
 def test_a_sweep_is_followed_exactly(slope, frequency, phase, sign):
     line = Line(frequency=sign * frequency, phase=phase)
     line.deliver()
-    # It may take a swing until a gradual change is told from a sudden one.
+    # A gradual change may be distinguished from a sudden one only after a swing.
     assert max(sweep(line, slope, 700)[600:]) <= 1e-5
 
 
@@ -162,7 +162,7 @@ def test_a_sudden_change_after_a_sweep_is_sudden_again(phase, frequency):
     line.advance((phase - line.phase) % TURN / line.frequency)
     line.deliver()
     for line.frequency in (frequency, 7.0):
-        # So close to the crest the samples themselves can hardly tell.
+        # So close to the crest, samples contain hardly any information.
         line.advance(1e-5)
         assert line.deliver() <= 1e-5
 
@@ -329,7 +329,7 @@ def test_an_inexact_sine_is_followed_about_as_well_as_it_is_made(angle, jitter):
         errors.append(line.deliver(outlier=2.0 * jitter * math.sin(index * index)))
     errors.sort()
     assert errors[len(errors) * 9 // 10] <= 20.0 * jitter
-    # Near a crest a small error of the value may be taken for a large one of the phase.
+    # Near a crest a small error of the value may look like a large error of the phase.
     assert errors[-1] <= 5.0 * math.sqrt(jitter)
 
 
@@ -349,7 +349,7 @@ def test_takes_the_input_offset_off(offset, angle, phase):
     line = Line(frequency=angle, phase=phase)
     line.offset = offset
     line.deliver()
-    # The wire rounds the sum, so the offset costs precision of its own.
+    # The sum is rounded in the message, so the offset reduces precision.
     allowed = 1e-5 + 2.0 * ROUNDING * abs(offset) / abs(math.sin(angle))
     for _ in range(20):
         line.advance(1.0)

@@ -1,4 +1,4 @@
-"""Replay of CSV files: what is played, and what is refused with which words."""
+"""Replay of CSV files, and the error messages for invalid ones."""
 
 import os
 import socket

@@ -7,7 +7,7 @@ from basic_comms.signals.run_control import RunControl
 
 
 def states(control, readings, start_delay=0.0, duration=0.0):
-    """Return what the control says at some readings of the clock, as texts."""
+    """Return the control's status at readings of the clock, as texts."""
     return [str(control.at(reading, start_delay, duration)) for reading in readings]
 
 

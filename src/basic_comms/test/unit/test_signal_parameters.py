@@ -9,7 +9,7 @@ from basic_comms.signals.signal_parameters import SignalParameters
 from nodekit import ParameterError
 
 TWO_PI = 2.0 * math.pi
-#: What launch files, bags and reports of many courses rely on: default and range by name.
+#: Defaults and ranges by name, which launch files, bags and reports of many courses rely on.
 NUMBERS: Dict[str, Any] = {
     "rate": (10.0, "[1e-06, 10000]"),
     "amplitude": (2.0, "[0, 1e9]"),

@@ -1,4 +1,4 @@
-"""The signal as a whole: bounds, continuity and what each setting does."""
+"""Signal source: bounds, continuity and the effect of each setting."""
 
 import math
 

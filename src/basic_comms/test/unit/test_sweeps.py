@@ -1,4 +1,4 @@
-"""The chirp against scipy and against the integral of its own frequency."""
+"""Chirp compared with scipy and with the integral of its frequency."""
 
 import numpy
 import pytest

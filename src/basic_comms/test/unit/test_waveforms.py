@@ -17,7 +17,7 @@ symmetries = st.floats(0.0, 1.0)
 
 
 def far_from_jumps(phase, *jumps):
-    """Tell whether a phase keeps clear of the places, in turns, where the references may differ."""
+    """Return whether a phase is away from positions, in turns, where references may differ."""
     turns = phase / TWO_PI
     return all(abs((turns - jump + 0.5) % 1.0 - 0.5) > 1e-6 for jump in (0.0,) + jumps)
 

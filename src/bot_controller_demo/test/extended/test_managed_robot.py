@@ -46,7 +46,7 @@ class ManagedRobot(unittest.TestCase):
         return made
 
     def wait_until_it_drives(self) -> None:
-        """Wait until both are active and the robot moves; forget what was before."""
+        """Wait until both are active and the robot moves; clear earlier messages."""
 
         def is_active() -> bool:
             try:
@@ -68,7 +68,7 @@ class ManagedRobot(unittest.TestCase):
         self.commands.wait_for(lambda command: command == Twist())
 
     def assert_it_stands(self) -> None:
-        """See that the controller, which is active again, leaves the robot where it is."""
+        """Check that the reactivated controller does not move the robot."""
         self.state.wait_for(lambda state: state.label == "active")
         self.odometry.clear()
         self.commands.clear()

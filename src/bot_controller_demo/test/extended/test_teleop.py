@@ -85,7 +85,7 @@ class Teleop(unittest.TestCase):
         return terminal
 
     def wait_for_ear(self, namespace: str) -> None:
-        """Wait until the test hears what a node says."""
+        """Wait until the test is connected to a node's topic."""
         node, topic = namespace + "/teleop_keyboard", namespace + "/cmd_vel"
         self.graph.wait_until_heard(node, topic, rospy.get_name())
 
@@ -125,7 +125,7 @@ class Teleop(unittest.TestCase):
         terminal.type("\x1b[A")  # an arrow: one key, which stops
         wait_until(released, lambda: str(heard()))
         self.assertEqual(heard().count((0.0, 0.0)), 3)
-        # Ctrl-Z, Ctrl-S and Ctrl-\ would leave the robot driving: they are keys, and stop it.
+        # Ctrl-Z, Ctrl-S and Ctrl-\ would leave the robot driving: they count as keys, and stop it.
         mode = terminal.mode()
         self.assertEqual([mode[6][key] for key in (termios.VQUIT, termios.VSUSP)], [b"\0"] * 2)
         self.assertEqual(mode[0] & termios.IXON, 0)

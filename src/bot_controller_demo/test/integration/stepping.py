@@ -19,9 +19,9 @@ _PATIENCE_S, _PAUSE_S = 0.1, 0.01
 
 
 class SteppedClock:
-    """Publishes /clock, and waits until all that is heard has come up to it.
+    """Publishes /clock, and waits until all messages have the time of the clock.
 
-    Nodes go by this clock alone, so what they do is the same on a machine of any speed.
+    Nodes use only this clock, so their behaviour is the same on machines of any speed.
     """
 
     def __init__(self) -> None:
@@ -38,7 +38,7 @@ class SteppedClock:
         return self._steps / STEPS_HZ
 
     def subscribe(self, topic: str, data_class: Any, rate: float) -> None:
-        """Wait at each step for messages with stamps that come at a rate.
+        """Wait at each step for messages with stamps at a rate.
 
         :param topic: name
         :param data_class: message class
@@ -49,17 +49,17 @@ class SteppedClock:
         rospy.Subscriber(topic, data_class, self._on_message, topic, tcp_nodelay=True)
 
     def expect(self, topic: str, rate: float) -> None:
-        """Change the rate at which messages come.
+        """Change the rate of a topic's messages.
 
-        :param topic: one that is heard
-        :param rate: Hz; 0 not to wait for them any more
+        :param topic: an observed topic
+        :param rate: Hz; 0 to stop waiting for them
         """
         self._periods.pop(topic, None)
         if rate:
             self._periods[topic] = 1.0 / rate
 
     def heard(self, topic: str) -> List[Any]:
-        """Return what has been heard, oldest first."""
+        """Return the received messages, oldest first."""
         with self._changed:
             return list(self._heard[topic])
 
@@ -83,27 +83,27 @@ class SteppedClock:
         ]
 
     def step(self, *but: str) -> None:
-        """Let a step of time pass.
+        """Advance by one step.
 
         :param but: topics that are not waited for
         """
         self._steps += 1
         self._clock.publish(Clock(rospy.Time.from_sec(self.now)))
         with self._changed:
-            # Not for ever: a node that was slow to hear may need the next step to go on.
+            # With a timeout: a slow node may need the next step to continue.
             if self._changed.wait_for(lambda: set(self._late()) <= set(but), _PATIENCE_S):
                 self._kept_at = time.monotonic()
             if set(but).intersection(self._late()):
-                self._changed.wait(_PAUSE_S)  # or an hour of simulated time would pass at once
+                self._changed.wait(_PAUSE_S)  # limits the speed of simulated time
         if time.monotonic() - self._kept_at > TIMEOUT_S:
             raise AssertionError(f"at {self.now} s nothing new on {self._late()}")
 
     def step_until(self, condition: Callable[[], Any], what: str, longest: float, *but: str) -> Any:
-        """Step until a condition holds; return its answer.
+        """Step until a condition holds; return its result.
 
-        :param condition: asked after each step
-        :param what: says what was missing
-        :param longest: s of this clock
+        :param condition: evaluated after each step
+        :param what: describes the missing condition
+        :param longest: timeout by this clock [s]
         :param but: topics that are not waited for
         """
         end = self.now + longest

@@ -101,7 +101,7 @@ class Robots(unittest.TestCase):
             ear.clear()
 
     def is_at_home(self) -> bool:
-        """Tell whether the last that was heard, which alone is kept, is of a robot at rest."""
+        """Return whether the last message, the only one kept, is from a robot at rest."""
         odometry, progress = self.odometry(), self.clock.heard(PROGRESS)[-1]
         place = odometry.pose.pose.position
         errors = (place.x, place.y, heading(odometry), progress.distance, progress.heading_error)
@@ -123,7 +123,7 @@ class Robots(unittest.TestCase):
         return [Velocity(twist.linear.x, twist.angular.z) for twist in twists]
 
     def drive(self, longest: float = 40.0) -> None:
-        """Let the robot drive until it is there, and see that it is."""
+        """Let the robot drive until it arrives, and check that it has."""
         self.until(lambda: self.phase() == "driving" or self.phase() == "turning", "it stays", 1.0)
         self.until(lambda: self.phase() == "arrived", "it does not arrive", longest)
         told = self.arrived.messages
@@ -174,7 +174,7 @@ class Robots(unittest.TestCase):
         self.graph.set_parameter(name, "lab/")
         self.until(lambda: self.odometry().header.frame_id == "lab/odom", "no prefix")
         told = self.current.wait_for(lambda goal: goal.header.frame_id == "lab/odom")
-        # Who comes later is told, too.
+        # Late subscribers receive it, too.
         late = MessageRecorder(CONTROLLER + "/current_goal", PoseStamped)
         late.wait_for(lambda goal: goal.header.frame_id == "lab/odom")
         late.close()
@@ -206,7 +206,7 @@ class Robots(unittest.TestCase):
         self.actions.publish(goal)
 
     def outcome(self, name: str) -> GoToActionResult:
-        """Return the result of a goal, stepping until it is there."""
+        """Return the result of a goal, stepping until it exists."""
 
         def results() -> List[GoToActionResult]:
             return [one for one in self.result.messages() if one.status.goal_id.id == name]
@@ -214,7 +214,7 @@ class Robots(unittest.TestCase):
         return self.until(results, f"no result of {name}", 40.0, PROGRESS)[0]
 
     def replace_within_a_period(self, name: str) -> None:
-        """Replace a goal of the action before the controller has looked for one."""
+        """Replace a goal of the action before the controller has polled."""
         heard = len(self.clock.heard(PROGRESS))
         self.until(lambda: len(self.clock.heard(PROGRESS)) > heard, "no progress")
         # Now the clock stands. Once a goal is told that another one has come, that one is there.

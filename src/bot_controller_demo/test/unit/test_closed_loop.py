@@ -15,7 +15,7 @@ from diff_drive_sim.simulation.limits import RobotSettings
 from diff_drive_sim.simulation.robot import Robot
 
 PERIOD = 0.05
-#: What the nodes have by default.
+#: Defaults of the nodes.
 LIMITS, TOLERANCES = Limits(0.5, 1.0), (0.1, 0.05)
 UNLIMITED = Limits(100.0, 100.0)
 #: The robots as they are by default, with the limits of their wheels.
@@ -28,7 +28,7 @@ LONGEST_S = 120.0
 
 
 def robot_of(limits: Limits) -> Robot:
-    """Return a robot at the origin whose wheels have no limit of their own.
+    """Return a robot at the origin whose wheels have no limits.
 
     :param limits: of its velocities
     """
@@ -62,10 +62,10 @@ def run(
 ) -> Run:
     """Drive to a goal.
 
-    :param delay: how many samples old a command is when it acts
-    :param longest: s
-    :param tolerance: how near the goal is near enough, m
-    :param first: what the robot is doing when it is told
+    :param delay: age of a command when it takes effect, in samples
+    :param longest: timeout [s]
+    :param tolerance: distance at which the goal counts as reached [m]
+    :param first: initial command of the robot
     """
     controller, commands = GoalController(goal), [first] * delay
     tuning = Tuning(law, gains, limits, tolerance, TOLERANCES[1])
@@ -85,7 +85,7 @@ def run(
 
 
 def goals(count: int) -> List[Goal]:
-    """Return random goals around the origin, the same ones each time."""
+    """Return random goals around the origin, always the same."""
     source = random.Random(18)
     return [
         Goal(source.uniform(-3, 3), source.uniform(-3, 3), source.uniform(-math.pi, math.pi))

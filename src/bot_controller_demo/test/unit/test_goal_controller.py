@@ -101,7 +101,7 @@ def test_the_law_of_the_course_blends_into_the_last_heading() -> None:
 
 
 def at(controller: GoalController, x: float, theta: float) -> str:
-    """Return the phase of a controller where the robot is on the x axis."""
+    """Return the phase of a controller with the robot on the x axis."""
     return controller.step(Pose(x, 0.0, theta), TUNING).phase
 
 

@@ -58,7 +58,7 @@ LAUNCH_FILES = [name + ".launch" for name in (*ARGUMENTS, "straight_line")]
 
 @pytest.mark.parametrize("name, argument", [(n, a) for n in ARGUMENTS for a in ARGUMENTS[n]])
 def test_each_argument_reaches_its_parameter_and_no_other(name: str, argument: str) -> None:
-    """And what is not given is the node's own default."""
+    """Omitted arguments have the node's defaults."""
     value = ARGUMENTS[name][argument]
     config = load(name + ".launch", f"{argument}:={value}")
     found = private_parameters(config, "/" + name)

@@ -21,9 +21,9 @@ SPEEDS = Velocity(0.2, 1.0)
 
 
 def told(presses: List[Tuple[float, str]], until: float) -> List[Tuple[float, Velocity]]:
-    """Return what a robot is told, and when, where the node looks each 10 ms.
+    """Return the commands and their times, for a node that polls every 10 ms.
 
-    :param presses: times and keys, in the order of time
+    :param presses: times and keys, in order of time
     :param until: s
     """
     teleoperation, waiting, said = Teleoperation(), list(presses), []
@@ -45,12 +45,12 @@ def held(key: str, start: float, end: float) -> List[Tuple[float, str]]:
 
 
 def moving(said: List[Tuple[float, Velocity]]) -> List[float]:
-    """Return when a robot was told to move."""
+    """Return the times of commands to move."""
     return [time for time, velocity in said if velocity != STOP]
 
 
 def zeros(said: List[Tuple[float, Velocity]]) -> List[float]:
-    """Return when a robot was told to stop."""
+    """Return the times of commands to stop."""
     return [time for time, velocity in said if velocity == STOP]
 
 
@@ -130,7 +130,7 @@ def test_what_a_terminal_sends_is_split_into_keys(text: str, keys: List[str]) ->
 
 
 def velocity_of(teleoperation: Teleoperation, now: float) -> Optional[Velocity]:
-    """Return what a robot is told."""
+    """Return the commands to a robot."""
     return teleoperation.velocity(now, SPEEDS, TIME_OUTS)
 
 

@@ -1,4 +1,4 @@
-"""Odometry that arrives and cannot be used: the robot stands, and the log says why."""
+"""Invalid odometry: the robot stops, and the log gives the reason."""
 
 import math
 import types
@@ -37,13 +37,13 @@ class FakeNode:
         return thing
 
     def before_deactivate(self, callback: Any) -> None:
-        """Nothing is deactivated here."""
+        """Fake deactivation that never happens."""
 
     on_shutdown = before_deactivate
 
 
 class Bench:
-    """A driver with a goal, a clock of its own, and the lines that it logs."""
+    """A driver with a goal, a fake clock, and its log lines."""
 
     def __init__(self, monkeypatch: "pytest.MonkeyPatch") -> None:
         self.now = 100.0
@@ -67,11 +67,11 @@ class Bench:
         self.log.clear()
 
     def _on_command(self, message: Twist) -> None:
-        # Commands fills one message again and again.
+        # Commands reuses one message.
         self.is_driving = bool(message.linear.x or message.angular.z)
 
     def step(self, w: float = 1.0, x: float = 0.0, behind: float = 0.0) -> bool:
-        """Let odometry arrive and the driver step; return whether the robot drives."""
+        """Deliver odometry, and step the driver; return whether the robot drives."""
         self.now += 0.05
         message = Odometry()
         message.header.stamp = rospy.Time.from_sec(self.now - behind)

@@ -27,7 +27,7 @@ def arena() -> World:
 
 
 def cells(world: World, radius: float) -> Set[Tuple[int, int]]:
-    """Return the squares of the arena in the middle of which a robot can stand."""
+    """Return the squares of the arena that a robot can stand in."""
     middles = [CELL * (number + 0.5) - 3.0 for number in range(int(6.0 / CELL))]
     return {
         (math.floor(x / CELL), math.floor(y / CELL))
@@ -38,7 +38,7 @@ def cells(world: World, radius: float) -> Set[Tuple[int, int]]:
 
 
 def inside_a_box(world: World, x: float, y: float) -> bool:
-    """Tell whether a line to the east crosses an odd number of walls besides the arena's own."""
+    """Return whether a line to the east crosses an odd number of walls besides the arena's own."""
     crossed = 0
     for x1, y1, x2, y2 in world.segments[4:]:
         if (y1 > y) != (y2 > y) and x < x1 + (y - y1) / (y2 - y1) * (x2 - x1):

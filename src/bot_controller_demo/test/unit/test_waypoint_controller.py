@@ -1,4 +1,4 @@
-"""Which point comes next; what drives there is another test's."""
+"""Order of the waypoints; other tests cover the driving."""
 
 import math
 from typing import Any, List, Optional
@@ -15,7 +15,7 @@ from bot_controller_demo_msgs.msg import Progress
 
 
 class FakeNode:
-    """Takes what a node is given, and stands for its driver, which needs a step for each way."""
+    """Fake node and driver, which needs one step to each point."""
 
     def __init__(self, values: WaypointControllerParameters) -> None:
         self.values = values
@@ -43,7 +43,7 @@ class FakeNode:
 
 
 def goals(monkeypatch: "pytest.MonkeyPatch", steps: int, **values: Any) -> List[Goal]:
-    """Return where a controller heads for."""
+    """Return the goal of a controller."""
     node: Any = FakeNode(WaypointControllerParameters(**values))
     monkeypatch.setattr(waypoint_controller, "Driver", lambda node, parameters: node)
     WaypointController(node)

@@ -22,13 +22,13 @@ from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
-#: Longer than the period of 30 Hz, so that each step of the clock makes each robot tell.
+#: Longer than the period of 30 Hz, so that each robot publishes at each step of the clock.
 STEP = 0.04
 ROBOTS = ["", "/lab", "/robot1", "/robot2", "/robot3"]
 
 
 def pose(message: Odometry) -> Pose:
-    """Return the pose that a message tells."""
+    """Return the pose in a message."""
     where = message.pose.pose
     theta = 2.0 * math.atan2(where.orientation.z, where.orientation.w)
     return Pose(where.position.x, where.position.y, wrapped(theta))
@@ -40,7 +40,7 @@ def node_of(robot: str) -> str:
 
 
 class DiffDrive(unittest.TestCase):
-    """All robots stand where they start, before each test."""
+    """All robots are at their initial poses before each test."""
 
     graph: Graph
     clock: rospy.Publisher
@@ -64,7 +64,7 @@ class DiffDrive(unittest.TestCase):
 
     @classmethod
     def wait_for_ear(cls, robot: str, topic: str) -> None:
-        """Wait until an ear of this test is connected.
+        """Wait until a subscriber of this test is connected.
 
         :param robot: its namespace
         :param topic: one of the robot's, or a global one
@@ -79,13 +79,13 @@ class DiffDrive(unittest.TestCase):
         self.log.clear()
 
     def reset(self, robot: str) -> str:
-        """Put a robot back to where it starts, and return what it says."""
+        """Put a robot back to its initial pose, and return its answer."""
         name = robot + "/diff_drive/reset"
         rospy.wait_for_service(name, 30.0)
         return str(rospy.ServiceProxy(name, Trigger)().message)
 
     def advance(self, seconds: float) -> None:
-        """Let the clock jump, and wait until each robot has told where it is then."""
+        """Let the clock jump, and wait until each robot has published its pose."""
         DiffDrive.now += seconds
         stamp = rospy.Time.from_sec(self.now)
         for ear in self.odometry.values():
@@ -95,7 +95,7 @@ class DiffDrive(unittest.TestCase):
             ear.wait_for(lambda message: message.header.stamp == stamp)
 
     def at(self, robot: str = "") -> Pose:
-        """Return where a robot believes to be."""
+        """Return a robot's estimated pose."""
         return pose(self.odometry[robot].messages()[-1])
 
     def send(self, linear: float, angular: float, robot: str = "", kind: type = Twist) -> None:
@@ -111,14 +111,14 @@ class DiffDrive(unittest.TestCase):
         publisher.publish(message)
 
     def hush(self, robot: str, kind: type) -> None:
-        """Publish commands of a type no longer: a process has one type for a topic."""
+        """Stop publishing commands of a type: a process has one type per topic."""
         if (robot, kind) in self.commands:
             self.commands.pop((robot, kind)).unregister()
 
     def drive(self, *command: Any) -> Pose:
-        """Command a robot once, and return where it is when it moves.
+        """Command a robot once, and return its pose when it moves.
 
-        When the command arrives is left to chance; what comes of it is not.
+        The arrival time of the command is random; the result is not.
         """
         robot = command[2] if len(command) > 2 else ""
         start = self.at(robot)
@@ -323,7 +323,7 @@ class DiffDrive(unittest.TestCase):
         matrix = message.pose.covariance
         self.assertEqual([matrix[5], matrix[11], matrix[1]], [matrix[30], matrix[31], matrix[6]])
         self.assertNotEqual(matrix[5], 0.0)
-        # Of what wheels tell nothing of, and of a robot without noise.
+        # Variances of quantities that wheels do not measure, and of a robot without noise.
         self.assertEqual([matrix[14], matrix[21], matrix[28]], [1e6, 1e6, 1e6])
         self.assertEqual(self.odometry[""].messages()[-1].pose.covariance[0], 1e-9)
 
@@ -341,7 +341,7 @@ class DiffDrive(unittest.TestCase):
         self.assertEqual(message.header.frame_id, "robot2/odom")
         self.assertEqual(self.graph.parameter("/robot2/diff_drive/frame_prefix"), "robot2/")
         self.assertEqual(self.graph.parameter("/robot2/diff_drive/initial_x"), 1.0)
-        # Each has noise of its own.
+        # Each has its own noise.
         seeds = [self.graph.parameter(f"/robot{number}/diff_drive/seed") for number in (1, 2, 3)]
         self.assertEqual(seeds, [0, 1, 2])
 

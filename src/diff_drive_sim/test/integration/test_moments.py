@@ -31,7 +31,7 @@ PARAMETERS = {
 
 
 class Moments(unittest.TestCase):
-    """A robot in this process, which is known to have heard what it was told."""
+    """A robot in this process, which has received its commands."""
 
     def setUp(self) -> None:
         self.now = 5000.0
@@ -59,7 +59,7 @@ class Moments(unittest.TestCase):
         self.assertEqual(self.x(), 0.0)
 
     def advance(self, seconds: float) -> None:
-        """Let the clock go on, and wait until this process has it."""
+        """Advance the clock, and wait until this process has received it."""
         self.now += seconds
         stamp = rospy.Time.from_sec(self.now)
         self.clock.publish(Clock(stamp))

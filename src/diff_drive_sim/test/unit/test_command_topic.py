@@ -1,4 +1,4 @@
-"""Commands of another type are ignored, and each of their publishers is warned of once."""
+"""Commands of another type are ignored, with one warning per publisher."""
 
 import io
 from typing import Any, List

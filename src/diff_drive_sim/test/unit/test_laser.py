@@ -34,12 +34,12 @@ def test_from_anywhere_in_a_square_each_ray_ends_on_it(x: float, y: float, theta
     found = Laser(SQUARE.segments, 90).ranges(x, y, theta)
     angles = theta + numpy.arange(90) * (2.0 * math.pi / 90)
     ends = numpy.maximum(abs(x + found * numpy.cos(angles)), abs(y + found * numpy.sin(angles)))
-    # None slips through a corner.
+    # No ray passes through a corner.
     assert ends == pytest.approx(2.0, abs=1e-12)
 
 
 def along_x(x: int, y: int, wall: Tuple[int, int, int, int]) -> Optional[Fraction]:
-    """Return the exact distance from a point to a wall along x, None where that is not met."""
+    """Return the exact distance from a point to a wall along x, None if the ray misses it."""
     x1, y1, x2, y2 = wall
     if y1 == y2 or not min(y1, y2) <= y <= max(y1, y2):
         return None

@@ -26,7 +26,7 @@ def driven(seed: int, seconds: float = 20.0, dt: float = 0.1) -> Robot:
 
 
 def error(robot: Robot) -> List[float]:
-    """Return what the odometry is off."""
+    """Return the error of the odometry."""
     believed, true = robot.odometry.pose, robot.pose
     return [believed.x - true.x, believed.y - true.y, wrapped(believed.theta - true.theta)]
 
@@ -54,7 +54,7 @@ def test_errors_of_many_robots_are_spread_as_their_covariance_says(dt: float) ->
 
 
 def test_covariance_is_that_of_a_straight_line_in_closed_form() -> None:
-    # So small that the heading believed in stays that of the line.
+    # So small that the estimated heading stays that of the line.
     k, length, b = 1e-5, 10.0, NOISY.wheel_separation
     robot = Robot(NOISY._replace(odometry_noise=k), pose=Pose(0.0, 0.0, math.pi / 2))
     robot.command(0.2, 0.0)
@@ -70,7 +70,7 @@ def test_covariance_is_that_of_a_straight_line_in_closed_form() -> None:
 
 def test_covariance_does_not_depend_on_the_steps() -> None:
     fine, coarse = (covariance(driven(0, dt=dt)) for dt in (0.02, 10.0))
-    # The way believed in differs, and with it the directions.
+    # The estimated path differs, and so do its directions.
     assert numpy.diag(coarse) == pytest.approx(numpy.diag(fine), rel=0.2)
 
 

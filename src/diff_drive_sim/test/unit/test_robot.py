@@ -1,4 +1,4 @@
-"""The robot's state: limits, time, and what stops it."""
+"""State of the simulated robot: limits, time, and walls."""
 
 import math
 from typing import List, Tuple
@@ -15,7 +15,7 @@ from diff_drive_sim.simulation.world import World
 BURGER = RobotSettings()
 WAFFLE = RobotSettings(0.287, 0.033, 0.220, 0.26, 1.82, 8.06)
 HOUR = 3600.0
-#: What rounding may add to a limit, as a factor.
+#: Rounding of a limit, as a factor.
 ROUNDING = 1.0 + 1e-12
 
 FINITE = st.floats(allow_nan=False, allow_infinity=False)
@@ -156,7 +156,7 @@ def test_an_hour_without_a_time_out_is_driven_exactly() -> None:
 
 
 def test_clock_that_jumps_by_years_is_taken_for_an_hour() -> None:
-    # All of it would be 5e10 pieces of a path: days in which the node does nothing else.
+    # Simulating all of it would take 5e10 pieces of a path, which is days.
     robot, other = Robot(forever(odometry_noise=0.01)), Robot(forever(odometry_noise=0.01))
     for each, seconds in ((robot, 2e9), (other, LONGEST_STEP_S)):
         each.command(0.22, 2.84)
@@ -227,7 +227,7 @@ def test_it_stops_where_it_touches_a_wall_and_not_before(steps: int) -> None:
     assert robot.pose.x == pytest.approx(1.0 - BURGER.robot_radius, abs=1e-6)
     assert robot.pose.x <= 1.0 - BURGER.robot_radius
     assert robot.speeds == (0.0, 0.0)
-    # Its wheels have not turned on.
+    # Its wheels have not turned further.
     assert robot.odometry.angles.left * 0.033 == pytest.approx(robot.pose.x)
 
 

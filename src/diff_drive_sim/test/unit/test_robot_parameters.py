@@ -16,7 +16,7 @@ CONFIG = os.path.join(rospkg.RosPack().get_path("diff_drive_sim"), "config")
 
 
 def loaded(name: str) -> Any:
-    """Return what a file of the package sets."""
+    """Return the parameters in a file of the package."""
     with open(os.path.join(CONFIG, name)) as file:
         return yaml.safe_load(file)
 

@@ -1,4 +1,4 @@
-"""Rviz's picture of the robot on a virtual screen; only where rviz is installed."""
+"""Rviz's display of the robot on a virtual screen; only if rviz is installed."""
 
 import os
 import signal

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The demos show what they say: which callbacks overlap, which wait, and on how many threads."""
+"""The demos show their lessons: which callbacks overlap, which wait, and on how many threads."""
 
 import os
 import threading
@@ -18,7 +18,7 @@ from std_msgs.msg import String
 from std_srvs.srv import SetBool, Trigger
 
 SCRIPTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts")
-#: Ctrl-C takes less, s: below 2 s where the machine has nothing else to do.
+#: Longest shutdown after Ctrl-C [s]: below 2 s on an idle machine.
 END_S = 10.0
 #: Each demo by the name of its node: the program and its parameters.
 DEMOS: Dict[str, List[str]] = {
@@ -65,7 +65,7 @@ class Demo:
         self.process = Process(os.path.join(SCRIPTS, program), [f"__name:={name}", *arguments])
 
     def events(self) -> List[Event]:
-        """Return what it has said so far."""
+        """Return its output so far."""
         return list(read(self.process.lines))
 
     def bars(self) -> List[Bar]:
@@ -73,7 +73,7 @@ class Demo:
         return bars(self.events())
 
     def wait_for(self, one: str, other: str, least: int = 1) -> None:
-        """Wait until calls of two callbacks have run at the same time."""
+        """Wait until calls of two callbacks have overlapped."""
         wait_until(
             lambda: overlaps(self.bars(), one, other) >= least,
             lambda: f"{one} does not run beside {other}: {self.bars()[-12:]}",
@@ -111,7 +111,7 @@ class Lessons(unittest.TestCase):
         return demo
 
     def assert_never(self, made: List[Bar], *pairs: str) -> None:
-        """Assert that callbacks did not run at the same time, each pair as ``"one other"``."""
+        """Assert that callbacks did not overlap, each pair as ``"one other"``."""
         for pair in pairs:
             self.assertEqual(overlaps(made, *pair.split()), 0, pair)
 
@@ -126,7 +126,7 @@ class Lessons(unittest.TestCase):
         rospy.set_param("/single_threaded/executor", "multi")
         for other in ("timer1", "timer2", "timer3"):
             demo.wait_for("timer4", other)
-        # Each timer is in a group of its own, and never runs beside itself.
+        # Each timer has its own group, so its calls never overlap.
         self.assert_never(self.ended("single_threaded").bars(), "timer4 timer4")
 
     def test_mutex_reentrant_overlaps_itself_in_one_group_until_all_threads_sleep(self) -> None:

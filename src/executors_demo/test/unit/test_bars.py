@@ -16,7 +16,7 @@ def bar(begin: float, end: float, who: str = "timer1", number: int = 1) -> Bar:
 
 
 def events_of(calls: List[Tuple[int, int]]) -> List[Event]:
-    """Return the call log of calls, each on a thread of its own."""
+    """Return the log of calls, each on its own thread."""
     events = []
     for number, (begin, length) in enumerate(calls, 1):
         events.append(Event(begin, f"thread{number}", "job", number, True))

@@ -31,7 +31,7 @@ def run(monkeypatch: "pytest.MonkeyPatch", *arguments: str) -> None:
 
 
 def texts(picture: Path) -> List[str]:
-    """Return the comments in a picture: matplotlib writes each text as one, beside its shape."""
+    """Return the comments in a picture: matplotlib writes each text as one beside its shape."""
     return re.findall(r"<!-- (.*?) -->", picture.read_text())
 
 

@@ -37,7 +37,7 @@ class FirstOrderSys(unittest.TestCase):
 
     def setUp(self) -> None:
         self.send(0.0)
-        # Left alone, it would take 5 s to decay to what is 0 in a float32.
+        # On its own it would take 5 s to decay to 0 in float32.
         almost_zero = 1e-300 if rospy.get_param(NODE + "/system_initial_conditions") == 0.0 else 0.0
         change(NODE, system_param_K=13.2, system_initial_conditions=almost_zero)
         self.log.clear()
@@ -53,7 +53,7 @@ class FirstOrderSys(unittest.TestCase):
         return float(heard[-1].data) if heard else math.nan
 
     def rests(self) -> bool:
-        """Tell whether the output has been 0 for longer than a sample time."""
+        """Return whether the output has been 0 for longer than a sample time."""
         heard = [message.data for message in self.output.messages()][-10:]
         return len(heard) == 10 and not any(heard)
 
@@ -68,8 +68,8 @@ class FirstOrderSys(unittest.TestCase):
     def assert_response(self, values: List[float], target: float, rounding: float) -> None:
         """Compare outputs with the response from the first of them to a target.
 
-        Outputs come every 1 / RATE, but a busy machine may leave some out, and they carry no time.
-        So each is compared with the value of the very period that it is next to.
+        Outputs are published every 1 / RATE, but a busy machine may skip some, and they have no
+        stamp. So each is compared with the value of the nearest period.
         """
         start, last = values[0], 0
         for value in values[1:]:
@@ -118,7 +118,7 @@ class FirstOrderSys(unittest.TestCase):
         self.output.clear()
         rospy.set_param(NODE + "/system_param_K", 26.0)
         values = self.settle(13.0)
-        # The change comes between two outputs, the first after it within a period of where y was.
+        # The change is between two outputs, so the next one is within a period of the former y.
         first = next(index for index, value in enumerate(values) if value > 6.61)
         self.assert_response(values[first:], 13.0, COARSE_ROUNDING)
         self.log.wait_for(lambda line: "system_param_K: 13.2 -> 26" in line.msg)

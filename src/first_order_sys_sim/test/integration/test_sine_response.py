@@ -37,7 +37,7 @@ def analytic(time: float) -> float:
 
 
 class SineResponse(unittest.TestCase):
-    """A system whose time stands still while the test wants it to."""
+    """A system whose time the test controls."""
 
     def setUp(self) -> None:
         rospy.init_node("test_sine_response")
@@ -68,7 +68,7 @@ class SineResponse(unittest.TestCase):
         return float(self.output.messages()[number].data)
 
     def send(self, value: float) -> None:
-        """Send an input, and wait until the node has it."""
+        """Send an input, and wait until the node has received it."""
         self.sent += 1
         self.input.publish(Float32(value))
         wait_until(

@@ -1,4 +1,4 @@
-"""Whatever the node's messages and parameters hold, its output is one that a message can carry."""
+"""For any messages and parameters, the node's output fits into a message."""
 
 import math
 from typing import Any, List, Tuple
@@ -16,7 +16,7 @@ NUMBERS = st.floats() | st.integers() | st.sampled_from([0, -0.0, 5e-324, 1e-320
 SCALARS = st.none() | st.booleans() | NUMBERS | st.text(max_size=5) | st.just("euler")
 YAML = SCALARS | st.lists(SCALARS, max_size=2) | st.dictionaries(st.text(max_size=2), SCALARS)
 CHANGES = st.dictionaries(st.sampled_from(sorted(SystemParameters.declared)), YAML, max_size=4)
-#: Of a Float32: the node leaves out what is not finite.
+#: Finite Float32 values: the node ignores others.
 INPUTS = st.floats(-LARGEST_FLOAT32, LARGEST_FLOAT32, width=32)
 
 

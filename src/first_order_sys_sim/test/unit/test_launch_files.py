@@ -30,7 +30,7 @@ ARGUMENTS: Dict[str, Tuple[str, Any]] = {
 
 
 def children(root: minidom.Element, name: str) -> List[minidom.Element]:
-    """Return the tags of a kind right below a launch file's own tag."""
+    """Return the tags of a type directly below the root of a launch file."""
     return [tag for tag in root.childNodes if tag.nodeName == name]
 
 

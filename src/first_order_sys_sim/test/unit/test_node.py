@@ -14,7 +14,7 @@ RATE, TAU, GAIN = 100.0, 0.05, 2.0
 
 
 class Machine:
-    """Stands in for a Node and the clock; time and messages come when a test says so."""
+    """Fake node and clock, controlled by the test."""
 
     def __init__(self, monkeypatch: Any) -> None:
         self.clock = 1000.0

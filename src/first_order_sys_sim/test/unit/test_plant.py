@@ -13,7 +13,7 @@ from first_order_sys_sim.sampled_plant import SampledPlant
 
 getcontext().prec = 50
 
-#: The course's values: limit and dead zone out of the way.
+#: The course's values, with an inactive limit and dead zone.
 COURSE = PlantSettings(gain=13.2, time_constant=0.05)
 SAMPLE_TIME = 0.02
 LIMITED = COURSE._replace(max_output=13.0, min_input=0.2)
@@ -26,7 +26,7 @@ outputs = st.floats(-20.0, 20.0)
 
 
 def decay(start: float, target: float, seconds: float, time_constant: float) -> float:
-    """Return what becomes of a state in some time, s, from the formula of the textbook."""
+    """Return the state after some time [s], by the textbook's formula."""
     rest = (-Decimal(seconds) / Decimal(time_constant)).exp()
     return float(Decimal(target) + (Decimal(start) - Decimal(target)) * rest)
 

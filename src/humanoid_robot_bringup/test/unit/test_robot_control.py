@@ -1,4 +1,4 @@
-"""When robot_control.py takes the robot for one that has arrived, and what it says on the way."""
+"""Arrival as detected by robot_control.py, and its log."""
 
 import math
 from types import SimpleNamespace
@@ -15,7 +15,7 @@ from nodekit import CallCancelled, CallError
 
 
 class FakeNode:
-    """Takes what a node is given, and stands for the controller too: it takes each goal at once."""
+    """Fake node and controller: accepts each goal immediately."""
 
     def __init__(self) -> None:
         self.values = RobotControlParameters()
@@ -50,7 +50,7 @@ class FakeNode:
 
 
 def progress(phase: str, second: float) -> Progress:
-    """Return what the controller tells, computed from odometry of a moment."""
+    """Return the controller's progress, computed from odometry of a time."""
     told = Progress(phase=phase)
     told.header.stamp = rospy.Time.from_sec(second)
     return told
@@ -95,7 +95,7 @@ def test_a_call_that_fails_is_told_unless_by_the_nodes_own_end(
 
 
 def goal(second: float, x: float = 0.0, theta: float = 0.0) -> PoseStamped:
-    """Return what the controller tells of the goal that it was given at a moment."""
+    """Return the controller's message about the goal that was set at a time."""
     told = PoseStamped()
     told.header.stamp = rospy.Time.from_sec(second)
     told.pose.position.x = x
@@ -106,7 +106,7 @@ def goal(second: float, x: float = 0.0, theta: float = 0.0) -> PoseStamped:
 @pytest.mark.parametrize(
     "told, is_over",
     [
-        (goal(9.0, x=5.0), False),  # the one before
+        (goal(9.0, x=5.0), False),  # the previous goal
         (goal(11.0, theta=2.0 * math.pi), False),  # ours, as it is told again in another frame
         (goal(11.0, x=5.0), True),
         (goal(11.0, theta=1.0), True),
@@ -149,7 +149,7 @@ def test_distance_is_told_while_it_is_known(monkeypatch: "pytest.MonkeyPatch") -
 
 
 class SlowNode(FakeNode):
-    """The controller answers when the test has it answer; each goal that it was given is kept."""
+    """Fake controller that answers on request; it keeps the goals it was given."""
 
     def __init__(self) -> None:
         super().__init__()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The course's launch files start what they say, and their nodes publish what they should."""
+"""The course's launch files start the right nodes, which publish the right topics."""
 
 import re
 import unittest
@@ -21,7 +21,7 @@ from parameters_demo.room import scan
 
 
 class LaunchFilesDemo(unittest.TestCase):
-    """demo5 and demo4 run; what the others would start, a unit test asks."""
+    """demo5 and demo4 run; a unit test checks the others."""
 
     stack = ExitStack()
     log: MessageRecorder

@@ -1,4 +1,4 @@
-"""The thermometer: what it measures, and how far that is off."""
+"""Temperature sensor: its measurements and their errors."""
 
 import random
 import statistics

@@ -19,7 +19,7 @@ from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 SPACE = "/lab"
-#: What each node publishes.
+#: Topic of each node.
 OUTPUTS = {
     "signal_generator": ("signal", signal_msg),
     "process": ("proc_signal", Float32),
@@ -31,7 +31,7 @@ SILENCE_S = 0.4
 
 
 class ManagedNodes(unittest.TestCase):
-    """The four nodes in the namespace of a launch file, and what is heard of them."""
+    """The four nodes of a launch file in its namespace, and their messages."""
 
     def change(self, node: str, label: str) -> bool:
         service = rospy.ServiceProxy(f"{SPACE}/{node}/change_state", ChangeState)
@@ -110,7 +110,7 @@ class ManagedNodes(unittest.TestCase):
         )
 
     def wait_until_silent(self) -> None:
-        """Wait until nothing has come for several periods: a little may still be under way."""
+        """Wait until no message has arrived for several periods."""
         counts, since = [-1], time.monotonic()
 
         def is_silent() -> bool:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The demos log what the course's own do, in its order."""
+"""The demos log the same lines as the course's, in the same order."""
 
 import os
 import unittest
@@ -22,7 +22,7 @@ def said(process: Process) -> List[str]:
 
 
 class Demos(unittest.TestCase):
-    """Each demo in a process of its own."""
+    """Each demo in a separate process."""
 
     def start(self, name: str, *arguments: str) -> Process:
         process = Process(os.path.join(SCRIPTS, name), arguments)

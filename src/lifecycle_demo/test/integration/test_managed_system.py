@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Generator, process and motor come up in order, and survive the end of any of them."""
+"""Generator, process and motor come up in order, and recover after any of them is killed."""
 
 import os
 import signal
@@ -24,7 +24,7 @@ class ManagedSystem(unittest.TestCase):
         return rospy.ServiceProxy(name, kind)()
 
     def is_up(self, node: str) -> bool:
-        """Tell whether a process is active, and the system with it."""
+        """Return whether a process is active, and with it the system."""
         try:
             state = self.call(node + "/get_state", GetState).current_state.label
             return state == "active" and self.call("/manager/is_active", Trigger).success
@@ -32,7 +32,7 @@ class ManagedSystem(unittest.TestCase):
             return False
 
     def test_survives_kill_9_of_any(self) -> None:
-        """Each is ended the hard way, and the manager too."""
+        """Each node and the manager is killed in turn."""
         ear = MessageRecorder("/proc_signal", Float32)
         self.addCleanup(ear.close)
         with launched("lifecycle_demo managed_system.launch autostart:=ON") as launch:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A managed node that says what it is asked to do."""
+"""A managed node that logs its transitions."""
 
 import sys
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A manager that sees another one only when it has told of itself."""
+"""A manager that detects another only after its own registration."""
 
 import itertools
 from unittest import mock

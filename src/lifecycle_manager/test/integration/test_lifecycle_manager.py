@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The manager with real nodes: in this process where that will do, in others to be killed."""
+"""The manager with real nodes, in this process or in others that are killed."""
 
 import itertools
 import os
@@ -36,7 +36,7 @@ DRIVER = os.path.join(HERE, "..", "helpers", "driver.py")
 LATE_RIVAL = os.path.join(HERE, "..", "helpers", "late_rival.py")
 
 ABC = ("a", "b", "c")
-#: So that a busy machine loses no node; where one is to be lost by its silence, the default is.
+#: Long enough that a busy machine loses no node; the default is used to test a loss.
 PATIENT_S = 20.0
 UP = [f"{name} {label}" for label in ("configure", "activate") for name in ABC]
 DEACTIVATED = [f"{name} deactivate" for name in reversed(ABC)]
@@ -72,7 +72,7 @@ class Driver(ManagedNode):
 
 
 class Managing(unittest.TestCase):
-    """Each test has a namespace of its own."""
+    """Each test has its own namespace."""
 
     numbers = itertools.count()
 
@@ -166,7 +166,7 @@ class Here(Managing):
                 self.assertIn(text, answer.message)
                 self.assertEqual([each.replace(" shutdown", "") for each in self.diary], expected)
                 self.assertEqual(self.is_active().success, self.states() == ["active"] * 3)
-        # Each change was reported, not only what there was once a second.
+        # Each change was reported, not only the state once a second.
         self.assertGreater(ear.count() - before, time.monotonic() - began + 2.0)
         answer = self.command(7)
         self.assertFalse(answer.success)
@@ -202,7 +202,7 @@ class Here(Managing):
         self.assertEqual(self.diary, ["a configure", "b configure", "a cleanup"])
 
     def test_one_that_does_not_let_itself_be_deactivated(self) -> None:
-        """Those before it stop, but stay configured as long as it is active."""
+        """Nodes before it are deactivated, but stay configured as long as it is active."""
         self.drivers(*ABC)
         self.manager(autostart=True)
         self.wait_until_active()
@@ -244,7 +244,7 @@ class Here(Managing):
         send(ManageNodesRequest.STARTUP)
         wait_until(lambda: "b configure" in self.diary, lambda: str(self.diary))
         send(ManageNodesRequest.RESET)
-        # Before the other one is done, which what hangs holds up.
+        # Before the other node is done, which a hanging node would delay.
         wait_until(lambda: answers, lambda: "the first is not answered")
         first = answers[0]
         self.assertEqual((first.success, first.message), (False, "superseded by another command"))
@@ -262,12 +262,12 @@ class Here(Managing):
         self.assertIn(text, answer.message)
         self.wait_until_told(text)
         self.assertNotIn("a activate", self.diary)
-        # It comes later, and stays down until told.
+        # It comes back later, and stays down until a command.
         nodes.update(self.drivers("c"))
         wait_until(
             lambda: self.command(ManageNodesRequest.STARTUP).success, lambda: str(self.states())
         )
-        # One that leaves for good.
+        # A node that never comes back.
         nodes["a"].close()
         self.wait_until_told(f"{self.space}/a has been absent for longer than 0.5 s")
         wait_until(
@@ -285,7 +285,7 @@ class Here(Managing):
         self.wait_until_active()
 
     def test_a_manager_that_comes_back(self) -> None:
-        """It takes over what it finds, and interrupts nothing."""
+        """The manager adopts the states it finds, and interrupts nothing."""
         self.drivers(*ABC)
         for autostart in (True, False):
             for command, text in (("STARTUP", "all are active"), ("PAUSE", "all are inactive")):
@@ -316,7 +316,7 @@ class Here(Managing):
         self.assertIn(f"left in their current states: {left}", logged.output[-1])
 
     def test_names_are_validated(self) -> None:
-        """At the start, and while it runs, where they would take effect at the next start."""
+        """At startup, and at run time, when they would take effect at the next start."""
         refused = {
             "a list of node names without duplicates": ([], ["a", "a"], ["a", self.space + "/a"]),
             "names of nodes, relative or global": ([""], ["a", "/"], ["~a"]),
@@ -341,7 +341,7 @@ class Here(Managing):
 
 
 def told(message: DiagnosticArray, name: str) -> Any:
-    """Return level and text of a status; -1 where it is not in there."""
+    """Return level and text of a status; -1 if it is missing."""
     found = [(each.level, each.message) for each in message.status if each.name == name]
     return found[0] if found else (-1, "")
 
@@ -359,7 +359,7 @@ class Elsewhere(Managing):
         return process
 
     def test_a_second_manager_that_starts_at_the_same_time(self) -> None:
-        """It sees the first one only after it has told of itself."""
+        """It detects the first manager only after its own registration."""
         self.set_parameters("other", node_names=["y"])
         other = self.start(LATE_RIVAL, "other")
         self.assertEqual(other.wait(), 1)
@@ -399,7 +399,7 @@ class Elsewhere(Managing):
             self.set_parameters()
         self.wait_until_active()
         self.wait_for_lines(c=["deactivate", "activate"])
-        # The manager itself, stopped: another one is refused all the same.
+        # A suspended manager counts: another one is refused.
         lines = {name: list(nodes[name].lines) for name in ABC}
         with hanging(manager.popen.pid):
             self.set_parameters("second")
@@ -408,7 +408,7 @@ class Elsewhere(Managing):
             text = f"must be nodes that have no other manager ({self.space}/a is managed by"
             self.assertTrue(second.logged(text, f"{self.space}/manager)"), second.logged())
         self.wait_until_active()
-        # Killed: another one, of another name, may take over, and interrupts nothing.
+        # After it was killed, another manager of another name takes over, and interrupts nothing.
         manager.end()
         self.set_parameters("second", autostart=True)
         manager = self.start(MANAGER, "second")

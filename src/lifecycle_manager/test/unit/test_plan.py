@@ -19,7 +19,7 @@ def levels(text: str) -> List[Level]:
 
 
 def way(goal: Level, start: str) -> str:
-    """Return all steps, each done at once, as "1 configure", counted from 1."""
+    """Return all steps, each done immediately, as "1 configure", counted from 1."""
     now, steps = levels(start), []
     step = next_instruction(goal, now)
     while step is not None:
@@ -38,7 +38,7 @@ def way(goal: Level, start: str) -> str:
         (UNCONFIGURED, "aa", "2 deactivate, 1 deactivate, 2 cleanup, 1 cleanup"),
         (UNCONFIGURED, "iu", "1 cleanup"),
         (GONE, "iu", "1 cleanup, 2 shutdown, 1 shutdown"),
-        # A loss: what comes after it was built on it, what stands before it was not.
+        # After a loss, the nodes after it come down, those before it do not.
         (ACTIVE, "a-a", "3 deactivate, 1 deactivate, 3 cleanup"),
         (ACTIVE, "-aa", "3 deactivate, 2 deactivate, 3 cleanup, 2 cleanup"),
         (ACTIVE, "aa-", "2 deactivate, 1 deactivate"),
@@ -105,7 +105,7 @@ EVENTS = st.tuples(st.integers(0, 11), st.sampled_from(["killed", "back", "step"
 def test_never_is_one_active_while_one_before_it_is_not_configured(
     count: int, events: List[Tuple[int, str]]
 ) -> None:
-    """Random losses and returns, noticed at once: only a loss itself makes it so, and not long."""
+    """Random losses and returns, detected immediately: only a loss violates the order, briefly."""
     now = [UNCONFIGURED] * count
     for where, event in events:
         place = where % count

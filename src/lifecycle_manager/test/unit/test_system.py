@@ -13,7 +13,7 @@ from lifecycle_manager.system import FIRST_QUERY_S, System
 
 TIMEOUT_S, WINDOW_S = 0.8, 10.0
 STARTUP, PAUSE, RESUME, RESET, SHUTDOWN, CONFIGURE, CLEANUP = range(7)
-#: The state that each transition leaves.
+#: Resulting state of each transition.
 STARTS = {"configure": (1,), "activate": (2,), "deactivate": (3,), "cleanup": (2,)}
 #: Steps of the simulated time, time that a node takes to answer, and between two heartbeats, s.
 TICK_S, ANSWER_S, BEAT_S = 0.05, 0.05, 0.2
@@ -66,7 +66,7 @@ class World:
             self._check_order()
 
     def command(self, number: int) -> Optional[Tuple[bool, str]]:
-        """Give a command, and wait for what comes of it."""
+        """Give a command, and wait for its result."""
         self.system.command(number, self.now)
         for _ in range(1000):
             self.run(TICK_S)
@@ -76,7 +76,7 @@ class World:
         return None
 
     def kill(self, place: int, is_noticed: bool = True) -> None:
-        """Kill a node; its connection tells, mostly."""
+        """Kill a node; usually its connection reveals that."""
         self.fakes[place] = None
         self.asked.pop(place, None)
         if is_noticed and self.member(place).is_heard:
@@ -93,7 +93,7 @@ class World:
                 self.system.record_heartbeat(self.member(place), self.now)
 
     def _tell(self) -> None:
-        """Have the nodes tell of states that are new."""
+        """Let the nodes publish new states."""
         for place, fake in enumerate(self.fakes):
             if fake is not None and not fake.is_stopped and fake.told != fake.state:
                 fake.told = fake.state
@@ -124,7 +124,7 @@ class World:
             member = self.system.ask_next(self.now)
 
     def _may(self, place: int, label: str) -> None:
-        """Look whether a step is allowed, by what is known."""
+        """Check whether a step is allowed, by the known states."""
         levels = self.system.levels
         asked = [each.under_way for each in self.system.members]
         assert sum(each in DOWN.values() for each in asked) <= 1, asked
@@ -135,7 +135,7 @@ class World:
             assert all(level >= Level.INACTIVE for level in levels[:place]), (place, levels)
 
     def _check_order(self) -> None:
-        """Note for how long one works in truth while one before it is not configured."""
+        """Record for how long a node is active while one before it is not configured."""
         is_sound = True
         for fake in self.fakes:
             if fake is not None and not fake.is_stopped and fake.state == 3 and not is_sound:
@@ -147,7 +147,7 @@ class World:
 
 
 def up(count: int = 3) -> World:
-    """Return a world in which all are active, without what was done for it."""
+    """Return a world in which all are active, with an empty record."""
     world = World(count)
     world.run(3.0)
     assert world.system.is_active

@@ -85,7 +85,7 @@ class EnableSequence(unittest.TestCase):
             ear.wait_for(lambda heard: heard.data != 0.0)
 
     def assert_both_are_silent(self) -> None:
-        """Listen for some periods of each that is there."""
+        """Listen for some periods of each node that runs."""
         for ear in (self.inputs, self.speeds):
             ear.clear()
         for name in self.alive():
@@ -119,7 +119,7 @@ class EnableSequence(unittest.TestCase):
         self.assertEqual(self.enable(True).message, "enabled already")
         self.assertTrue(self.enable(False).success)
         self.wait_for_line("the motor is disabled")
-        # Each takes leave with a 0.
+        # Each publishes a final 0.
         for ear in (self.inputs, self.speeds):
             wait_until(lambda: ear.messages()[-1].data == 0.0, lambda: "there is no last 0")
         self.assert_both_are_silent()

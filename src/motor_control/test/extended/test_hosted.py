@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A motor and its set point in one process: each publishes what the other one hears."""
+"""A motor and its set point in one process: each receives the other's messages."""
 
 import os
 import signal
@@ -21,7 +21,7 @@ PAIRS = [f"/pair{number}" for number in range(3)]
 
 
 class Hosted(unittest.TestCase):
-    """One process with three pairs, quick ones: if two callbacks waited for each other, it hung."""
+    """One process with three fast pairs: it would hang if two callbacks waited for each other."""
 
     process: "subprocess.Popen[bytes]"
     graph: Graph

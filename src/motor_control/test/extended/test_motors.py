@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Many motors side by side: each pair by itself, each motor with parameters of its own."""
+"""Many independent pairs of motor and set point, each motor with its own parameters."""
 
 import unittest
 
@@ -54,7 +54,7 @@ class Motors(unittest.TestCase):
         ):
             self.assertEqual(rospy.get_param(motor + "/sys_gain_K"), gain)
             self.assertEqual(rospy.get_param(motor + "/sys_tau_T"), tau)
-        # The set points say the same sine of 2, so one speed gets past 3.5 and the other never.
+        # The set points publish the same sine of amplitude 2, so only one speed exceeds 3.5.
         strong, weak = (
             MessageRecorder(f"/lab/group{number}/motor_speed_y", Float32) for number in (1, 2)
         )

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Motors and their set points in one process, which hear each other without connections."""
+"""Motors and their set points in one process, without connections between them."""
 
 from motor_control.nodes.dc_motor import DcMotor
 from motor_control.nodes.set_point import SetPoint

@@ -1,4 +1,4 @@
-"""Time that has passed for a node itself, seen from outside: a busy one may have had none."""
+"""Time available to a node itself, as seen from outside: none if the machine is busy."""
 
 import rospy
 

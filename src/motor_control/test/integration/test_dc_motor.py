@@ -20,7 +20,7 @@ from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
 GAIN, TAU, SAMPLE_TIME = 1.75, 0.05, 0.02
-#: For responses: a busy machine does not leave out all samples of one, s.
+#: Sample time for responses: a busy machine does not skip all samples of it [s].
 SLOW_TAU = 0.2
 #: Rounding of a float32 of a magnitude from 2 to 4.
 ROUNDING = 2.0**-23
@@ -53,7 +53,7 @@ class DcMotor(unittest.TestCase):
         self.state.wait_for(lambda state: state.data == "enabled")
 
     def slow_down(self) -> None:
-        """Have the motor take more time in this test."""
+        """Use a longer time constant in this test."""
         change(NODE, sys_tau_T=SLOW_TAU)
         self.addCleanup(change, NODE, sys_tau_T=TAU)
 
@@ -72,8 +72,8 @@ class DcMotor(unittest.TestCase):
         """Compare speeds with the response from the first of them to a target.
 
         The motor samples its input when it publishes, so the analytic solution holds from sample to
-        sample; but a busy machine may leave samples out, and they carry no time. So each speed is
-        compared with the value of the very sample that it is next to.
+        sample; but a busy machine may skip samples, and they have no stamp. So each speed is
+        compared with the value of the nearest sample.
         """
         start, last = values[0], 0
         for value in values[1:]:
@@ -102,7 +102,7 @@ class DcMotor(unittest.TestCase):
         self.settle(0.875)
         rospy.set_param(NODE + "/sys_gain_K", 8.0)
         values = self.settle(4.0)
-        # It comes into force at a sample.
+        # It takes effect at a sample.
         before = max(index for index, value in enumerate(values) if abs(value - 0.875) < 1e-6)
         self.assert_response(values[before:], 4.0)
         self.log.wait_for(lambda line: NODE + "/sys_gain_K: 1.75 -> 8" in line.msg)
@@ -165,7 +165,7 @@ class DcMotor(unittest.TestCase):
         wait_for_put_backs(NODE, 10)
         self.assertEqual(self.values(), [])
         self.assertEqual([state.data for state in self.state.messages()], ["disabled"])
-        # What drove it before does not drive it now.
+        # Its former input has no effect now.
         self.enable(True)
         wait_until(lambda: len(self.values()) > 10, lambda: "it does not go on")
         self.assertEqual(set(self.values()), {0.0})

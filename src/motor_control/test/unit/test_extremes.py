@@ -1,4 +1,4 @@
-"""Whatever the nodes' messages and parameters hold, what they publish fits into a message."""
+"""For any messages and parameters, the nodes' outputs fit into a message."""
 
 import math
 from typing import Any, List, Tuple, Type
@@ -17,7 +17,7 @@ NUMBERS = st.floats() | st.integers() | st.sampled_from([0, -0.0, 5e-324, 1e-320
 SCALARS = st.none() | st.booleans() | NUMBERS | st.text(max_size=5)
 YAML = SCALARS | st.lists(SCALARS, max_size=2) | st.dictionaries(st.text(max_size=2), SCALARS)
 CHANGES = st.dictionaries(st.sampled_from(sorted(MotorParameters.declared)), YAML, max_size=3)
-#: Of a Float32: the node leaves out what is not finite.
+#: Finite Float32 values: the node ignores others.
 INPUTS = st.floats(-LARGEST_FLOAT32, LARGEST_FLOAT32, width=32)
 #: The set point's other parameters are those of basic_comms' signal, which are tested there.
 DECLARED: List[Tuple[Type[Any], str]] = [

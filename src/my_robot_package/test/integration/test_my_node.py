@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""One node, made within the test, as the course's book tests it."""
+"""A node created within the test, as in the course's book."""
 
 import threading
 import unittest

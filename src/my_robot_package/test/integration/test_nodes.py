@@ -47,7 +47,7 @@ def start(name: str, *arguments: str) -> Process:
 
 
 def results(process: Process, how: str) -> int:
-    """Return how many answers a client has told, from threads of its executor."""
+    """Return the number of answers that a client has logged, from its executor's threads."""
     return len(process.logged("Result: 5", f"({how}, executor-1-"))
 
 
@@ -207,7 +207,7 @@ class Nodes(unittest.TestCase):
         )
 
         def between(word: str) -> List[str]:
-            """Return the lines with a word that came while timer1 slept."""
+            """Return the lines with a word that were logged while timer1 slept."""
             publisher.publish("hello")
             found, sleeps = [], False
             for line in list(node.lines):
@@ -281,7 +281,7 @@ class Nodes(unittest.TestCase):
         for level in range(1, 101):
             publisher.publish(Image(data=bytes([level, level, level, level + 4])))
         ear.wait_for(lambda heard: heard.data == 101.0)
-        # A queue of more than one would hand over the last ones, one after the other.
+        # A longer queue would deliver the last images one after the other.
         heard = {message.data for message in ear.messages()}
         self.assertFalse({98.0, 99.0, 100.0, 101.0} <= heard, heard)
         self.assertTrue(all(map(math.isfinite, heard)), heard)

@@ -1,4 +1,4 @@
-"""Set up what fails now and then."""
+"""Repeated set-up after failures."""
 
 from typing import List
 

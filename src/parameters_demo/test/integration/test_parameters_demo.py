@@ -38,7 +38,7 @@ FILES = [
     "parameters_demo demo4.launch",
     "parameters_demo talker_listener_launch.launch rate:=20.0 topic_name:=my_topic",
 ]
-#: Rows and columns of the picture in which the name stands.
+#: Rows and columns of the name in the picture.
 NAME = (slice(330, 390), slice(480))
 DECLARED: Dict[str, Any] = {
     "flag": True,
@@ -96,7 +96,7 @@ class Stamps:
         self._stamps.append(image.header.stamp.to_sec())
 
     def rate(self) -> float:
-        """Return at what rate images usually come, Hz; 0 where there are few."""
+        """Return the usual rate of images [Hz]; 0 if there are few."""
         stamps = list(self._stamps)
         times = [late - early for early, late in zip(stamps, stamps[1:])]
         return 1.0 / statistics.median(times) if len(times) > 4 else 0.0
@@ -238,7 +238,7 @@ class ParametersDemo(unittest.TestCase):
         self.wait_for_rate(stamps, 40)
 
     def wait_for_rate(self, stamps: Stamps, rate: float) -> None:
-        """Wait until images come at a rate, nearer to it than to any other of the test, Hz."""
+        """Wait until the rate of images is nearest to this rate, of those in the test [Hz]."""
         wait_until(
             lambda: 0.8 < stamps.rate() / rate < 1.2,
             lambda: f"{stamps.rate()} Hz, not {rate} Hz",
@@ -278,7 +278,7 @@ class ParametersDemo(unittest.TestCase):
             self.server.set(f"{node}/{name}", value)
             self.server.wait_for(f"{node}/{name}", OTHERS[name])
             self.wait_for_log(node, re.escape(f"parameter {node}/{name}: refused"))
-        # What is binary is taken and written back as a list: rosparam could not dump it.
+        # Bytes are read and written back as a list: rosparam could not dump them.
         self.server.set(f"{node}/blob", b"ab")
         self.server.wait_for(f"{node}/blob", [97, 98])
         # Said at the start, when /rosout may not be connected yet.

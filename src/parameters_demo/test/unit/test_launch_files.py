@@ -25,7 +25,7 @@ DECLARED = {
     "radar_demo": RadarDemoParameters,
     "processing_demo": ProcessingDemoParameters,
 }
-#: What parameters_demo.yaml and demo1.launch set.
+#: Values in parameters_demo.yaml and demo1.launch.
 EXPECTED = {
     "/camera_demo/camera_name": "front_camera",
     "/camera_demo/camera_rate": 30,

@@ -1,4 +1,4 @@
-"""The test card: what stands on it, and what moves."""
+"""Test card: static content, and moving objects."""
 
 from typing import Tuple
 
@@ -14,7 +14,7 @@ def drawn(name: str, number: int, time: float) -> numpy.ndarray:
 
 
 def changed(one: numpy.ndarray, other: numpy.ndarray) -> Tuple[int, int, int, int]:
-    """Return first and last row, first and last column of what differs."""
+    """Return first and last row, first and last column of the difference."""
     rows, columns = numpy.nonzero((one != other).any(axis=2))
     return rows.min(), rows.max(), columns.min(), columns.max()
 
@@ -57,7 +57,7 @@ def test_the_hand_points_up_at_a_full_second_and_down_half_a_second_later() -> N
 
 
 def ball(picture: Picture, time: float) -> Tuple[int, int]:
-    """Return where the ball is, having looked that all of it is there."""
+    """Return the position of the ball; check that it is complete."""
     data = numpy.frombuffer(picture.draw(0, time), numpy.uint8).reshape(HEIGHT, WIDTH, 3)
     red, green, blue = data[:280, :, 0], data[:280, :, 1], data[:280, :, 2]
     white = (red & green & blue) == 255

@@ -1,4 +1,4 @@
-"""The lidar's room, measured along lines whose lengths are known."""
+"""Room of the lidar, measured along lines of known length."""
 
 import math
 
@@ -17,7 +17,7 @@ from parameters_demo.room import (
     scan,
 )
 
-#: When the person is at the left, out of the way of all that is measured here.
+#: Time at which the person is at the left, out of the way of these measurements.
 LEFT = 0.25 * ROUND_S
 
 

@@ -1,4 +1,4 @@
-"""The radar's targets: what is told of each goes together."""
+"""Radar targets: consistency of the values of each."""
 
 import math
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Defects of robots, two of one name, a monitor that hangs, simulated time."""
+"""Defects of robots, two robots with one name, a suspended monitor, simulated time."""
 
 import rospy
 from helpers.monitor_rig import MONITOR, MonitorRig, report, start
@@ -80,7 +80,7 @@ class MonitorDetails(MonitorRig):
 
         wait_until(heard, lambda: str(monitor.lines))
         self.assertIn("OK: 1 robot", report("/simulated").message)
-        # After fifty periods of the machine's time, in which the clock stands still.
+        # After fifty periods of the machine's time, during which the clock is stopped.
         stands = "simulated time is stopped, so no robot becomes stale"
         self.wait_for_line("WARN: 1 robot, nothing wrong", stands, monitor="/simulated")
         self.assertEqual(monitor.logged("sim: stale"), [])

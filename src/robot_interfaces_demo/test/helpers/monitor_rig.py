@@ -12,7 +12,7 @@ from nodekit.testing.waiting import wait_until
 
 SCRIPTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts")
 MONITOR = "/monitor"
-#: Robots tell how they are five times a second.
+#: Robots publish their status five times a second.
 TIMES = ("_longest_period:=0.5", "_lost_after:=5")
 #: The nodes that all tests share.
 NODES: Dict[str, List[str]] = {
@@ -73,7 +73,7 @@ class MonitorRig(unittest.TestCase):
         wait_until(found, lambda: f"{words} in {report(monitor).message}")
 
     def wait_for_count(self, count: int, *words: str) -> None:
-        """Wait until the monitor has logged so many lines with these words."""
+        """Wait until the monitor has logged a number of lines with these words."""
         wait_until(
             lambda: len(self.monitor.logged(*words)) >= count, lambda: str(self.monitor.lines[-20:])
         )

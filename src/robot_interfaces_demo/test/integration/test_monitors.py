@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Robots come and go, and the monitor of the fleet notices."""
+"""Robots appear and disappear, and the fleet monitor reports them."""
 
 import os
 import signal

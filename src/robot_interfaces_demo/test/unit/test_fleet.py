@@ -32,7 +32,7 @@ class Rig:
         self.fleet.add_message(name, publisher or f"/{name}", mode, readings, self.now)
 
     def run(self, seconds: float, *names: str, **options: Any) -> List[str]:
-        """Let time pass, with a message of each robot each second; return what was told."""
+        """Advance the time, with a message of each robot each second; return the notes."""
         for _ in range(round(seconds)):
             self.now += 1.0
             for name in names:
@@ -41,7 +41,7 @@ class Rig:
         return self.told()
 
     def told(self) -> List[str]:
-        """Return what is new, as lines."""
+        """Return the notes as lines."""
         return [f"{note.level.name} {note.text}" for note in self.fleet.notes()]
 
     def findings(self) -> Dict[str, Finding]:
@@ -49,7 +49,7 @@ class Rig:
         return {finding.name: finding for finding in self.fleet.findings(self.now)}
 
     def message(self, name: str = "") -> Tuple[Level, str]:
-        """Return how one is."""
+        """Return the condition of a robot."""
         return self.findings()[name].level, self.findings()[name].message
 
 

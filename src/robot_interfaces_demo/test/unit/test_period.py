@@ -1,4 +1,4 @@
-"""The period is learnt from arrivals, and not fooled by single ones."""
+"""The period is learnt from arrivals, and robust against outliers."""
 
 from typing import List
 
@@ -15,7 +15,7 @@ JITTER = st.lists(st.floats(-0.1, 0.1), min_size=9, max_size=20)
 
 
 def learnt(*intervals: float) -> PeriodLearner:
-    """Return what was learnt from arrivals."""
+    """Return the period learnt from arrivals."""
     learner, now = PeriodLearner(), 100.0
     learner.add_arrival(now, LONGEST_S)
     for interval in intervals:

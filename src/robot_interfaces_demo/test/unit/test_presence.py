@@ -1,4 +1,4 @@
-"""Whether a robot is there."""
+"""Presence of a robot."""
 
 from typing import List
 
@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 
 from robot_interfaces_demo.monitoring.presence import TRANSITIONS, Attendance, Event, Presence
 
-#: What is stale and lost, s.
+#: Ages at which a robot is stale and lost [s].
 STALE_S, LOST_S = 3.0, 10.0
-#: Seconds from one arrival to the next, on both sides of both limits.
+#: Intervals between arrivals, on both sides of both limits [s].
 GAPS = st.lists(st.sampled_from([0.0, 1.0, 2.5, 3.0, 3.5, 9.0, 10.0, 10.5, 40.0]), max_size=12)
 
 

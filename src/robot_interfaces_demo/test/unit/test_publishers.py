@@ -11,7 +11,7 @@ MEMORY_S = 10.0
 
 
 def heard(publishers: str, step: float = 1.0) -> Publishers:
-    """Return what was heard from publishers of one letter each, at equal intervals."""
+    """Return the state after messages from publishers of one letter each, at equal intervals."""
     known = Publishers()
     for number, publisher in enumerate(publishers):
         known.add_message(publisher, number * step, MEMORY_S)

@@ -91,7 +91,7 @@ def test_folder_that_cannot_be_written_to_is_named(
     assert python_environment.main() == 125
     shown = capsys.readouterr().err
     assert shown.startswith("make_environment: cannot create /proc/ros2: ")
-    assert shown.endswith("cannot be written to, name another with --into\n")
+    assert shown.endswith("is not writable, choose another with --into\n")
 
 
 def test_first_error_of_a_command_is_the_reason(place: pathlib.Path) -> None:

@@ -190,7 +190,7 @@ class AnySketch(BoardRig):
             return OLD_REQUEST in asked
 
         wait_until(is_asked, lambda: f"it was asked {bytes(asked)!r}")
-        self.feed(old, node, "protocol of before ROS Hydro (version byte 0xff")
+        self.feed(old, node, "protocol from before ROS Hydro (version byte 0xff")
 
     def feed(self, data: bytes, node: Process, *words: str) -> None:
         """Send bytes again and again, until the node says something."""

@@ -14,7 +14,7 @@ def test_nothing_garbage_and_the_old_protocol_are_told_apart() -> None:
     assert "for this port" in words.explain(0)
     words.add(b"\x00\x80garbled" + OLD, False)
     assert words.explain(9600).startswith("the received bytes are not rosserial messages")
-    assert "9600 baud too" in words.explain(9600) and "use rosserial too" in words.explain(0)
+    assert "9600 baud," in words.explain(9600) and "use rosserial," in words.explain(0)
     words.add(OLD, False)
     assert "before ROS Hydro (version byte 0xff" in words.explain(9600)
     words.clear()

@@ -1,4 +1,4 @@
-"""Asks for actions what ``ros2 action`` asks, and writes down what that prints: see answers."""
+"""Runs the queries of ``ros2 action``, and records their output: see answers."""
 
 import threading
 from typing import Any, Callable, List, Tuple
@@ -19,7 +19,7 @@ from nodekit.testing.waiting import TIMEOUT_S, wait_until
 #: The node with the action, and the action.
 ROBOT, ACTION = "/robot", "/go_to"
 _TYPE = "bot_controller_demo_msgs/action/GoTo"
-#: What differs from run to run.
+#: Parts that differ between runs.
 _CHANGING = ("distance", "heading_error", "stamp")
 _STATES = {
     GoalStatus.STATUS_SUCCEEDED: "SUCCEEDED",
@@ -39,7 +39,7 @@ class ActionAnswers:
         self._node, self._nodes = node, nodes
 
     def commands(self) -> List[Tuple[str, Callable[[], List[str]]]]:
-        """Return the words of each command, and what asks."""
+        """Return the words of each command, and the function that runs it."""
         pose = "{target_pose: {header: {frame_id: there}, pose: {position: {x: %g, y: %g}}}}"
         goals = (("--feedback ", 0.3, 0.0), ("", 0.1, 1.0), ("", 0.1, float(REJECT)))
         return [
@@ -56,7 +56,7 @@ class ActionAnswers:
         ]
 
     def is_there(self) -> bool:
-        """Tell whether the action is there."""
+        """Return whether the action exists."""
         return ACTION in dict(get_action_names_and_types(self._node))
 
     def of_node(self, name: str) -> List[str]:
@@ -110,7 +110,7 @@ class ActionAnswers:
             return [*lines, "Goal was rejected."]
         lines.append("Goal accepted with ID: ...")
         answer = _result(handle.get_result_async())
-        if is_whole:  # once, as it comes however often
+        if is_whole:  # once, for any number of repetitions
             assert came.wait(TIMEOUT_S)
             lines += ["Feedback:", *_as_yaml(fed[-1], 1)]
         client.destroy()
@@ -136,7 +136,7 @@ def _result(future: Any) -> Any:
 
 
 def _as_yaml(message: Any, depth: int) -> List[str]:
-    """Return the fields of a message, one a line."""
+    """Return the fields of a message, one per line."""
     lines = []
     for name in message.get_fields_and_field_types():
         value, before = getattr(message, name), "  " * depth + name + ":"

@@ -1,8 +1,8 @@
-"""A client of ROS 1 for the tests, which is told by lines what to do, and prints what it hears.
+"""ROS 1 action client for the tests, which executes commands line by line, and prints its events.
 
-``send KEY X Y`` (see action_server2), ``cancel KEY``, ``cancel_until KEY``, ``cancel_all``. It
-prints ``KEY accepted TOOK``, ``KEY feedback DISTANCE TOOK PHASE``, and at the end of a goal
-``KEY STATE PHASE TEXT``; how long something took is in us.
+Commands are ``send KEY X Y`` (see action_server2), ``cancel KEY``, ``cancel_until KEY`` and
+``cancel_all``. It prints ``KEY accepted TOOK``, ``KEY feedback DISTANCE TOOK PHASE``, and at the
+end of a goal ``KEY STATE PHASE TEXT``; durations are in us.
 """
 
 import sys
@@ -19,7 +19,7 @@ NAMES = {value: name for name, value in vars(GoalStatus).items() if isinstance(v
 
 
 def say(line: str) -> None:
-    """Print a line in one piece: threads do so beside each other."""
+    """Print a complete line: several threads print."""
     sys.stdout.write(line + "\n")
     sys.stdout.flush()
 
@@ -35,7 +35,7 @@ class Client:
         say("connected")
 
     def obey(self, what: str, key: str = "", x: str = "0", y: str = "0") -> None:
-        """Do what a line says."""
+        """Execute a command line."""
         if what == "send":
             goal = GoToGoal()
             goal.target_pose.header.frame_id = key
@@ -46,7 +46,7 @@ class Client:
                 goal, partial(self._move, key), partial(self._feed, key)
             )
         elif what == "cancel":
-            # Before, a goal is lost with any status that does not list it yet: so actionlib has it.
+            # Before that, actionlib's client treats a goal as lost if a status does not list it.
             while self._goals[key].get_comm_state() == actionlib.CommState.WAITING_FOR_GOAL_ACK:
                 rospy.sleep(0.001)
             self._goals[key].cancel()

@@ -22,7 +22,7 @@ NAMES = {
 
 
 def say(line: str) -> None:
-    """Print a line in one piece: threads do so beside each other."""
+    """Print a complete line: several threads print."""
     sys.stdout.write(line + "\n")
     sys.stdout.flush()
 
@@ -48,7 +48,7 @@ class Client:
         say("connected")
 
     def obey(self, what: str, key: str = "", x: str = "0", y: str = "0") -> None:
-        """Do what a line says."""
+        """Execute a command line."""
         if what == "send":
             goal = GoTo.Goal()
             goal.target_pose.header.frame_id = key

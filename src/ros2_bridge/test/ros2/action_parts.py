@@ -16,7 +16,7 @@ from nodekit.testing.processes import Process
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 HERE = pathlib.Path(__file__).parent
-#: What becomes of a goal of the tests' servers.
+#: Outcomes of goals in the tests' servers.
 SUCCEED, ABORT, REJECT, PEND, PERSIST = range(5)
 
 
@@ -30,7 +30,7 @@ def goal(key: str, seconds: float, what: int = SUCCEED) -> GoTo.Goal:
 
 
 class Client2:
-    """A client of ROS 2, and what it has heard."""
+    """A ROS 2 client, and its received messages."""
 
     def __init__(self, ros: both.Both, name: str) -> None:
         many = QoSProfile(depth=1000)  # by default, rclpy's client keeps ten in a burst
@@ -92,7 +92,7 @@ def cancel(
     until: Optional[Time] = None,
     patience: float = TIMEOUT_S,
 ) -> Any:
-    """Call the service that cancels goals; return nothing where it does not answer."""
+    """Call the cancel service; return None if it does not answer."""
     request = CancelGoal.Request()
     request.goal_info.goal_id = handle.goal_id if handle is not None else UUID()
     request.goal_info.stamp = until or Time()
@@ -119,7 +119,7 @@ class Server1(Process):
 
 
 class Client1(Process):
-    """A client, of ROS 1 unless told otherwise, which obeys lines and prints what it hears."""
+    """A client, by default of ROS 1, which executes command lines and prints its events."""
 
     def __init__(self, name: str, ros: str = "1") -> None:
         # Without ROS 1's packages, which hide those of ROS 2.
@@ -135,18 +135,18 @@ class Client1(Process):
         print("the client's log:", *self.logged(), sep="\n")
 
     def tell(self, line: str) -> None:
-        """Have it obey a line."""
+        """Execute a command line."""
         assert self.popen.stdin is not None
         self.popen.stdin.write(line + "\n")
         self.popen.stdin.flush()
 
     def feedback(self, key: str) -> List[float]:
-        """Return what it has heard of a goal."""
+        """Return the events of a goal."""
         lines = [line.split() for line in self.lines]
         return [float(line[2]) for line in lines if line[:2] == [key, "feedback"]]
 
     def ended(self, key: str) -> List[str]:
-        """Return state, result and text of a goal, nothing while it is under way."""
+        """Return state, result and text of a goal, None while it is active."""
         lines = [line.split(" ", 3) for line in list(self.lines)]
         on_the_way = ("accepted", "feedback")
         ends = [line[1:] for line in lines if line[0] == key and line[1] not in on_the_way]

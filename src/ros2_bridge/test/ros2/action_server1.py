@@ -1,9 +1,9 @@
-"""An action server of ROS 1 for the tests, with any number of goals at once.
+"""ROS 1 action server for the tests, with any number of concurrent goals.
 
-A goal is a pose: x is how long it takes [s], and y what becomes of it: it is accepted and succeeds
-(0), or is aborted (1), it is rejected (2), or remains pending until it is cancelled (3), or it is
-accepted and goes on however often it is cancelled (4). The result has the goal's frame_id,
-and so has the feedback, beside how much time is left and when it was sent [s].
+A goal is a pose: x is its duration [s], y its outcome: it is accepted and succeeds (0), or is
+aborted (1), it is rejected (2), or remains pending until it is cancelled (3), or it is accepted and
+ignores cancellation (4). The result has the goal's frame_id, and so has the feedback, with the
+remaining time and the time of sending [s].
 """
 
 import sys
@@ -42,7 +42,7 @@ class Server:
         self._cancelled.add(handle.get_goal_id().id)
 
     def step(self) -> None:
-        """End what is due, and report the rest."""
+        """End finished goals, and publish feedback for the others."""
         with self._server.lock:  # which actionlib holds in the callbacks above
             for name, (handle, began) in list(self._goals.items()):
                 pose, elapsed = handle.get_goal().target_pose, rospy.get_time() - began

@@ -1,8 +1,8 @@
-"""An action server of ROS 2 for the tests, with any number of goals at once.
+"""ROS 2 action server for the tests, with any number of concurrent goals.
 
-A goal is a pose: x is how long it takes [s], and y what becomes of it: it succeeds (0), or is
-aborted (1), it is rejected (2), or cannot be cancelled (4). The result has the goal's frame_id,
-and so has the feedback, beside how much time is left and when it was sent [s].
+A goal is a pose: x is its duration [s], y its outcome: it succeeds (0), or is aborted (1), it is
+rejected (2), or cannot be cancelled (4). The result has the goal's frame_id, and so has the
+feedback, with the remaining time and the time of sending [s].
 """
 
 import contextlib

@@ -1,6 +1,6 @@
-"""Asks nodes what the ``ros2`` command line asks, and writes down what that prints.
+"""Runs the queries of the ``ros2`` command line, and records their output.
 
-PyPI does not have that command line. What differs from run to run is left out, or rounded.
+PyPI does not have that command line. Parts that differ between runs are omitted, or rounded.
 """
 
 import contextlib
@@ -27,14 +27,14 @@ from lifecycle_msgs.srv import ChangeState, GetAvailableTransitions, GetState
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 GENERATOR, MANAGED = "/signal_generator", "/managed"
-#: What the twin of the generator has of its parameters; it has no more.
+#: All parameters of the generator's twin.
 PARAMETERS = ("amplitude", "rate")
 #: Parameters that rclpy itself gives a node.
 _OF_RCLPY = ("use_sim_time", "start_type_description_service")
-#: Services that come last: of each node, and of the generator.
+#: Services that are listed last: of each node, and of the generator.
 _LAST = ("describe_parameters", "set_parameters_atomically")
 _OFFERED = ("reset", "enable", *_LAST)
-#: What every node publishes.
+#: Topics that every node publishes.
 _OF_ALL = ("/rosout", "/parameter_events")
 #: Nodes of the tests themselves.
 OF_TESTS = ("/tests", "/ros2_tests")
@@ -44,9 +44,9 @@ _TYPES = ("", "boolean", "integer", "double", "string")
 
 
 class Answers:
-    """Asks the nodes of one domain of ROS 2.
+    """Queries to the nodes of a ROS 2 domain.
 
-    :param domain: its number
+    :param domain: its id
     """
 
     def __init__(self, domain: int) -> None:
@@ -71,7 +71,7 @@ class Answers:
         self._thread.join(5.0)
 
     def all(self) -> Dict[str, List[str]]:
-        """Return what each command prints, as lines, in the order in which they are typed."""
+        """Return the output of each command, as lines, in the order of the commands."""
         return {f"ros2 {words}": ask() for words, ask in self._commands()}
 
     def _commands(self) -> List[Tuple[str, Callable[[], List[str]]]]:
@@ -107,7 +107,7 @@ class Answers:
         ]
 
     def wait_for_nodes(self) -> None:
-        """Wait until all nodes are there, with all that is asked for."""
+        """Wait until all nodes exist, with all queried entities."""
         own = {GENERATOR: ("status", *_OFFERED), ROBOT: _LAST}
         wanted = {of: {*_OF_ALL, *(f"{of}/{name}" for name in names)} for of, names in own.items()}
         wanted[GENERATOR].add("/signal")
@@ -118,7 +118,7 @@ class Answers:
                 return {states}
             if not self._actions.is_there():
                 return {ACTION}
-            # What there is may be known before the node that it is of.
+            # An entity may be discovered before its node.
             return set().union(*(names - self._made_by(of) for of, names in wanted.items()))
 
         wait_until(lambda: not missing(), lambda: f"{missing()} of {self._nodes()}")
@@ -190,7 +190,7 @@ class Answers:
     def _rate(self) -> List[str]:
         heard = self._hear(SignalMsg, "/signal", 21)
         times = [message.time_x for _, message in heard]
-        # By their own times, and the median: a busy machine holds some up, or leaves them out.
+        # By their own times, and the median: a busy machine delays or drops some.
         usual = statistics.median(late - early for early, late in zip(times, times[1:]))
         return [f"average rate: {1.0 / usual:.0f}"]
 
@@ -271,5 +271,5 @@ class Answers:
 
 
 def _is_asked(name: str) -> bool:
-    """Tell whether a topic is one of the generator, or one that every node has."""
+    """Return whether a topic belongs to the generator, or to every node."""
     return name.startswith("/signal") or name in ("/rosout", "/parameter_events")

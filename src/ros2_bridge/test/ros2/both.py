@@ -1,4 +1,4 @@
-"""Helpers of the tests: what is needed of either ROS."""
+"""Helpers of the tests for both ROSes."""
 
 import contextlib
 import os
@@ -44,7 +44,7 @@ class Both:
         return self
 
     def _spin(self) -> None:
-        """Spin until the end, also where something is destroyed while the executor looks at it."""
+        """Spin until the end, even if entities are destroyed while the executor uses them."""
         with contextlib.suppress(ExternalShutdownException):
             while self.node.context.ok():
                 with contextlib.suppress(InvalidHandle):
@@ -67,7 +67,7 @@ class Both:
         return future.result()
 
     def offers2(self, name: str) -> bool:
-        """Tell whether there is a service in ROS 2."""
+        """Return whether a service exists in ROS 2."""
         return name in dict(self.node.get_service_names_and_types())
 
     def call1(self, name: str, kind: str, request: bytes, timeout: float = TIMEOUT_S) -> bytes:
@@ -82,8 +82,8 @@ class Both:
     def hear1(self, topic: str, kind: str) -> "MessageRecorder":
         """Subscribe to a topic in ROS 1.
 
-        Not by rospy's own subscriber: on a busy machine that connects twice to a publisher of
-        which it is told twice, and hears all of it twice.
+        Without rospy's subscriber: on a busy machine it connects twice to a publisher that was
+        announced twice, and receives everything twice.
         """
         ear = MessageRecorder()
         raw = self.types.message(kind).raw
@@ -106,14 +106,14 @@ class Both:
 
 
 class MessageRecorder:
-    """Keeps what a subscription receives."""
+    """Recorder of the messages of a subscription."""
 
     def __init__(self) -> None:
         self.heard: List[Any] = []
         self.end: Callable[[], Any] = lambda: None
 
     def wait(self, count: int = 1) -> List[Any]:
-        """Wait until so many have come."""
+        """Wait for a number of messages."""
         wait_until(lambda: len(self.heard) >= count, lambda: f"{len(self.heard)} of {count}")
         return self.heard
 
@@ -133,7 +133,7 @@ class Running(Process):
     def __exit__(self, *_: Any) -> None:
         try:
             if self.popen.poll() is None:
-                self.interrupt()  # what is killed stays registered, and the next test finds it
+                self.interrupt()  # a killed process stays registered, which affects the next test
         finally:
             if self.popen.poll() is None:
                 self.end()
@@ -145,7 +145,7 @@ class Running(Process):
 
 
 class Bridge(Running):
-    """A bridge; the shared one, if it runs, is ended before: there can be one at a time."""
+    """A bridge; the shared one is stopped before, because only one can run at a time."""
 
     def __init__(self, *arguments: str) -> None:
         end_shared_bridge()
@@ -160,7 +160,7 @@ _shared: List[Bridge] = []
 
 
 def shared_bridge() -> Bridge:
-    """Return the bridge that modules share, with an empty log; start it where it does not run."""
+    """Return the bridge that modules share, with an empty log; start it if it does not run."""
     if not _shared or _shared[0].popen.poll() is not None:
         _shared[:] = [Bridge()]
         wait_until(lambda: rospy.has_param(TIMEOUT_KEY), lambda: "the bridge has no settings yet")
@@ -171,7 +171,7 @@ def shared_bridge() -> Bridge:
 
 @contextlib.contextmanager
 def settings_restored(ros: Both, bridge: Bridge) -> Iterator[None]:
-    """Restore what tests have changed of a bridge's settings, if it still runs."""
+    """Restore a bridge's settings after tests, if it still runs."""
     before = rospy.get_param(NAME)
     yield
     after = rospy.get_param(NAME, {})

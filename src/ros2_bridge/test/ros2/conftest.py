@@ -11,7 +11,7 @@ from domains import own_domain
 
 from ros2_bridge.environment.module_isolation import join
 
-# No other user's nodes; set before rclpy is there.
+# Excludes other users' nodes; set before rclpy is imported.
 os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 os.environ["ROS_DOMAIN_ID"] = str(own_domain())
 join()
@@ -26,13 +26,13 @@ _LAST = "test_life"
 
 
 def pytest_configure(config: "pytest.Config") -> None:
-    """Register the mark by which the modules can be run in two sessions, one beside the other."""
+    """Register the mark by which the modules can be run in two parallel sessions."""
     config.addinivalue_line("markers", "shared_bridge: of a module that uses the shared bridge")
 
 
 @pytest.hookimpl(tryfirst=True)  # before -m is looked at
 def pytest_collection_modifyitems(items: "List[pytest.Item]") -> None:
-    """Run modules that share a bridge one after the other, so that it is started once."""
+    """Run modules that share a bridge one after the other, so that it starts only once."""
     sharing = {item.path.stem for item in items if "bridge" in getattr(item, "fixturenames", ())}
     for item in items:
         if item.path.stem in sharing:
@@ -54,10 +54,10 @@ def ros() -> Iterator["both.Both"]:
 
 @pytest.fixture(scope="module")
 def bridge(ros: "both.Both") -> Iterator["both.Bridge"]:
-    """Return the bridge that modules share; a module finds its log empty, its settings as given.
+    """Return the bridge that modules share, with an empty log and the initial settings.
 
-    A module whose tests are about the life, the settings or the faults of a bridge has bridges of
-    its own, ``both.Bridge``, which end this one.
+    Modules that test the start, the end, the settings or the faults of a bridge create their own
+    bridges, ``both.Bridge``, which stop this one.
     """
     running = both.shared_bridge()
     with both.settings_restored(ros, running):

@@ -5,12 +5,12 @@ import random
 import socket
 from typing import List
 
-#: Each has a name that one process of a machine can have at a time: that of its domain.
+#: Names that only one process of a machine can hold: one for each domain.
 _held: List[socket.socket] = []
 
 
 def own_domain() -> int:
-    """Return the number of a domain that no tests beside these have, until this process ends."""
+    """Return a domain id that no parallel tests use, until this process ends."""
     for number in random.sample(range(20, 97), 77):
         holding = socket.socket(socket.AF_UNIX)
         with contextlib.suppress(OSError):

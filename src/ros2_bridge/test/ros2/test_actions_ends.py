@@ -1,4 +1,4 @@
-"""Goals whose bridge ends before them, and actions of a bridge with settings of its own."""
+"""Goals that outlive their bridge, and actions of a bridge with its own settings."""
 
 import signal
 from typing import Any, List, cast

@@ -1,4 +1,4 @@
-"""Servers that say what their ROS does not know, and bytes that are no message."""
+"""Servers with undefined statuses, and malformed messages."""
 
 import struct
 from typing import Any, Iterator, List
@@ -32,7 +32,7 @@ _LATE_S = 2**32 - 1
 
 
 class Server1:
-    """A server of ROS 1 that says what it is told to, of the goal that has come."""
+    """A ROS 1 server that publishes any status of a received goal on request."""
 
     def __init__(self, ros: both.Both, name: str) -> None:
         kind = self._kind = ros.types.action("bot_controller_demo_msgs/GoTo")
@@ -219,7 +219,7 @@ class Server2:
         await Future()
 
     def list_goal(self, status: int, sec: int, uuid: bytes = bytes([7] * 16)) -> None:
-        """Tell of a goal that began at a moment [s]."""
+        """Publish a goal that began at a time [s]."""
         info = GoalInfo(goal_id=UUID(uuid=list(uuid)), stamp=Time(sec=sec))
         self._status.publish(Statuses2(status_list=[Status2(goal_info=info, status=status)]))
 

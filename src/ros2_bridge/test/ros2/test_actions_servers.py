@@ -1,4 +1,4 @@
-"""Action servers that go before their goals, or whose names do not fit."""
+"""Action servers that end before their goals, or whose names do not fit."""
 
 import os
 import signal
@@ -14,7 +14,7 @@ from ros2_bridge.actions.ros2_goal_tracker import GONE
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_goals_of_a_server_that_goes_are_aborted(bridge: both.Bridge, number: int) -> None:
-    # A name of its own: the bridge may still list the server of the test before.
+    # A unique name: the bridge may still list the server of the previous test.
     action = f"/foot/kick{number}"
     with Server2(action) as server, Client1(action) as client:
         client.tell("send on 60.0")

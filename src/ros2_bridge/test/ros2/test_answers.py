@@ -24,9 +24,9 @@ TWINS = pathlib.Path(__file__).with_name("twins_in_rclpy.py")
 
 @pytest.fixture(scope="module")
 def of_rclpy() -> Iterator[Dict[str, List[str]]]:
-    """Return the answers of the twins, which have a domain of their own."""
+    """Return the answers of the twins, which run in their own domain."""
     domain = own_domain()
-    # Without ROS 1's packages, whose messages it would find.
+    # Without ROS 1's packages, whose messages would be imported.
     twins = Process(str(TWINS), [], {"ROS_DOMAIN_ID": str(domain), "PYTHONPATH": ""})
     answers = Answers(domain)
     try:
@@ -54,7 +54,7 @@ def of_bridge(bridge: both.Bridge) -> Iterator[Dict[str, List[str]]]:
 
 
 def compared(rclpy: List[str], bridge: List[str]) -> str:
-    """Return lines of both, one after the other where they differ: rclpy's with a minus."""
+    """Return the lines of both; where they differ, rclpy's follow with a minus."""
     lines = difflib.SequenceMatcher(None, rclpy, bridge, autojunk=False).get_opcodes()
     text = []
     for kind, first, last, start, end in lines:

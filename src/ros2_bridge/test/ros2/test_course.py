@@ -1,4 +1,4 @@
-"""The course's launch files with that of the bridge, and what its commands come to in ROS 2."""
+"""The course's launch files with the bridge, and the corresponding ROS 2 commands."""
 
 import signal
 import subprocess
@@ -66,7 +66,7 @@ def test_quality_of_service_is_that_of_the_file(ros: both.Both, course: None) ->
     (found,) = ros.node.get_publishers_info_by_topic("/signal")
     assert found.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
     ear = ros.hear2("/signal", SignalMsg, latched=True)
-    ear.wait()  # what begins to be heard now is kept for those who come later
+    ear.wait()  # the messages from now on are kept for late subscribers
     later = ros.hear2("/signal", SignalMsg, latched=True)
     assert later.wait(2)[0].time_x <= ear.heard[-1].time_x
     ear.end()

@@ -1,4 +1,4 @@
-"""Nodes of ROS 2 with another definition of a type: no value is swapped, and the user is told."""
+"""ROS 2 nodes with another definition of a type: no value is mixed up, and the user is informed."""
 
 import os
 import pathlib
@@ -16,7 +16,7 @@ from nodekit.testing.waiting import TIMEOUT_S
 from ros2_bridge.environment import twin_builder
 
 PREFIX = pathlib.Path(sys.prefix)
-#: Sends and receives a message; the values of its fields are told by their names.
+#: Sends and receives a message; its fields are distinguished by their values.
 PEER = """
 import sys
 import rclpy
@@ -40,9 +40,9 @@ RENAMED = "float32 wanted\nfloat64 time\n"
 
 @pytest.fixture(scope="module")
 def peer(tmp_path_factory: "pytest.TempPathFactory") -> Iterator[Callable[..., pathlib.Path]]:
-    """Return what starts a node in an environment that has other definitions of two messages.
+    """Return a function that starts a node in an environment with other definitions of two types.
 
-    It returns the file of what the node has received.
+    It returns the file of the node's received messages.
     """
     place = tmp_path_factory.mktemp("other")
     prefix, twins = place / "ros2", place / "twins"

@@ -162,7 +162,7 @@ class FewNodes(NodeBridge):
         return None
 
     def shown(self, nodes: str, most: int = 100, parameters: bool = True) -> Dict[str, str]:
-        """Poll a graph of such nodes, of which /d describes its parameters."""
+        """Poll a graph of such nodes, of which only /d describes its parameters."""
         services = {"/d/describe": "/d", "/d/change": "/d"} if "d" in nodes else {}
         heard = {"/rosout": {f"/{name}" for name in nodes}}
         graph = Ros1Graph({}, heard, {}, services, 1)
@@ -174,7 +174,7 @@ def test_no_more_nodes_appear_than_may() -> None:
     bridge = FewNodes()
     assert set(bridge.shown("bc")) == {"/b", "/c"}
     assert not bridge.log.next_line(0.0)
-    assert set(bridge.shown("abcdefg", most=3)) == {"/a", "/b", "/c"}  # who is there stays
+    assert set(bridge.shown("abcdefg", most=3)) == {"/a", "/b", "/c"}  # existing nodes stay
     line = "not bridged: nodes of ROS 1 beyond ~max_nodes, 3: /d, /e, /f and 1 more"
     assert bridge.log.next_line(0.0) == line
     assert set(bridge.shown("ac", most=1)) == {"/c"}
@@ -193,7 +193,7 @@ def test_no_more_nodes_of_ros2_have_their_parameters_in_ros1_than_may(
     before = dict(bridge._to_ros1)
     assert set(before) == {"/b", "/c"} and not bridge.log.next_line(0.0)
     bridge._update_to_ros1({"/a", "/b", "/c"}, 2, False)
-    assert bridge._to_ros1 == before  # who is there stays
+    assert bridge._to_ros1 == before  # existing nodes stay
     line = "not bridged: parameters of nodes of ROS 2 beyond ~max_nodes, 2: /a"
     assert bridge.log.next_line(0.0) == line
 
@@ -228,7 +228,7 @@ def test_node_that_ros2_refuses_keeps_no_other_from_appearing(
 
 
 class ManyTopics:
-    """Stands in for our side of a graph: 200 topics of ours, one of which others use too."""
+    """Fake graph with 200 own topics, one of which others use, too."""
 
     def __init__(self) -> None:
         self.node, self.asked = self, 0

@@ -58,7 +58,7 @@ def wait_for(ros: both.Both, ear: both.MessageRecorder, *names: str) -> None:
 
 
 def late1(ros: both.Both, *names: str) -> List[str]:
-    """Return the frames that a listener in ROS 1 hears that comes now, once it has these."""
+    """Return the frames that a late ROS 1 listener receives, once it has these."""
     ear = ros.hear1(TF, TF1)
     wait_for(ros, ear, *names)
     rospy.sleep(0.3)  # what is too much would have come by now
@@ -126,7 +126,7 @@ def test_late_listeners_in_ros2_get_nothing_outdated(ros: both.Both) -> None:
     plain = publisher1(ros, "/plain", "std_msgs/String")
 
     def listen(text: str) -> str:
-        """Latch a text, and return what a listener hears first that comes then."""
+        """Latch a text, and return the first message of a late listener."""
         out.send(struct.pack("<I", len(text)) + text.encode())
         ear, other = ros.hear2(DESCRIPTION, String, latched=True), ros.hear2("/plain", String)
         first = ear.wait()[0].data

@@ -1,4 +1,4 @@
-"""Start and end of the bridge, and what it outlives."""
+"""Start and end of the bridge, and restarts of other processes."""
 
 import contextlib
 import os
@@ -69,7 +69,7 @@ def test_second_bridge_is_refused(ros: both.Both) -> None:
         ros.call1(marker, "std_srvs/Trigger", b"")
         with both.Bridge("__name:=another") as second:
             assert second.wait() == 1
-            # By name, where it answers in a second.
+            # By name if it answers within a second.
             assert second.logged("already connects this master and this domain")
         with hanging(first.popen.pid), both.Bridge("__name:=another") as second:
             assert second.wait() == 1
@@ -153,7 +153,7 @@ def test_killed_and_started_again(ros: both.Both) -> None:
     for number in range(3):
 
         def hears() -> bool:
-            # ROS 2 notices only after 20 s that who was killed does not listen any more.
+            # ROS 2 notices only after 20 s that a killed subscriber is gone.
             out.publish(Float32(data=float(number)))
             return any(one._buff == struct.pack("<f", number) for one in list(ear.heard))
 
@@ -181,7 +181,7 @@ def test_what_a_killed_bridge_has_left_is_taken_over(ros: both.Both) -> None:
         return dict(services).get("/left", []) + dict(publishers).get("/left_behind", [])
 
     def answers() -> bool:
-        with contextlib.suppress(rospy.ServiceException):  # of the one that was killed
+        with contextlib.suppress(rospy.ServiceException):  # of the killed bridge
             return ros.call1("/left", "std_srvs/Trigger", b"")[:1] == b"\1"
         return False
 

@@ -24,7 +24,7 @@ def state(ros: both.Both) -> Any:
 def test_managed_node_is_one_in_ros2(ros: both.Both, bridge: both.Bridge) -> None:
     with both.Running("lifecycle_demo", "lifecycle_aware_node", "_wait_for_manager:=true"):
         assert state(ros) == "unconfigured"
-        # What "ros2 lifecycle nodes" looks for: the services stand at a node of this name.
+        # "ros2 lifecycle nodes" searches for services of a node of this name.
         offered = dict(ros.node.get_service_names_and_types_by_node("lifecycle_aware_node", "/"))
         assert offered[f"{NODE}/get_state"] == ["lifecycle_msgs/srv/GetState"]
         ear = ros.hear2(f"{NODE}/transition_event", TransitionEvent)

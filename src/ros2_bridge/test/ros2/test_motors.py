@@ -13,12 +13,12 @@ from test_topics import publisher1
 from motor_control_msgs.srv import SetProcessBool
 from nodekit.testing.waiting import wait_until
 
-#: What the course's own motor comes to with an input of 1.
+#: Steady state of the course's motor for an input of 1.
 FIRST = [0.07, 0.1372, 0.201712, 0.2636435, 0.3230978]
 
 
 class Motor(Node):
-    """The course's motor as one writes it with rclpy, after its formula; a step for each input."""
+    """The course's motor in rclpy, by its formula, with a step for each input."""
 
     def __init__(self) -> None:
         super().__init__("motor_of_ros2")

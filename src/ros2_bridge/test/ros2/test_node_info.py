@@ -45,7 +45,7 @@ def lidar(ros: both.Both) -> Iterator[Node]:
 
 
 def published(ros: both.Both, name: str) -> Dict[str, List[str]]:
-    """Return what ``ros2 node info`` lists as published by a node, with types."""
+    """Return the topics that ``ros2 node info`` lists as published by a node, with types."""
     try:
         return dict(ros.node.get_publisher_names_and_types_by_node(name, "/"))
     except Exception:  # rclpy's own: there is no such node yet
@@ -60,7 +60,7 @@ def rosnode_info(name: str) -> List[str]:
 
 
 def sections(lines: List[str]) -> Dict[str, Set[str]]:
-    """Return what ``rosnode info`` lists under each of its headings."""
+    """Return the entries of ``rosnode info`` under each of its headings."""
     found: Dict[str, Set[str]] = {}
     heading = ""
     for line in lines:
@@ -154,7 +154,7 @@ def test_nothing_is_lost_or_doubled_where_another_node_joins(
 def test_a_node_of_ros2_has_its_own_in_ros1(
     ros: both.Both, generator: both.Running, lidar: Node
 ) -> None:
-    # Of these, rosnode knows the types from 1.17.4 on: before, it asked for what is published only.
+    # rosnode knows the types of these from 1.17.4 on; before, it requested only published ones.
     unpublished = {
         "/nobody_publishes": "std_msgs/String",
         "/parameter_events": "rcl_interfaces/ParameterEvent",

@@ -195,7 +195,7 @@ def test_plain_node_has_what_is_on_the_server(ros: both.Both, bridge: both.Bridg
     out.unregister()
 
 
-#: A node with a server of dynamic_reconfigure, which halves one value that it is given.
+#: A node with a dynamic_reconfigure server, which halves one of its values.
 STOCK = """
 import rospy
 from dynamic_reconfigure.cfg import TestConfig
@@ -287,7 +287,7 @@ def test_node_of_ros2_is_on_the_server(ros: both.Both, bridge: both.Bridge) -> N
     node.set_parameters([Value("sample_time", value=0.5)])
     wait_until(lambda: rospy.get_param(key) == 0.5, lambda: "its own change is not told")
     assert math.isnan(rospy.get_param("/motor_of_ros2/drift"))
-    assert "drift" not in checked  # what does not equal itself is not set again and again
+    assert "drift" not in checked  # NaN is not set repeatedly
     ros.executor.remove_node(node)
     node.destroy_node()
     wait_until(lambda: not rospy.has_param("/motor_of_ros2/pid/p"), lambda: "it stays there")

@@ -1,4 +1,4 @@
-"""Topics that are passed on at most so often, until the user says otherwise."""
+"""Topics are limited to their maximum rate, until the setting changes."""
 
 import struct
 from typing import Any, List
@@ -53,7 +53,7 @@ def test_what_comes_too_often_is_left_out_both_ways(ros: both.Both) -> None:
         rospy.set_param("/ros2_bridge/max_rate", [])
         for ear in limited:
             wait_until(lambda: send(99.0) or 99.0 in heard(ear), lambda: str(heard(ear)))
-            # The first ones may be lost: ROS 2 knows of a listener before it sends to it.
+            # The first ones may be lost: ROS 2 discovers a subscriber before it sends to it.
             assert len([number for number in heard(ear) if number != 99.0]) <= 1
     for ear in (*limited, *latched):
         ear.end()

@@ -1,4 +1,4 @@
-"""A robot that has a namespace in ROS 1 and none in ROS 2."""
+"""A robot with a namespace in ROS 1 and none in ROS 2."""
 
 import struct
 

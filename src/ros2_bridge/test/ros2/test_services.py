@@ -216,7 +216,7 @@ def test_calls_that_a_full_server_leaves_say_so(ros: both.Both, bridge: both.Bri
 def test_type_changes_at_once(ros: both.Both, bridge: both.Bridge) -> None:
     with both.Running("motor_control", "dc_motor.py", "EnableProcess:=/changing") as motor:
         assert ros.call2(SetProcessBool, "/changing", enable=True).success
-        motor.end()  # which the master goes on to list
+        motor.end()  # the master still lists it
     with both.Running("parameters_demo", "camera_demo", "~slow_down:=/changing"):
         assert ros.call2(Trigger, "/changing").success
         offered = dict(ros.node.get_service_names_and_types())

@@ -79,7 +79,7 @@ def test_text_arrives_in_ros1(ros: both.Both, bridge: both.Bridge) -> None:
 def test_latched_topics_stay_latched(ros: both.Both, bridge: both.Bridge) -> None:
     latched = publisher1(ros, "/level1", "std_msgs/Float32", latch=True)
     latched.send(struct.pack("<f", 2.5))
-    for _ in range(2):  # who comes later gets it too
+    for _ in range(2):  # a late subscriber receives it, too
         ear = ros.hear2("/level1", Float32, latched=True)
         assert ear.wait()[0].data == 2.5
         ear.end()
@@ -97,7 +97,7 @@ def test_latched_topics_stay_latched(ros: both.Both, bridge: both.Bridge) -> Non
 def test_quality_of_service_fits_that_of_the_publisher(ros: both.Both, bridge: both.Bridge) -> None:
     out = ros.node.create_publisher(Float32, "/range", qos_profile_sensor_data)
     ear = ros.hear1("/range", "std_msgs/Float32")
-    # Who asks for more than is offered is told nothing.
+    # A subscriber that requests more than is offered gets no error.
     wait_until(lambda: out.get_subscription_count(), lambda: "the bridge does not listen")
     wait_until(lambda: out.publish(Float32(data=1.5)) or ear.heard, lambda: "nothing is heard")
     assert ear.heard[0]._buff == struct.pack("<f", 1.5)
@@ -146,7 +146,7 @@ def test_another_type_is_noticed(ros: both.Both, bridge: both.Bridge) -> None:
     ear.end()
     text1.unregister()
     wait_until(lambda: not types2(), lambda: str(types2()))
-    # The master says of it for ever what it was last.
+    # The master keeps its last type forever.
     number2 = ros.node.create_publisher(Float32, "/changing", 10)
     wait_until(lambda: types1() == "std_msgs/Float32", lambda: str(types1()))
     ros.node.destroy_publisher(number2)
@@ -164,7 +164,7 @@ def test_another_type_is_noticed(ros: both.Both, bridge: both.Bridge) -> None:
 
 
 def test_one_of_many_topics(ros: both.Both, bridge: both.Bridge) -> None:
-    for number in range(80):  # of a node that was killed: the master goes on to list them
+    for number in range(80):  # of a killed node: the master still lists them
         name = f"/many/of_a_group/topic{number}"
         args = ("/killed", name, "basic_comms/signal_msg", "http://localhost:1/")
         xmlrpc.client.ServerProxy(ros.master.uri).registerPublisher(*args)
@@ -181,11 +181,11 @@ def test_one_of_many_topics(ros: both.Both, bridge: both.Bridge) -> None:
 
 
 class Keeping:
-    """Stands in for our side in ROS 2, with a node of the bridge and those that are asked for.
+    """Fake ROS 2 side, with a node of the bridge and any requested nodes.
 
-    :ivar last: what each publisher that there is has published last, by the order of making
-    :ivar sent: all that was published, with its publisher's node
-    :ivar made: of each publisher that there is, whether it latches, and its node
+    :ivar last: last message of each existing publisher, in order of creation
+    :ivar sent: all published messages, with their publisher's node
+    :ivar made: for each existing publisher, whether it latches, and its node
     """
 
     node = "bridge"
@@ -222,7 +222,7 @@ def keeping_pair() -> Tuple[TopicPublishers, Keeping]:
 def test_what_gone_nodes_have_latched_is_forgotten() -> None:
     publishers, participant = keeping_pair()
     publishers.publish("/first", b"0", True)
-    for number in range(1, 10):  # each from a node with a name of its own
+    for number in range(1, 10):  # each from a node with its own name
         publishers.publish(f"/rostopic_{number}", b"%d" % number, True)
         for _ in range(4):
             publishers.update_publishers({"/first", f"/rostopic_{number}"}, {}, True)

@@ -1,4 +1,4 @@
-"""The tutorial that drives a robot of ROS 1 from ROS 2 does what it says."""
+"""The tutorial that drives a ROS 1 robot from ROS 2 works as described."""
 
 import importlib
 import os
@@ -22,7 +22,7 @@ PAGE = WORKSPACE / "docs" / "tutorials" / "robot_from_ros2.md"
 
 
 class Terminal(NamedTuple):
-    """A command that keeps running, and what it prints."""
+    """A running command, and its output."""
 
     popen: "subprocess.Popen[bytes]"
     output: IO[bytes]
@@ -33,7 +33,7 @@ class Terminal(NamedTuple):
 
 
 def start(command: str) -> Terminal:
-    """Type a command; one for ROS 2 is run as ./ci/ros2 does."""
+    """Run a command; a ROS 2 command as through ./ci/ros2."""
     mine = command.replace("./ci/ros2 python3", f"env -u PYTHONPATH {sys.executable}")
     output = tempfile.NamedTemporaryFile()
     terminal = job.Terminal(pathlib.Path(output.name))

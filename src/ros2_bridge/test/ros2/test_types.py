@@ -1,4 +1,4 @@
-"""The codec against both ROSes' own serialisation, with every type that both have."""
+"""The codec compared with both ROSes' serialization, for every type that both have."""
 
 import importlib
 import io
@@ -24,11 +24,11 @@ PACKAGES = (
     "std_msgs std_srvs geometry_msgs nav_msgs sensor_msgs diagnostic_msgs rosgraph_msgs tf2_msgs"
     " actionlib_msgs visualization_msgs"
 )
-#: Types that differ: what is bridged of them is nothing, with a sentence.
+#: Types that differ: they are not bridged, with a log line.
 MARKERS = "Marker MarkerArray InteractiveMarker InteractiveMarkerControl InteractiveMarkerInit"
 DIFFERENT = {"sensor_msgs/Range", "visualization_msgs/InteractiveMarkerUpdate"}
 DIFFERENT.update(f"visualization_msgs/{name}" for name in MARKERS.split())
-#: What ROS 2 has in another way: actions, and what goes with its tf2.
+#: Types that differ in ROS 2: actions, and those of its tf2.
 OLD = re.compile(
     "Action|Goal$|Result$|Feedback$|TF2Error|FrameGraph|rosgraph_msgs/(Log|TopicStatistics)"
 )
@@ -140,6 +140,6 @@ def test_list_of_goals_is_ros2s_own(count: int) -> None:
         for n, (uuid, _, status) in enumerate(goals)
     ]
     message = GoalStatusArray(status_list=listed)
-    data = serialize_message(message)  # where nothing is said, it has any bytes
+    data = serialize_message(message)  # padding has arbitrary bytes
     assert read_list(data) == goals and len(write_list(goals)) == len(data)
     assert deserialize_message(write_list(goals), GoalStatusArray) == message

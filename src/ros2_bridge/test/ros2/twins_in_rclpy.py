@@ -1,6 +1,6 @@
-"""The signal generator, a managed node and an action's server as one would write them with rclpy.
+"""The signal generator, a managed node and an action server, written with rclpy.
 
-What they answer is what the same nodes of ROS 1 are to answer through the bridge.
+Their answers are the reference for those of the same ROS 1 nodes through the bridge.
 """
 
 import math

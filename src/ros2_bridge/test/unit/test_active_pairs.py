@@ -41,7 +41,7 @@ def test_what_is_missing_poll_after_poll_is_closed() -> None:
 
 
 class Pairs(PairBridge[Pair]):
-    """Keeps pairs of one type and quality, or refuses them with a sentence."""
+    """Fake bridge with pairs of one type and quality, which may reject them."""
 
     def __init__(self) -> None:
         self.log = SkipLog()

@@ -1,4 +1,4 @@
-"""Bytes of both ROSes, one into the other."""
+"""Conversion of serialized messages between both ROSes."""
 
 import io
 import struct
@@ -39,7 +39,7 @@ WORDS = st.integers(0, 2**32 - 1)
 
 
 def ros1_bytes(fields: Fields, datatype: str) -> Any:
-    """Return a strategy for what genpy would write of a message of a type."""
+    """Return a strategy for genpy's serialization of messages of a type."""
 
     def element(base: str) -> Any:
         if base in ("byte", "char"):

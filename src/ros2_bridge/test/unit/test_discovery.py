@@ -16,7 +16,7 @@ ENDS = ("status", "feedback", "result", "goal", "cancel")
 
 
 def graph(node: str, *missing: str) -> "tuple[Dict[str, Set[str]], Dict[str, Set[str]]]":
-    """Return who publishes and subscribes to the topics of a server."""
+    """Return publishers and subscribers of the topics of a server."""
     publishers = {f"/arm/reach/{end}": {node} for end in ENDS[:3] if end not in missing}
     subscribers = {f"/arm/reach/{end}": {node, "/echo"} for end in ENDS[3:] if end not in missing}
     return publishers, subscribers

@@ -1,4 +1,4 @@
-"""Definitions are found where Debian has them without a package.xml."""
+"""Definitions are found even if Debian has them without a package.xml."""
 
 import pathlib
 
@@ -17,7 +17,7 @@ def test_definitions_without_a_package_are_found(
     packages = rospkg.RosPack()
     assert type_registry.package_folder(packages, "only_text_msgs") == tmp_path / "only_text_msgs"
     assert type_registry.package_folder(packages, "no_definitions") is None
-    # A package that there is comes first.
+    # An existing package takes precedence.
     (tmp_path / "nodekit_msgs" / "srv").mkdir(parents=True)
     found = type_registry.package_folder(packages, "nodekit_msgs")
     assert found == pathlib.Path(packages.get_path("nodekit_msgs"))

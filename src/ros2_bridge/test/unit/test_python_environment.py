@@ -1,4 +1,4 @@
-"""make_environment says in one sentence why it fails, and builds twins in order."""
+"""make_environment reports failures in one message, and builds twins in order."""
 
 import pathlib
 import sys
@@ -34,9 +34,9 @@ def wheels(monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path) -> pathlib
 
 
 class Environment(PythonEnvironment):
-    """Environment whose wheels and builder are stood in for.
+    """Environment with fake wheels and builder.
 
-    :ivar script: what stands in for pip
+    :ivar script: replaces pip
     :ivar failing: package that does not build
     :ivar built: packages built in the last run
     """
@@ -59,7 +59,7 @@ class Environment(PythonEnvironment):
             (self._twins / self.failing / "error").write_text("X.h:3: error: no")
 
     def names(self) -> Dict[str, str]:
-        """Return the renamed types, of which each package here has one."""
+        """Return the renamed types; each package here has one."""
         found = yaml.safe_load(self._names.read_text())
         return {name: twin for name, twin in found.items() if name.endswith("/x")}
 

@@ -1,4 +1,4 @@
-"""Messages are passed on at most so often, and not much less often."""
+"""Messages are limited to a maximum rate, and reach it."""
 
 import math
 from typing import List

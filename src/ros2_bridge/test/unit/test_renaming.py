@@ -1,4 +1,4 @@
-"""Names that differ from one ROS to the other."""
+"""Names that differ between the ROSes."""
 
 from typing import List, Optional
 
@@ -38,7 +38,7 @@ def test_names_there_and_back(rules: List[str], ros1: str, ros2: str) -> None:
     [
         (["/robot1/scan=/scan"], "/scan"),  # that name is /robot1/scan's in ROS 2
         (BOTH, "/odom"),
-        (BOTH, "/robot1"),  # nothing is left of it
+        (BOTH, "/robot1"),  # the result would be empty
         (BOTH, "/robot1/common/map"),
     ],
 )

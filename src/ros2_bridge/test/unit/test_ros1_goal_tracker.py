@@ -74,7 +74,7 @@ def clients() -> Clients:
 
 def test_result_before_the_first_list_with_its_goal_counts(clients: Clients) -> None:
     clients.end(ONE, Status1.SUCCEEDED, b"there")  # of a quick goal of a client of ROS 1
-    clients.list_goals(one=Status1.ACTIVE)  # which came by a slower connection
+    clients.list_goals(one=Status1.ACTIVE)  # delayed on a slower connection
     assert clients.status == {ONE: Status2.SUCCEEDED}
     clients.list_goals(one=Status1.SUCCEEDED)
     assert clients.goals.end_timeouts(10.0 * PATIENCE_S) == NOTHING

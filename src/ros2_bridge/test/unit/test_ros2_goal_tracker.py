@@ -178,7 +178,7 @@ def test_cancellation_that_overtakes_its_goal_recalls_it(clients: Clients) -> No
 
 
 def test_cancellation_that_overtakes_the_servers_list_is_passed_on(clients: Clients) -> None:
-    clients.goals.request_cancel(ONE, 0, 0.0)  # a bridge before this one has sent the goal
+    clients.goals.request_cancel(ONE, 0, 0.0)  # a previous bridge has sent the goal
     assert clients.list_goals(one=Status2.EXECUTING) == [bytes_of(ONE)]
     assert clients.status == {ONE: Status1.RECALLING}
     assert clients.list_goals(one=Status2.CANCELING) == []
@@ -241,7 +241,7 @@ def test_goals_of_a_server_that_has_gone_are_aborted(clients: Clients) -> None:
     clients.list_goals(one=Status2.EXECUTING)
     clients.goals.abort_goals({SENDER}, 0.0)
     assert not clients.results and clients.goals.is_any_under_way()
-    clients.goals.abort_goals({OTHER}, 0.0)  # a new one, that knows neither
+    clients.goals.abort_goals({OTHER}, 0.0)  # a new server that knows neither goal
     assert clients.results == [(one, Status1.ABORTED, GONE, None) for one in (ONE, TWO)]
     assert not clients.goals.is_any_under_way()
     assert clients.answer(TWO) is True  # accepted after all: it is to be cancelled

@@ -13,13 +13,13 @@ from ros2_bridge.types.ros2_interfaces import (
 
 
 def interfaces(**definitions: Dict[str, str]) -> Interfaces:
-    """Return the twins of packages beside the messages that ROS 2 has of its own."""
+    """Return the twins of packages, in addition to ROS 2's own messages."""
     own = ("std_msgs", "builtin_interfaces", "geometry_msgs")
     return generate_interfaces(definitions, lambda message: message.partition("/")[0] in own)
 
 
 def twins_of(definitions: Dict[str, str]) -> TwinPackage:
-    """Return the twins of a package that ROS 2 can have whole."""
+    """Return the twins of a package that ROS 2 supports completely."""
     packages, left_out = interfaces(pkg=definitions)
     assert left_out == {}
     return packages["pkg"]

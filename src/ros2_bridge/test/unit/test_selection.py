@@ -1,4 +1,4 @@
-"""Selection of what is bridged, and which way."""
+"""Selection of pairs, and their directions."""
 
 from ros2_bridge.rules.selection import Rules, Way, parameter_services, rank_names, wanted
 from ros2_bridge.rules.renaming import Renaming

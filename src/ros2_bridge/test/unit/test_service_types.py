@@ -12,7 +12,7 @@ from ros2_bridge.types import service_types
 
 
 class Servers:
-    """Stands in for all servers: some answer, some do not, one is a defect."""
+    """Fake servers: some answer, some do not, one is defective."""
 
     def __init__(self) -> None:
         self.asked: "Counter[str]" = collections.Counter()
@@ -27,7 +27,7 @@ class Servers:
         return {"type": "std_srvs/Trigger"}
 
     def request(self, calls: List[Any]) -> List[Any]:
-        """Answer as the master does that is asked where they are."""
+        """Return the servers' addresses, as the master does."""
         return [(1, "", self.places.get(name, "first")) for _, name in calls]
 
 
@@ -40,7 +40,7 @@ def servers(monkeypatch: "pytest.MonkeyPatch") -> Iterator[Servers]:
 
 
 def poll(types: service_types.ServiceTypes, names: Any) -> None:
-    """Poll once, and wait for those who were asked."""
+    """Poll once, and wait for the queried servers."""
     types.begin_poll(set(names))
     for name in names:
         types.of(name)

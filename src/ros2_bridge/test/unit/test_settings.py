@@ -1,4 +1,4 @@
-"""Qualities of service, and where the environment is."""
+"""Qualities of service, and the path of the environment."""
 
 import math
 import pathlib

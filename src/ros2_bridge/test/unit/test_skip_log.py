@@ -1,4 +1,4 @@
-"""Reasons of what is not bridged are logged once, and not too often."""
+"""Reasons for skipped topics are logged once, and rate-limited."""
 
 from ros2_bridge.rules.skip_log import SkipLog, Unbridgeable
 

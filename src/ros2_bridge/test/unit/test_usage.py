@@ -1,4 +1,4 @@
-"""bridge --help names everything that can be chosen, also where there is no ROS 2."""
+"""bridge --help lists all options and parameters, even without ROS 2."""
 
 import os
 import pathlib

@@ -182,7 +182,7 @@ class AnySketch(BoardRig):
         self.feed(
             b"\x00\x80garbled", node, "the received bytes are not rosserial messages", "115200"
         )
-        # Such a board answers the request of its own time only.
+        # Such a board only answers its own time request.
         asked = bytearray()
 
         def is_asked() -> bool:

@@ -28,7 +28,7 @@ MOTOR_SKETCH = (
 )
 #: Longest wait for a board [s]: on a busy machine the simulator falls behind.
 PATIENCE = 60.0
-#: What a sketch of a test has before its loop.
+#: Beginning of the tests' sketches, before the loop.
 COUNTER = """
 #include <ros.h>
 #include <std_msgs/Float32.h>
@@ -84,7 +84,7 @@ void loop() {
 
 
 class TestAvr(unittest.TestCase):
-    """Each test has a board and a node of its own; all share what was built."""
+    """Each test has its own board and node; the compiled programs are shared."""
 
     folder: pathlib.Path
     libraries: Sequence[pathlib.Path]
@@ -125,7 +125,7 @@ class TestAvr(unittest.TestCase):
         return board
 
     def collect(self, topic: str, data_class: Any) -> List[Any]:
-        """Return a list that a topic's messages come into."""
+        """Return a list that receives a topic's messages."""
         messages: List[Any] = []
         subscriber = rospy.Subscriber(topic, data_class, messages.append)
         self.addCleanup(subscriber.unregister)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Boards that are restarted, also with another sketch."""
+"""Boards that are restarted, possibly with another sketch."""
 
 import threading
 from typing import Any, List
@@ -23,7 +23,7 @@ from serial_link.negotiation.payloads import PUBLISHER, SUBSCRIBER, TOPICS
 
 
 class DamagedOnce(Device):
-    """Tells of its topics, the first time all damaged."""
+    """Announces its topics, the first time all damaged."""
 
     is_damaged = True
 

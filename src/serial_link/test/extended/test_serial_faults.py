@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A board with a motor behind the node: what cables, boards, ports and the master do to it."""
+"""A board with a motor behind the node: faults of cables, boards, ports and the master."""
 
 import os
 import shutil
@@ -34,7 +34,7 @@ class SerialFaults(NodeRig):
         for _ in range(3):
             node = Process(command, [*words, controller], {"ROS_NAMESPACE": self.space})
             self.addCleanup(node.end)
-            node.popen.wait(4 * TIMEOUT_S)  # it has a limit of its own
+            node.popen.wait(4 * TIMEOUT_S)  # it has its own limit
             if not node.logged("the plant is silent"):  # as a board is on a busy machine
                 break
         said = {0: "passed: all 2 figures of 1 scenario", 125: "this machine is too busy"}
@@ -61,7 +61,7 @@ class SerialFaults(NodeRig):
         # One in three was damaged. Of these one in thousands has a sum that holds all the same.
         self.assertLessEqual(len([status for status in heard if status not in statuses]), 1)
         link.wait_for_log("frames received", "fault: checksum")
-        # Hundreds of bytes were garbage: they are one line, or two, not one each.
+        # Hundreds of garbage bytes are logged in one or two lines, not in one each.
         self.assertLess(len(link.lines) + len(link.error_lines), 40)
 
     def test_board_that_floods_holds_up_nothing(self) -> None:
@@ -110,7 +110,7 @@ class SerialFaults(NodeRig):
         second = self.start("serial_node", "__name:=second", port=self.port)
         second.wait_for_log(f"{self.port} is in use by process {first.popen.pid}", "serial_node.py")
         self.assertEqual(first.interrupt(), 0)
-        # It has the port as soon as the first one is gone.
+        # It opens the port as soon as the first board is gone.
         self.wait_until_back(time.monotonic())
 
     def test_second_board_does_not_take_the_place_of_the_first(self) -> None:
@@ -152,7 +152,7 @@ class SerialFaults(NodeRig):
         self.assertIn("status:", self.shell(environment, listen))
 
     def shell(self, environment: Dict[str, str], words: List[str]) -> str:
-        """Run one of ROS's commands; return what it prints."""
+        """Run a ROS command; return its output."""
         program = shutil.which("ros" + words[0])
         assert program is not None
         process = Process(program, words[1:], environment)

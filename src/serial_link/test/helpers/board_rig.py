@@ -39,7 +39,7 @@ def declared(kind: int, name: str, data_class: Any) -> Declared:
 
 
 class TestSketch:
-    """Notes what it hears, and does what the test puts into its queue."""
+    """Sketch that records its messages, and executes the test's queue."""
 
     topics: Sequence[Declared] = (
         declared(PUBLISHER, "said", String),
@@ -73,12 +73,12 @@ class TestSketch:
         return now + 0.01
 
     def texts(self) -> List[str]:
-        """Return what was told."""
+        """Return the received messages."""
         return [String().deserialize(data).data for name, data in self.heard if name == "told"]
 
 
 class BoardRig(unittest.TestCase):
-    """Each test has a namespace, a board and a node of its own."""
+    """Each test has its own namespace, board and node."""
 
     def setUp(self) -> None:
         self.space = "/" + self.id().rsplit(".", 1)[-1]

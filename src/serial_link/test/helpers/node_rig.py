@@ -1,4 +1,4 @@
-"""Base of the tests of a simulated board behind the node, each in a process of its own."""
+"""Base class of tests with a simulated board behind the node, each in its own process."""
 
 import os
 import shutil
@@ -23,7 +23,7 @@ BACK_S, BUSY_S = 1.0, 6.0
 
 
 class NodeRig(unittest.TestCase):
-    """Each test has a namespace, a board and a node of its own."""
+    """Each test has its own namespace, board and node."""
 
     def setUp(self) -> None:
         self.space = "/" + self.id().rsplit(".", 1)[-1]
@@ -33,7 +33,7 @@ class NodeRig(unittest.TestCase):
         self.outputs = MessageRecorder(self.space + "/motor_output", motor_output)
 
     def start(self, name: str, *words: str, **parameters: Any) -> Process:
-        """Start one of the nodes, to be ended after the test."""
+        """Start one of the nodes; it is stopped after the test."""
         given = [f"_{key}:={value}" for key, value in parameters.items()]
         script = os.path.join(SCRIPTS, name + ".py")
         process = Process(script, ["__ns:=" + self.space, *given, *words])
@@ -60,7 +60,7 @@ class NodeRig(unittest.TestCase):
         change(self.space + "/simulated_board", **values)
 
     def wait_until_back(self, since: float) -> None:
-        """Wait for another message of the board, which must come in time."""
+        """Wait for another message of the board, with a timeout."""
         self.outputs.clear()
         self.outputs.wait_for(lambda heard: True)
         self.assertLess(time.monotonic() - since, BACK_S + BUSY_S)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A board with a motor behind the node: its topics, a loop over it, and how it comes back."""
+"""A board with a motor behind the node: its topics, a control loop, and recovery."""
 
 import os
 import threading

@@ -37,7 +37,7 @@ BAUD = 115200
 
 
 class Talker:
-    """A sketch with many topics, which publishes on one of them without a pause."""
+    """Sketch with many topics, which publishes on one of them continuously."""
 
     topics: Sequence[Declared] = tuple(
         Declared(kind, f"topic_{kind}_{number}", "std_msgs/Empty", "d" * 32)
@@ -48,7 +48,7 @@ class Talker:
     def __init__(self) -> None:
         self.heard: List[bytes] = []
         self.device: Optional[Device] = None
-        #: Whether it is to send a message of no topic that it has told of.
+        #: Whether to send a message of a topic that was not announced.
         self.strange = False
         #: Whether it sends log lines and parameter requests instead of messages.
         self.logs = False
@@ -94,7 +94,7 @@ class Rig:
         self.link.start()
 
     def fetch_until(self, kind: type) -> Any:
-        """Fetch what has arrived up to the next of a kind."""
+        """Fetch events up to the next of a type."""
 
         def is_there() -> bool:
             arrival = self.link.inbox.get(0.1)

@@ -17,7 +17,7 @@ from serial_link.framing.decoder import (
 from serial_link.framing.frames import LONGEST, START, Frame, encode
 
 frames = st.builds(Frame, st.integers(0, 0xFFFF), st.binary(max_size=80))
-#: Messages in which nothing looks like the beginning of another frame.
+#: Messages that do not contain anything like the beginning of another frame.
 plain = st.lists(
     st.builds(
         Frame, st.integers(0, 0xFE), st.binary(max_size=40).map(lambda b: b.replace(b"\xff", b"."))
@@ -91,7 +91,7 @@ def test_two_good_messages_after_any_damage_it_is_in_step_again(
     for cut in [*sorted(cut % (len(data) + 1) for cut in cuts), len(data)]:
         found += decoder.feed(data[start:cut])
         start = cut
-    # Without waiting for silence: a lying length must not hold back what follows for long.
+    # Without waiting for silence: a wrong length must not delay the following frames for long.
     assert found[len(found) - len(messages[2:]) :] == messages[2:]
 
 

@@ -44,7 +44,7 @@ def test_frames_of_before_hydro_are_told_from_those_of_today_and_from_noise() ->
     assert count_old_frames(b"\xff\xff\x01" + old) == 2
     assert count_old_frames(old[:-1]) == 1
     assert count_old_frames(encode(0, b"") + encode(125, b"some")) == 0
-    assert count_old_frames(b"\xff\xff" + old) == 2  # found behind what only begins like one
+    assert count_old_frames(b"\xff\xff" + old) == 2  # found behind a false beginning
     for size, count in ((512, 1), (513, 0)):
         assert count_old_frames(old_frame(0, bytes(size))) == count
     assert count_old_frames(old_frame(300, b"a")[:-1] + b"\0") == 0

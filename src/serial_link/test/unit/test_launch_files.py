@@ -1,4 +1,4 @@
-"""Arguments of the nodes in the launch file; nothing is started here."""
+"""Arguments of the nodes in the launch file; no nodes are started."""
 
 import functools
 

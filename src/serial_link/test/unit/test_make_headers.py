@@ -36,9 +36,9 @@ PACKAGES = sorted(
     {path.parents[1].name for kind in ("msg", "srv") for path in SOURCES.glob(f"*/{kind}/*.{kind}")}
     | {"std_msgs", "geometry_msgs", "sensor_msgs"}
 )
-#: Has the headers take this machine for a board whose double has 4 bytes.
+#: Makes the headers treat this machine as a board with a 4-byte double.
 SMALL_DOUBLE = ("-U__SIZEOF_DOUBLE__", "-D__SIZEOF_DOUBLE__=4")
-#: What the classes of a service have behind its name.
+#: Suffixes of the classes of a service.
 ENDS = ("", "Request", "Response")
 #: Messages of each type that are sent through the board's class.
 ROUNDS = 5
@@ -52,7 +52,7 @@ def fields(generated: Any) -> Tuple[Field, ...]:
 
 
 def drawn(draw: random.Random, base: str) -> Any:
-    """Return a value at random; of 64 bits one that 32 hold, as a board has no other."""
+    """Return a random value; a 64-bit float is representable in 32 bits, as on a board."""
     if base == "string":
         return "".join(draw.choice('aé€ %\\"') for _ in range(draw.randrange(6)))
     if base == "bool":
@@ -121,7 +121,7 @@ def leaves(value: Any) -> List[str]:
 
 
 def printer(name: str, one: Tuple[Field, ...]) -> List[str]:
-    """Return a C++ function that prints what a message holds, by the names of its fields."""
+    """Return a C++ function that prints the content of a message, by field name."""
     lines = [f"void show({name} &it) {{", "  (void)it;"]
     for field in one:
         count = f"it.{field.name}_length" if field.length is None else f"{field.length}u"
@@ -135,7 +135,7 @@ def printer(name: str, one: Tuple[Field, ...]) -> List[str]:
 
 
 def constants(name: str, generated: Any) -> List[str]:
-    """Return C++ that only compiles if the constants of a message have their values."""
+    """Return C++ code that compiles only if the constants of a message have their values."""
     found = []
     for line in parts_of(generated._type, generated._full_text)[generated._type].splitlines():
         constant = constant_in(line)
@@ -220,10 +220,10 @@ def classes(headers: Dict[str, str]) -> List[Tuple[str, Any]]:
 
 
 class Board:
-    """The compiled headers, in a program that takes messages and says what it understood.
+    """The compiled headers, in a program that decodes messages and prints their content.
 
     :param headers: by their paths
-    :param folder: for what is compiled
+    :param folder: build folder
     """
 
     def __init__(self, headers: Dict[str, str], folder: pathlib.Path) -> None:
@@ -245,7 +245,7 @@ class Board:
         subprocess.check_call([*command, str(source), "-o", str(self._program)])
 
     def answers(self, sent: List[Tuple[int, bytes]]) -> List[Answer]:
-        """Return what it says of messages: the number of the type, and the bytes, of each."""
+        """Return its output for messages, each given as the index of its type and its bytes."""
         pieces = [struct.pack("<ii", number, len(payload)) + payload for number, payload in sent]
         said = subprocess.check_output([str(self._program)], input=b"".join(pieces)).decode()
         lines = [line.partition(" | ") for line in said.splitlines()]
@@ -367,7 +367,7 @@ def test_the_command_writes_what_a_sketch_includes(tmp_path: pathlib.Path) -> No
     assert (done.returncode, done.stderr) == (0, "")
     paths = sorted(str(path.relative_to(tmp_path / "made")) for path in tmp_path.rglob("*.h"))
     assert done.stdout == f"{len(paths)} headers are in {tmp_path / 'made'}\n"
-    # What a message contains comes with it.
+    # Nested types are included.
     assert paths == [
         "pid_control/motor_input.h",
         "pid_control/motor_output.h",

@@ -1,4 +1,4 @@
-"""Queue: reliable messages are never lost, and of streams the newest values come."""
+"""Queue: reliable messages are never lost, and the newest values of streams are kept."""
 
 import threading
 from typing import Any, List

@@ -169,7 +169,7 @@ def test_the_bytes_are_those_of_the_published_definitions() -> None:
 
 
 def test_the_ids_are_those_of_the_published_definitions() -> None:
-    """Both sides of the tests have them from one place: a wrong one would go unnoticed."""
+    """Both sides of the tests share these constants: a wrong one would go unnoticed otherwise."""
     p = payloads
     kinds = (p.PUBLISHER, p.SUBSCRIBER, p.SERVICE_SERVER, p.SERVICE_CLIENT)
     assert kinds == (0, 1, 2, 4)

@@ -24,7 +24,7 @@ sys.stdin.read()
 
 
 def leave_link(link: pathlib.Path) -> None:
-    """Have a board killed; its link leads to a terminal that this process has made since."""
+    """Simulate a killed board, whose link leads to a terminal of this process."""
     with subprocess.Popen(
         [sys.executable, "-c", BOARD, str(link)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     ) as board:
@@ -81,7 +81,7 @@ def test_link_without_a_mark_or_to_another_place_is_followed(tmp_path: pathlib.P
 
 @pytest.fixture
 def left(tmp_path: pathlib.Path) -> Iterator[pathlib.Path]:
-    """Return a link that a killed board has left, whose mark a test spoils."""
+    """Return the link of a killed board, for a test to corrupt its mark."""
     leave_link(tmp_path / "board")
     assert is_left_behind(str(tmp_path / "board"))
     yield tmp_path / "board"

@@ -1,4 +1,4 @@
-"""Processes that have a file open, by whatever name."""
+"""Processes that have a file open, under any name."""
 
 import contextlib
 import os
@@ -14,9 +14,9 @@ HOLD = "import sys; file = open(sys.argv[1]); print(flush=True); sys.stdin.read(
 
 @contextlib.contextmanager
 def holder(path: pathlib.Path, *words: str) -> Iterator[int]:
-    """Run a process that has a file open; gives its number.
+    """Run a process that has a file open; yield its process id.
 
-    :param words: what Python gets: the program, and what follows the file's name
+    :param words: arguments of Python: the program, and those after the file's name
     """
     program, *more = words or (HOLD,)
     option = [] if program.endswith(".py") else ["-c"]

@@ -1,4 +1,4 @@
-"""The device's side of the protocol, as rosserial's library for boards has it."""
+"""Device side of the protocol, compatible with rosserial's board library."""
 
 from typing import Any, List, Tuple
 
@@ -23,7 +23,7 @@ from serial_link.negotiation.payloads import (
 
 
 class Notes:
-    """A sketch that notes what it hears."""
+    """Sketch that records its messages."""
 
     topics = (
         Declared(PUBLISHER, "out", "std_msgs/Bool", "a" * 32),

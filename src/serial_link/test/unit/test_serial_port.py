@@ -1,4 +1,4 @@
-"""A serial port: its bytes, its loss, and the sentences where it cannot be had."""
+"""Serial port: its bytes, its loss, and the messages when it cannot be opened."""
 
 import fcntl
 import os
@@ -30,7 +30,7 @@ try:
 except PortUnavailable as error:
     print(error)
 """
-#: Tells whether a terminal is open to one program alone; termios does not name it.
+#: ioctl that returns whether a terminal is exclusive; termios does not define it.
 _TIOCGEXCL = 0x80045440
 #: Opens a port, and waits.
 OPEN = """
@@ -130,7 +130,7 @@ def test_it_has_the_port_for_itself(
     port.open(0.0)
     with pytest.raises(BlockingIOError):
         fcntl.flock(earlier, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    # Those that know no lock do not come in either, unless the superuser starts them.
+    # Programs that ignore locks cannot open it either, unless run by the superuser.
     assert (fcntl.ioctl(earlier, _TIOCGEXCL, bytes(4)) == bytes(4)) is is_pseudo
     os.close(earlier)
     with pytest.raises(PortUnavailable, match="in use by a program of another user"):

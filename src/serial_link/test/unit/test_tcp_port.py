@@ -101,7 +101,7 @@ def test_boards_at_one_port_have_a_seat_each_and_one_too_many_is_refused_in_word
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     monkeypatch.setattr("serial_link.hardware.tcp_port._SEAT_S", 0.2)
-    # All have one address here: none may take the place of a silent one on a slow machine.
+    # All have the same address here: none may replace a silent one on a slow machine.
     monkeypatch.setattr("serial_link.hardware.tcp_seats.SAME_BOARD_S", TIMEOUT_S)
     number, refused = free_port(), []
     server = TcpServer("localhost", number, parse_seats("left,right"), refused.append)
@@ -128,7 +128,7 @@ def test_boards_at_one_port_have_a_seat_each_and_one_too_many_is_refused_in_word
         assert board.read() == name
     wait_until(lambda: boards[2].read() == b"" and not boards[2].is_plugged, lambda: "connected")
     server.ports[0].release()
-    assert server.ports[1].read(0.0) == b""  # the other goes on
+    assert server.ports[1].read(0.0) == b""  # the other continues
     server.ports[1].release()
     for board in boards:
         board.unplug()

@@ -21,7 +21,7 @@ def connect(seats: List[Seat], peer: str, now: float = 0.0, is_board: bool = Tru
     if seat is None:
         return None
     seat.connected, seat.heard_at = peer, now
-    if is_board:  # its first frame has come
+    if is_board:  # its first frame
         seat.peer = peer
     return seat.name
 
@@ -40,7 +40,7 @@ def test_port_probe_that_sends_no_frame_reserves_nothing() -> None:
 def test_refusal_names_the_seats_that_are_reserved() -> None:
     seats = parse_seats("left,right")
     connect(seats, C, is_board=False)
-    assert f"connections from {C} have sent no frame" in explain_refusal(seats)
+    assert f"connections from {C} have sent no rosserial frame" in explain_refusal(seats)
     connect(seats, A, OTHER_BOARD_S), connect(seats, B)
     assert explain_refusal(seats).startswith("all of 2 are connected")
     seats[0].heard_at = None

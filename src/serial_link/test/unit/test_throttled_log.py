@@ -1,4 +1,4 @@
-"""Log with one limit per sentence, which a reset lifts."""
+"""Log with one limit per text, which a reset clears."""
 
 from typing import List
 

@@ -94,7 +94,7 @@ def test_a_board_that_tells_nothing_loses_nothing() -> None:
 
 def test_of_a_board_that_was_started_anew_only_what_it_tells_since_then_holds() -> None:
     table = TopicTable()
-    table.mark_damaged()  # so that what is told once replaces nothing
+    table.mark_damaged()  # a single announcement then replaces nothing
     for time in (0.0, 1.0):
         table.begin_round(time)
         for info_id in (PUBLISHER, SUBSCRIBER):
@@ -135,7 +135,7 @@ def test_where_bytes_are_damaged_each_topic_has_to_be_told_twice_alike() -> None
         table.add(float(time), PUBLISHER, info(125, name))
         assert table.end_round(time + 0.5) is is_complete
         assert names(table) == [name]
-    table.begin_round(3.0)  # what is known is told once more
+    table.begin_round(3.0)  # known topics are announced again
     table.add(3.0, PUBLISHER, info(125, "motor_output"))
     assert table.end_round(3.5) is True
 
@@ -180,7 +180,7 @@ def test_damaged_rounds_come_to_an_end() -> None:
 
 
 def test_rounds_that_are_broken_off_come_to_an_end_too() -> None:
-    """Board whose topic is told wrong each time, so that it is asked again."""
+    """Board whose topic is announced wrongly each time, so that it is asked again."""
     table, rounds = TopicTable(), 0
     table.begin_round(0.0)
     while not table.end_round(float(rounds)) and rounds < 2 * MOST_ROUNDS:

@@ -25,7 +25,7 @@ def test_each_time_that_it_is_plugged_in_there_is_a_terminal_behind_the_link(
 
 
 def test_a_board_that_was_closed_before_it_started_leaves_no_link(tmp_path: pathlib.Path) -> None:
-    """As at Ctrl-C right after the node came up."""
+    """Ctrl-C immediately after the node's start."""
 
     def never(_now: float) -> Device:
         raise AssertionError("it runs")

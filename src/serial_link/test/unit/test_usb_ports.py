@@ -8,7 +8,7 @@ from serial_link.hardware.usb_ports import has_line
 
 
 def describe(folder: pathlib.Path, driver: str, vendor: str = "", product: str = "") -> None:
-    """Write what the system has of a port ttyX0."""
+    """Write the sysfs entries of a port ttyX0."""
     usb = folder / "usb1" / "1-1"
     interface = usb / "1-1:1.0"
     (interface).mkdir(parents=True)

@@ -37,7 +37,7 @@ def is_finite(value):
 @pytest.mark.parametrize("kind, name", DECLARED, ids=lambda part: getattr(part, "__name__", part))
 @given(raw=YAML)
 @settings(max_examples=30)  # for each of 48 parameters, of a few types
-def test_any_value_is_taken_whole_or_refused_in_words(kind, name, raw):
+def test_any_value_is_accepted_or_rejected_with_message(kind, name, raw):
     parameters = OfflineParameters(kind)
     defaults = parameters.values
     refusals = parameters.set({name: raw})

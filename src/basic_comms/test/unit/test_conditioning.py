@@ -116,7 +116,7 @@ def test_keep_positive_lifts_the_trough_to_zero_and_no_higher(scale, offset, low
 
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("frequency", [0.0, -6.2832, -1.0])
-def test_phase_shift_holds_where_frequency_is_zero_or_negative(frequency, method):
+def test_phase_shift_with_zero_or_negative_frequency(frequency, method):
     conditioner = Conditioner()
     source = ExactSine(phase=0.4)
     shifted = Settings(1.0, 2.0, 0.0, keep_positive=False, method=method)
@@ -229,7 +229,7 @@ def test_restarts_are_counted_and_answered():
         assert conditioner.restarts == lap
 
 
-def test_a_quadrature_by_square_root_fails_where_this_one_does_not():
+def test_quadrature_succeeds_where_square_root_fails():
     # cos = sqrt(1 - (y/A)^2): at the crest the rounded sample exceeds the amplitude.
     amplitude = 0.1
     conditioner = Conditioner()
@@ -284,7 +284,7 @@ def test_a_delayed_signal_is_centred_by_the_input_offset_in_force():
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_stopped_generator_keeps_the_phase_for_when_it_goes_on(method):
+def test_stopped_generator_keeps_phase(method):
     settings = Settings(keep_positive=False, input_offset=1.0, method=method)
     conditioner, undisturbed, source = Conditioner(), Conditioner(), ExactSine(mean=1.0)
     for number in range(60):

@@ -93,7 +93,7 @@ def test_a_sine_is_shifted_whatever_frequency_and_rate_do(step, lead, changes, s
         ([99.0, 1.0, 4.0, 9.0, 16.0], 2.25),
     ],
 )
-def test_a_parabola_is_exact_where_one_side_shows_it(values, between_1_and_2):
+def test_parabola_is_reproduced_exactly(values, between_1_and_2):
     line = PhaseDelayLine()
     for number, value in enumerate(values):
         line.push(1.0, 0.1 * number, value)

@@ -57,19 +57,19 @@ def held_back(begin: float, end: float) -> List[float]:
     return [times[0] for _, times in steady(begin, end)]
 
 
-def test_nothing_is_late_before_anything_has_come() -> None:
+def test_no_samples_are_not_late() -> None:
     monitor = LatenessMonitor()
     assert (monitor.is_late, monitor.count, monitor.worst) == (False, 0, 0.0)
 
 
-def test_first_samples_may_come_before_the_simulated_clock() -> None:
+def test_first_samples_before_simulated_clock_are_not_late() -> None:
     monitor = fed([(0.0, [0.0]), (0.0, [0.1]), (BEGIN + 0.2, [0.2]), (BEGIN + 0.3, [0.3])])
     assert (monitor.is_late, monitor.worst) == (False, 0.0)
     feed(monitor, BEGIN + 0.4 + LATE_S, [0.4])
     assert monitor.is_late
 
 
-def test_late_begins_at_one_bound_and_is_over_beyond_the_other() -> None:
+def test_lateness_starts_and_ends_at_bounds() -> None:
     monitor = fed([(BEGIN, [0.0])])
     feed(monitor, BEGIN + 1.0 + LATE_S, [1.0])
     assert (monitor.is_late, monitor.count, monitor.worst) == (True, 1, LATE_S)
@@ -79,7 +79,7 @@ def test_late_begins_at_one_bound_and_is_over_beyond_the_other() -> None:
     assert not monitor.is_late
 
 
-def test_lag_is_that_of_the_last_of_those_that_came_together() -> None:
+def test_lag_of_a_batch_is_that_of_its_last_sample() -> None:
     monitor = fed(steady(0.0, 5.0), [(BEGIN + 5.9, held_back(5.0, 5.9))])
     feed(monitor, BEGIN + 7.1, [5.9])
     assert monitor.worst == pytest.approx(1.1)
@@ -101,7 +101,7 @@ def test_only_those_that_are_late_are_counted() -> None:
     assert monitor.worst == pytest.approx(20.04)
 
 
-def test_late_no_more_when_the_burst_is_over() -> None:
+def test_lateness_ends_after_burst() -> None:
     burst = held_back(5.0, 25.0)
     monitor = fed(steady(0.0, 5.0), [(BEGIN + 25.0, burst)], steady(25.1, 26.0))
     assert not monitor.is_late
@@ -126,7 +126,7 @@ def test_a_busy_moment_is_no_lateness(pause: float) -> None:
 
 
 @given(st.floats(0.02, 50.0))
-def test_a_bag_played_at_another_speed_is_not_late(speed: float) -> None:
+def test_bag_played_at_other_speed_is_not_late(speed: float) -> None:
     if PERIOD / speed - PERIOD < LATE_S:
         samples = [(n * PERIOD / speed, [n * PERIOD]) for n in range(300)]
         assert not was_ever_late(samples)
@@ -138,13 +138,13 @@ def test_a_change_of_rate_is_no_lateness(period: float) -> None:
     assert not was_ever_late(steady(0.0, 5.0), slow)
 
 
-def test_a_signal_that_was_stopped_goes_on_in_time() -> None:
+def test_resumed_signal_is_not_late() -> None:
     standing = [(BEGIN + 5.0 + n * PERIOD, [4.9]) for n in range(300)]
     on = [(now + 30.0, times) for now, times in steady(5.0, 6.0)]
     assert not was_ever_late(steady(0.0, 5.0), standing, on)
 
 
-def test_a_signal_that_stands_still_is_in_time_however_seldom_it_comes() -> None:
+def test_stopped_signal_is_not_late_at_any_rate() -> None:
     assert not was_ever_late(steady(0.0, 5.0), [(BEGIN + 9.0, [4.9]), (BEGIN + 19.0, [4.9])])
 
 
@@ -159,21 +159,19 @@ def test_a_signal_that_jumps_ahead_is_in_time() -> None:
 
 
 @given(st.floats(1.5, 1e6), st.integers(1, 40))
-def test_a_clock_that_follows_the_jump_of_a_signal_makes_nothing_late(
-    jump: float, behind: int
-) -> None:
+def test_clock_jump_after_signal_jump_is_not_late(jump: float, behind: int) -> None:
     samples = [(BEGIN + time_x, [jump + time_x]) for time_x in held_back(5.0, 10.0)]
     on = [(now + jump, times) for now, times in samples[behind:]]
     assert not was_ever_late(steady(0.0, 5.0), samples[:behind], on)
 
 
 @given(st.floats(1.5, 1e6))
-def test_a_clock_that_jumps_before_the_signal_makes_nothing_late(jump: float) -> None:
+def test_clock_jump_before_signal_jump_is_not_late(jump: float) -> None:
     on = [(now + jump, [times[0] + jump]) for now, times in steady(5.0, 10.0)]
     assert not was_ever_late(steady(0.0, 5.0), on)
 
 
-def test_what_a_jump_makes_late_is_withdrawn_by_the_first_sample_in_time() -> None:
+def test_lateness_by_jump_ends_with_first_timely_sample() -> None:
     jumped = [(now, [times[0] + 4.0]) for now, times in steady(5.0, 6.0)]
     monitor = fed(steady(0.0, 5.0), jumped)
     feed(monitor, BEGIN + 8.0, [10.0])  # half of what the clock will jump
@@ -182,7 +180,7 @@ def test_what_a_jump_makes_late_is_withdrawn_by_the_first_sample_in_time() -> No
     assert not monitor.is_late
 
 
-def test_clocks_that_take_turns_in_being_first_make_nothing_late() -> None:
+def test_alternating_jumps_are_not_late() -> None:
     steps = [(BEGIN + 2.0 * (n - n % 2), [2.0 * n]) for n in range(50)]
     assert not was_ever_late(steps)
 
@@ -196,7 +194,7 @@ def test_an_outage_after_a_jump_of_the_signal_alone_is_noticed(outage: float) ->
     assert monitor.worst == pytest.approx(outage)
 
 
-def test_a_jump_is_forgotten_when_the_signal_has_gone_on_for_long() -> None:
+def test_jump_is_forgotten_after_some_time() -> None:
     ahead = [(now - 100.0, times) for now, times in steady(105.0, 105.2 + SETTLED_S)]
     monitor = fed(steady(0.0, 5.0), ahead)
     time_x = 105.3 + SETTLED_S
@@ -204,7 +202,7 @@ def test_a_jump_is_forgotten_when_the_signal_has_gone_on_for_long() -> None:
     assert monitor.is_late
 
 
-def test_a_lag_that_lasts_is_none_in_the_end() -> None:
+def test_permanent_lag_becomes_normal() -> None:
     def later(end: float) -> List[Tuple[float, List[float]]]:
         return [(now + 30.0, times) for now, times in steady(5.0, end)]
 

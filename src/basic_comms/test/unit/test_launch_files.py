@@ -140,7 +140,7 @@ def test_every_argument_has_a_doc(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", files(".launch"))
-def test_only_what_has_no_default_is_listed_as_required(name: str) -> None:
+def test_required_arguments_have_no_default(name: str) -> None:
     listed = listed_arguments(name)
     required = {argument for argument, (_, default) in listed.items() if not default}
     assert required == ({"text"} if name == "features/arg.launch" else set())
@@ -186,7 +186,7 @@ def test_activities_2_and_3_set_the_same_parameters() -> None:
     "prefix, path",
     [("cw1", "/home/me/cw1"), ("runs/my first", "/home/me/runs/my first"), ("/tmp/2", "/tmp/2")],
 )
-def test_bag_goes_to_where_the_caller_is(
+def test_bag_is_written_to_callers_folder(
     prefix: str, path: str, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     monkeypatch.setenv("PWD", "/home/me")
@@ -213,7 +213,7 @@ def test_a_constant_argument_cannot_be_given() -> None:
         load("features/arg.launch", "text:=x", "name:=y")
 
 
-def test_self_test_holds_one_test_for_rostest() -> None:
+def test_self_test_contains_one_test() -> None:
     (test,) = load("features/self_test.launch").tests
     assert (test.package, test.type, test.test_name) == ("rostest", "hztest", "talker_rate")
 
@@ -235,7 +235,7 @@ def test_only_process_runs_on_the_other_host() -> None:
     assert there.env_loader == "/opt/ros/env.sh"
 
 
-def test_the_other_host_is_expected_to_have_the_same_workspace() -> None:
+def test_other_host_needs_same_workspace() -> None:
     (process,) = [
         node
         for node in load("cw1_two_hosts.launch", "host:=192.0.2.2").nodes

@@ -41,7 +41,7 @@ def test_a_scope_looks_in_its_own_place_only(scope, key):
     assert message_text({}, KEYS, scope) == "No Parameter Found"
 
 
-def test_local_and_global_are_one_place_for_a_node_in_no_namespace():
+def test_local_equals_global_without_namespace():
     keys = candidates("/talker")
     for scope in ("local", "global"):
         assert message_text({"/Message": "hi"}, keys, scope) == "hi"
@@ -61,7 +61,7 @@ def test_an_empty_text_is_a_text(scope):
 
 
 @pytest.mark.parametrize("scope", SCOPES)
-def test_none_stands_for_what_is_not_set(scope):
+def test_unset_value_is_none(scope):
     nothing = dict.fromkeys(KEYS)
     assert message_text(nothing, KEYS, scope) == message_text({}, KEYS, scope)
 

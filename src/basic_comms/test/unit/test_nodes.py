@@ -47,7 +47,7 @@ def answers(node: OfflineNode) -> List[float]:
     return [message.data for message in node.published["proc_signal"]]
 
 
-def test_each_sample_is_answered_at_once() -> None:
+def test_process_answers_each_sample_immediately() -> None:
     node = OfflineNode(**PLAIN)
     Process(node)
     node.receive([sample(0.0, 0.5), sample(0.1, 0.75)], True)
@@ -121,7 +121,7 @@ def test_samples_that_jump_with_the_clock_are_not_called_late(clocks: Clocks) ->
     assert clocks.warnings == []
 
 
-def test_two_publishers_at_once_take_turns(monkeypatch: Any) -> None:
+def test_concurrent_publishers_alternate(monkeypatch: Any) -> None:
     node = OfflineNode(**PLAIN)
     Process(node)
     inside: List[int] = []
@@ -151,7 +151,7 @@ def statuses(node: OfflineNode) -> List[str]:
     return [message.data for message in node.published["~status"]]
 
 
-def test_status_is_told_when_it_changes_and_after_each_reset() -> None:
+def test_status_is_published_on_change_and_after_reset() -> None:
     node = OfflineNode()
     SignalGenerator(node)
     for elapsed in (0.0, 0.1, 0.2):

@@ -123,7 +123,7 @@ def test_a_chip_far_away_obeys_the_recurrence_of_the_register(order, seed, index
 
 
 @given(st.lists(st.integers(0, 3000), max_size=30))
-def test_chips_do_not_depend_on_the_way_to_them(indices):
+def test_chips_are_independent_of_access_order(indices):
     prbs = Prbs(10, 5)
     assert [prbs.chip(index) for index in indices] == [Prbs(10, 5).chip(index) for index in indices]
 

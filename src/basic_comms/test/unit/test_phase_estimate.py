@@ -28,7 +28,7 @@ def two_samples(phase, angle=1.0):
 
 
 @given(phases)
-def test_first_sample_leaves_the_falling_phase_open_too(phase):
+def test_first_sample_allows_rising_and_falling_phase(phase):
     estimate = PhaseEstimate()
     feed(estimate, phase, 0.0)
     feed(estimate, phase + 1.0, 1.0)
@@ -44,7 +44,7 @@ def test_two_samples_make_the_usual_case(phase):
     assert searched is None
 
 
-def test_a_sample_cuts_what_slack_has_widened():
+def test_sample_narrows_interval_widened_by_slack():
     estimate = two_samples(0.2)
     for number in range(1, 200):
         # Each step alone may be wrong by as much; together they are not narrow any more.
@@ -64,7 +64,7 @@ def test_slack_without_samples_ends_the_usual_case():
 
 
 @pytest.mark.parametrize("further", [0.05, -0.05])
-def test_a_contradicted_angle_is_told_from_the_other_one(further):
+def test_contradicted_angle_selects_the_other(further):
     estimate = two_samples(0.2)
     cosine, other_was_right = feed(estimate, 0.3 + further, 0.1, other=(further, 1e-6))
     assert other_was_right is True
@@ -72,7 +72,7 @@ def test_a_contradicted_angle_is_told_from_the_other_one(further):
     assert estimate.phase == pytest.approx(0.3 + further, abs=1e-6)
 
 
-def test_of_two_phases_the_one_nearest_to_the_other_angle_is_more_likely():
+def test_phase_nearest_to_other_angle_is_preferred():
     estimate = PhaseEstimate()
     estimate.start(0.2)
     feed(estimate, 0.2, 0.0)
@@ -101,7 +101,7 @@ def test_start_forgets_all_but_a_guess(phase):
     assert cosine == pytest.approx(math.cos(phase), abs=math.sqrt(2.0 * TOLERANCE))
 
 
-def test_no_guess_is_taken_from_a_phase_too_large_to_tell():
+def test_too_large_phase_is_not_used_as_guess():
     estimate = PhaseEstimate()
     for phase in (1e15, 1e300, math.inf):
         estimate.start(1.0)

@@ -98,7 +98,7 @@ def lines(draw):
 
 
 @given(lines(), st.lists(st.floats(0.5, 1.5), min_size=15, max_size=15))
-def test_error_stays_within_the_promise_wherever_the_tracker_joins(drawn, stretches):
+def test_error_is_bounded_for_any_start(drawn, stretches):
     line, step = drawn
     promise = Promise()
     line.deliver()
@@ -108,7 +108,7 @@ def test_error_stays_within_the_promise_wherever_the_tracker_joins(drawn, stretc
 
 
 @given(lines(), st.data())
-def test_error_stays_within_the_promise_through_live_changes(drawn, data):
+def test_error_is_bounded_through_live_changes(drawn, data):
     line, step = drawn
     promise = Promise()
     line.deliver()
@@ -168,7 +168,7 @@ def test_a_sudden_change_after_a_sweep_is_sudden_again(phase, frequency):
 
 
 @given(st.floats(20.0, 60.0))
-def test_a_sudden_change_within_a_sweep_is_told_from_it(frequency):
+def test_sudden_change_within_sweep_is_detected(frequency):
     line = Line(frequency=5.0)
     line.deliver()
     sweep(line, 10.0, 200)
@@ -358,7 +358,7 @@ def test_takes_the_input_offset_off(offset, angle, phase):
 
 @pytest.mark.parametrize("seen", [1, 10])
 @pytest.mark.parametrize("backwards", [0.0, 0.05, 3600.0])
-def test_starts_anew_when_time_does_not_run_forward(backwards, seen):
+def test_tracking_restarts_when_time_does_not_advance(backwards, seen):
     line = Line(time=86400.0 + backwards - 0.1 * seen)
     for _ in range(seen):
         line.advance(0.1)
@@ -398,7 +398,7 @@ def test_an_infinite_change_of_phase_is_no_sweep():
 
 
 @given(st.floats(-math.pi, math.pi) | near_crest, st.floats(1e-9, 1e-2), st.floats(-1.0, 1.0))
-def test_the_phases_of_a_measured_sine_hold_the_true_one(phase, tolerance, part):
+def test_phases_of_sine_contain_true_phase(phase, tolerance, part):
     found = phases_of_sine(math.sin(phase) + 0.999 * part * tolerance, tolerance)
     assert any(abs(math.remainder(phase - centre, TURN)) <= half + 1e-12 for centre, half in found)
     for centre, half in found:
@@ -416,7 +416,7 @@ def test_every_phase_fits_a_sine_that_is_not_known():
     assert half == pytest.approx(math.pi)
 
 
-def test_intersection_keeps_what_both_agree_on_whatever_the_turn():
+def test_intersection_is_independent_of_whole_turns():
     ((centre, half),) = intersect([(1.0 + 3 * TURN, 0.2)], [(1.3, 0.2), (2.0, 0.2)])
     assert centre == pytest.approx(1.15)
     assert half == pytest.approx(0.05)

@@ -5,7 +5,7 @@ import math
 from basic_comms.conditioning.process_parameters import ProcessParameters
 
 
-def test_defaults_and_ranges_are_the_agreed_ones() -> None:
+def test_defaults_and_ranges_are_as_specified() -> None:
     declared = ProcessParameters.declared
     assert {name: (item.default, item.range) for name, item in declared.items()} == {
         "amplitude_scale": (0.5, "[-1e6, 1e6]"),

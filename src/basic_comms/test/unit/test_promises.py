@@ -23,7 +23,7 @@ def found() -> Dict[str, Any]:
     return table
 
 
-def test_more_than_is_promised_breaks_nothing() -> None:
+def test_additions_break_no_promise() -> None:
     assert list(promises.broken(PROMISED, found())) == []
 
 
@@ -37,7 +37,7 @@ def test_more_than_is_promised_breaks_nothing() -> None:
         (["executables"], {}, "executables/a is promised, and is gone"),
     ],
 )
-def test_what_has_gone_or_changed_is_told(path: List[str], value: Any, sentence: str) -> None:
+def test_removals_and_changes_are_reported(path: List[str], value: Any, sentence: str) -> None:
     table = found()
     place = table
     for name in path[:-1]:
@@ -47,7 +47,7 @@ def test_what_has_gone_or_changed_is_told(path: List[str], value: Any, sentence:
     assert told.endswith(sentence)
 
 
-def test_what_is_new_is_promised_from_then_on(tmp_path: pathlib.Path) -> None:
+def test_additions_are_added_to_promises(tmp_path: pathlib.Path) -> None:
     changed = found()
     changed["messages"]["a_msgs/One"] = "other"
     del changed["nodes"]

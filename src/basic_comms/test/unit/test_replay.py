@@ -138,7 +138,7 @@ def test_files_in_their_usual_forms_are_read(write, content):
         (b"\xff\xfe0,1\n", "series.csv: not UTF-8 text"),
     ],
 )
-def test_a_broken_file_is_refused_with_its_name_line_and_what_is_allowed(write, content, words):
+def test_malformed_file_is_rejected_with_name_line_and_format(write, content, words):
     with pytest.raises(SeriesError) as refusal:
         load_series(write(content))
     assert words in str(refusal.value)
@@ -151,7 +151,7 @@ def test_a_missing_file_is_refused(tmp_path, name):
         load_series(str(tmp_path / name) if name else "")
 
 
-def test_what_is_no_file_is_called_what_it_is_and_not_opened(tmp_path):
+def test_non_regular_file_is_rejected_by_type_without_opening(tmp_path):
     os.mkfifo(tmp_path / "pipe")  # to open it would wait for a writer
     with socket.socket(socket.AF_UNIX) as listener:
         listener.bind(str(tmp_path / "socket"))
@@ -192,7 +192,7 @@ def test_the_size_is_looked_at_before_anything_is_read(tmp_path, monkeypatch):
         load_series(str(path))
 
 
-def test_a_file_that_tells_no_size_is_read_no_further_than_allowed():
+def test_file_without_size_is_read_up_to_limit():
     with pytest.raises(SeriesError, match="/proc/self/stat: 12 bytes; at most 11"):
         with mock.patch.object(replay, "LARGEST_BYTES", 11):
             load_series("/proc/self/stat")

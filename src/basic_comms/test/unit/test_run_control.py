@@ -43,7 +43,7 @@ def test_a_sample_that_was_due_before_enable_does_not_take_the_time_back():
     assert states(control, [15.4, 16.5]) == ["running 2.000", "running 3.100"]
 
 
-def test_to_enable_or_to_stop_twice_changes_nothing():
+def test_repeated_enable_or_stop_has_no_effect():
     control = RunControl()
     states(control, [10.0])
     control.enable(11.0, True)
@@ -60,7 +60,7 @@ def test_without_autostart_it_waits_for_enable():
     assert states(control, [12.5]) == ["running 0.500"]
 
 
-def test_the_start_delay_is_over_before_time_starts():
+def test_time_starts_after_start_delay():
     control = RunControl()
     assert states(control, [10.0, 11.0, 12.0, 13.0], start_delay=2.0) == [
         "idle 0.000",
@@ -90,7 +90,7 @@ def test_it_finishes_at_its_duration():
     ]
 
 
-def test_it_finishes_at_a_duration_that_is_over_by_its_first_sample():
+def test_duration_before_first_sample_finishes_it():
     control = RunControl()
     assert states(control, [0.0, 4.0], start_delay=2.0, duration=0.5) == [
         "idle 0.000",
@@ -98,7 +98,7 @@ def test_it_finishes_at_a_duration_that_is_over_by_its_first_sample():
     ]
 
 
-def test_a_longer_duration_lets_it_go_on_from_where_it_finished():
+def test_longer_duration_continues_from_end():
     control = RunControl()
     states(control, [0.0, 6.0, 9.0], duration=5.0)
     assert states(control, [10.0, 11.0]) == ["running 5.000", "running 6.000"]
@@ -132,7 +132,7 @@ def test_reset_takes_the_time_back_also_while_stopped():
     assert states(control, [11.0]) == ["running 1.000"]
 
 
-def test_reset_restarts_a_delay_that_is_not_over_and_skips_one_that_is():
+def test_reset_restarts_pending_delay_and_skips_elapsed_one():
     control = RunControl()
     states(control, [0.0, 1.0], start_delay=2.0)
     control.reset()

@@ -38,7 +38,7 @@ SWITCHES = {"chirp_repeat": False, "file_loop": False, "autostart": True}
 LOGARITHMIC = "a logarithmic chirp must have two frequencies above 0 that differ"
 
 
-def test_defaults_and_ranges_are_the_agreed_ones() -> None:
+def test_defaults_and_ranges_are_as_specified() -> None:
     declared = SignalParameters.declared
     assert {name: (declared[name].default, declared[name].range) for name in NUMBERS} == NUMBERS
     assert {name: declared[name].default for name in SWITCHES} == SWITCHES
@@ -99,9 +99,7 @@ def test_a_file_is_read_when_its_path_is_set(tmp_path: Any) -> None:
     assert SignalParameters().series is None
 
 
-def test_a_path_that_is_none_of_a_file_is_refused_in_one_sentence(
-    tmp_path: Any, monkeypatch: Any
-) -> None:
+def test_invalid_path_is_rejected_with_message(tmp_path: Any, monkeypatch: Any) -> None:
     (tmp_path / "folder").mkdir()
     monkeypatch.chdir(tmp_path)
     with pytest.raises(ParameterError) as refusal:

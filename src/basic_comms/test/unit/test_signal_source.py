@@ -66,7 +66,7 @@ def test_with_constant_settings_a_sine_is_that_of_frequency_times_time(frequency
         assert source.sample(time, chosen).value == pytest.approx(expected, abs=1e-10)
 
 
-def test_another_amplitude_waveform_and_rate_leave_the_sine_where_it_was():
+def test_changes_of_amplitude_waveform_and_rate_keep_phase():
     source = SignalSource()
     source.sample(0.1, settings(amplitude=5.0))
     source.sample(0.2, settings(waveform="constant"))
@@ -115,7 +115,7 @@ def test_shapes_of_time():
     assert run(times, waveform="file", file="") == [0.0] * 4
 
 
-def test_chirp_whose_first_sample_comes_later_has_swept_since_time_zero():
+def test_chirp_sweeps_from_time_zero_before_first_sample():
     late, whole = SignalSource(), SignalSource()
     chosen = settings(waveform="chirp")
     whole.sample(0.0, chosen)
@@ -145,7 +145,7 @@ def test_a_repeated_chirp_starts_again_at_its_first_frequency():
 @pytest.mark.parametrize(
     "waveform", ["step", "ramp", "chirp", "uniform_noise", "prbs", "multisine", "file"]
 )
-def test_what_begins_somewhere_begins_with_the_sample_that_chooses_it(waveform):
+def test_shapes_with_start_begin_at_selecting_sample(waveform):
     times = [n * 0.05 for n in range(100)]
     source, late = SignalSource(), []
     source.sample(7.0, settings(frequency=0.0))
@@ -165,7 +165,7 @@ def test_random_shapes_repeat_with_their_seed(waveform):
     assert [source.sample(time, settings(waveform=waveform)).value for time in times] == first
 
 
-def test_another_seed_or_order_takes_effect_at_once():
+def test_change_of_seed_or_order_takes_effect_immediately():
     source = SignalSource()
     for n, seed in enumerate([3, 4, 4]):
         value = source.sample(n * 0.1, settings(waveform="gaussian_noise", seed=seed)).value
@@ -185,7 +185,7 @@ def test_prbs_lasts_its_chip_time_and_its_period():
     assert sum(values[0:62:2]) == 2.0
 
 
-def test_another_chip_time_does_not_leap_in_the_sequence():
+def test_change_of_chip_time_continues_sequence():
     steady = run([n * 0.1 for n in range(60)], waveform="prbs")
     source, values = SignalSource(), []
     for n in range(30):
@@ -208,7 +208,7 @@ def test_multisine_is_the_sum_of_its_components_scaled_to_the_amplitude():
     assert run(times, waveform="multisine", offset=1.0) == pytest.approx(expected)
 
 
-def test_components_of_a_multisine_keep_their_phases_when_others_come_and_go():
+def test_multisine_components_keep_phase_when_others_change():
     source = SignalSource()
     one = {"multisine_amplitudes": [1.0], "multisine_phases": [0.0], "waveform": "multisine"}
     source.sample(1.0, settings(multisine_frequencies=[1.0], **one))
@@ -218,7 +218,7 @@ def test_components_of_a_multisine_keep_their_phases_when_others_come_and_go():
     assert value == pytest.approx(2.0 * math.sin(1.0 + 3.0 * 1.0))
 
 
-def test_a_component_added_again_is_where_it_would_be_had_it_always_been_there():
+def test_readded_component_continues_its_phase():
     source = SignalSource()
     for time, frequencies in [(1.0, [1.0, 5.0]), (2.0, [1.0]), (3.0, [1.0, 7.0])]:
         count = len(frequencies)
@@ -250,7 +250,7 @@ def test_each_waveform_that_can_be_chosen_can_be_made():
     assert tuple(SHAPES) == WAVEFORMS
 
 
-def test_the_highest_frequency_tells_what_has_to_be_below_nyquist():
+def test_highest_frequency_of_each_waveform():
     highest = {name: settings(waveform=name).highest_frequency for name in WAVEFORMS}
     periodic = dict.fromkeys(["sine", "square", "triangle", "sawtooth", "pulse"], TWO_PI)
     others = {"chirp": 50.0, "multisine": 25.0, "prbs": math.pi / 0.1}

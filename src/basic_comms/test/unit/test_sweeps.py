@@ -44,7 +44,7 @@ def test_samples_at_irregular_times_equal_scipy(first, last, logarithmic):
 
 
 @given(chirps)
-def test_a_single_sweep_ends_at_its_last_frequency_and_stays(chirp):
+def test_single_sweep_stays_at_last_frequency(chirp):
     chirp = chirp._replace(repeat=False)
     just_before_end = chirp.duration * (1.0 - 1e-12)
     assert chirp.frequency(0.0) == pytest.approx(chirp.first, rel=1e-12)
@@ -80,7 +80,7 @@ def test_the_mean_frequency_is_the_integral_of_the_frequency(chirp, one, other):
 
 
 @given(chirps, times)
-def test_the_mean_over_no_time_is_the_frequency(chirp, time):
+def test_mean_over_empty_interval_is_frequency(chirp, time):
     assert chirp.mean_frequency(time, time) == chirp.frequency(time)
 
 

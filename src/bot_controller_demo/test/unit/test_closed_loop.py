@@ -160,7 +160,7 @@ def test_near_and_far_goals_are_reached_without_a_detour(scale: float) -> None:
         (0.5, 1.0, 0.05, 8),
     ],
 )
-def test_the_law_of_the_course_comes_to_its_goals_unless_it_is_said_to_circle_them(
+def test_course_law_reaches_goals_unless_it_may_circle(
     linear: float, angular: float, tolerance: float, missed: int
 ) -> None:
     gains = Gains(linear, angular)
@@ -185,7 +185,7 @@ def test_a_turn_by_pi_keeps_its_direction_and_settles(theta: float, delay: int) 
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
-def test_a_robot_that_still_turns_the_other_way_does_not_stay_where_it_is(side: float) -> None:
+def test_robot_turning_the_other_way_still_turns(side: float) -> None:
     """It is just across when it is told, with one sample's delay; so it is at the next sample."""
     first = Velocity(0.0, side)
     driven = run(Goal(0.0, 0.0, -3.13 * side), robot_of(MODELS["burger"]), first=first)

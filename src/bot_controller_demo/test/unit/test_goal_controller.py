@@ -36,14 +36,12 @@ def test_an_angle_is_wrapped_to_the_same_direction(angle: float) -> None:
 
 
 @given(ANGLES, st.sampled_from([1.0, -1.0, math.sqrt(2.0), 1e-3, 100.0]))
-def test_a_heading_comes_back_from_its_quaternion_of_any_length(
-    theta: float, length: float
-) -> None:
+def test_heading_of_quaternion_of_any_norm(theta: float, length: float) -> None:
     z, w = length * math.sin(theta / 2.0), length * math.cos(theta / 2.0)
     assert wrap(heading_of(0.0, 0.0, z, w) - theta) == pytest.approx(0.0, abs=1e-9)
 
 
-def test_a_heading_of_a_tilted_robot_is_where_its_nose_points() -> None:
+def test_heading_of_tilted_robot_is_its_forward_direction() -> None:
     half = 0.5 * 0.3  # pitched by 0.3 rad, then turned by 1 rad
     x, y, z, w = (
         -math.sin(half) * math.sin(0.5),
@@ -117,12 +115,12 @@ def test_arrival_has_hysteresis() -> None:
     assert at(controller, -0.15, 0.0) == DRIVING
 
 
-def test_an_arrived_robot_is_told_to_stop_and_one_without_a_heading_does_not_turn() -> None:
+def test_arrived_robot_stops_and_goal_without_heading_needs_no_turn() -> None:
     step = GoalController(Goal(0.05, 0.0)).step(Pose(0.0, 0.0, 2.0), TUNING)
     assert (step.velocity, step.phase) == (STOP, ARRIVED)
 
 
-def test_a_turn_goes_the_short_way_and_a_new_goal_begins_anew() -> None:
+def test_turn_takes_shorter_direction_and_restarts_with_new_goal() -> None:
     controller = GoalController(Goal(0.0, 0.0, 0.0))
     assert controller.step(Pose(0.0, 0.0, 3.0), TUNING).velocity.angular == -1.0
     assert controller.step(Pose(0.0, 0.0, -3.0), TUNING).velocity.angular == -1.0
@@ -160,9 +158,7 @@ def pose(frame: str = "", x: float = 0.0, z: float = 0.0, w: float = 1.0) -> Pos
 @pytest.mark.parametrize(
     "named, frame", [("odom", "odom"), ("/odom", "odom"), ("odom", "/odom"), ("", None)]
 )
-def test_a_goal_is_in_the_frame_of_the_odometry_or_names_none(
-    named: str, frame: Optional[str]
-) -> None:
+def test_goal_frame_must_be_odometry_frame_or_empty(named: str, frame: Optional[str]) -> None:
     assert goal_of(pose(named, 2.0), frame) == Goal(2.0, 0.0, 0.0)
 
 
@@ -178,7 +174,7 @@ def test_a_goal_is_in_the_frame_of_the_odometry_or_names_none(
         (pose(x=-1e308), "odom", "each must be in \\[-1e6, 1e6]"),
     ],
 )
-def test_a_goal_that_makes_no_sense_is_refused_in_words(
+def test_invalid_goal_is_rejected_with_message(
     message: PoseStamped, frame: Optional[str], reason: str
 ) -> None:
     with pytest.raises(GoalRefused, match=reason):

@@ -103,7 +103,7 @@ def test_waypoints_are_those_of_a_file(tmp_path: Any) -> None:
 
 
 @pytest.mark.parametrize("name", LAUNCH_FILES)
-def test_simulator_comes_when_asked_for_with_the_model_and_the_type(name: str) -> None:
+def test_simulator_argument_starts_simulator_with_model_and_type(name: str) -> None:
     assert "diff_drive" not in [node.type for node in load(name).nodes]
     config = load(name, "simulator:=true", "model:=waffle", "controller_type:=gazebo")
     assert "diff_drive" in [node.type for node in config.nodes]
@@ -111,7 +111,7 @@ def test_simulator_comes_when_asked_for_with_the_model_and_the_type(name: str) -
     assert (robot["wheel_separation"], robot["controller_type"]) == (0.287, "gazebo")
 
 
-def test_rviz_s_button_sends_a_goal_to_who_hears_it() -> None:
+def test_rviz_button_sends_goal_to_subscriber() -> None:
     path = os.path.join(PACKAGES.get_path("diff_drive_sim"), "rviz", "robot.rviz")
     with open(path) as file:
         tools = yaml.safe_load(file)["Visualization Manager"]["Tools"]

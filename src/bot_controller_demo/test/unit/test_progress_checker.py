@@ -9,7 +9,7 @@ from bot_controller_demo.control.goal_controller import DRIVING, TURNING
 from bot_controller_demo.control.progress_checker import ProgressChecker
 
 
-def test_a_robot_that_stands_has_stood_since_it_stopped() -> None:
+def test_stopped_robot_counts_from_its_stop() -> None:
     progress_checker = ProgressChecker()
     for step in range(100):
         assert (

@@ -54,7 +54,7 @@ def zeros(said: List[Tuple[float, Velocity]]) -> List[float]:
     return [time for time, velocity in said if velocity == STOP]
 
 
-def test_a_held_key_drives_without_a_gap_and_ends_with_one_zero() -> None:
+def test_held_key_drives_without_gap_and_ends_with_one_zero() -> None:
     """Course 001-robot-7."""
     said = told(held("i", 1.0, 3.0), 5.0)
     assert moving(said)[0] == 1.0
@@ -74,14 +74,14 @@ def test_two_quick_presses_by_hand_do_not_shake() -> None:
     assert len(zeros(said)) == 1 and zeros(said)[0] > 2.9
 
 
-def test_another_key_takes_over_at_once_and_has_its_own_first_time_out() -> None:
+def test_other_key_takes_over_with_own_first_timeout() -> None:
     said = told(held("i", 1.0, 2.0) + held("j", 2.0, 4.0), 6.0)
     assert dict(said)[1.9] == Velocity(0.2, 0.0) and dict(said)[2.1] == Velocity(0.0, 1.0)
     assert len(zeros(said)) == 1 and zeros(said)[0] > 3.9
 
 
 @pytest.mark.parametrize("key", ["k", " ", "\x1b[A", "I", "q"])
-def test_any_other_key_stops_at_once(key: str) -> None:
+def test_other_key_stops_immediately(key: str) -> None:
     said = told([(1.0, "i"), (1.2, key)], 3.0)
     assert zeros(said) == [1.2] and moving(said)[-1] < 1.2
 
@@ -90,7 +90,7 @@ def test_silence_before_the_first_key_and_after_a_key_that_does_not_move() -> No
     assert told([(1.0, "k"), (2.0, "x"), (2.5, "?")], 3.0) == []
 
 
-def test_a_key_that_is_pressed_after_a_stop_begins_anew() -> None:
+def test_key_after_stop_starts_again() -> None:
     key = HeldKey()
     key.press("i", 0.0, TIME_OUTS)
     key.release()
@@ -99,7 +99,7 @@ def test_a_key_that_is_pressed_after_a_stop_begins_anew() -> None:
 
 
 @given(st.lists(st.tuples(st.floats(0.0, 4.0), st.sampled_from(["i", "j", ".", "k", "q"]))))
-def test_after_any_typing_the_last_word_is_one_zero(presses: List[Tuple[float, str]]) -> None:
+def test_last_command_after_any_input_is_one_zero(presses: List[Tuple[float, str]]) -> None:
     said = told(sorted(presses), 5.0)
     assert not said or said[-1][1] == STOP
     both = zip(said, said[1:])
@@ -125,7 +125,7 @@ def test_the_keys_of_teleop_twist_keyboard() -> None:
         ("\n", ["\n"]),
     ],
 )
-def test_what_a_terminal_sends_is_split_into_keys(text: str, keys: List[str]) -> None:
+def test_terminal_input_is_split_into_keys(text: str, keys: List[str]) -> None:
     assert split(text) == keys
 
 
@@ -134,7 +134,7 @@ def velocity_of(teleoperation: Teleoperation, now: float) -> Optional[Velocity]:
     return teleoperation.velocity(now, SPEEDS, TIME_OUTS)
 
 
-def test_speeds_apply_at_once() -> None:
+def test_speeds_apply_immediately() -> None:
     teleoperation = Teleoperation()
     teleoperation.press("u", 0.0, TIME_OUTS)
     assert velocity_of(teleoperation, 0.0) == Velocity(0.2, 1.0)

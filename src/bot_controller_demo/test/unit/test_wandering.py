@@ -66,7 +66,7 @@ def test_in_an_hour_it_visits_the_arena() -> None:
     assert longest_s < 60.0
 
 
-def test_where_it_may_not_turn_it_does_not() -> None:
+def test_no_turn_without_allowed_rate() -> None:
     wanderer = Wanderer(1)
     assert wanderer.draw((0.1, 0.1), (0.0, 0.0), PERIOD, True) == (0.1, 0.0)
 

@@ -55,7 +55,7 @@ def goals(monkeypatch: "pytest.MonkeyPatch", steps: int, **values: Any) -> List[
 ONE, TWO = [1.0, 0.0], [2.0, 0.0, 3.0]
 
 
-def test_points_are_gone_through_once_or_again_and_again(
+def test_waypoints_are_visited_once_or_repeatedly(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     one, two = Goal(*ONE), Goal(*TWO)
@@ -63,7 +63,7 @@ def test_points_are_gone_through_once_or_again_and_again(
     assert goals(monkeypatch, 6, waypoints=[ONE, TWO], repeat=True) == [one, two, one, two]
 
 
-def test_where_it_is_at_all_points_it_does_not_set_out_at_each_step(
+def test_robot_at_all_points_does_not_restart_each_step(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     near = [1.05, 0.0]

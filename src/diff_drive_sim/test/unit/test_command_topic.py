@@ -19,7 +19,7 @@ def received(message: Any, sender: str) -> Any:
     return raw
 
 
-def test_each_publisher_of_another_type_is_warned_of_once(
+def test_publisher_of_wrong_type_causes_one_warning(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     lines: List[str] = []

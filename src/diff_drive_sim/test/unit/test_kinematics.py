@@ -76,9 +76,7 @@ def test_after_1000_s_at_30_hz_it_is_within_a_nanometre(seed: int) -> None:
 
 
 @pytest.mark.parametrize("linear, angular", [(0.2, 0.4), (0.22, 0.001), (0.22, 1e-9), (0.1, 2.0)])
-def test_one_arc_of_1000_s_is_within_a_nanometre_however_it_is_cut(
-    linear: float, angular: float
-) -> None:
+def test_arc_of_1000_s_is_exact_for_any_division(linear: float, angular: float) -> None:
     end = exact(*map(Decimal, (0, 0, 0, linear)), Decimal(angular))  # of 1 s
     for _ in range(999):
         end = exact(*end, Decimal(linear), Decimal(angular))
@@ -99,9 +97,7 @@ def test_back_along_the_same_arc_leads_to_the_start(
 
 
 @given(POSES, DISTANCES, TURNS, st.floats(0.0, 1.0))
-def test_two_parts_of_an_arc_lead_where_the_arc_does(
-    pose: Pose, distance: float, turn: float, part: float
-) -> None:
+def test_parts_of_arc_add_up(pose: Pose, distance: float, turn: float, part: float) -> None:
     whole = pose.moved(distance, turn)
     halves = pose.moved(part * distance, part * turn).moved(
         (1 - part) * distance, (1 - part) * turn
@@ -119,7 +115,7 @@ def test_heading_stays_within_half_a_turn(pose: Pose, distance: float, turn: flo
 
 
 @given(POSES)
-def test_no_way_leads_nowhere(pose: Pose) -> None:
+def test_zero_distance_keeps_pose(pose: Pose) -> None:
     assert pose.moved(0.0, 0.0) == pose
 
 

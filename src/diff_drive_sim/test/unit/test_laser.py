@@ -64,11 +64,11 @@ def test_a_turned_box_is_seen_as_its_four_walls() -> None:
     ]
 
 
-def test_nothing_is_seen_of_an_empty_world() -> None:
+def test_empty_world_has_infinite_ranges() -> None:
     assert Laser([], 3).ranges(0.0, 0.0, 0.0).tolist() == [math.inf] * 3
 
 
-def test_scan_is_taken_where_the_laser_is_and_within_its_range() -> None:
+def test_scan_uses_pose_and_range_of_laser() -> None:
     values = RobotParameters(scan_rate=10.0, scan_rays=4, laser_x=-0.032, scan_range=2.5)
     scan = Scanner(SQUARE, values, "base_scan").scan(Pose(0.5, 0.0, 0.0), "now")
     assert scan.ranges == [pytest.approx(1.532), pytest.approx(2.0), pytest.approx(2.468), 2.0]

@@ -69,7 +69,7 @@ def test_model_and_world_are_chosen_by_name_or_by_file(name: str) -> None:
 
 @pytest.mark.parametrize("name", ["diff_drive.launch", "fleet.launch"])
 @pytest.mark.parametrize("choice", ["model", "world"])
-def test_one_that_there_is_not_is_refused_by_its_name(name: str, choice: str) -> None:
+def test_missing_file_is_rejected_by_name(name: str, choice: str) -> None:
     with pytest.raises(RLException, match=f"{choice}s/turtle.yaml"):
         load(name, f"{choice}:=turtle")
 
@@ -80,7 +80,7 @@ def test_managed_reaches_the_node() -> None:
         assert params["/diff_drive/managed"].value is is_managed
 
 
-def test_rviz_comes_only_when_asked_for() -> None:
+def test_rviz_starts_only_on_request() -> None:
     assert [node.type for node in load("diff_drive.launch").nodes] == ["diff_drive"]
     types = [node.type for node in load("diff_drive.launch", "rviz:=true").nodes]
     assert types == ["diff_drive", "robot_state_publisher", "rviz"]

@@ -74,7 +74,7 @@ def test_covariance_does_not_depend_on_the_steps() -> None:
     assert numpy.diag(coarse) == pytest.approx(numpy.diag(fine), rel=0.2)
 
 
-def test_one_seed_gives_the_same_errors_another_one_others() -> None:
+def test_errors_are_determined_by_seed() -> None:
     assert driven(5).odometry.pose == driven(5).odometry.pose
     assert driven(5).odometry.pose != driven(6).odometry.pose
     robot = driven(5)

@@ -33,7 +33,7 @@ def wheels_of(linear: float, angular: float, robot: RobotSettings) -> Wheels:
 
 
 @given(COMMANDS, ROBOTS)
-def test_no_limit_is_ever_exceeded_and_one_is_met_where_more_was_asked(
+def test_limits_are_met_and_never_exceeded(
     command: Tuple[float, float], robot: RobotSettings
 ) -> None:
     linear, angular = saturated(*command, robot)
@@ -127,7 +127,7 @@ def test_steps_add_up_to_one_step(
 
 
 @pytest.mark.parametrize("dt", [0.0, -1.0, -HOUR])
-def test_nothing_moves_while_time_stands_still_or_runs_back(dt: float) -> None:
+def test_robot_does_not_move_without_time_advance(dt: float) -> None:
     robot = Robot()
     robot.command(0.1, 1.0)
     robot.step(0.5)
@@ -138,7 +138,7 @@ def test_nothing_moves_while_time_stands_still_or_runs_back(dt: float) -> None:
     assert robot.pose == pytest.approx(Pose().moved(0.1, 1.0), abs=1e-12)
 
 
-def test_an_hour_in_one_step_is_driven_no_longer_than_the_command_acts() -> None:
+def test_long_step_ends_with_command_timeout() -> None:
     robot = Robot()
     robot.command(0.2, 0.0)
     robot.step(HOUR)
@@ -164,7 +164,7 @@ def test_clock_that_jumps_by_years_is_taken_for_an_hour() -> None:
     assert robot.odometry.pose == other.odometry.pose
 
 
-def test_each_command_acts_anew() -> None:
+def test_each_command_restarts_timeout() -> None:
     robot = Robot(BURGER._replace(command_timeout=0.5))
     for _ in range(4):
         robot.command(0.1, 0.0)
@@ -188,7 +188,7 @@ def test_a_new_time_out_ends_the_command_in_force_too() -> None:
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
-def test_what_is_not_finite_is_refused_and_changes_nothing(value: float) -> None:
+def test_non_finite_command_is_rejected_without_effect(value: float) -> None:
     robot = Robot()
     robot.command(0.1, 0.0)
     for command in ((value, 0.0), (0.0, value)):
@@ -218,7 +218,7 @@ def test_odometry_without_noise_is_the_truth_to_the_last_bit() -> None:
 
 
 @pytest.mark.parametrize("steps", [1, 7, 1000])
-def test_it_stops_where_it_touches_a_wall_and_not_before(steps: int) -> None:
+def test_robot_stops_on_contact_with_wall(steps: int) -> None:
     robot = Robot(forever(), World([(1.0, -1.0, 1.0, 1.0)]))
     robot.command(0.2, 0.0)
     for _ in range(steps):
@@ -270,7 +270,7 @@ def test_a_wall_takes_the_speed_forward_and_not_the_turn(steps: int, acceleratio
     assert robot.speeds == pytest.approx((0.2, 0.5))
 
 
-def test_it_can_leave_a_wall_in_which_it_was_put_and_gets_no_deeper() -> None:
+def test_robot_placed_in_wall_can_leave_it() -> None:
     robot = Robot(forever(), World([(0.05, -1.0, 0.05, 1.0)]))
     robot.command(0.2, 0.0)
     robot.step(1.0)
@@ -290,7 +290,7 @@ ROOM = World(
     st.lists(st.tuples(st.floats(-0.3, 0.3), st.floats(-3.0, 3.0), STEPS), max_size=10),
     st.sampled_from([0.0, 10.0]),
 )
-def test_it_never_gets_into_a_wall_nor_through_one(
+def test_robot_never_enters_wall(
     run: List[Tuple[float, float, float]], acceleration: float
 ) -> None:
     robot = Robot(forever(max_wheel_acceleration=acceleration), ROOM)

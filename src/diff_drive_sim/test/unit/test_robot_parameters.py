@@ -21,7 +21,7 @@ def loaded(name: str) -> Any:
         return yaml.safe_load(file)
 
 
-def test_a_robot_follows_live_what_its_fleet_reads_once() -> None:
+def test_robot_parameters_are_live_and_fleet_parameters_read_once() -> None:
     assert not any(each.read_once for each in RobotParameters.declared.values())
     assert all(each.read_once for each in FleetParameters.declared.values())
     assert FleetParameters(wheel_radius=0.05).wheel_radius == 0.05
@@ -40,7 +40,7 @@ def test_waffles_are_as_turtlebot3_has_them(model: str) -> None:
 
 
 @pytest.mark.parametrize("world, walls", [("empty", 0), ("arena", 4 + 3 * 4)])
-def test_worlds_leave_room_for_each_robot_where_it_starts(world: str, walls: int) -> None:
+def test_initial_poses_are_free_in_all_worlds(world: str, walls: int) -> None:
     values = RobotParameters(**loaded(f"worlds/{world}.yaml"))
     assert len(values.world.segments) == walls
     assert values.world.distance(0.0, 0.0) > 1.0
@@ -49,7 +49,7 @@ def test_worlds_leave_room_for_each_robot_where_it_starts(world: str, walls: int
 @pytest.mark.parametrize(
     "walls", [[1.0, 2.0, 3.0, 4.0], [[1.0, 2.0, 3.0]], [[0, 0, 0, float("nan")]], "wall"]
 )
-def test_what_is_no_wall_is_refused_in_words(walls: Any) -> None:
+def test_invalid_wall_is_rejected_with_message(walls: Any) -> None:
     with pytest.raises(ParameterError, match="walls: refused .* must be a list of 0 to 1000"):
         RobotParameters(walls=walls)
 
@@ -65,17 +65,17 @@ def test_what_is_no_wall_is_refused_in_words(walls: Any) -> None:
         ({"seed": 2**31 - 1}, "seed", "seed: refused 2147483648: must be"),
     ],
 )
-def test_a_fleet_refuses_what_one_of_its_robots_would(values: Any, names: str, why: str) -> None:
+def test_fleet_rejects_values_invalid_for_a_robot(values: Any, names: str, why: str) -> None:
     with pytest.raises(ParameterError) as caught:
         FleetParameters(**values)
     assert names in caught.value.names
     assert why in str(caught.value)
 
 
-def test_a_fleet_of_none_or_one_starts_anywhere() -> None:
+def test_fleet_of_zero_or_one_starts_anywhere() -> None:
     for count in (0, 1):
         FleetParameters(count=count, initial_x=1e6, initial_y=1e6, seed=2**31 - 1)
 
 
-def test_a_fleet_has_all_that_its_robots_have() -> None:
+def test_fleet_has_all_robot_parameters() -> None:
     assert set(RobotParameters.declared) < set(FleetParameters.declared)

@@ -34,7 +34,7 @@ def test_each_call_is_a_bar(calls: List[Tuple[int, int]]) -> None:
 
 
 @given(CALLS)
-def test_what_runs_at_once_is_counted_as_in_each_second(calls: List[Tuple[int, int]]) -> None:
+def test_concurrent_calls_are_counted(calls: List[Tuple[int, int]]) -> None:
     made = bars(events_of(calls))
     seconds = [
         sum(begin <= second < begin + length for begin, length in calls) for second in range(26)
@@ -63,13 +63,13 @@ def test_an_end_without_its_begin_is_left_out() -> None:
     assert bars([Event(1.0, "executor-1-1", "timer1", 7, False)]) == []
 
 
-def test_whoever_begins_when_another_ends_does_not_overlap_it() -> None:
+def test_adjacent_calls_do_not_overlap() -> None:
     one, other = bar(0.0, 1.0), bar(1.0, 2.0, "timer2")
     assert not one.overlaps(other) and not other.overlaps(one)
     assert most_at_once([one, other]) == 1
 
 
-def test_a_call_of_no_length_overlaps_what_it_lies_in() -> None:
+def test_call_of_zero_length_overlaps_enclosing_call() -> None:
     one, other = bar(0.0, 1.0), bar(0.5, 0.5, "timer2")
     assert one.overlaps(other) and other.overlaps(one)
     assert overlaps([one, other], "timer2", "timer1") == 1

@@ -34,7 +34,7 @@ def test_it_says_the_end_of_a_call_that_fails() -> None:
     assert said[-1].endswith("timer1 #1 ends")
 
 
-def test_threads_never_say_two_things_at_once_nor_in_a_wrong_order() -> None:
+def test_log_lines_of_threads_are_complete_and_ordered() -> None:
     said: List[str] = []
     inside = threading.Lock()
 

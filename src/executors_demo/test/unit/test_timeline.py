@@ -65,7 +65,7 @@ def test_a_call_of_no_length_is_seen() -> None:
     assert min(patch.get_width() for patch in figure.axes[0].patches) > 0.0
 
 
-def test_what_cannot_be_put_in_place_leaves_nothing_behind(
+def test_failed_rename_leaves_no_file(
     log: Path, tmp_path: Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     (tmp_path / "folder.svg").mkdir()
@@ -84,9 +84,7 @@ def test_the_same_log_gives_the_same_picture(
     assert one.read_bytes() == other.read_bytes()
 
 
-def test_the_standard_input_is_read_where_no_log_is_named(
-    tmp_path: Path, monkeypatch: "pytest.MonkeyPatch"
-) -> None:
+def test_standard_input_is_default(tmp_path: Path, monkeypatch: "pytest.MonkeyPatch") -> None:
     for number, arguments in enumerate(([], ["-"])):
         picture = tmp_path / f"{number}.PNG"
         monkeypatch.setattr(sys, "stdin", io.StringIO(LOG))
@@ -94,7 +92,7 @@ def test_the_standard_input_is_read_where_no_log_is_named(
         assert picture.read_bytes().startswith(b"\x89PNG")
 
 
-def test_several_logs_stand_below_each_other(
+def test_logs_are_drawn_below_each_other(
     log: Path, tmp_path: Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     second, picture = tmp_path / "single.txt", tmp_path / "picture.svg"
@@ -118,7 +116,7 @@ def test_several_logs_stand_below_each_other(
         (LOG, ["{log}", "-o", "{out}.pdf"], "'{out}.pdf' does not end in .svg or .png"),
     ],
 )
-def test_what_cannot_be_drawn_is_said_in_a_sentence(
+def test_undrawable_log_is_reported(
     text: str,
     arguments: List[str],
     said: str,
@@ -135,7 +133,7 @@ def test_what_cannot_be_drawn_is_said_in_a_sentence(
     assert [path.name for path in tmp_path.iterdir()] == ["a.log"]
 
 
-def test_without_matplotlib_it_says_what_to_install(
+def test_missing_matplotlib_is_reported_with_package(
     log: Path, monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     monkeypatch.delitem(sys.modules, "executors_demo.picture", raising=False)

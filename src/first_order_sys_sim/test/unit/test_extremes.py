@@ -22,7 +22,7 @@ INPUTS = st.floats(-LARGEST_FLOAT32, LARGEST_FLOAT32, width=32)
 
 @pytest.mark.parametrize("name", SystemParameters.declared)
 @given(raw=YAML)
-def test_any_value_is_taken_whole_or_refused_in_words(name: str, raw: Any) -> None:
+def test_any_value_is_accepted_or_rejected_with_message(name: str, raw: Any) -> None:
     parameters = OfflineParameters(SystemParameters)
     defaults = parameters.values
     refusals = parameters.set({name: raw})

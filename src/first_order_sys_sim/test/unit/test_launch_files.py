@@ -38,7 +38,7 @@ def test_system_has_the_declared_defaults() -> None:
     assert private_parameters(load("system.launch"), NODE) == SystemParameters().as_dict()
 
 
-def test_each_argument_reaches_its_parameter_and_says_what_that_does() -> None:
+def test_arguments_reach_parameters_with_same_help() -> None:
     root = minidom.parse(os.path.join(LAUNCH, "system.launch")).documentElement
     docs = {
         tag.getAttribute("name"): tag.getAttribute("doc")

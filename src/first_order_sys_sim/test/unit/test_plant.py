@@ -95,7 +95,7 @@ def test_input_is_found_by_the_next_sample_only_and_then_held() -> None:
     assert plant.output(0.07) == pytest.approx(decay(peak, 0.0, 0.01, 0.05), abs=1e-12)
 
 
-def test_sample_finds_the_input_that_came_at_its_very_moment() -> None:
+def test_sample_uses_simultaneous_input() -> None:
     plant = SampledPlant(COURSE, SAMPLE_TIME)
     for number in range(1, 2000):
         moment = 3 * number / 150  # now above, now below number * 0.02
@@ -117,9 +117,7 @@ def test_output_never_passes_the_limit(events: List[Tuple[float, float]]) -> Non
 
 
 @given(st.floats(1.0, 1e4), st.floats(1.0, 1e3))
-def test_output_leaves_the_limit_at_once_however_long_and_hard_it_was_there(
-    seconds: float, value: float
-) -> None:
+def test_output_leaves_limit_without_windup(seconds: float, value: float) -> None:
     plant = SampledPlant(LIMITED, SAMPLE_TIME)
     plant.set_input(0.0, value)
     turn = math.ceil(seconds / 0.02) * 0.02
@@ -182,7 +180,7 @@ def test_no_change_makes_the_output_jump(
         plant.set_input(moment, value)
 
 
-def test_output_goes_on_with_the_new_gain_and_time_constant() -> None:
+def test_output_continues_after_change_of_gain_and_time_constant() -> None:
     plant = SampledPlant(COURSE, SAMPLE_TIME)
     plant.set_input(0.0, 1.0)
     before = plant.output(0.03)
@@ -198,7 +196,7 @@ def test_new_sample_time_counts_from_the_last_sample() -> None:
     assert plant.output(0.08) == pytest.approx(step_response(COURSE, 0.01), abs=1e-12)
 
 
-def test_sample_that_a_new_sample_time_makes_overdue_is_taken_at_once() -> None:
+def test_sample_overdue_by_new_sample_time_is_taken_immediately() -> None:
     plant = SampledPlant(COURSE, 1.0)
     plant.output(0.0)
     plant.set_input(0.5, 1.0)
@@ -207,7 +205,7 @@ def test_sample_that_a_new_sample_time_makes_overdue_is_taken_at_once() -> None:
     assert plant.output(0.51) == pytest.approx(step_response(COURSE, 0.01), abs=1e-12)
 
 
-def test_lower_limit_is_kept_at_once_and_a_higher_one_makes_no_jump() -> None:
+def test_lower_limit_applies_immediately_and_higher_one_without_jump() -> None:
     plant = SampledPlant(LIMITED, SAMPLE_TIME)
     plant.set_input(0.0, 1.5)
     plant.output(1.0)
@@ -226,7 +224,7 @@ def test_it_can_be_put_into_a_state() -> None:
     assert plant.output(0.6) == pytest.approx(decay(-2.0, 0.0, 0.1, 0.05), abs=1e-12)
 
 
-def test_time_that_goes_back_stands_still() -> None:
+def test_decreasing_time_is_ignored() -> None:
     plant = SampledPlant(COURSE, SAMPLE_TIME)
     plant.set_input(0.0, 1.0)
     later = plant.output(0.1)
@@ -252,13 +250,13 @@ def test_euler_is_off_by_nine_percent_of_the_gain_at_the_courses_values() -> Non
     assert max(errors) / 13.2 == pytest.approx(0.0893, abs=5e-5)
 
 
-def test_euler_knows_nothing_new_between_samples() -> None:
+def test_euler_output_is_constant_between_samples() -> None:
     plant = SampledPlant(COURSE._replace(method=EULER), SAMPLE_TIME)
     plant.set_input(0.0, 1.0)
     assert plant.output(0.02) == plant.output(0.0399) < plant.output(0.04)
 
 
-def test_method_can_be_changed_on_the_way() -> None:
+def test_method_can_be_changed_at_run_time() -> None:
     plant = SampledPlant(COURSE, SAMPLE_TIME)
     plant.set_input(0.0, 1.0)
     exact = plant.output(0.04)
@@ -278,7 +276,7 @@ def test_unstable_euler_stays_within_the_limit() -> None:
 
 
 @pytest.mark.parametrize("tau", [0.05, 1e6])
-def test_euler_goes_on_at_once_after_a_leap_of_the_clock(tau: float) -> None:
+def test_euler_continues_after_clock_jump(tau: float) -> None:
     settings = PlantSettings(gain=13.2, time_constant=tau, method=EULER)
     plant = SampledPlant(settings, SAMPLE_TIME)
     plant.set_input(0.01, 1.0)
@@ -288,7 +286,7 @@ def test_euler_goes_on_at_once_after_a_leap_of_the_clock(tau: float) -> None:
     assert plant.output(1.7e9) == pytest.approx(last, abs=SAMPLE_TIME / tau * 13.2 + 1e-9)
 
 
-def test_without_a_sampler_the_input_acts_at_once() -> None:
+def test_input_without_sampler_acts_immediately() -> None:
     plant = FirstOrderPlant(COURSE)
     plant.hold(0.013, 1.0)
     assert plant.held == 1.0

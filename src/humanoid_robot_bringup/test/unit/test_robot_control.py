@@ -78,7 +78,7 @@ def test_only_news_of_the_goal_that_was_set_is_an_arrival(
     "error, told",
     [(CallCancelled("over"), []), (CallError("no server"), ["cannot send the robot: no server"])],
 )
-def test_a_call_that_fails_is_told_unless_by_the_nodes_own_end(
+def test_failed_call_is_logged_unless_by_shutdown(
     monkeypatch: "pytest.MonkeyPatch", error: CallError, told: List[str]
 ) -> None:
     warned: List[str] = []
@@ -126,7 +126,7 @@ def test_robot_that_somebody_else_sends_elsewhere_is_given_up(
     assert given_up == [where] * is_over
 
 
-def test_distance_is_told_while_it_is_known(monkeypatch: "pytest.MonkeyPatch") -> None:
+def test_distance_is_logged_while_known(monkeypatch: "pytest.MonkeyPatch") -> None:
     said: List[str] = []
     for level in ("loginfo", "logwarn"):
         monkeypatch.setattr(rospy, level, lambda text, *values: said.append(text % values))

@@ -25,7 +25,7 @@ def test_there_are_three_ways_to_start_the_same_two_nodes(number: int) -> None:
     assert nodes(f"demo{number}.launch") == ["/listener", "/talker"]
 
 
-def test_a_node_is_started_where_the_argument_says_so() -> None:
+def test_argument_enables_node() -> None:
     """Course 001-launch-4."""
     assert nodes("demo4.launch") == nodes("demo4.launch", "talker_arg:=false") == ["/listener"]
     assert nodes("demo4.launch", "talker_arg:=true") == ["/listener", "/talker"]
@@ -37,7 +37,7 @@ def test_a_group_is_started_with_a_node_outside_of_it() -> None:
     assert nodes("demo5.launch") == sorted(NAVIGATION + others)
 
 
-def test_a_group_is_started_where_the_argument_says_so() -> None:
+def test_argument_enables_group() -> None:
     """Course 001-launch-6, err-2."""
     assert nodes("demo6.launch") == ["/temperature_demo_node"]
     started = nodes("demo6.launch", "enable_nav_sensors:=true")

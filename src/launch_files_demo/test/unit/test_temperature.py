@@ -18,7 +18,7 @@ from launch_files_demo.temperature import (
 
 
 @given(st.floats(0.0, 1e9), st.integers(0, 2**32))
-def test_what_is_measured_is_in_range_and_near_the_truth(time: float, seed: int) -> None:
+def test_measurement_is_in_range_and_near_true_value(time: float, seed: int) -> None:
     value = measured(time, random.Random(seed))
     assert COLDEST <= value <= WARMEST
     assert abs(value - true_temperature(time)) < 7.0 * VARIANCE**0.5
@@ -30,7 +30,7 @@ def test_it_rises_and_falls_once_in_a_minute(time: float, expected: float) -> No
     assert true_temperature(time + PERIOD_S) == pytest.approx(expected)
 
 
-def test_the_noise_has_the_variance_that_is_told() -> None:
+def test_noise_has_published_variance() -> None:
     chance = random.Random(1)
     errors = [measured(0.0, chance) - true_temperature(0.0) for _ in range(20000)]
     assert statistics.fmean(errors) == pytest.approx(0.0, abs=0.02)

@@ -59,26 +59,24 @@ def test_way(goal: Level, start: str, expected: str) -> None:
     assert way(goal, start) == expected
 
 
-def test_nobody_goes_up_while_something_is_under_way() -> None:
+def test_no_node_goes_up_during_a_transition() -> None:
     for what in ("configure", "get_state"):
         assert next_instruction(ACTIVE, levels("uu"), {0: what}) is None
 
 
-def test_who_is_too_high_need_not_wait_for_one_on_its_way_up() -> None:
+def test_node_goes_down_during_transition_up_of_another() -> None:
     assert next_instruction(ACTIVE, levels("-ai"), {2: "activate"}) == (1, "deactivate")
     assert next_instruction(ACTIVE, levels("-aa"), {2: "deactivate"}) is None
 
 
-def test_one_that_is_stuck_is_left_alone_and_keeps_what_it_was_built_on() -> None:
+def test_stuck_node_keeps_its_dependencies() -> None:
     assert next_instruction(UNCONFIGURED, levels("aaa"), stuck=[2]) == (1, "deactivate")
     assert next_instruction(UNCONFIGURED, levels("iia"), stuck=[2]) is None
     assert next_instruction(UNCONFIGURED, levels("iii"), stuck=[2]) == (1, "cleanup")
 
 
 @given(LEVELS, st.sampled_from(Level))
-def test_each_step_leads_to_where_nothing_more_is_to_be_done(
-    start: List[Level], goal: Level
-) -> None:
+def test_steps_always_reach_the_goal(start: List[Level], goal: Level) -> None:
     now = list(start)
     for _ in range(2 * 3 * len(now)):
         step = next_instruction(goal, now)
@@ -102,7 +100,7 @@ EVENTS = st.tuples(st.integers(0, 11), st.sampled_from(["killed", "back", "step"
 
 
 @given(st.integers(1, 4), st.lists(EVENTS, min_size=40, max_size=40))
-def test_never_is_one_active_while_one_before_it_is_not_configured(
+def test_no_node_is_active_before_its_predecessors_are_configured(
     count: int, events: List[Tuple[int, str]]
 ) -> None:
     """Random losses and returns, detected immediately: only a loss violates the order, briefly."""

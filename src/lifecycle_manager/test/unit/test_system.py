@@ -162,7 +162,7 @@ def test_up_in_order() -> None:
     assert (world.system.is_active, world.system.summary) == (True, "all are active")
 
 
-def test_nothing_is_done_before_it_is_looked_what_there_is() -> None:
+def test_no_request_before_states_are_known() -> None:
     world = World(2)
     world.fakes[1] = None
     world.run(FIRST_QUERY_S - 0.1)
@@ -180,7 +180,7 @@ def test_nothing_is_done_before_it_is_looked_what_there_is() -> None:
     "states, goal",
     [((3, 3), 3), ((2, 2), 2), ((3, 2), 2), ((1, 1), None), ((3, 1), None), ((2, 4), None)],
 )
-def test_takes_over_what_it_finds(
+def test_manager_adopts_found_states(
     states: Tuple[int, ...], goal: Optional[int], autostart: bool
 ) -> None:
     world = World(2, autostart)
@@ -235,7 +235,7 @@ def test_its_own_pauses_do_not_count() -> None:
     assert world.system.is_active and not world.steps
 
 
-def test_a_new_process_that_was_not_seen_to_come() -> None:
+def test_unnoticed_restart_of_a_node() -> None:
     world = up()
     world.fakes[0] = Fake()
     world.run(1.5)
@@ -243,7 +243,7 @@ def test_a_new_process_that_was_not_seen_to_come() -> None:
     assert world.system.is_active
 
 
-def test_who_does_not_come_back_has_the_others_stay_down() -> None:
+def test_missing_node_keeps_others_down() -> None:
     world = up()
     world.kill(0)
     world.run(WINDOW_S - 0.2)
@@ -258,7 +258,7 @@ def test_who_does_not_come_back_has_the_others_stay_down() -> None:
     assert world.command(STARTUP) == (True, "all are active")
 
 
-def test_a_loss_of_what_is_down_is_no_problem() -> None:
+def test_loss_of_unconfigured_node_is_not_a_problem() -> None:
     world = up()
     assert world.command(PAUSE) == (True, "all are inactive")
     assert not world.system.is_active
@@ -269,7 +269,7 @@ def test_a_loss_of_what_is_down_is_no_problem() -> None:
     assert world.system.summary == "/1 is absent"
 
 
-def test_one_that_is_finalized_has_to_be_started_anew() -> None:
+def test_finalized_node_has_to_be_restarted() -> None:
     world = up(2)
     assert world.command(SHUTDOWN) == (True, "all are finalized")
     assert world.steps == [
@@ -288,7 +288,7 @@ def test_one_that_is_finalized_has_to_be_started_anew() -> None:
     assert result is not None and result[1].startswith("/0 has been finalized for longer than 10 s")
 
 
-def test_what_fails_comes_down_in_order() -> None:
+def test_failure_brings_nodes_down_in_order() -> None:
     world = World(3, False)
     world.run(1.0)
     world.fails = lambda place, label: (place, label) == (1, "activate")
@@ -308,7 +308,7 @@ def test_what_fails_comes_down_in_order() -> None:
     assert world.command(STARTUP) == (True, "all are active")
 
 
-def test_one_that_does_not_come_down() -> None:
+def test_node_that_refuses_to_be_deactivated() -> None:
     world = up()
     world.fails = lambda place, label: (place, label) == (2, "deactivate")
     text = "/2: deactivate failed: it is active; its log says why"
@@ -322,7 +322,7 @@ def test_one_that_does_not_come_down() -> None:
     assert world.steps[3:] == ["2 cleanup", "1 cleanup", "0 cleanup"]
 
 
-def test_one_that_did_not_come_down_is_asked_again_when_told() -> None:
+def test_stuck_node_is_requested_again_on_command() -> None:
     world = up(1)
     world.fails = lambda place, label: True
     result = world.command(RESET)
@@ -331,7 +331,7 @@ def test_one_that_did_not_come_down_is_asked_again_when_told() -> None:
     assert world.command(RESET) == (True, "all are unconfigured")
 
 
-def test_one_that_is_busy_is_asked_again_and_again() -> None:
+def test_busy_node_is_queried_repeatedly() -> None:
     world = World(2, False)
     fake = world.fakes[0]
     assert fake is not None
@@ -347,7 +347,7 @@ def test_one_that_is_busy_is_asked_again_and_again() -> None:
 
 
 @pytest.mark.parametrize("told", [[2], [3, 2], [2, 3]])
-def test_a_state_that_is_told_just_before_an_older_answer_is_not_missed(told: List[int]) -> None:
+def test_state_published_before_older_answer_is_not_missed(told: List[int]) -> None:
     world = up(2)
     member, fake = world.member(1), world.fakes[1]
     assert fake is not None
@@ -377,7 +377,7 @@ def test_a_transition_without_an_answer_has_failed() -> None:
     assert world.steps == ["0 configure", "0 cleanup"]
 
 
-def test_one_that_shuts_down_while_it_is_asked_may_come_back() -> None:
+def test_node_that_shuts_down_during_request_may_come_back() -> None:
     world = up(2)
     for state in (12, 4):
         world.system.command(PAUSE, world.now)
@@ -436,7 +436,7 @@ def test_states() -> None:
     ]
 
 
-def test_one_that_has_never_been_there_is_not_lost() -> None:
+def test_never_seen_node_is_not_lost() -> None:
     world = World(2)
     world.fakes[1] = None
     world.system.command(STARTUP, world.now)
@@ -445,7 +445,7 @@ def test_one_that_has_never_been_there_is_not_lost() -> None:
     assert world.system.summary == "/0 is inactive, /1 is absent"
 
 
-def test_one_whose_heart_beats_but_that_does_not_answer() -> None:
+def test_node_with_heartbeat_but_without_answers() -> None:
     world = World(2)
     world.run(0.2)
     world.system.command(STARTUP, world.now)

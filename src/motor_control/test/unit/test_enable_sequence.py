@@ -65,7 +65,7 @@ def test_it_publishes_after_success_only() -> None:
     assert_publishes(after(waiting, refused, accepted, enabled))
 
 
-def test_success_is_enough_where_the_motor_tells_no_state() -> None:
+def test_success_suffices_without_motor_state() -> None:
     assert_publishes(after(accepted))
     assert_publishes(after(disabled, lost, accepted))
 
@@ -91,7 +91,7 @@ def test_motor_that_died_is_asked_again() -> None:
     assert_publishes(after(accepted, enabled, lost, waiting, accepted, enabled))
 
 
-def test_motor_that_started_anew_unnoticed_is_asked_again() -> None:
+def test_unnoticed_motor_restart_causes_new_request() -> None:
     assert_asks(after(accepted, enabled, waiting))
 
 
@@ -101,7 +101,7 @@ def test_motor_that_was_disabled_and_died_is_left_alone_until_somebody_enables_i
     assert_publishes(after(accepted, enabled, disabled, lost, waiting, enabled, accepted))
 
 
-def test_news_that_come_late_do_no_harm() -> None:
+def test_late_messages_have_no_effect() -> None:
     assert_publishes(after(accepted, disabled, enabled))
     assert_publishes(after(accepted, waiting, accepted, enabled))
 

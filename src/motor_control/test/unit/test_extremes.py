@@ -28,7 +28,7 @@ DECLARED += [(SetPointParameters, "omega")]
 
 @pytest.mark.parametrize("kind, name", DECLARED, ids=lambda part: getattr(part, "__name__", part))
 @given(raw=YAML)
-def test_any_value_is_taken_whole_or_refused_in_words(kind: Any, name: str, raw: Any) -> None:
+def test_any_value_is_accepted_or_rejected_with_message(kind: Any, name: str, raw: Any) -> None:
     parameters = OfflineParameters(kind)
     defaults = parameters.values
     refusals = parameters.set({name: raw})

@@ -24,7 +24,7 @@ def test_motor_has_the_courses_values() -> None:
 @pytest.mark.parametrize(
     "name, value", [("sys_gain_K", -0.1), ("sys_tau_T", -0.5), ("sys_tau_T", 0), ("sample_time", 0)]
 )
-def test_motor_refuses_what_cannot_be(name: str, value: float) -> None:
+def test_motor_rejects_invalid_values(name: str, value: float) -> None:
     with pytest.raises(ParameterError, match=name):
         MotorParameters(**{name: value})
 
@@ -67,7 +67,7 @@ def test_set_point_knows_every_waveform(waveform: str) -> None:
         assert got == same.sample(time, SignalParameters(waveform=waveform, frequency=2.5))
 
 
-def test_set_point_declares_what_the_signal_does_but_for_two_names() -> None:
+def test_set_point_declares_signal_parameters_except_two() -> None:
     assert set(SetPointParameters.declared) ^ set(SignalParameters.declared) == {
         "omega",
         "frequency",

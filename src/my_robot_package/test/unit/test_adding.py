@@ -31,6 +31,6 @@ def test_the_bounds_themselves_are_sums(a: int, b: int, total: int) -> None:
 
 
 @pytest.mark.parametrize("a, b", [(INT64_MAX, 1), (INT64_MIN, -1)])
-def test_one_more_is_none(a: int, b: int) -> None:
+def test_sum_beyond_int64_is_rejected(a: int, b: int) -> None:
     with pytest.raises(OverflowError):
         add(a, b)

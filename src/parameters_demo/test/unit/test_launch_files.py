@@ -100,7 +100,7 @@ def test_camera_rate_has_the_range_of_both_slides() -> None:
         rate.coerce(90)
 
 
-def test_talker_and_listener_meet_where_the_arguments_say() -> None:
+def test_talker_and_listener_use_topic_argument() -> None:
     """Course 004-bridge-5, 004-bridge-8."""
     config = load("talker_listener_launch.launch")
     assert node_names(config) == ["/robot1/listener", "/robot1/talker"]

@@ -31,7 +31,7 @@ def test_the_colours_are_in_their_order() -> None:
 
 
 @pytest.mark.parametrize("name", ["", "front_camera", "a name that is far too long for a picture"])
-def test_the_name_stands_above_number_and_time(name: str) -> None:
+def test_name_is_above_number_and_time(name: str) -> None:
     top, bottom, left, _ = changed(drawn(name, 0, 0.0), drawn("x", 0, 0.0))
     assert 320 < top and bottom < 390 and left >= 24
 
@@ -41,7 +41,7 @@ def test_letters_that_the_font_lacks_become_question_marks() -> None:
     assert (drawn("?", 0, 0.0) != drawn("x", 0, 0.0)).any()
 
 
-def test_number_and_time_have_a_line_each() -> None:
+def test_number_and_time_have_separate_lines() -> None:
     top, bottom, left, right = changed(drawn("camera", 1, 0.0), drawn("camera", 2, 0.0))
     assert 390 < top and bottom < 430 and right < 480
     times = drawn("camera", 1, 0.0)[430:460, :480], drawn("camera", 1, 0.001)[430:460, :480]
@@ -66,7 +66,7 @@ def ball(picture: Picture, time: float) -> Tuple[int, int]:
     return int(rows.min()), int(columns.min())
 
 
-def test_the_ball_stays_within_the_bars_and_moves_smoothly() -> None:
+def test_ball_moves_smoothly_within_the_bars() -> None:
     picture = Picture("camera")
     places = [ball(picture, frame / 60.0) for frame in range(360)]
     assert len(set(places)) > 300
@@ -82,7 +82,7 @@ def test_any_time_and_number_can_be_drawn() -> None:
         assert len(picture.draw(number, time)) == 3 * WIDTH * HEIGHT
 
 
-def test_what_was_drawn_before_is_gone() -> None:
+def test_previous_drawing_is_erased() -> None:
     picture = Picture("camera")
     first = bytes(picture.draw(1, 1.0))
     assert bytes(picture.draw(99999, 2.3)) != first

@@ -38,7 +38,7 @@ def measured(angle: float, time: float = LEFT) -> float:
         (math.atan2(1.5, 2.5), math.hypot(1.5, 2.5) - 0.2),  # the pillar
     ],
 )
-def test_each_thing_is_where_it_stands(angle: float, expected: float) -> None:
+def test_distances_match_room(angle: float, expected: float) -> None:
     assert measured(angle) == pytest.approx(expected, abs=1e-12)
 
 
@@ -50,7 +50,7 @@ def test_the_person_is_nearer_than_the_walls_and_walks_around(time: float) -> No
     assert found == pytest.approx(math.hypot(x, y) - PERSON_RADIUS, abs=1e-9)
 
 
-def test_the_person_hides_what_is_behind_and_nothing_else() -> None:
+def test_person_hides_only_objects_behind() -> None:
     angles = numpy.linspace(-math.pi, math.pi, 721)
     here, there = distances(angles, 0.0), distances(angles, 0.5 * ROUND_S)
     nearer = numpy.degrees(angles[here < there])
@@ -64,7 +64,7 @@ def test_a_turn_later_all_is_the_same(angle: float, time: float) -> None:
     assert measured(angle, time) == pytest.approx(measured(angle + math.tau, time), abs=1e-6)
 
 
-def test_what_is_too_near_or_too_far_is_told_apart() -> None:
+def test_too_near_and_too_far_are_distinguished() -> None:
     found = scan(Scanner(-math.pi / 2, math.pi, 4, 3.5, 5.0), LEFT)
     assert list(found) == [-math.inf, math.inf, -math.inf, 4.0]
 

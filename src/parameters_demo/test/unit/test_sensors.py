@@ -18,7 +18,7 @@ from parameters_demo_msgs.msg import RadarReturn, RadarTracks
 HEADER = Header(stamp=rospy.Time(5), frame_id="somewhere")
 
 
-def test_a_picture_is_as_bright_as_the_mean_of_its_bytes() -> None:
+def test_brightness_is_mean_of_bytes() -> None:
     assert of_image(Image(data=bytes([0, 100, 200]))) == "brightness 100.0"
     assert of_image(Image()) == "no pixels"
 
@@ -30,7 +30,7 @@ def test_the_nearest_thing_is_in_range() -> None:
     assert of_scan(LaserScan()) == "nothing in range"
 
 
-def test_who_will_be_here_first_is_not_who_is_nearest() -> None:
+def test_first_arrival_may_not_be_nearest_target() -> None:
     far, near = RadarReturn(range=50.0, doppler_velocity=-25.0), RadarReturn(range=10.0)
     slow = RadarReturn(range=20.0, doppler_velocity=-1.0)
     assert of_tracks(RadarTracks(returns=[near, far, slow])) == "3 returns, first here in 2.0 s"
@@ -38,7 +38,7 @@ def test_who_will_be_here_first_is_not_who_is_nearest() -> None:
     assert of_tracks(RadarTracks()) == "0 returns"
 
 
-def test_each_sensor_can_be_told_of() -> None:
+def test_each_sensor_has_a_summary() -> None:
     for sensor in SENSORS.values():
         assert sensor.summarize(sensor.message())
 

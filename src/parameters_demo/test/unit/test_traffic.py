@@ -13,7 +13,7 @@ TIMES = st.floats(0.0, 1e6)
 
 
 @given(TIMES)
-def test_there_are_one_to_ten_returns_within_sight(time: float) -> None:
+def test_one_to_ten_returns_within_range(time: float) -> None:
     seen = returns(time)
     assert seen.shape[1] == 5 and 1 <= len(seen) <= 10
     ranges, azimuths, elevations, dopplers, amplitudes = seen.T
@@ -23,7 +23,7 @@ def test_there_are_one_to_ten_returns_within_sight(time: float) -> None:
     assert (amplitudes > 0.0).all() and (amplitudes < 100.0).all()
 
 
-def test_targets_come_into_sight_and_leave_it() -> None:
+def test_targets_appear_and_disappear() -> None:
     assert len({len(returns(time)) for time in range(100)}) > 2
 
 
@@ -53,7 +53,7 @@ def test_range_and_angles_lead_back_to_the_place(time: float) -> None:
     assert numpy.stack(back, axis=1) == pytest.approx(places, abs=1e-9)
 
 
-def test_what_is_twice_as_far_is_12_db_weaker() -> None:
+def test_double_range_is_12_db_weaker() -> None:
     strengths = {}
     for time in numpy.arange(0.0, 20.0, 0.1):
         ranges = returns(float(time))[0]  # the walker, who comes first

@@ -24,7 +24,7 @@ def test_it_goes_with_the_machine_s_clock(steps: List[float]) -> None:
     assert clock.time == pytest.approx(sum(steps))
 
 
-def test_a_process_that_was_away_counts_as_one_that_looked_in_time() -> None:
+def test_suspended_process_counts_as_timely_reading() -> None:
     assert read((10.0, 10.0), (610.0, 610.0)).time == pytest.approx(0.5)
     assert read((10.0, 10.0), (11.1, 11.1), (11.2, 11.2)).time == pytest.approx(0.6)
     # Simulated time may be quicker or slower than the machine's.
@@ -32,7 +32,7 @@ def test_a_process_that_was_away_counts_as_one_that_looked_in_time() -> None:
     assert read((10.0, 10.0), (25.0, 40.0)).time == pytest.approx(0.25)
 
 
-def test_simulated_time_may_stand_still_or_jump() -> None:
+def test_simulated_time_may_stop_or_jump() -> None:
     assert read((5.0, 0.0), (5.0, 1.0), (5.0, 1.9), (5.5, 2.0)).time == 0.5
     assert read((5.0, 0.0), (2.0, 0.2), (2.5, 0.4)).time == 0.5  # set back
     assert read((0.0, 0.0), (1.7e9, 0.2), (1.7e9 + 0.5, 0.4)).time == 0.5  # the first /clock
@@ -40,7 +40,7 @@ def test_simulated_time_may_stand_still_or_jump() -> None:
     assert read((5.0, 0.0), (15.5, 0.2)).time == 0.0
 
 
-def test_it_tells_for_how_long_the_clock_stands_still() -> None:
+def test_duration_of_stopped_clock() -> None:
     assert read((5.0, 1.0)).still_s == 0.0
     assert read((5.0, 1.0), (5.0, 2.0), (5.0, 4.0)).still_s == 3.0
     assert read((5.0, 1.0), (5.0, 4.0), (5.1, 4.5), (5.1, 5.0)).still_s == 0.5

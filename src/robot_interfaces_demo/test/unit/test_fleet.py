@@ -53,7 +53,7 @@ class Rig:
         return self.findings()[name].level, self.findings()[name].message
 
 
-def test_robots_are_found_and_grow_stale_then_lost_then_come_back() -> None:
+def test_robots_become_stale_then_lost_then_return() -> None:
     rig = Rig()
     assert rig.message() == (Level.WARN, "no message from any robot")
     assert rig.run(10, "a", "b") == ["OK a: present", "OK b: present"]
@@ -78,7 +78,7 @@ def test_a_period_that_is_given_is_taken_for_all() -> None:
     assert rig.run(1) == ["WARN a: stale, no message for 16.0 s"]
 
 
-def test_who_is_expected_is_told_of_though_never_seen() -> None:
+def test_expected_robot_is_reported_before_first_message() -> None:
     rig = Rig(expected=["a", "b"], longest_period=2.0)
     assert rig.message() == (Level.WARN, "2 robots, 2 wrong: a, b")
     assert rig.run(6, "a") == ["OK a: present"]
@@ -99,7 +99,7 @@ def test_one_message_is_enough_to_be_seen() -> None:
     assert set(rig.findings()) == {"", "a"}
 
 
-def test_two_publishers_under_one_name_are_an_error_until_one_is_alone() -> None:
+def test_two_publishers_of_one_name_are_an_error_until_one_remains() -> None:
     rig = Rig()
     rig.run(3, "a")
     for publisher in ("/x", "/a", "/x", "/a"):
@@ -110,7 +110,7 @@ def test_two_publishers_under_one_name_are_an_error_until_one_is_alone() -> None
     assert rig.message() == (Level.OK, "1 robot, nothing wrong")
 
 
-def test_who_published_is_remembered_for_as_many_periods_as_is_lost() -> None:
+def test_publishers_are_kept_for_lost_after_periods() -> None:
     rig = Rig(period=2.0)
     rig.send("a")
     rig.run(15, "a", publisher="/x")
@@ -123,7 +123,7 @@ def test_who_published_is_remembered_for_as_many_periods_as_is_lost() -> None:
     assert rig.message("a")[0] is Level.OK
 
 
-def test_two_publishers_are_told_once_with_their_names() -> None:
+def test_two_publishers_are_logged_once_with_names() -> None:
     rig = Rig()
     for _ in range(5):
         rig.run(1, "a")
@@ -148,7 +148,7 @@ def test_two_publishers_are_told_once_with_their_names() -> None:
         (0, (12.0, 25.0, -math.inf), "a reading is not finite: obstacle -inf"),
     ],
 )
-def test_a_defect_is_told_once_for_each_robot_and_shown_while_it_lasts(
+def test_defect_is_logged_once_per_robot_and_shown_while_present(
     mode: int, readings: Sequence[float], text: str
 ) -> None:
     rig = Rig()
@@ -163,7 +163,7 @@ def test_a_defect_is_told_once_for_each_robot_and_shown_while_it_lasts(
     assert rig.message() == (Level.OK, "2 robots, nothing wrong")
 
 
-def test_a_defect_is_told_at_all() -> None:
+def test_defect_is_logged() -> None:
     rig = Rig()
     for _ in range(3):
         rig.send("a", 9)
@@ -171,7 +171,7 @@ def test_a_defect_is_told_at_all() -> None:
     assert rig.told() == ["OK a: present", "WARN a: unknown mode 9"]
 
 
-def test_a_warning_is_told_when_it_begins_and_when_it_ends() -> None:
+def test_warning_is_logged_at_start_and_end() -> None:
     rig = Rig()
     rig.run(1, "a")
     for _ in range(2):
@@ -196,7 +196,7 @@ def test_a_limit_may_be_changed_while_it_runs() -> None:
     assert rig.message("a") == (Level.WARN, "battery is low: 12.00 V")
 
 
-def test_more_robots_than_allowed_are_left_out_and_that_is_told_once() -> None:
+def test_surplus_robots_are_ignored_and_logged_once() -> None:
     rig = Rig(max_robots=2, expected=["late"])
     rig.now = 1000.0
     for name in ("a", "b", "c", "d", "late"):
@@ -221,7 +221,7 @@ def test_more_robots_than_allowed_are_left_out_and_that_is_told_once() -> None:
     assert rig.told()[-1] == "WARN 'd' and others are ignored: max_robots is 2"
 
 
-def test_who_was_lost_for_long_is_forgotten_unless_expected() -> None:
+def test_long_lost_robot_is_removed_unless_expected() -> None:
     rig = Rig(forget_after=60.0, expected=["a"], max_robots=1)
     rig.run(5, "a", "b")
     rig.run(59)
@@ -234,7 +234,7 @@ def test_who_was_lost_for_long_is_forgotten_unless_expected() -> None:
 
 
 @pytest.mark.parametrize("name", ["", " a", "a\n", "x" * 65, "a\x1b[31m", "\ud800"])
-def test_a_name_that_is_none_is_left_out_and_that_is_told_once(name: str) -> None:
+def test_invalid_name_is_ignored_and_logged_once(name: str) -> None:
     rig = Rig()
     rig.send(name)
     rig.send(name)
@@ -258,7 +258,7 @@ def test_memory_is_bounded_whatever_the_names_are(heard: List[Tuple[str, int]]) 
     assert rig.told() == []
 
 
-def test_of_many_lines_the_first_are_told_and_the_rest_counted() -> None:
+def test_first_lines_are_logged_and_rest_counted() -> None:
     rig = Rig()
     for number in range(25):
         rig.send(f"robot_{number:02d}")
@@ -274,7 +274,7 @@ def test_of_many_lines_the_first_are_told_and_the_rest_counted() -> None:
     assert rig.message()[1].endswith("robot_9")
 
 
-def test_a_clock_that_stands_still_is_told() -> None:
+def test_stopped_clock_is_reported() -> None:
     rig = Rig()
     rig.run(3, "a")
     rig.fleet.still_s = 5.0

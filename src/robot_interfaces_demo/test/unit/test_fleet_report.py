@@ -31,7 +31,7 @@ class Master:
         ("missing", "no such node is running"),
     ],
 )
-def test_running_node_without_a_report_is_told_from_a_missing_one(
+def test_running_node_without_report_differs_from_missing_node(
     monkeypatch: "pytest.MonkeyPatch",
     capsys: "pytest.CaptureFixture[str]",
     node: str,

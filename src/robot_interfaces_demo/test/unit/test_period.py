@@ -25,7 +25,7 @@ def learnt(*intervals: float) -> PeriodLearner:
 
 
 @given(PERIODS, JITTER)
-def test_it_is_learnt_from_what_is_nearly_regular(period: float, jitter: List[float]) -> None:
+def test_period_is_learnt_from_nearly_regular_arrivals(period: float, jitter: List[float]) -> None:
     found = learnt(*(period * (1.0 + off) for off in jitter)).period(LONGEST_S)
     assert max(0.89 * period, LEAST_PERIOD_S) <= found <= 1.11 * period
 
@@ -39,7 +39,7 @@ def test_neither_a_gap_nor_a_burst_changes_it(
 
 
 @given(st.floats(0.2, 9.0), st.floats(0.2, 9.0))
-def test_a_new_one_is_learnt(old: float, new: float) -> None:
+def test_new_period_is_learnt(old: float, new: float) -> None:
     enough = 2 if new > old else 7
     assert learnt(*[old] * 20, *[new] * enough).period(LONGEST_S) == pytest.approx(new)
     not_yet = learnt(*[old] * 20, *[new] * (enough - 1))
@@ -54,11 +54,11 @@ def test_it_is_the_longest_until_two_intervals_are_known(intervals: List[float])
 
 
 @given(st.floats(0.001, LEAST_PERIOD_S))
-def test_what_comes_quicker_than_the_least_period_counts_as_that(period: float) -> None:
+def test_faster_arrivals_count_as_least_period(period: float) -> None:
     assert learnt(*[period] * 200).period(LONGEST_S) == pytest.approx(LEAST_PERIOD_S)
 
 
-def test_a_longest_period_that_is_made_shorter_holds_at_once() -> None:
+def test_reduced_longest_period_applies_immediately() -> None:
     assert learnt(5.0, 5.0).period(LONGEST_S) == 5.0
     assert learnt(5.0, 5.0).period(2.0) == 2.0
     assert learnt(LONGEST_S, LONGEST_S).period(20.0) == LONGEST_S  # which is no absence

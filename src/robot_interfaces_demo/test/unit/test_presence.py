@@ -63,7 +63,7 @@ def test_how_often_it_is_looked_at_makes_no_difference(gaps: List[float], looks:
         assert often.state is seldom.state
 
 
-def test_who_is_awaited_is_never_seen_after_a_while_and_present_once_heard() -> None:
+def test_awaited_robot_becomes_never_seen_or_present() -> None:
     attendance = Attendance(Presence.AWAITED, 5.0)
     attendance.check_age(8.0, STALE_S, LOST_S)
     assert attendance.state is Presence.AWAITED
@@ -75,7 +75,7 @@ def test_who_is_awaited_is_never_seen_after_a_while_and_present_once_heard() -> 
     assert attendance.state is Presence.PRESENT
 
 
-def test_each_state_can_be_reached_and_none_is_entered_from_itself() -> None:
+def test_all_states_are_reachable_without_self_transitions() -> None:
     assert {Presence.AWAITED, *TRANSITIONS.values()} == set(Presence)
     assert all(state is not goal for (state, _), goal in TRANSITIONS.items())
     assert {event for _, event in TRANSITIONS} == set(Event)

@@ -53,7 +53,7 @@ def test_numbers_are_those_of_the_messages() -> None:
         (0, [math.inf, 50.0], [Problem.SHORT, Problem.NOT_FINITE, Problem.HOT]),
     ],
 )
-def test_each_kind_is_found(mode: int, readings: List[float], expected: List[Problem]) -> None:
+def test_each_problem_is_found(mode: int, readings: List[float], expected: List[Problem]) -> None:
     assert found(mode, readings) == set(expected)
 
 
@@ -65,7 +65,7 @@ def test_a_reading_that_a_message_rounds_from_its_limit_is_allowed(limit: float)
     assert not find_problems(0, [to_float32(limit)] * 3, NOTHING, settings)
 
 
-def test_a_warning_ends_when_the_reading_has_come_back_by_the_hysteresis() -> None:
+def test_warning_ends_with_hysteresis() -> None:
     for index, (before, stays, ends) in enumerate(
         [(10.9, 11.21, 11.23), (40.1, 39.21, 39.19), (0.2, 0.305, 0.307)]
     ):
@@ -86,7 +86,7 @@ def test_a_limit_below_zero_has_its_hysteresis_on_the_good_side() -> None:
 
 
 @given(st.sets(st.sampled_from([limit.problem for limit in LIMITS])))
-def test_what_cannot_be_read_leaves_its_warning_as_it_was(before: FrozenSet[Problem]) -> None:
+def test_missing_reading_keeps_its_warning(before: FrozenSet[Problem]) -> None:
     before = frozenset(before)
     assert found(0, [math.nan] * 3, before) == before | {Problem.NOT_FINITE}
     assert found(0, [], before) == before | {Problem.SHORT}

@@ -31,7 +31,7 @@ def test_two_that_are_heard_in_turns_are_rivals() -> None:
         assert known.names() == sorted(set(publishers))
 
 
-def test_who_is_alone_again_has_no_rival() -> None:
+def test_remaining_publisher_has_no_rival() -> None:
     known = heard("aba")  # b was heard at 1 s
     known.forget(1.0 + MEMORY_S, MEMORY_S)
     assert known.has_rivals
@@ -43,7 +43,7 @@ def test_who_is_alone_again_has_no_rival() -> None:
     assert not known.has_rivals
 
 
-def test_the_last_one_is_remembered_however_long_it_is_silent() -> None:
+def test_last_publisher_is_kept_during_silence() -> None:
     known = heard("ab")
     known.forget(1000.0, MEMORY_S)
     assert known.names() == ["b"]

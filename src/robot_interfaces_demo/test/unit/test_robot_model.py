@@ -42,7 +42,7 @@ def test_battery_and_temperature_are_those_of_the_course() -> None:
 
 
 @given(st.integers(1, 3000), st.integers(1, 1000))
-def test_all_readings_stay_in_their_bounds(count: int, per_mode: int) -> None:
+def test_readings_are_within_bounds(count: int, per_mode: int) -> None:
     battery, temperature, obstacle = told(count, per_mode)[-1].readings
     assert 10.0 <= battery <= 12.6
     assert 20.0 <= temperature <= 45.0

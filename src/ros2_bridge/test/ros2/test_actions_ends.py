@@ -25,7 +25,7 @@ from ros2_bridge.rules.selection import Way
 from ros2_bridge.rules.skip_log import SkipLog
 
 
-def test_goals_are_aborted_where_the_bridge_ends(ros: both.Both) -> None:
+def test_goals_are_aborted_at_shutdown_of_bridge(ros: both.Both) -> None:
     with Server1("/leg/hop") as server1, Server2("/leg/run") as server2, both.Bridge() as bridge:
         client2 = Client2(ros, "/leg/hop")
         client2.send("on", 60.0)
@@ -78,7 +78,7 @@ def test_action_that_fails_keeps_no_other_from_following() -> None:
     assert skip_log.next_line(0.0) == "not bridged: /0: it is broken"
 
 
-def test_action_whose_services_fail_is_not_taken_for_offered(ros: both.Both) -> None:
+def test_action_with_failing_services_is_not_offered(ros: both.Both) -> None:
     long = f"/{'a' * 229}"  # ROS 2 takes its topics, but not its services
     node, participant = nodekit.Node(), Participant("/offering")
     node.start()
@@ -115,7 +115,7 @@ def test_names_and_rules_are_those_of_the_whole_action(ros: both.Both) -> None:
         assert "/reach" in offered and "/secret" not in offered and "/arm/reach" not in offered
 
 
-def test_goal_is_lost_where_the_bridge_was_killed_and_can_be_cancelled(ros: both.Both) -> None:
+def test_goal_is_lost_after_bridge_was_killed_and_can_be_cancelled(ros: both.Both) -> None:
     goals: List[Any] = []
     raw = ros.types.action("bot_controller_demo_msgs/GoTo").raw_goal
     subscriber = rospy.Subscriber("/leg/walk/goal", raw, goals.append)
@@ -143,7 +143,7 @@ def test_goal_is_lost_where_the_bridge_was_killed_and_can_be_cancelled(ros: both
         end()
 
 
-def test_bridge_that_is_killed_leaves_the_goal_to_the_server(ros: both.Both) -> None:
+def test_server_continues_goal_after_bridge_was_killed(ros: both.Both) -> None:
     with Server1("/leg/step") as server:
         with both.Bridge() as bridge:
             client = Client2(ros, "/leg/step")

@@ -106,7 +106,7 @@ def begin(server1: Server1, client2: Client2, key: str) -> None:
     assert client2.accepted(key)
 
 
-def test_unknown_status_of_ros1_is_told_and_ends_nothing(
+def test_unknown_ros1_status_is_logged_and_ignored(
     bridge: both.Bridge, server1: Server1, client2: Client2
 ) -> None:
     begin(server1, client2, "listed")
@@ -130,7 +130,7 @@ def test_result_with_a_status_that_is_no_end_aborts_the_goal(
     bridge.wait_for_log(f"status {int(status)} is no end of a goal")
 
 
-def test_result_that_is_none_aborts_the_goal(
+def test_invalid_result_aborts_goal(
     bridge: both.Bridge, server1: Server1, client2: Client2
 ) -> None:
     begin(server1, client2, "short")
@@ -141,9 +141,7 @@ def test_result_that_is_none_aborts_the_goal(
     bridge.wait_for_log("is aborted, its result refused")
 
 
-def test_result_that_does_not_come_is_told(
-    bridge: both.Bridge, server1: Server1, client2: Client2
-) -> None:
+def test_missing_result_is_logged(bridge: both.Bridge, server1: Server1, client2: Client2) -> None:
     begin(server1, client2, "mute")
     server1.list_goal(Status1.SUCCEEDED)
     assert client2.end("mute") == Status2.STATUS_SUCCEEDED
@@ -151,7 +149,7 @@ def test_result_that_does_not_come_is_told(
     bridge.wait_for_log(f"/odd/arm sends no result of {text_of(uuid)}")
 
 
-def test_text_in_another_encoding_moves_nothing(server1: Server1, client2: Client2) -> None:
+def test_text_in_other_encoding_keeps_alignment(server1: Server1, client2: Client2) -> None:
     begin(server1, client2, "latin")
     server1.end(Status1.SUCCEEDED, why="für".encode("latin-1"))
     wait_until(lambda: "latin" in client2.results, lambda: "no result")
@@ -159,7 +157,7 @@ def test_text_in_another_encoding_moves_nothing(server1: Server1, client2: Clien
     assert client2.results["latin"].result.progress.phase == "odd"
 
 
-def test_feedback_that_is_none_is_told_and_ends_nothing(
+def test_invalid_feedback_is_logged_and_ignored(
     bridge: both.Bridge, server1: Server1, client2: Client2
 ) -> None:
     begin(server1, client2, "fed")
@@ -171,7 +169,7 @@ def test_feedback_that_is_none_is_told_and_ends_nothing(
     wait_until(lambda: "fed" in client2.results, lambda: "no result")
 
 
-def test_times_that_the_other_ros_does_not_have(
+def test_times_outside_other_ros_range(
     ros: both.Both, bridge: both.Bridge, server1: Server1, client2: Client2
 ) -> None:
     begin(server1, client2, "late")
@@ -234,7 +232,7 @@ def server2(ros: both.Both, bridge: both.Bridge) -> Iterator[Server2]:
     node.destroy_node()
 
 
-def test_unknown_status_of_ros2_is_told_and_its_end_aborts(
+def test_unknown_ros2_status_is_logged_and_result_aborts(
     ros: both.Both, bridge: both.Bridge, server2: Server2
 ) -> None:
     with Client1("/odd/hand") as client:
@@ -251,7 +249,7 @@ def test_unknown_status_of_ros2_is_told_and_its_end_aborts(
     assert not bridge.logged("Traceback")
 
 
-def test_goal_that_is_none_is_told(ros: both.Both, bridge: both.Bridge, server2: Server2) -> None:
+def test_invalid_goal_is_logged(ros: both.Both, bridge: both.Bridge, server2: Server2) -> None:
     raw = ros.types.action("bot_controller_demo_msgs/GoTo").raw_goal
     publisher = rospy.Publisher("/odd/hand/goal", raw, queue_size=10)
     wait_until(publisher.get_num_connections, lambda: "no connection")
@@ -262,7 +260,7 @@ def test_goal_that_is_none_is_told(ros: both.Both, bridge: both.Bridge, server2:
     publisher.unregister()
 
 
-def test_goal_that_is_over_without_a_result(ros: both.Both, bridge: both.Bridge) -> None:
+def test_ended_goal_without_result(ros: both.Both, bridge: both.Bridge) -> None:
     node = Node("odd_foot")
     server = Server2(node, "/odd/foot", answers=False)
     ros.executor.add_node(node)

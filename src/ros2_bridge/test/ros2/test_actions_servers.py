@@ -24,12 +24,12 @@ def test_goals_of_a_server_that_goes_are_aborted(bridge: both.Bridge, number: in
         assert client.end_of("on") == f"ABORTED - {GONE}"
 
 
-def test_two_servers_whose_nodes_have_one_name_are_told(bridge: both.Bridge) -> None:
+def test_servers_of_nodes_with_same_name_are_logged(bridge: both.Bridge) -> None:
     with Server2("/arm/left"), Server2("/arm/right"):
         bridge.wait_for_log("several nodes of ROS 2 are called /action_server2")
 
 
-def test_servers_of_both_that_have_one_name_are_told(bridge: both.Bridge) -> None:
+def test_servers_in_both_roses_are_logged(bridge: both.Bridge) -> None:
     with Server1("/arm/twice"), Server2("/arm/twice"):
         bridge.wait_for_log("not bridged: /arm/twice: both ROSes list a server", "rosnode cleanup")
 

@@ -44,7 +44,7 @@ def test_goals_end_as_the_server_ends_them(client: Client) -> None:
     assert client.end_of("no") == f"REJECTED - {REJECTED}"
 
 
-def test_one_of_several_is_cancelled(client: Client) -> None:
+def test_single_goal_is_cancelled(client: Client) -> None:
     client.tell("send stays 1.0")
     client.tell("send goes 60.0")
     wait_until(lambda: client.feedback("goes") and client.feedback("stays"), lambda: "no feedback")
@@ -65,7 +65,7 @@ def test_those_until_a_time_and_all_are_cancelled(client: Client) -> None:
     assert client.end_of("third") == "PREEMPTED third"
 
 
-def test_server_that_refuses_to_cancel_goes_on(bridge: both.Bridge, client: Client) -> None:
+def test_refused_cancellation_continues_goal(bridge: both.Bridge, client: Client) -> None:
     client.tell(f"send stubborn 6.0 {PERSIST}")
     wait_until(lambda: client.feedback("stubborn"), lambda: "no feedback")
     client.tell("cancel stubborn")
@@ -85,7 +85,7 @@ def test_goals_are_listed_five_times_a_second(ros: both.Both, client: Client) ->
     ear.end()
 
 
-def test_none_of_many_is_lost_or_invented(client: Client) -> None:
+def test_many_goals_are_neither_lost_nor_duplicated(client: Client) -> None:
     chance, keys = random.Random(2), [f"many{number}" for number in range(200)]
     for key in keys:
         client.tell(f"send {key} {chance.uniform(0.0, 1.0)} {chance.choice((SUCCEED, ABORT))}")
@@ -100,9 +100,7 @@ def test_none_of_many_is_lost_or_invented(client: Client) -> None:
     assert not client.logged("already in the DONE state")
 
 
-def test_client_that_is_killed_leaves_the_goal_to_the_server(
-    ros: both.Both, client: Client
-) -> None:
+def test_server_continues_goal_of_killed_client(ros: both.Both, client: Client) -> None:
     with Client("/hand/grab") as other:
         other.tell("send orphan 60.0")
         wait_until(lambda: other.feedback("orphan"), lambda: "no feedback")

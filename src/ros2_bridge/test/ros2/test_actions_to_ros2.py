@@ -74,7 +74,7 @@ def test_goals_end_as_the_server_ends_them(client: Client2) -> None:
     assert client.end("bad") == Status.STATUS_ABORTED
 
 
-def test_one_of_several_is_cancelled(ros: both.Both, client: Client2) -> None:
+def test_single_goal_is_cancelled(ros: both.Both, client: Client2) -> None:
     for key, seconds in (("stays", 1.0), ("goes", 60.0)):
         client.send(key, seconds)
         assert client.accepted(key)
@@ -102,9 +102,7 @@ def test_those_until_a_time_and_all_are_cancelled(ros: both.Both, client: Client
     assert client.end("third") == Status.STATUS_CANCELED
 
 
-def test_cancelling_until_a_time_ahead_leaves_later_goals_alone(
-    ros: both.Both, client: Client2
-) -> None:
+def test_cancellation_until_future_time_spares_later_goals(ros: both.Both, client: Client2) -> None:
     client.send("early", 60.0)
     assert client.accepted("early")
     ahead = client.handles["early"].stamp
@@ -115,7 +113,7 @@ def test_cancelling_until_a_time_ahead_leaves_later_goals_alone(
     assert client.accepted("afterwards") and client.end("afterwards") == Status.STATUS_SUCCEEDED
 
 
-def test_server_that_goes_on_is_seen_to_cancel(ros: both.Both, client: Client2) -> None:
+def test_ignored_cancellation_is_reported(ros: both.Both, client: Client2) -> None:
     client.send("stubborn", 6.0, PERSIST)
     assert client.accepted("stubborn")
     assert len(cancel(ros, "/arm/reach", client.handles["stubborn"]).goals_canceling) == 1
@@ -126,7 +124,7 @@ def test_server_that_goes_on_is_seen_to_cancel(ros: both.Both, client: Client2) 
     assert client.end("stubborn") == Status.STATUS_SUCCEEDED
 
 
-def test_what_the_server_does_not_decide_is_accepted_in_time(
+def test_undecided_goal_is_accepted_after_timeout(
     ros: both.Both, bridge: both.Bridge, client: Client2
 ) -> None:
     # The server lists a goal that is pending only with its next state, up to 0.2 s later.
@@ -153,7 +151,7 @@ def test_silent_server_has_rejected(bridge: both.Bridge, server: Server1, client
     assert client.accepted("heard") and client.end("heard") == Status.STATUS_SUCCEEDED
 
 
-def test_none_of_many_is_lost_or_invented(ros: both.Both, client: Client2) -> None:
+def test_many_goals_are_neither_lost_nor_duplicated(ros: both.Both, client: Client2) -> None:
     chance, keys = random.Random(1), [f"many{number}" for number in range(200)]
     statuses: Dict[str, int] = {}
     lasting = set(keys[::20])  # until they are cancelled, however slow the machine is
@@ -170,7 +168,7 @@ def test_none_of_many_is_lost_or_invented(ros: both.Both, client: Client2) -> No
     assert len(set(statuses.values())) == 3
 
 
-def test_client_that_is_killed_leaves_the_others_alone(
+def test_killed_client_does_not_affect_others(
     bridge: both.Bridge, server: Server1, client: Client2
 ) -> None:
     with Client1("/arm/reach", ros="2") as other:

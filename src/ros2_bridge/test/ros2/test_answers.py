@@ -64,7 +64,7 @@ def compared(rclpy: List[str], bridge: List[str]) -> str:
     return "\n".join(text)
 
 
-def test_the_page_shows_what_both_answer(
+def test_page_shows_answers_of_both(
     of_rclpy: Dict[str, List[str]], of_bridge: Dict[str, List[str]]
 ) -> None:
     assert len(of_rclpy) > 20 and list(of_rclpy) == list(of_bridge)

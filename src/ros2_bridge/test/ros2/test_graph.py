@@ -63,9 +63,7 @@ def test_each_side_lists_the_other_s_nodes(ros: both.Both, bridge: both.Bridge) 
     wait_until(lambda: not in_ros1(), lambda: "/front/lidar stays in rosnode list")
 
 
-def test_a_node_of_ros1_may_have_the_name_of_one_of_ros2(
-    ros: both.Both, bridge: both.Bridge
-) -> None:
+def test_ros1_and_ros2_node_may_share_a_name(ros: both.Both, bridge: both.Bridge) -> None:
     node = Node("twice")
     ros.executor.add_node(node)
 
@@ -116,9 +114,7 @@ def test_types_that_do_not_fit_are_named(ros: both.Both, bridge: both.Bridge) ->
     ros.node.destroy_publisher(other)
 
 
-def test_what_is_bridged_of_a_topic_with_two_types_is_told(
-    ros: both.Both, bridge: both.Bridge
-) -> None:
+def test_topic_with_two_types_is_logged(ros: both.Both, bridge: both.Bridge) -> None:
     out = publisher1(ros, "/half", "std_msgs/Float32")
     wait_until(
         lambda: ("/half", ["std_msgs/msg/Float32"]) in ros.node.get_topic_names_and_types(),
@@ -181,7 +177,7 @@ def test_no_more_nodes_appear_than_may() -> None:
     assert bridge.shown("ac", most=0) == {}
 
 
-def test_no_more_nodes_of_ros2_have_their_parameters_in_ros1_than_may(
+def test_parameters_of_ros2_nodes_are_limited(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     def made(*_: Any) -> Any:

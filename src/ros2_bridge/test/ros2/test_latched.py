@@ -66,7 +66,7 @@ def late1(ros: both.Both, *names: str) -> List[str]:
     return sorted(frames(ros, ear))
 
 
-def test_late_listeners_in_ros1_get_what_each_node_of_ros2_has_latched(ros: both.Both) -> None:
+def test_late_ros1_listeners_get_latched_message_of_each_ros2_node(ros: both.Both) -> None:
     left, right = (ros.node.create_publisher(TFMessage, TF, QOS) for _ in range(2))
     description = ros.node.create_publisher(String, DESCRIPTION, QOS)
     description.publish(String(data=ROBOT))
@@ -90,7 +90,7 @@ def test_late_listeners_in_ros1_get_what_each_node_of_ros2_has_latched(ros: both
         ros.node.destroy_publisher(publisher)
 
 
-def test_one_node_of_ros2_that_does_not_latch_leaves_what_another_has_latched(
+def test_volatile_ros2_node_keeps_latched_message_of_another(
     ros: both.Both,
 ) -> None:
     left = ros.node.create_publisher(TFMessage, TF, QOS)
@@ -121,7 +121,7 @@ def test_one_node_of_ros2_that_does_not_latch_leaves_what_another_has_latched(
     ros.node.destroy_publisher(left)
 
 
-def test_late_listeners_in_ros2_get_nothing_outdated(ros: both.Both) -> None:
+def test_late_ros2_listeners_get_no_outdated_message(ros: both.Both) -> None:
     out = publisher1(ros, DESCRIPTION, "std_msgs/String", latch=True)
     plain = publisher1(ros, "/plain", "std_msgs/String")
 
@@ -143,7 +143,7 @@ def test_late_listeners_in_ros2_get_nothing_outdated(ros: both.Both) -> None:
         publisher.unregister()
 
 
-def test_late_listeners_in_ros2_get_what_each_node_of_ros1_has_latched(ros: both.Both) -> None:
+def test_late_ros2_listeners_get_latched_message_of_each_ros1_node(ros: both.Both) -> None:
     left = publisher1(ros, TF, TF1, latch=True)
     left.send(tf1("left"))
     description = publisher1(ros, DESCRIPTION, "std_msgs/String", latch=True)

@@ -86,7 +86,7 @@ def test_second_bridge_is_refused(ros: both.Both) -> None:
         wait_until(is_gone, lambda: "ROS 2 still lists it", 10.0)  # 20 s if it had been killed
 
 
-def test_participant_ends_once_its_nodes_are_known_to_have_gone(
+def test_participant_closes_after_its_nodes(
     ros: both.Both, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     participant = Participant("/leaves")
@@ -110,9 +110,7 @@ def test_participant_ends_once_its_nodes_are_known_to_have_gone(
     wait_until(lambda: not listed(), lambda: str(listed()))
 
 
-def test_domain_that_there_is_not_is_refused(
-    ros: both.Both, monkeypatch: "pytest.MonkeyPatch"
-) -> None:
+def test_invalid_domain_is_rejected(ros: both.Both, monkeypatch: "pytest.MonkeyPatch") -> None:
     for number in ("232", ""):
         monkeypatch.setenv("ROS_DOMAIN_ID", number)
         assert domain() == int(number or 0)
@@ -165,7 +163,7 @@ def test_killed_and_started_again(ros: both.Both) -> None:
     ros.node.destroy_publisher(out)
 
 
-def test_what_a_killed_bridge_has_left_is_taken_over(ros: both.Both) -> None:
+def test_registrations_of_killed_bridge_are_replaced(ros: both.Both) -> None:
     node = Node("left_behind")
 
     def answer(_: Any, response: Any) -> Any:
@@ -199,7 +197,7 @@ def test_what_a_killed_bridge_has_left_is_taken_over(ros: both.Both) -> None:
         assert not bridge.logged("registered again")
 
 
-def test_nothing_is_registered_after_the_end(ros: both.Both) -> None:
+def test_no_registration_after_close(ros: both.Both) -> None:
     nodes = NodeRegistrar("/ros2_bridge")
     nodes.register({"/early": set()}, set(), False)
     assert rospy.get_master().lookupNode("/early")[0] == 1
@@ -209,7 +207,7 @@ def test_nothing_is_registered_after_the_end(ros: both.Both) -> None:
     assert rospy.get_master().lookupNode("/late")[0] == -1
 
 
-def test_what_fails_at_the_end_leaves_the_rest_to_end() -> None:
+def test_failure_at_shutdown_does_not_stop_the_rest() -> None:
     ended: List[str] = []
 
     def fail() -> None:
@@ -225,7 +223,7 @@ def test_what_fails_at_the_end_leaves_the_rest_to_end() -> None:
     assert loop._ended.is_set() and ended == ["nodes_in_ros1", "participant"]
 
 
-def test_nothing_is_lost_and_all_is_counted(ros: both.Both) -> None:
+def test_no_message_is_lost_and_all_are_counted(ros: both.Both) -> None:
     with both.Bridge():
         out2 = ros.node.create_publisher(Float32, "/quick2", 1000)
         out1 = publisher1(ros, "/quick1", "std_msgs/Float32")
@@ -306,7 +304,7 @@ def test_master_dies_and_returns(ros: both.Both) -> None:
     node.destroy_node()
 
 
-def test_bridge_is_there_before_the_master(ros: both.Both) -> None:
+def test_bridge_may_start_before_master(ros: both.Both) -> None:
     out = ros.node.create_publisher(Float32, "/early", 10)
     with both.Bridge() as bridge:
         ros.master.kill()

@@ -21,7 +21,7 @@ def state(ros: both.Both) -> Any:
     return ros.call2(GetState, f"{NODE}/get_state").current_state.label
 
 
-def test_managed_node_is_one_in_ros2(ros: both.Both, bridge: both.Bridge) -> None:
+def test_managed_node_is_managed_in_ros2(ros: both.Both, bridge: both.Bridge) -> None:
     with both.Running("lifecycle_demo", "lifecycle_aware_node", "_wait_for_manager:=true"):
         assert state(ros) == "unconfigured"
         # "ros2 lifecycle nodes" searches for services of a node of this name.

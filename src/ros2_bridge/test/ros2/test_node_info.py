@@ -121,7 +121,7 @@ def test_each_publisher_of_a_topic_is_named(ros: both.Both, bridge: both.Bridge)
 
 @pytest.mark.parametrize("latch", [False, True])
 @pytest.mark.parametrize("alone", [False, True])
-def test_nothing_is_lost_or_doubled_where_another_node_joins(
+def test_no_message_is_lost_or_doubled_when_a_node_joins(
     ros: both.Both, bridge: both.Bridge, latch: bool, alone: bool
 ) -> None:
     topic = f"/joined_{latch}_{alone}"

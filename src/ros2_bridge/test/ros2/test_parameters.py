@@ -180,7 +180,7 @@ def test_the_bridge_has_its_own_live(ros: both.Both, bridge: both.Bridge) -> Non
     out.unregister()
 
 
-def test_plain_node_has_what_is_on_the_server(ros: both.Both, bridge: both.Bridge) -> None:
+def test_plain_node_has_parameters_of_server(ros: both.Both, bridge: both.Bridge) -> None:
     out = rospy.Publisher("/of_the_tests", ros.types.message("std_msgs/String").raw, queue_size=1)
     rospy.set_param("/tests", {"gain": 2, "pid": {"p": 0.5}, "name": "x"})
     names = ros.call2(ListParameters, "/tests/list_parameters").result.names
@@ -293,7 +293,7 @@ def test_node_of_ros2_is_on_the_server(ros: both.Both, bridge: both.Bridge) -> N
     wait_until(lambda: not rospy.has_param("/motor_of_ros2/pid/p"), lambda: "it stays there")
 
 
-def test_a_node_of_ros2_whose_responses_are_malformed(ros: both.Both, bridge: both.Bridge) -> None:
+def test_malformed_responses_of_ros2_node(ros: both.Both, bridge: both.Bridge) -> None:
     node = Node("odd_of_ros2", start_parameter_services=False)
     asked: List[Any] = []
 
@@ -345,7 +345,7 @@ def test_that_a_node_does_not_answer_is_logged_seldom(monkeypatch: "pytest.Monke
     assert logged == ["it sleeps", "still"]
 
 
-def test_what_could_not_be_written_is_tried_again_once_at_a_time() -> None:
+def test_failed_write_is_retried_once_at_a_time() -> None:
     mirror: Any = ParametersToRos1.__new__(ParametersToRos1)
     mirror._work, mirror._is_written = queue.SimpleQueue(), False
     for _ in range(2):
@@ -356,7 +356,7 @@ def test_what_could_not_be_written_is_tried_again_once_at_a_time() -> None:
     assert mirror._work.empty()
 
 
-def test_the_latest_that_stands_on_the_server_is_taken() -> None:
+def test_latest_server_value_is_sent() -> None:
     mirror: Any = ParametersToRos1.__new__(ParametersToRos1)
     mirror._is_written = False
     mirror._work, mirror._latest = queue.SimpleQueue(), collections.deque(maxlen=1)
@@ -369,7 +369,7 @@ def test_the_latest_that_stands_on_the_server_is_taken() -> None:
     assert taken == [{"pid.p": 4}]
 
 
-def test_all_that_is_refused_is_logged_in_one_line(monkeypatch: "pytest.MonkeyPatch") -> None:
+def test_rejected_values_are_logged_in_one_line(monkeypatch: "pytest.MonkeyPatch") -> None:
     mirror: Any = ParametersToRos1.__new__(ParametersToRos1)
     mirror._name, mirror._values = "/motor", {"gain": 1, "tau": 2}
     mirror._kinds = dict.fromkeys(mirror._values, INTEGER)
@@ -386,7 +386,7 @@ def test_all_that_is_refused_is_logged_in_one_line(monkeypatch: "pytest.MonkeyPa
 @pytest.mark.parametrize(
     "nonsense, kind", [("x", INTEGER), ([5], STRINGS), ([], STRING), (5, BYTES)]
 )
-def test_a_value_that_is_not_of_its_kind_is_none(nonsense: Any, kind: int) -> None:
+def test_value_of_wrong_type_is_unset(nonsense: Any, kind: int) -> None:
     message = to_message(nonsense, kind)
     assert message.type == ParameterType.PARAMETER_NOT_SET
     serialize_message(message)
@@ -396,9 +396,7 @@ def test_a_value_that_is_not_of_its_kind_is_none(nonsense: Any, kind: int) -> No
     "one, other, kind",
     [(math.nan, 1.0, DOUBLE), ([math.nan] * 3000, [*[math.nan] * 2999, 1.0], DOUBLES)],
 )
-def test_of_numbers_that_do_not_equal_themselves_only_changes_are_told(
-    one: Any, other: Any, kind: int
-) -> None:
+def test_nan_is_published_only_on_change(one: Any, other: Any, kind: int) -> None:
     before, same, after = ({"x": to_message(plain, kind)} for plain in (one, one, other))
     assert changes(before, same) == ({}, {}, {})
     assert changes(before, after) == ({}, after, {})

@@ -20,7 +20,7 @@ def heard(ear: both.MessageRecorder) -> List[float]:
     ]
 
 
-def test_what_comes_too_often_is_left_out_both_ways(ros: both.Both) -> None:
+def test_rate_is_limited_in_both_directions(ros: both.Both) -> None:
     kept = QoSProfile(depth=100, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     with both.Bridge("_max_rate:=['/quick*=0.01']"):
         out1 = publisher1(ros, "/quick1", "std_msgs/Float32")

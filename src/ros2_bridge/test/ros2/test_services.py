@@ -55,7 +55,7 @@ def test_motor_is_enabled_from_ros2(ros: both.Both, bridge: both.Bridge) -> None
     wait_until(lambda: not ros.offers2("/EnableProcess"), lambda: "it is still offered")
 
 
-def test_error_is_told_where_the_answer_has_a_place_for_it(
+def test_error_is_returned_in_response_with_message_field(
     ros: both.Both, bridge: both.Bridge
 ) -> None:
     raw = ros.types.service("std_srvs/SetBool").raw
@@ -70,9 +70,7 @@ def test_error_is_told_where_the_answer_has_a_place_for_it(
     server.shutdown()
 
 
-def test_error_is_logged_where_there_is_no_place_for_it(
-    ros: both.Both, bridge: both.Bridge
-) -> None:
+def test_error_is_logged_without_message_field(ros: both.Both, bridge: both.Bridge) -> None:
     raw, over = ros.types.service(ADD).raw, threading.Event()
 
     def fail(request: Any) -> Any:
@@ -190,7 +188,7 @@ def test_burst_of_calls_is_answered_whole_both_ways(ros: both.Both, bridge: both
     adder.destroy_node()
 
 
-def test_calls_that_a_full_server_leaves_say_so(ros: both.Both, bridge: both.Bridge) -> None:
+def test_error_of_call_names_full_server_queue(ros: both.Both, bridge: both.Bridge) -> None:
     stuck = Node("stuck")  # which is not spun
     stuck.create_service(AddTwoInts, "/stuck", lambda _, response: response)
     rospy.wait_for_service("/stuck", 20.0)
@@ -213,7 +211,7 @@ def test_calls_that_a_full_server_leaves_say_so(ros: both.Both, bridge: both.Bri
     stuck.destroy_node()
 
 
-def test_type_changes_at_once(ros: both.Both, bridge: both.Bridge) -> None:
+def test_type_change_takes_effect(ros: both.Both, bridge: both.Bridge) -> None:
     with both.Running("motor_control", "dc_motor.py", "EnableProcess:=/changing") as motor:
         assert ros.call2(SetProcessBool, "/changing", enable=True).success
         motor.end()  # the master still lists it
@@ -248,7 +246,7 @@ def test_type_changes_at_once(ros: both.Both, bridge: both.Bridge) -> None:
     ros.node.destroy_service(others[0])
 
 
-def test_what_each_ros_has_for_itself_is_not_bridged() -> None:
+def test_own_services_of_each_ros_are_not_bridged() -> None:
     services: Any = ServiceBridge.__new__(ServiceBridge)
     services._names = Renaming()
     services._types = SimpleNamespace(service=pytest.fail)
@@ -264,7 +262,7 @@ def test_what_each_ros_has_for_itself_is_not_bridged() -> None:
     assert topics._kind(way) is None
 
 
-def test_what_fails_in_ros2_ends_no_loop(ros: both.Both, monkeypatch: "pytest.MonkeyPatch") -> None:
+def test_ros2_failure_does_not_end_loop(ros: both.Both, monkeypatch: "pytest.MonkeyPatch") -> None:
     participant = Participant("/beside_the_tests")
     loop, sends = participant.calls, []
     wait, failures = loop._wait, ["of ROS 2"]

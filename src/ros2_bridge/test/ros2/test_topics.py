@@ -129,7 +129,7 @@ def test_a_topic_of_both_sides_has_no_echo(ros: both.Both, bridge: both.Bridge) 
     ros.node.destroy_publisher(out2)
 
 
-def test_another_type_is_noticed(ros: both.Both, bridge: both.Bridge) -> None:
+def test_type_change_is_detected(ros: both.Both, bridge: both.Bridge) -> None:
     def types2() -> Any:
         return dict(ros.node.get_topic_names_and_types()).get("/changing")
 
@@ -163,7 +163,7 @@ def test_another_type_is_noticed(ros: both.Both, bridge: both.Bridge) -> None:
     assert not bridge.logged("Traceback") and not bridge.logged("/changing")
 
 
-def test_one_of_many_topics(ros: both.Both, bridge: both.Bridge) -> None:
+def test_single_topic_among_many(ros: both.Both, bridge: both.Bridge) -> None:
     for number in range(80):  # of a killed node: the master still lists them
         name = f"/many/of_a_group/topic{number}"
         args = ("/killed", name, "basic_comms/signal_msg", "http://localhost:1/")
@@ -219,7 +219,7 @@ def keeping_pair() -> Tuple[TopicPublishers, Keeping]:
     return pair.publishers, participant
 
 
-def test_what_gone_nodes_have_latched_is_forgotten() -> None:
+def test_latched_messages_of_ended_nodes_are_dropped() -> None:
     publishers, participant = keeping_pair()
     publishers.publish("/first", b"0", True)
     for number in range(1, 10):  # each from a node with its own name
@@ -238,7 +238,7 @@ def test_what_gone_nodes_have_latched_is_forgotten() -> None:
     assert not participant.made
 
 
-def test_what_is_latched_often_leaves_what_another_node_has_latched() -> None:
+def test_frequent_latching_keeps_message_of_another_node() -> None:
     publishers, participant = keeping_pair()
     publishers.publish("/seldom", b"a", True)
     for number in range(9):
@@ -247,7 +247,7 @@ def test_what_is_latched_often_leaves_what_another_node_has_latched() -> None:
     assert all(is_latched for is_latched, _ in participant.made.values())
 
 
-def test_what_is_not_latched_is_not_kept_where_something_is() -> None:
+def test_volatile_message_is_not_latched() -> None:
     publishers, participant = keeping_pair()
     publishers.publish("/map_server", b"a", True)
     publishers.publish("/plain", b"b", False)
@@ -256,7 +256,7 @@ def test_what_is_not_latched_is_not_kept_where_something_is() -> None:
     assert kept == {b"a": True, b"b": False, b"c": True}
 
 
-def test_each_node_publishes_what_comes_from_it() -> None:
+def test_each_node_publishes_its_own_messages() -> None:
     publishers, participant = keeping_pair()
     nodes: Any = {"/left": "left", "/right": "right"}
     publishers.update_publishers({"/left", "/hidden"}, nodes, True)
@@ -272,7 +272,7 @@ def test_each_node_publishes_what_comes_from_it() -> None:
     assert sorted(owner for _, owner in participant.made.values()) == ["left", "right"]
 
 
-def test_what_is_latched_moves_to_its_node_while_nobody_hears_it() -> None:
+def test_latched_message_moves_to_its_node_without_subscribers() -> None:
     publishers, participant = keeping_pair()
     publishers.publish("/map_server", b"a", True)  # before a poll has seen it
     nodes: Any = {"/map_server": "map_server"}
@@ -307,7 +307,7 @@ def test_a_first_latched_message_waits_for_its_publisher_to_be_known(
     assert [data for _, data in participant.sent] == [b"meanwhile", b"a", b"b"]
 
 
-def test_what_does_not_arrive_from_ros2_is_counted() -> None:
+def test_lost_ros2_messages_are_counted() -> None:
     pair: Any = TopicToRos1.__new__(TopicToRos1)
     pair.topic, pair.count, pair._seq, pair._last = "/quick", Count(), 0, {}
     pair._throttle = Throttle(1.0)
@@ -330,7 +330,7 @@ def test_what_does_not_arrive_from_ros2_is_counted() -> None:
     assert len(passed) == 4
 
 
-def test_what_one_gone_node_of_ros2_has_latched_is_forgotten_and_the_others_kept() -> None:
+def test_latched_message_of_ended_ros2_node_is_dropped_and_others_kept() -> None:
     pair: Any = TopicToRos1.__new__(TopicToRos1)
     pair._lock, pair._kept = threading.Lock(), Bridged()
     latched: List[List[str]] = []
@@ -341,7 +341,7 @@ def test_what_one_gone_node_of_ros2_has_latched_is_forgotten_and_the_others_kept
     assert latched == [["one", "two"], ["two"]]
 
 
-def test_a_topic_that_fails_leaves_the_others_to_be_followed() -> None:
+def test_failing_topic_does_not_affect_others() -> None:
     followed: List[str] = []
 
     def fail(_: Any) -> None:
@@ -371,7 +371,7 @@ def test_senders_without_number_are_not_all_remembered() -> None:
     assert len(pair._last) <= 1000
 
 
-def test_subscriber_that_asks_for_deadline_and_liveliness_matches_what_is_chosen(
+def test_subscriber_with_deadline_and_liveliness_matches_setting(
     ros: both.Both,
 ) -> None:
     participant = Participant("/offers")

@@ -45,7 +45,7 @@ def start(command: str) -> Terminal:
     return Terminal(popen, output)
 
 
-def test_tutorial_does_what_it_says(ros: both.Both) -> None:
+def test_tutorial_works_as_described(ros: both.Both) -> None:
     rospy.set_param("/run_id", "tests")  # or each launch would give the master another one
     steps = console_blocks.instructions_of(PAGE.read_text("utf-8"))
     terminals: Dict[Optional[str], Terminal] = {}

@@ -117,7 +117,7 @@ def test_service_is_the_same_in_both(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["visualization_msgs/Marker", "bot_controller_demo_msgs/GoToGoal"])
-def test_what_ros1_alone_has_is_said_to_be_missing_in_ros2(
+def test_ros1_only_type_is_reported_missing_in_ros2(
     name: str, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     package, _, base = name.partition("/")

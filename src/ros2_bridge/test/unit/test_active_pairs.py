@@ -23,7 +23,7 @@ class Pair:
             raise RuntimeError("it does not close")
 
 
-def test_what_is_missing_poll_after_poll_is_closed() -> None:
+def test_pair_missing_for_several_polls_is_closed() -> None:
     parts: Bridged[str, Pair] = Bridged(3)
     kept, gone = parts["a"], parts["b"] = Pair("", 0), Pair("", 0)
     parts.close_missing(["a"])
@@ -76,7 +76,7 @@ def test_pair_is_kept_while_nothing_changes() -> None:
     assert list(pairs.pairs.values()) == first[:1]
 
 
-def test_another_quality_is_bridged_at_once_and_another_type_a_poll_later() -> None:
+def test_new_quality_applies_immediately_and_new_type_after_a_poll() -> None:
     pairs = Pairs()
     (first,) = pairs.polled("/a")
     pairs.quality = 2
@@ -89,7 +89,7 @@ def test_another_quality_is_bridged_at_once_and_another_type_a_poll_later() -> N
     assert third and third.kind == "number"
 
 
-def test_what_cannot_be_bridged_is_tried_again() -> None:
+def test_failed_pair_is_retried() -> None:
     pairs = Pairs()
     pairs.kind = None  # it is not known yet
     assert pairs.polled("/a") == [None] and pairs.log.next_line(0.0) is None
@@ -100,7 +100,7 @@ def test_what_cannot_be_bridged_is_tried_again() -> None:
     assert None not in pairs.polled("/a")
 
 
-def test_what_is_denied_is_closed_at_once() -> None:
+def test_denied_pair_is_closed_immediately() -> None:
     pairs = Pairs()
     kept, denied = pairs.polled("/a", "/b")
     pairs.close_denied(Rules(True, True, ["*"], ["/b"]))
@@ -112,7 +112,7 @@ def test_what_is_denied_is_closed_at_once() -> None:
     assert kept.is_closed and not pairs.pairs
 
 
-def test_what_fails_for_one_is_done_for_all_others() -> None:
+def test_failure_for_one_item_does_not_stop_others() -> None:
     pairs = Pairs()
     before = pairs.polled("/a", "/b", "/c")
     for pair in before:

@@ -8,7 +8,7 @@ from nodekit.testing.waiting import wait_until
 from ros2_bridge.ros2.call_window import CallWindow
 
 
-def test_calls_beyond_the_queue_wait_until_one_is_answered() -> None:
+def test_calls_beyond_queue_wait_for_an_answer() -> None:
     window = CallWindow(most=2, taken=60.0)
     far = time.monotonic() + 60.0
     first, second = window.enter(far), window.enter(far)

@@ -73,7 +73,7 @@ FIELDS = parse("pkg/all", EVERYTHING)
 
 @given(ros1_bytes(FIELDS, "pkg/all"))
 @settings(max_examples=40)
-def test_every_kind_of_field_comes_back(data: bytes) -> None:
+def test_every_field_type_survives_round_trip(data: bytes) -> None:
     codec = Codec("pkg/all", FIELDS)
     cdr = codec.to_cdr(data)
     (seq,) = struct.unpack_from("<I", data)
@@ -87,7 +87,7 @@ def test_every_kind_of_field_comes_back(data: bytes) -> None:
 
 @given(st.data())
 @settings(max_examples=60)
-def test_any_definition_comes_back(data: st.DataObject) -> None:
+def test_any_definition_survives_round_trip(data: st.DataObject) -> None:
     bases = [*NUMBERS, "string", "time", "duration", "inner"]
     lines: List[str] = []
     for text in ("inner", "outer"):
@@ -154,7 +154,7 @@ def test_the_shortest_elements_of_an_array(base: str, data: bytes) -> None:
     assert codec.to_ros1(codec.to_cdr(data)) == data
 
 
-def test_a_refusal_says_what_is_wrong() -> None:
+def test_conversion_error_gives_reason() -> None:
     codec = Codec("pkg/a", parse("pkg/a", "uint8 x"))
     with pytest.raises(ConversionError, match="^pkg/a: 2 bytes too many"):
         codec.to_cdr(b"\1\2\3")
@@ -166,7 +166,7 @@ def test_a_refusal_says_what_is_wrong() -> None:
         Codec("pkg/a", parse("pkg/a", "string x")).to_cdr(b"\x09\0\0\0x")
 
 
-def test_what_is_empty_has_one_byte_in_ros2() -> None:
+def test_empty_message_has_one_byte_in_ros2() -> None:
     codec = Codec("std_msgs/Empty", parse("std_msgs/Empty", ""))
     assert codec.to_cdr(b"") == b"\0\1\0\0\0"
     assert codec.to_ros1(b"\0\1\0\0\0\0\0\0") == b""
@@ -191,7 +191,7 @@ def test_seq_is_that_of_the_topic() -> None:
         ("uint8 v", b"\0\0", b"\0\0\0\0\0"),
     ],
 )
-def test_nonsense_is_refused_and_costs_nothing(definition: str, data: bytes, cdr: bytes) -> None:
+def test_malformed_bytes_are_rejected_cheaply(definition: str, data: bytes, cdr: bytes) -> None:
     fields = parse("pkg/a", definition + SEPARATOR + "MSG: pkg/none\n")
     codec = Codec("pkg/a", fields)
     with pytest.raises(ConversionError, match="pkg/a"):
@@ -200,7 +200,7 @@ def test_nonsense_is_refused_and_costs_nothing(definition: str, data: bytes, cdr
         codec.to_ros1(cdr)
 
 
-def test_one_codec_serves_many_threads() -> None:
+def test_codec_is_thread_safe() -> None:
     codec = Codec("pkg/all", parse("pkg/all", "string[] v"))
     wrong: List[int] = []
 

@@ -26,7 +26,7 @@ TYPES: Dict[str, List[Field]] = {
 }
 
 
-def test_fields_of_nested_messages_stand_where_their_bytes_do() -> None:
+def test_nested_fields_are_in_serialization_order() -> None:
     assert as_text(flatten(TYPES, "a/msg/Loop")) == (
         "float rate, double gains.kp, double gains.ki, [] earlier, double earlier.kp, "
         "double earlier.ki"
@@ -50,12 +50,12 @@ def test_kinds_are_named_with_their_lengths(
     assert kind_of(name, nested, capacity) == kind
 
 
-def test_swapped_fields_of_one_type_are_not_taken_for_other_names() -> None:
+def test_swapped_fields_are_not_treated_as_renamed() -> None:
     swapped = GAINS[::-1]
     assert has_same_layout(GAINS, swapped) and not is_renamed_in_order(GAINS, swapped)
 
 
-def test_other_names_in_the_same_order_are_told_from_another_layout() -> None:
+def test_renamed_fields_differ_from_other_layout() -> None:
     renamed = [Field("gain", "double"), Field("ki", "double")]
     assert is_renamed_in_order(GAINS, renamed)
     assert not is_renamed_in_order(GAINS, [*renamed, Field("kd", "double")])
@@ -69,9 +69,7 @@ fields = st.lists(
 
 
 @given(fields, fields)
-def test_renamed_in_order_never_moves_a_value_to_a_name_that_both_have(
-    ours: List[Field], theirs: List[Field]
-) -> None:
+def test_renamed_in_order_never_swaps_values(ours: List[Field], theirs: List[Field]) -> None:
     if is_renamed_in_order(ours, theirs):
         for name in {field.name for field in ours} & {field.name for field in theirs}:
             assert [f.name for f in ours].index(name) == [f.name for f in theirs].index(name)

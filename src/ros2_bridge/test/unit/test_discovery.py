@@ -29,7 +29,7 @@ def test_server_of_ros1_has_all_five_topics() -> None:
 
 
 @pytest.mark.parametrize("end", ENDS)
-def test_what_lacks_one_is_no_server(end: str) -> None:
+def test_incomplete_topics_are_not_a_server(end: str) -> None:
     assert servers_in_ros1(*graph("/arm", end), TYPES) == {}
 
 

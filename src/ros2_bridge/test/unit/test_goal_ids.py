@@ -10,12 +10,12 @@ from ros2_bridge.actions.goal_ids import NO_GOAL, bytes_of, text_of
 
 
 @given(st.binary(min_size=16, max_size=16))
-def test_id_of_ros2_comes_back(goal_id: bytes) -> None:
+def test_ros2_id_survives_round_trip(goal_id: bytes) -> None:
     assert bytes_of(text_of(goal_id)) == goal_id
 
 
 @given(st.lists(st.text(), unique=True))
-def test_ids_of_ros1_stay_different(texts: "list[str]") -> None:
+def test_ros1_ids_remain_distinct(texts: "list[str]") -> None:
     assert len({bytes_of(text) for text in texts}) == len(texts)
 
 
@@ -30,7 +30,7 @@ def test_no_goal_is_no_goal() -> None:
 
 
 @pytest.mark.parametrize("change", [str.upper, "{{{}}}".format, "urn:uuid:{}".format])
-def test_other_spelling_is_another_goal(change: "type") -> None:
+def test_different_spelling_is_different_goal(change: "type") -> None:
     one = uuid.UUID(int=0xABCDEF)
     assert bytes_of(str(one)) == one.bytes
     assert bytes_of(change(str(one))) != one.bytes

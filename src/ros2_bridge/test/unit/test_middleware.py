@@ -22,7 +22,7 @@ def test_only_nodes_of_this_machine_are_seen_unasked(environ: Dict[str, str]) ->
     assert middleware(BY_LOOPBACK, LOOPBACK) == BY_LOOPBACK  # as after the start of another Python
 
 
-def test_others_are_seen_where_that_is_asked_for() -> None:
+def test_other_machines_are_visible_on_request() -> None:
     given = middleware({"ROS_AUTOMATIC_DISCOVERY_RANGE": "SUBNET"}, LOOPBACK)
     assert given["ROS_AUTOMATIC_DISCOVERY_RANGE"] == "SUBNET"
     assert given["FASTDDS_BUILTIN_TRANSPORTS"] == "UDPv4"
@@ -30,7 +30,7 @@ def test_others_are_seen_where_that_is_asked_for() -> None:
 
 
 @pytest.mark.parametrize("name", ("ROS_STATIC_PEERS", "FASTRTPS_DEFAULT_PROFILES_FILE"))
-def test_what_is_chosen_stays(name: str) -> None:
+def test_explicit_variables_are_kept(name: str) -> None:
     environ = {name: "mine", "FASTDDS_BUILTIN_TRANSPORTS": "DEFAULT", "HOME": "/home/me"}
     expected = {**BY_LOOPBACK, **environ, "ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
     if name == "ROS_STATIC_PEERS":
@@ -38,6 +38,6 @@ def test_what_is_chosen_stays(name: str) -> None:
     assert middleware(environ, LOOPBACK) == expected
 
 
-def test_what_is_chosen_for_another_ros2_is_not_looked_for() -> None:
+def test_middleware_of_another_ros2_is_ignored() -> None:
     given = middleware({"RMW_IMPLEMENTATION": "rmw_cyclonedds_cpp"}, LOOPBACK)
     assert given["RMW_IMPLEMENTATION"] == "rmw_fastrtps_cpp"

@@ -72,7 +72,7 @@ def package(folder: pathlib.Path, text: str = "uint8 x\n") -> Dict[str, pathlib.
     return {folder.name: folder}
 
 
-def test_another_python_is_refused(
+def test_unsupported_python_is_rejected(
     monkeypatch: "pytest.MonkeyPatch",
     capsys: "pytest.CaptureFixture[str]",
     tmp_path: pathlib.Path,
@@ -113,7 +113,7 @@ def test_without_a_network_that_is_the_reason() -> None:
 
 
 @pytest.mark.parametrize("script", ["exit 1", "kill -INT $PPID; sleep 9"])
-def test_environment_that_is_whole_stays_until_another_is(
+def test_complete_environment_is_kept_until_replaced(
     script: str, wheels: pathlib.Path, place: pathlib.Path
 ) -> None:
     first = Environment(place)
@@ -143,7 +143,7 @@ def test_environment_before_is_back_after_a_kill(wheels: pathlib.Path, place: pa
 
 
 @pytest.mark.parametrize("name", ["ros2", "ros2_twins", "ros2_previous"])
-def test_folder_of_the_user_is_refused_and_stays(
+def test_users_folder_is_rejected_and_kept(
     name: str, wheels: pathlib.Path, place: pathlib.Path
 ) -> None:
     mine = place.with_name(name) / "src" / "mine.cpp"
@@ -167,7 +167,7 @@ def test_environment_of_an_earlier_release_is_taken_over(
     assert (place / "wheels").exists()
 
 
-def test_packages_of_earlier_runs_stay_and_are_built_again_with_what_they_use(
+def test_packages_of_earlier_runs_are_rebuilt_with_dependencies(
     wheels: pathlib.Path, place: pathlib.Path
 ) -> None:
     sources = place.parent / "src"
@@ -181,7 +181,7 @@ def test_packages_of_earlier_runs_stay_and_are_built_again_with_what_they_use(
     assert sorted(ours.names()) == ["one_msgs/x", "two_msgs/x"]
 
 
-def test_package_that_does_not_build_is_named_once_and_the_others_are_there(
+def test_failing_package_is_reported_once_and_others_built(
     wheels: pathlib.Path, place: pathlib.Path, capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     sources = place.parent / "src"
@@ -204,7 +204,7 @@ def test_commands_run_without_ros_1(
     PythonEnvironment(tmp_path / "ros2").run(command, 10.0, "it sees ROS 1")
 
 
-def test_what_another_package_needs_comes_first() -> None:
+def test_dependencies_are_built_first() -> None:
     assert python_environment.in_order(twins_of(a="b/X x\n", b="c/X x\n", c="uint8 x\n")) == [
         "c",
         "b",
@@ -212,7 +212,7 @@ def test_what_another_package_needs_comes_first() -> None:
     ]
 
 
-def test_packages_of_one_maintainer_belong_together(tmp_path: pathlib.Path) -> None:
+def test_companions_have_same_maintainer(tmp_path: pathlib.Path) -> None:
     for name, maintainer in (("bridge", "we"), ("a_msgs", "we"), ("std_msgs", "others")):
         (tmp_path / name / "msg").mkdir(parents=True)
         (tmp_path / name / "msg" / "X.msg").write_text("uint8 x\n")
@@ -236,7 +236,7 @@ def test_packages_are_found_at_any_depth_as_catkin_finds_them(tmp_path: pathlib.
     }
 
 
-def test_packages_of_debian_are_those_with_nothing_but_messages(tmp_path: pathlib.Path) -> None:
+def test_debian_packages_contain_only_messages(tmp_path: pathlib.Path) -> None:
     for name, parts in {
         "a_msgs": ["__init__.py", "msg"],
         "with_code": ["__init__.py", "msg", "client.py"],

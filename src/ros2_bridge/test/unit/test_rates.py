@@ -43,16 +43,16 @@ def test_never_more_pass_than_may(times: List[float], rate: float) -> None:
 
 
 @given(st.floats(1.0, 29.0))
-def test_what_comes_at_30_hz_passes_as_often_as_it_may(rate: float) -> None:
+def test_messages_at_30_hz_pass_at_maximum_rate(rate: float) -> None:
     found = passed(rate, [number / 30.0 for number in range(3000)])
     assert len(found) == pytest.approx(100.0 * rate, abs=1.5)
 
 
-def test_after_a_pause_nothing_is_made_up_for() -> None:
+def test_no_burst_after_a_pause() -> None:
     assert passed(10.0, [0.0, 50.0, 50.05, 50.1, 50.15]) == [0.0, 50.0, 50.1]
 
 
-def test_limit_that_is_taken_away_holds_nothing_back() -> None:
+def test_removed_limit_passes_all() -> None:
     limit = RateLimit()
     limit.set_rate(0.1)
     assert limit.passes(0.0) and not limit.passes(1.0)

@@ -42,11 +42,11 @@ def test_names_there_and_back(rules: List[str], ros1: str, ros2: str) -> None:
         (BOTH, "/robot1/common/map"),
     ],
 )
-def test_what_would_have_another_s_name_has_none_in_ros2(rules: List[str], ros1: str) -> None:
+def test_colliding_name_is_unmapped_in_ros2(rules: List[str], ros1: str) -> None:
     assert Renaming(rules).in_ros2(ros1) is None
 
 
-def test_what_would_have_another_s_name_has_none_in_ros1() -> None:
+def test_colliding_name_is_unmapped_in_ros1() -> None:
     names = Renaming(["/robot1/scan=/scan"])
     assert names.in_ros1("/robot1/scan") is None
     assert names.in_ros1("/odom") == "/odom"
@@ -61,7 +61,7 @@ RULES = st.lists(
 
 
 @given(RULES, NAMES)
-def test_a_way_there_is_a_way_back(rules: List[tuple], name: str) -> None:
+def test_renaming_is_invertible(rules: List[tuple], name: str) -> None:
     names = Renaming([f"{one}={other}" for one, other in rules])
     other: Optional[str] = names.in_ros2(name)
     assert other is None or names.in_ros1(other) == name

@@ -102,7 +102,7 @@ def test_goal_goes_from_sending_to_its_result(clients: Clients) -> None:
     assert clients.results[ONE] == 2 * [(Status2.SUCCEEDED, b"far")]
 
 
-def test_result_that_is_there_before_any_status_ends_the_goal(clients: Clients) -> None:
+def test_result_before_status_ends_goal(clients: Clients) -> None:
     clients.send(ONE)
     clients.end(ONE, Status1.ABORTED, b"near")
     clients.ask(ONE)
@@ -151,9 +151,7 @@ def test_goal_that_is_listed_no_longer_is_lost(clients: Clients) -> None:
 
 
 @pytest.mark.parametrize("patience, longest", [(PATIENCE_S, PATIENCE_S), (0.1, RESULT_S)])
-def test_result_that_never_comes_is_empty(
-    clients: Clients, patience: float, longest: float
-) -> None:
+def test_missing_result_is_empty(clients: Clients, patience: float, longest: float) -> None:
     clients.patience = patience
     clients.send(ONE)
     clients.list_goals(one=Status1.SUCCEEDED, now=1.0)
@@ -181,7 +179,7 @@ def test_id_that_is_taken_is_rejected(clients: Clients) -> None:
     assert clients.send(NO_GOAL) == "" and clients.accepted[NO_GOAL] == [False]
 
 
-def test_goals_of_ros1_are_there_too(clients: Clients) -> None:
+def test_ros1_goals_are_tracked(clients: Clients) -> None:
     clients.goals.on_status([("/node-1-7.5", 7, Status1.ACTIVE)], 0.0)
     uuid = bytes_of("/node-1-7.5")
     assert clients.status == {uuid: Status2.EXECUTING}
@@ -192,7 +190,7 @@ def test_goals_of_ros1_are_there_too(clients: Clients) -> None:
     assert clients.cancelled == [(DONE, [uuid])]
 
 
-def test_cancellation_is_answered_once_all_have_followed(clients: Clients) -> None:
+def test_cancellation_is_answered_when_all_goals_react(clients: Clients) -> None:
     clients.send(ONE, 1)
     clients.send(TWO, 2)
     clients.list_goals(one=Status1.ACTIVE, two=Status1.ACTIVE)
@@ -215,7 +213,7 @@ def test_cancellation_that_nobody_follows_is_rejected(clients: Clients) -> None:
     assert clients.cancelled == [(REJECTED, [])]
 
 
-def test_cancellation_of_what_is_not_there_is_not_sent(clients: Clients) -> None:
+def test_cancellation_of_unknown_goal_is_not_sent(clients: Clients) -> None:
     assert clients.cancel(ONE) is None
     clients.send(ONE)
     clients.end(ONE, Status1.SUCCEEDED)
@@ -249,7 +247,7 @@ EVENTS = st.lists(
 
 
 @given(EVENTS)
-def test_whatever_a_server_says_each_question_has_one_answer(events: List[Any]) -> None:
+def test_each_request_has_one_answer(events: List[Any]) -> None:
     clients, now = Clients(), 0.0
     sent: List[bytes] = []
     asked = cancelled = 0

@@ -27,7 +27,7 @@ class Master:
         return [(1, "", answers[call]) for call in calls]
 
 
-def test_others_and_what_they_publish() -> None:
+def test_graph_of_other_nodes() -> None:
     client: Any = Master()
     graph = read_graph(client, {"/bridge"})
     assert graph.publishers == {"/chatter": {"/talker"}}
@@ -41,7 +41,7 @@ def test_the_age_of_the_master_does_not_matter() -> None:
     assert "/gone" not in read_graph(client, set()).types
 
 
-def test_what_is_no_master() -> None:
+def test_malformed_master_reply() -> None:
     client: Any = Master()
     client.STATE = 3
     with pytest.raises(MasterUnreachable, match="malformed reply of the master"):

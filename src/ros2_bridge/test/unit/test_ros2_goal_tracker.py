@@ -125,7 +125,7 @@ def test_goal_that_is_listed_without_an_answer_is_accepted(clients: Clients) -> 
 
 
 @pytest.mark.parametrize("is_answered", (True, False))
-def test_goal_that_is_over_ends_where_no_result_comes(clients: Clients, is_answered: bool) -> None:
+def test_ended_goal_without_result_times_out(clients: Clients, is_answered: bool) -> None:
     for text in (ONE, TWO):
         clients.send(text)
         if is_answered:
@@ -193,7 +193,7 @@ def test_cancellation_is_not_kept_for_ever(clients: Clients) -> None:
     assert clients.send(ONE) == bytes_of(ONE)
 
 
-def test_goals_until_a_time_are_cancelled_also_those_that_come_later(clients: Clients) -> None:
+def test_goals_until_a_time_are_cancelled_even_if_late(clients: Clients) -> None:
     for stamp, text in enumerate((ONE, TWO), start=1):
         clients.send(text, stamp)
         clients.answer(text)
@@ -205,7 +205,7 @@ def test_goals_until_a_time_are_cancelled_also_those_that_come_later(clients: Cl
     assert clients.send("without a time", 0) is not None
 
 
-def test_all_are_cancelled_by_one_request(clients: Clients) -> None:
+def test_all_goals_are_cancelled_by_one_request(clients: Clients) -> None:
     clients.send(ONE)
     assert clients.goals.request_cancel("", 0, 0.0) == [NO_GOAL]
     assert clients.answer(ONE) is True
@@ -234,7 +234,7 @@ def test_goal_of_ros1_is_cancelled_by_its_own_id_by_a_bridge_that_did_not_see_it
     assert clients.goals.request_cancel(ONE, 0, 0.0) == [bytes_of(ONE)]
 
 
-def test_goals_of_a_server_that_has_gone_are_aborted(clients: Clients) -> None:
+def test_goals_of_lost_server_are_aborted(clients: Clients) -> None:
     clients.send(ONE)
     clients.send(TWO)
     clients.answer(ONE)
@@ -248,7 +248,7 @@ def test_goals_of_a_server_that_has_gone_are_aborted(clients: Clients) -> None:
     assert clients.answer(TWO, False) is False
 
 
-def test_goal_that_comes_while_its_server_is_looked_up_goes_on(clients: Clients) -> None:
+def test_goal_during_server_lookup_continues(clients: Clients) -> None:
     clients.send(ONE, now=1.1)
     clients.goals.abort_goals(set(), 1.0)
     assert not clients.results
@@ -276,7 +276,7 @@ EVENTS = st.lists(
 
 
 @given(EVENTS)
-def test_whatever_a_server_says_each_goal_has_one_result(events: List[Any]) -> None:
+def test_each_goal_has_one_result(events: List[Any]) -> None:
     clients, now = Clients(), 0.0
     sent: List[str] = []
     for what, text, (one, two, theirs), pause in events:

@@ -88,7 +88,7 @@ def test_service_keeps_the_line_between_request_and_answer() -> None:
         ("other_msgs/Odd odd\n", "it uses other_msgs/Odd, which ROS 2 does not have here"),
     ],
 )
-def test_type_that_ros2_cannot_have_is_left_out_with_its_users(text: str, reason: str) -> None:
+def test_unsupported_type_is_skipped_with_its_users(text: str, reason: str) -> None:
     packages, left_out = interfaces(
         pkg={"msg/Odd.msg": text, "msg/Good.msg": "int8 x\n", "srv/Ask.srv": "Odd odd\n---\n"},
         user={"msg/A.msg": "pkg/Odd[] odd\n", "msg/B.msg": "pkg/Good good\n"},
@@ -99,7 +99,7 @@ def test_type_that_ros2_cannot_have_is_left_out_with_its_users(text: str, reason
     assert left_out == {"pkg/msg/Odd.msg": reason, "pkg/srv/Ask.srv": user, "user/msg/A.msg": user}
 
 
-def test_fields_of_request_and_response_may_have_the_same_name() -> None:
+def test_request_and_response_may_share_field_names() -> None:
     twin = twins_of({"srv/Ask.srv": "int8 x\n---\nint8 X\n"})
     assert twin.files["srv/Ask.srv"] == "int8 x\n---\nint8 x\n"
 
@@ -114,7 +114,7 @@ def test_package_without_any_twin_is_left_out() -> None:
     assert interfaces(pkg={"msg/A.msg": "int32 long\n"}).packages == {}
 
 
-def test_action_has_three_parts_and_what_ros2_needs_for_them() -> None:
+def test_action_has_three_parts_and_dependencies() -> None:
     text = "float64 Far\n---\nstd_msgs/Header header\n---\nfloat64 left\n"
     twin = twins_of({"action/go_to.action": text})
     assert twin.files["action/GoTo.action"] == (

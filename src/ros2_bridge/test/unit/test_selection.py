@@ -6,7 +6,7 @@ from ros2_bridge.rules.renaming import Renaming
 ALL = Rules(True, True, ["*"], [])
 
 
-def test_what_either_side_has_goes_to_the_other() -> None:
+def test_names_of_each_side_are_bridged_to_the_other() -> None:
     ways = wanted(ALL, {"/b", "/both"}, {"/a", "/both"})
     assert ways == [
         Way("/a", False),
@@ -16,7 +16,7 @@ def test_what_either_side_has_goes_to_the_other() -> None:
     ]
 
 
-def test_a_way_can_be_shut() -> None:
+def test_direction_can_be_disabled() -> None:
     assert wanted(ALL._replace(to_ros1=False), {"/b"}, {"/a"}) == [Way("/b", True)]
     assert wanted(ALL._replace(to_ros2=False), {"/b"}, {"/a"}) == [Way("/a", False)]
 
@@ -29,7 +29,7 @@ def test_patterns() -> None:
     assert allowed == ["/robot/a/b", "/tf"]
 
 
-def test_what_each_ros_has_for_itself_is_left_alone() -> None:
+def test_own_names_of_each_ros_are_not_bridged() -> None:
     for name in ("/rosout", "/parameter_events", "/n/get_loggers", "/a/_action/status"):
         assert not ALL.allows(name)
     assert ALL.allows("/tf_static") and ALL.allows("/clock")
@@ -43,13 +43,13 @@ def test_patterns_are_of_names_in_ros1() -> None:
     assert not rules._replace(allow=["*"]).allows("/scan")  # /robot1/scan is called so there
 
 
-def test_who_appears_already_comes_first_then_kind_by_kind() -> None:
+def test_existing_names_rank_first_then_by_group() -> None:
     nodes, parts = {"/d", "/b", "/a"}, {"/c", "/b", "/aa"}
     assert rank_names([], nodes, parts) == ["/a", "/b", "/d", "/aa", "/c"]
     assert rank_names(["/gone", "/c", "/b"], nodes, parts) == ["/c", "/b", "/a", "/d", "/aa"]
 
 
-def test_services_for_parameters_are_two_of_one_node() -> None:
+def test_parameter_services_need_both_services() -> None:
     services = {"/a/describe", "/a/change", "/b/describe", "/c/change", "/describe", "/change"}
     found = {"/a/describe", "/a/change", "/describe", "/change"}
     assert parameter_services(services) == found

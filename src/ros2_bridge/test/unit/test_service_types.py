@@ -60,7 +60,7 @@ def test_the_silent_are_asked_again_in_turn(servers: Servers) -> None:
     assert sum(servers.asked.values()) == 8 + 8 + 2 + 1
 
 
-def test_who_is_gone_is_forgotten(servers: Servers) -> None:
+def test_missing_service_is_dropped(servers: Servers) -> None:
     types = service_types.ServiceTypes(cast(Any, servers))
     poll(types, ["/good", "/silent"])
     poll(types, [])
@@ -75,7 +75,7 @@ def test_a_defect_takes_nobody_s_turn(servers: Servers) -> None:
     assert servers.asked["/defect"] == service_types._MOST + 1
 
 
-def test_who_is_elsewhere_is_asked_anew(servers: Servers) -> None:
+def test_moved_service_is_queried_again(servers: Servers) -> None:
     types = service_types.ServiceTypes(cast(Any, servers))
     several = [f"/good{number}" for number in range(3 * service_types._LOOKUPS)]
     for _ in range(len(several) // service_types._MOST + 1):

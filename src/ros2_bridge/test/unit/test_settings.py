@@ -74,7 +74,7 @@ def test_everything_is_bridged_unless_the_user_says() -> None:
     assert rules.max_rates.of("/signal") == math.inf
 
 
-def test_what_is_read_at_the_start_says_so() -> None:
+def test_startup_parameters_are_marked() -> None:
     declared = BridgeParameters().declared
     # The qualities of service and the names are made of these, once.
     assert {name for name in declared if declared[name].read_once} == {"depth", "remap"}

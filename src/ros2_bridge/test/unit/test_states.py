@@ -30,13 +30,13 @@ def test_each_state_is_translated() -> None:
 
 
 @pytest.mark.parametrize("status", sorted(Status1))
-def test_what_is_over_is_over_in_both(status: Status1) -> None:
+def test_final_states_are_final_in_both(status: Status1) -> None:
     assert (status in OVER1) == (TO_ROS2[status] in OVER2)
     if status not in (Status1.REJECTED, Status1.LOST):
         assert status in TO_ROS1[TO_ROS2[status]]
 
 
-def test_each_step_of_ros1_is_one_that_ros2_can_follow() -> None:
+def test_ros1_transitions_are_valid_in_ros2() -> None:
     assert STEPS1 and STEPS2
     for before, afters in STEPS1.items():
         for after in afters:
@@ -44,7 +44,7 @@ def test_each_step_of_ros1_is_one_that_ros2_can_follow() -> None:
             assert nearest(STEPS2, TO_ROS2[before], wanted) in wanted, (before, after)
 
 
-def test_each_step_of_ros2_is_one_that_ros1_can_follow() -> None:
+def test_ros2_transitions_are_valid_in_ros1() -> None:
     assert STEPS2
     for before, afters in STEPS2.items():
         for now in TO_ROS1[before]:
@@ -64,7 +64,7 @@ def test_each_step_of_ros2_is_one_that_ros1_can_follow() -> None:
         (Status2.UNKNOWN, Status1.ABORTED, Status1.ABORTED, Status1.ABORTED),
     ],
 )
-def test_news_of_ros2_depend_on_what_was_before(
+def test_ros2_update_depends_on_previous_state(
     news: Status2, from_pending: Status1, from_active: Status1, from_recalling: Status1
 ) -> None:
     found = [nearest(STEPS1, now, TO_ROS1[news]) for now in (P, A, R)]
@@ -72,7 +72,7 @@ def test_news_of_ros2_depend_on_what_was_before(
 
 
 @pytest.mark.parametrize("last", sorted(OVER2))
-def test_nothing_comes_after_the_end(last: Status2) -> None:
+def test_final_states_have_no_transitions(last: Status2) -> None:
     assert {nearest(STEPS2, last, [news]) for news in Status2} == {last}
 
 

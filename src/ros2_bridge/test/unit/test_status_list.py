@@ -17,7 +17,7 @@ GOALS = st.lists(
 
 
 @given(GOALS)
-def test_what_is_written_is_read_back(goals: "list[Listed]") -> None:
+def test_status_list_survives_round_trip(goals: "list[Listed]") -> None:
     assert read_list(write_list(goals)) == goals
 
 
@@ -34,6 +34,6 @@ def test_other_notation_is_refused() -> None:
         read_list(b"\0\0" + write_list([])[2:])
 
 
-def test_time_that_ros2_does_not_have_is_its_last() -> None:
+def test_time_beyond_ros2_range_is_clipped() -> None:
     (read,) = read_list(write_list([Listed(bytes(16), (2**32 - 1) * 10**9, 1)]))
     assert read.stamp == (2**31 - 1) * 10**9

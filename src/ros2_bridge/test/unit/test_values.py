@@ -25,7 +25,7 @@ from ros2_bridge.parameters import values
         *[([0.5], 8), (["a"], 9), ([], 0), ([1, "a"], 0), ({}, 0), (None, 0), ([[1]], 0)],
     ],
 )
-def test_kind_of_a_plain_value(value: Any, kind: int) -> None:
+def test_type_of_plain_value(value: Any, kind: int) -> None:
     assert values.kind_of(value) == kind
 
 
@@ -86,7 +86,7 @@ def test_names_have_dots() -> None:
         *[(["a"], values.BYTES, values.STRINGS), ([1], values.INTEGERS, values.INTEGERS)],
     ],
 )
-def test_kind_of_what_is_set_in_ros1(value: Any, kind: int, fitting: int) -> None:
+def test_type_of_value_from_ros1(value: Any, kind: int, fitting: int) -> None:
     assert values.fitting_kind(value, kind) == fitting
 
 
@@ -133,7 +133,7 @@ def test_list(prefixes: Any, depth: int, names: Any) -> None:
     assert spaces == sorted({name.rpartition(".")[0] for name in names if "." in name})
 
 
-def test_what_is_not_in_force_yet() -> None:
+def test_pending_values() -> None:
     assert values.differs({"a": 1, "b": 2}, {"a": 1, "b": 3})
     assert not values.differs({"a": 1, "b": 2}, {"a": 1.0, "c": 3})
     assert not values.differs({"a": math.nan}, {"a": float("nan")})
@@ -150,10 +150,10 @@ def test_what_is_not_in_force_yet() -> None:
         ("a\r\nb", "no control characters"),
     ],
 )
-def test_what_ros1_cannot_carry(value: Any, words: str) -> None:
+def test_values_unsupported_by_ros1(value: Any, words: str) -> None:
     assert words in values.unfit("x", value)
 
 
 @pytest.mark.parametrize("value", [2**31 - 1, -(2**31), 1e300, "a\tb\n", True, [], [1, 2], [""]])
-def test_what_ros1_can_carry(value: Any) -> None:
+def test_values_supported_by_ros1(value: Any) -> None:
     assert values.unfit("x", value) == ""

@@ -11,7 +11,7 @@ HERE = pathlib.Path(__file__).resolve().parents[1]
 SOURCES = HERE.parents[1]
 
 
-def test_library_has_what_the_arduino_ide_expects(tmp_path: pathlib.Path) -> None:
+def test_library_has_files_expected_by_arduino_ide(tmp_path: pathlib.Path) -> None:
     done = command("pid_control", "std_srvs", "--arduino", "--into", str(tmp_path))
     assert (done.returncode, done.stderr) == (0, "")
     library = tmp_path / "ros_messages"

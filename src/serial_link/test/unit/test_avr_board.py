@@ -60,7 +60,7 @@ def test_ctrl_c_does_not_reach_a_compiler(
     assert session != os.getsid(0)  # a terminal interrupts what is in the session of the node
 
 
-def test_second_board_is_refused_and_leaves_the_port_of_the_first_alone(
+def test_second_board_is_rejected_and_keeps_port_of_first(
     simulator: pathlib.Path, tmp_path: pathlib.Path
 ) -> None:
     first = PtyTransport(str(tmp_path / "board"))
@@ -75,9 +75,7 @@ def test_second_board_is_refused_and_leaves_the_port_of_the_first_alone(
     first.unplug()
 
 
-def test_simulator_that_crashes_leaves_no_link_behind(
-    simulator: pathlib.Path, tmp_path: pathlib.Path
-) -> None:
+def test_crashed_simulator_leaves_no_link(simulator: pathlib.Path, tmp_path: pathlib.Path) -> None:
     board = AvrBoard(simulator, pathlib.Path("crash"), str(tmp_path / "board"))
     board.start()
     board.reset()  # the line at which it crashes
@@ -86,7 +84,7 @@ def test_simulator_that_crashes_leaves_no_link_behind(
     assert entries(tmp_path) == []
 
 
-def test_simulator_that_cannot_start_is_told(tmp_path: pathlib.Path) -> None:
+def test_failed_start_of_simulator_is_reported(tmp_path: pathlib.Path) -> None:
     board = AvrBoard(pathlib.Path("/bin/false"), pathlib.Path("run"), str(tmp_path / "board"))
     with pytest.raises(OSError, match="board cannot be created: see the simulator's output"):
         board.start()

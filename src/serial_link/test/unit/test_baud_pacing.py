@@ -5,7 +5,7 @@ import pytest
 from serial_link.host.baud_pacing import AHEAD_S, BaudPacer
 
 
-def test_frames_follow_each_other_without_a_gap_and_none_waits_long() -> None:
+def test_frames_are_sent_without_gap_or_backlog() -> None:
     pacer, now = BaudPacer(1000), 5.0  # a byte takes 10 ms
     assert pacer.delay(now) == 0.0
     pacer.record_write(now, 10)

@@ -115,7 +115,7 @@ def rig(tmp_path: pathlib.Path) -> Iterator[Rig]:
     made.board.close()
 
 
-def test_reading_goes_on_while_nobody_fetches_what_arrives(rig: Rig) -> None:
+def test_reading_continues_while_inbox_is_full(rig: Rig) -> None:
     rig.start()
     wait_until(
         lambda: rig.link.all_counters()["dropped for newer ones, to ROS"] > 0,
@@ -128,7 +128,7 @@ def test_reading_goes_on_while_nobody_fetches_what_arrives(rig: Rig) -> None:
     )
 
 
-def test_a_board_that_tells_of_its_topics_over_a_bad_cable_is_asked_until_all_are_known(
+def test_topics_are_requested_over_bad_cable_until_all_are_known(
     rig: Rig,
 ) -> None:
     rig.board.faults = Faults(noise=0.01)
@@ -143,7 +143,7 @@ def test_a_board_that_tells_of_its_topics_over_a_bad_cable_is_asked_until_all_ar
     assert rig.link.all_counters()["asked"] > 1
 
 
-def test_what_the_board_says_comes_and_what_it_is_told_goes_out(rig: Rig) -> None:
+def test_messages_pass_in_both_directions(rig: Rig) -> None:
     rig.start()
     assert rig.link.trouble and not rig.link.is_synced
     topics = rig.fetch_until(Topics)
@@ -159,7 +159,7 @@ def test_what_the_board_says_comes_and_what_it_is_told_goes_out(rig: Rig) -> Non
     assert figures["openings"] == 1 and figures["restarts of the board"] == 0
 
 
-def test_what_is_sent_while_there_is_no_board_is_counted_and_a_loss_is_told(rig: Rig) -> None:
+def test_messages_without_board_are_counted_and_loss_is_logged(rig: Rig) -> None:
     rig.start()
     info = rig.fetch_until(Topics).endpoints[-1].outgoing
     rig.fetch_until(Synced)
@@ -174,7 +174,7 @@ def test_what_is_sent_while_there_is_no_board_is_counted_and_a_loss_is_told(rig:
     assert rig.link.all_counters()["openings"] == 2
 
 
-def test_a_board_is_asked_for_what_is_not_known_and_told_again_only_when_it_has_forgotten(
+def test_unknown_topics_are_requested_and_restart_reported_only_when_lost(
     rig: Rig,
 ) -> None:
     rig.start()
@@ -225,7 +225,7 @@ def test_frame_that_an_adapter_holds_back_is_not_lost(rig: Rig) -> None:
     assert rig.link.inbox.get(0.0) == LogLine(INFO, "held back")
 
 
-def test_time_requests_that_come_at_once_get_one_answer(rig: Rig) -> None:
+def test_simultaneous_time_requests_get_one_answer(rig: Rig) -> None:
     rig.link._receive_bytes(1.0, 5 * encode(TIME, bytes(8)))
     assert [rig.link._outgoing_queue.get(0.0) for _ in "ab"] == [
         encode(TIME, encode_time(1, 0)),
@@ -235,7 +235,7 @@ def test_time_requests_that_come_at_once_get_one_answer(rig: Rig) -> None:
     assert rig.link._outgoing_queue.get(0.0) == encode(TIME, encode_time(2, 0))
 
 
-def test_a_missing_board_is_told_once_and_again_when_it_has_been_there(
+def test_missing_board_is_logged_once_per_absence(
     rig: Rig, caplog: "pytest.LogCaptureFixture"
 ) -> None:
     missing = "does not exist: is the board plugged in"
@@ -265,7 +265,7 @@ def test_an_exception_is_logged_and_ends_no_thread(
     assert "RuntimeError: no time today" in caplog.text
 
 
-def test_at_the_end_the_board_is_told_to_stop(rig: Rig) -> None:
+def test_board_is_stopped_at_shutdown(rig: Rig) -> None:
     rig.start()
     rig.fetch_until(Synced)
     rig.link.send_stop()

@@ -6,7 +6,7 @@ from serial_link.host.connect_diagnosis import MOST_KEPT, ConnectDiagnosis
 OLD = PROBE + b"\x7d\x00\x01\x00x" + bytes([255 - (0x7D + 1 + ord("x"))])
 
 
-def test_nothing_garbage_and_the_old_protocol_are_told_apart() -> None:
+def test_silence_garbage_and_old_protocol_are_distinguished() -> None:
     words = ConnectDiagnosis()
     assert words.explain(9600).startswith("the board sends nothing") and "9600" in words.explain(
         9600
@@ -21,14 +21,14 @@ def test_nothing_garbage_and_the_old_protocol_are_told_apart() -> None:
     assert words.explain(9600).startswith("the board sends nothing")
 
 
-def test_what_comes_after_a_good_frame_is_not_kept() -> None:
+def test_bytes_after_good_frame_are_not_kept() -> None:
     words = ConnectDiagnosis()
     words.add(encode(10, b""), True)
     words.add(OLD + OLD, False)
     assert words.explain(9600).startswith("the board sends nothing")
 
 
-def test_part_of_a_frame_before_the_first_good_one_is_forgotten() -> None:
+def test_partial_frame_before_first_good_one_is_dropped() -> None:
     words = ConnectDiagnosis()
     words.add(b"\x80rest of a frame", False)
     words.add(encode(10, b""), True)

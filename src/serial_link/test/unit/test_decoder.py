@@ -40,16 +40,14 @@ def fed_in_pieces(data: bytes, cuts: List[int]) -> "tuple[List[Frame], Decoder]"
 
 
 @given(st.lists(frames, max_size=5), st.lists(st.integers(0, 10_000)))
-def test_what_was_sent_comes_whatever_the_cut(messages: List[Frame], cuts: List[int]) -> None:
+def test_frames_are_decoded_for_any_split(messages: List[Frame], cuts: List[int]) -> None:
     found, decoder = fed_in_pieces(wire(messages), cuts)
     assert found == messages
     assert not +decoder.faults
 
 
 @given(st.binary(max_size=300), st.lists(st.integers(0, 10_000)))
-def test_noise_raises_nothing_and_the_cut_makes_no_difference(
-    noise: bytes, cuts: List[int]
-) -> None:
+def test_noise_raises_nothing_and_split_is_irrelevant(noise: bytes, cuts: List[int]) -> None:
     whole, at_once = fed_in_pieces(noise, [])
     pieces, cut = fed_in_pieces(noise, cuts)
     assert whole == pieces
@@ -65,7 +63,7 @@ def test_noise_raises_nothing_and_the_cut_makes_no_difference(
     ),
     st.lists(st.integers(0, 10_000)),
 )
-def test_damage_raises_nothing_and_only_sums_that_hold_come_through(
+def test_damage_raises_nothing_and_only_valid_checksums_pass(
     messages: List[Frame], damage: List["tuple[int, int, str]"], cuts: List[int]
 ) -> None:
     data = bytearray(wire(messages))
@@ -96,7 +94,7 @@ def test_two_good_messages_after_any_damage_it_is_in_step_again(
 
 
 @pytest.mark.parametrize("size", [1, 200, 512, LONGEST])
-def test_a_length_that_lies_holds_back_two_messages_and_loses_none(size: int) -> None:
+def test_wrong_length_delays_two_messages_and_loses_none(size: int) -> None:
     lie = encode(125, bytes(size))[:7]
     messages = [Frame(125, b"one"), Frame(126, b"two"), Frame(125, b"three")]
     decoder = Decoder()
@@ -109,7 +107,7 @@ def test_a_length_that_lies_holds_back_two_messages_and_loses_none(size: int) ->
     "place, fault",
     [(2, LENGTH_CHECKSUM), (4, LENGTH_CHECKSUM), (5, CHECKSUM), (8, CHECKSUM), (-1, CHECKSUM)],
 )
-def test_each_fault_is_counted_by_its_kind(place: int, fault: str) -> None:
+def test_faults_are_counted_by_type(place: int, fault: str) -> None:
     data = bytearray(encode(125, b"some"))
     data[place] ^= 0x10
     decoder = Decoder()
@@ -124,7 +122,7 @@ def test_a_length_beyond_all_messages_is_not_waited_for() -> None:
     assert decoder.faults[LENGTH] == 1
 
 
-def test_what_does_not_go_on_is_given_up_and_what_it_hid_comes() -> None:
+def test_incomplete_frame_is_dropped_and_hidden_frames_decoded() -> None:
     decoder, good = Decoder(), Frame(126, b"good")
     assert decoder.feed(encode(125, bytes(100))[:7] + encode(*good)) == []
     assert decoder.is_waiting

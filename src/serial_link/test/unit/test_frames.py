@@ -27,7 +27,7 @@ def test_both_sums_are_255(topic_id: int, payload: bytes) -> None:
     assert sum(data[2:5]) % 256 == sum(data[5:]) % 256 == 255
 
 
-def test_a_payload_that_no_length_can_tell_is_refused() -> None:
+def test_too_long_payload_is_rejected() -> None:
     assert len(encode(0, bytes(LONGEST))) == LONGEST + OVERHEAD
     with pytest.raises(ValueError, match="32768 bytes: at most 32767"):
         encode(0, bytes(LONGEST + 1))
@@ -38,7 +38,7 @@ def old_frame(topic_id: int, payload: bytes) -> bytes:
     return PROBE + body + bytes([255 - sum(body) % 256])
 
 
-def test_frames_of_before_hydro_are_told_from_those_of_today_and_from_noise() -> None:
+def test_old_protocol_frames_are_distinguished() -> None:
     assert old_frame(0, b"") == OLD_REQUEST[:-1]
     old = old_frame(125, b"some") + b"noise" + old_frame(0, b"")
     assert count_old_frames(b"\xff\xff\x01" + old) == 2

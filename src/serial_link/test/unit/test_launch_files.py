@@ -25,7 +25,7 @@ def test_without_hardware_both_nodes_are_at_the_same_port() -> None:
     assert board == {"link": "/tmp/some", "baud": 9600, "tcp_port": 11411}
 
 
-def test_avr_board_takes_the_place_of_the_one_in_python() -> None:
+def test_avr_board_replaces_python_board() -> None:
     config = load("board:=avr", "port:=/tmp/some")
     assert node_names(config) == ["/avr_board", "/serial_node"]
     assert private_parameters(config, "/avr_board") == {"link": "/tmp/some"}

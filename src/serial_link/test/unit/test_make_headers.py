@@ -264,7 +264,7 @@ def test_there_is_a_header_for_each_message_and_service(board: Board) -> None:
     assert {f"{path.parents[1].name}/{path.stem}.h" for path in files} <= board.paths
 
 
-def test_boards_and_genpy_mean_the_same_by_the_same_bytes(board: Board) -> None:
+def test_headers_and_genpy_decode_equally(board: Board) -> None:
     assert len(board.known) > 100
     draw = random.Random(1)
     numbers = list(range(len(board.known))) * ROUNDS
@@ -304,7 +304,7 @@ int main() {
 """
 
 
-def test_64_bits_stay_64_where_the_board_has_them(tmp_path: pathlib.Path) -> None:
+def test_64_bits_are_kept_on_capable_board(tmp_path: pathlib.Path) -> None:
     make_headers.write(make_headers.build_headers(["std_msgs"]), tmp_path)
     (tmp_path / "test").mkdir()
     (tmp_path / "test" / "program.cpp").write_text(DOUBLES)
@@ -316,7 +316,7 @@ def test_64_bits_stay_64_where_the_board_has_them(tmp_path: pathlib.Path) -> Non
     assert got == struct.pack("<5d", *numbers)
 
 
-def test_headers_give_way_to_those_of_rosserial_by_its_guards() -> None:
+def test_headers_yield_to_rosserial_include_guards() -> None:
     one = Class("Odd", "odd/Odd", "0", (), ())
     assert "#ifndef _ROS_odd_Odd_h" in header("odd", "Odd", [one])
     service = header("odd", "Odd", [one], service=True)
@@ -339,7 +339,7 @@ int main() {
 """
 
 
-def test_services_of_one_name_in_two_packages_are_both_there(tmp_path: pathlib.Path) -> None:
+def test_services_of_same_name_in_two_packages_coexist(tmp_path: pathlib.Path) -> None:
     headers = {WIRE_PATH: WIRE_HEADER}
     for package, name in (("first", "Empty"), ("second", "Empty"), ("first", "Odd")):
         parts = [Class(name + end, f"{package}/{name}", "0", (), ()) for end in ENDS[1:]]
@@ -362,7 +362,7 @@ def test_text_constants_are_functions() -> None:
     assert 'static const char *GREETING() { return "say \\"hi\\" \\\\ # all of it"; }' in text
 
 
-def test_the_command_writes_what_a_sketch_includes(tmp_path: pathlib.Path) -> None:
+def test_command_writes_headers_for_sketch(tmp_path: pathlib.Path) -> None:
     done = command("pid_control", "robot_custom_interfaces", "--into", str(tmp_path / "made"))
     assert (done.returncode, done.stderr) == (0, "")
     paths = sorted(str(path.relative_to(tmp_path / "made")) for path in tmp_path.rglob("*.h"))
@@ -388,7 +388,7 @@ def test_the_command_writes_what_a_sketch_includes(tmp_path: pathlib.Path) -> No
         (["std_srvs", "--arduino", "--into", "/dev/null/x.zip"], "cannot write /dev/null/x.zip: "),
     ],
 )
-def test_the_command_says_why_it_makes_none(arguments: List[str], why: str) -> None:
+def test_command_reports_why_it_fails(arguments: List[str], why: str) -> None:
     done = command(*arguments)
     assert (done.returncode, done.stdout) == (1, "")
     assert done.stderr.startswith(f"make_headers: {why}")

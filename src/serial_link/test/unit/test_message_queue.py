@@ -41,7 +41,7 @@ def test_every_schedule(steps: List[Any]) -> None:
     assert came + queue.dropped == sum(map(len, sent.values()))
 
 
-def test_few_values_that_come_together_all_come_and_one_more_leaves_the_newest() -> None:
+def test_burst_is_kept_up_to_depth_then_only_newest() -> None:
     queue = MessageQueue()
     for value in range(DEPTH):
         queue.put("a", value)
@@ -51,7 +51,7 @@ def test_few_values_that_come_together_all_come_and_one_more_leaves_the_newest()
     assert fetch_all(queue) == [DEPTH] and queue.dropped == DEPTH
 
 
-def test_a_stream_may_have_a_depth_of_its_own() -> None:
+def test_stream_may_have_its_own_depth() -> None:
     queue = MessageQueue(depth=2)
     for value in range(3):
         queue.put("deep", value, depth=3)
@@ -59,7 +59,7 @@ def test_a_stream_may_have_a_depth_of_its_own() -> None:
     assert fetch_all(queue) == [0, 2, 1, 2] and queue.dropped == 2
 
 
-def test_streams_take_turns_behind_what_is_kept() -> None:
+def test_streams_alternate_after_reliable_messages() -> None:
     queue = MessageQueue()
     for value in range(3):
         queue.put("a", f"a{value}")
@@ -75,7 +75,7 @@ def test_far_too_many_are_refused_and_counted() -> None:
     assert queue.refused == 1 and len(fetch_all(queue)) == MOST_KEPT
 
 
-def test_what_is_cleared_does_not_come_nor_count() -> None:
+def test_cleared_messages_are_not_returned_or_counted() -> None:
     queue = MessageQueue()
     queue.put_reliable(1)
     queue.put("a", 2)
@@ -83,7 +83,7 @@ def test_what_is_cleared_does_not_come_nor_count() -> None:
     assert fetch_all(queue) == [] and queue.dropped == 0
 
 
-def test_who_waits_gets_what_comes_and_nothing_at_the_end() -> None:
+def test_waiting_reader_gets_message_or_none_on_close() -> None:
     queue, found = MessageQueue(), []
     waiting = threading.Thread(target=lambda: found.append(queue.get(30.0)))
     waiting.start()

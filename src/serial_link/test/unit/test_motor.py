@@ -18,7 +18,7 @@ def motor() -> Motor:
     "share, pwm",
     [(0.0, 0), (0.5, 128), (1.0, 255), (7.0, 255), (-3.0, -255), (0.0018, 0), (0.004, 1)],
 )
-def test_pulse_width_has_255_steps_either_way(share: float, pwm: int) -> None:
+def test_pulse_width_has_255_steps_in_each_direction(share: float, pwm: int) -> None:
     turning = motor()
     turning.drive(100.0, share)
     assert turning.pwm == pwm and PWM_STEPS == 255
@@ -44,7 +44,7 @@ def test_dead_zone_and_greatest_speed() -> None:
     assert turning.speed_of(gone, 1.0) == pytest.approx(-8.0, abs=0.01)
 
 
-def test_speed_comes_in_steps_of_one_count() -> None:
+def test_speed_is_quantised_to_one_count() -> None:
     turning = motor()
     assert turning.speed_of(3, 0.01) == pytest.approx(3 * 2.0 * math.pi / 1000 / 0.01)
     assert turning.speed_of(0, 0.01) == 0.0
@@ -59,7 +59,7 @@ def test_encoder_is_set_to_zero_and_the_motor_turns_on() -> None:
     assert turning.counts(102.0) == pytest.approx(8000 / (2.0 * math.pi), abs=2)
 
 
-def test_another_motor_from_now_on_and_a_long_pause_takes_no_time() -> None:
+def test_changed_motor_and_long_pause() -> None:
     turning = motor()
     turning.drive(100.0, 1.0)
     turning.change(101.0, SETTINGS._replace(max_output=4.0))

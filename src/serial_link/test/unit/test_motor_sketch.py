@@ -66,7 +66,7 @@ def test_its_md5sums_are_those_of_the_messages() -> None:
             assert declared.md5sum == CLASSES[declared.type]._md5sum
 
 
-def test_speed_comes_at_its_rate_in_steps_of_a_count_with_the_boards_time() -> None:
+def test_speed_is_published_at_rate_with_board_time() -> None:
     bench = Bench()
     bench.drive(100.0, 0.5)
     heard = outputs(bench.run(100.001, 0.4))
@@ -78,14 +78,14 @@ def test_speed_comes_at_its_rate_in_steps_of_a_count_with_the_boards_time() -> N
     assert heard[-1].status == "Motor Turning"
 
 
-def test_status_tells_what_the_motor_does() -> None:
+def test_status_describes_motor() -> None:
     bench = Bench()
     assert outputs(bench.run(100.001, 0.05))[-1].status == "Motor Not Turning"
     bench.drive(100.05, 1.0)
     assert outputs(bench.run(100.051, 0.3))[-1].status == "Motor Max Speed"
 
 
-def test_another_motor_turns_as_it_does() -> None:
+def test_replaced_motor_is_used() -> None:
     bench = Bench()
     bench.panel.plant = bench.panel.plant._replace(gain=6.0)
     bench.drive(100.0, 0.5)
@@ -104,14 +104,14 @@ def test_motor_stops_when_nobody_drives_it() -> None:
 
 
 @pytest.mark.parametrize("payload", [b"", bytes(11), struct.pack("<fd", float("nan"), 0.0)])
-def test_what_is_no_input_moves_nothing(payload: bytes) -> None:
+def test_invalid_input_does_not_move_motor(payload: bytes) -> None:
     bench = Bench()
     bench.drive(100.0, 0.5)
     bench.device.receive(100.1, encode(INPUT, payload))
     assert bench.motor.pwm == 128
 
 
-def test_panel_is_told_of_the_button_when_it_changes_the_potentiometer_always() -> None:
+def test_button_is_published_on_change_and_potentiometer_periodically() -> None:
     bench = Bench()
     frames = bench.run(100.001, 0.3)
     assert [payload for topic, payload in frames if topic == BUTTON] == [b"\0"]
@@ -140,7 +140,7 @@ def test_lamp_and_encoder() -> None:
     assert bench.motor.counts(101.0) == 0
 
 
-def test_floods_when_told_to() -> None:
+def test_floods_on_request() -> None:
     bench = Bench(floods=True)
     assert len(outputs(bench.run(100.001, 0.1))) >= 99
     assert bench.sketch.next_due(100.1) == 100.1

@@ -30,18 +30,18 @@ def test_numbers_and_texts(raw: Any, ints: Any, floats: Any, texts: Any) -> None
 
 
 @pytest.mark.parametrize("raw", [{"a": 1}, None, [1, "a"], [[1]], {}])
-def test_what_no_board_takes_is_refused(raw: Any) -> None:
+def test_unsupported_value_is_rejected(raw: Any) -> None:
     with pytest.raises(UnsupportedValue, match="must be a number"):
         to_values(raw)
 
 
 @pytest.mark.parametrize("raw", [1e39, float("nan"), float("inf"), [0.0, -1e39]])
-def test_what_no_float_holds_is_refused(raw: Any) -> None:
+def test_value_beyond_float32_is_rejected(raw: Any) -> None:
     with pytest.raises(UnsupportedValue, match="32-bit"):
         to_values(raw)
 
 
-def test_an_answer_fits_into_the_boards_buffer_or_both_sizes_are_told() -> None:
+def test_answer_fits_buffer_or_error_has_both_sizes() -> None:
     payload = encode_answer("x" * 84, 100)
     assert len(payload) == 100 and decode_values(payload).texts == ("x" * 84,)
     with pytest.raises(UnsupportedValue, match="of 101 bytes is not sent: .* buffer has 100"):

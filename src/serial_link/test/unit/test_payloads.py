@@ -25,12 +25,12 @@ DECODERS = [
 
 
 @given(infos)
-def test_a_topic_comes_back(info: TopicInfo) -> None:
+def test_topic_survives_round_trip(info: TopicInfo) -> None:
     assert payloads.decode_topic(payloads.encode_topic(info)) == info
 
 
 @given(st.integers(0, 4), st.text())
-def test_a_line_of_the_log_comes_back(level: int, text: str) -> None:
+def test_log_line_survives_round_trip(level: int, text: str) -> None:
     text = text.encode("utf-8", "replace").decode()
     assert payloads.decode_log(payloads.encode_log(level, text)) == (level, text)
 
@@ -40,24 +40,24 @@ def test_a_line_of_the_log_comes_back(level: int, text: str) -> None:
     st.lists(st.floats(width=32, allow_nan=False), max_size=4),
     st.lists(st.text(st.characters(blacklist_categories=["Cs"])), max_size=4),
 )
-def test_values_of_parameters_come_back(ints: Any, floats: Any, texts: Any) -> None:
+def test_parameter_values_survive_round_trip(ints: Any, floats: Any, texts: Any) -> None:
     found = payloads.decode_values(payloads.encode_values(Values(ints, floats, texts)))
     assert found == (tuple(ints), tuple(floats), tuple(texts))
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(0, 2**32 - 1))
-def test_a_time_comes_back(seconds: int, nanoseconds: int) -> None:
+def test_time_survives_round_trip(seconds: int, nanoseconds: int) -> None:
     data = payloads.encode_time(seconds, nanoseconds)
     assert payloads.decode_time(data) == (seconds, nanoseconds)
 
 
-def test_a_name_comes_back() -> None:
+def test_name_survives_round_trip() -> None:
     assert payloads.decode_name(payloads.encode_name("~gains/kp")) == "~gains/kp"
 
 
 @pytest.mark.parametrize("decode", DECODERS)
 @given(data=st.binary(max_size=60))
-def test_whatever_comes_is_read_or_refused(decode: Callable[[bytes], Any], data: bytes) -> None:
+def test_any_payload_is_decoded_or_rejected(decode: Callable[[bytes], Any], data: bytes) -> None:
     try:
         decode(data)
     except PayloadError:
@@ -65,7 +65,7 @@ def test_whatever_comes_is_read_or_refused(decode: Callable[[bytes], Any], data:
 
 
 @given(infos, st.integers(0, 10_000))
-def test_a_topic_that_is_cut_or_goes_on_is_refused(info: TopicInfo, cut: int) -> None:
+def test_topic_of_wrong_length_is_rejected(info: TopicInfo, cut: int) -> None:
     payload = payloads.encode_topic(info)
     for wrong in (payload[: cut % len(payload)], payload + b"\0"):
         with pytest.raises(PayloadError):
@@ -91,9 +91,7 @@ GOOD = TopicInfo(125, "speed", "std_msgs/Float32", "0" * 32, 512)
         ({"buffer_size": -25536}, "-25536 bytes"),
     ],
 )
-def test_topic_that_ros_cannot_have_is_read_and_its_problem_has_what_to_change(
-    wrong: Any, advice: str
-) -> None:
+def test_invalid_topic_is_decoded_and_problem_names_remedy(wrong: Any, advice: str) -> None:
     assert payloads.problem_of(GOOD) == ""
     info = GOOD._replace(**wrong)
     assert payloads.decode_topic(payloads.encode_topic(info)) == info
@@ -143,7 +141,7 @@ def test_the_smallest_and_the_largest_are_taken() -> None:
         assert payloads.decode_topic(payloads.encode_topic(info)) == info
 
 
-def test_a_level_that_there_is_not_and_a_name_that_is_none_are_refused() -> None:
+def test_invalid_level_and_name_are_rejected() -> None:
     with pytest.raises(PayloadError, match="log"):
         payloads.decode_log(payloads.encode_log(5, "text"))
     with pytest.raises(PayloadError, match="log"):

@@ -33,7 +33,7 @@ def leave_link(link: pathlib.Path) -> None:
         board.kill()
 
 
-def test_node_opens_no_terminal_of_another_program_behind_a_link_that_was_left(
+def test_leftover_link_to_foreign_terminal_is_not_opened(
     tmp_path: pathlib.Path,
 ) -> None:
     link = tmp_path / "board"
@@ -64,7 +64,7 @@ def test_next_board_replaces_a_link_that_was_left(tmp_path: pathlib.Path) -> Non
     assert list(tmp_path.iterdir()) == []
 
 
-def test_link_without_a_mark_or_to_another_place_is_followed(tmp_path: pathlib.Path) -> None:
+def test_link_without_matching_mark_is_followed(tmp_path: pathlib.Path) -> None:
     link = tmp_path / "board"
     link.symlink_to("/dev/null")
     assert not is_left_behind(str(link))
@@ -91,14 +91,14 @@ def mark_of(link: pathlib.Path) -> pathlib.Path:
     return link.with_name(link.name + ".board")
 
 
-def test_mark_whose_numbers_are_too_long_is_none(left: pathlib.Path) -> None:
+def test_mark_with_too_long_numbers_is_invalid(left: pathlib.Path) -> None:
     _, *others = mark_of(left).read_text().split(" ")
     for pid in ("9" * 5000, "9" * 10, "0"):
         mark_of(left).write_text(" ".join([pid, *others]))
         assert not is_left_behind(str(left))
 
 
-def test_mark_that_is_a_fifo_or_a_link_is_none(left: pathlib.Path) -> None:
+def test_fifo_or_link_is_invalid_mark(left: pathlib.Path) -> None:
     mark_of(left).rename(left.with_name("elsewhere"))
     mark_of(left).symlink_to(left.with_name("elsewhere"))
     assert not is_left_behind(str(left))
@@ -108,7 +108,7 @@ def test_mark_that_is_a_fifo_or_a_link_is_none(left: pathlib.Path) -> None:
 
 
 @pytest.mark.skipif(os.getuid() != 0, reason="only root can give a file to another user")
-def test_mark_of_another_user_is_none(left: pathlib.Path) -> None:
+def test_mark_of_another_user_is_invalid(left: pathlib.Path) -> None:
     os.chown(str(mark_of(left)), 12345, -1)
     assert not is_left_behind(str(left))
 
@@ -135,7 +135,7 @@ def test_process_that_the_system_hides_has_not_ended(
     assert not is_left_behind(str(left))
 
 
-def test_only_what_is_still_its_own_is_removed(tmp_path: pathlib.Path) -> None:
+def test_only_own_link_is_removed(tmp_path: pathlib.Path) -> None:
     link = tmp_path / "board"
     link.symlink_to("/dev/pts/none")
     write_mark(str(link))

@@ -42,7 +42,7 @@ def test_a_holder_is_found_whatever_it_calls_the_file(tmp_path: pathlib.Path) ->
     assert find_port_users(str(board)) == []
 
 
-def test_who_has_another_file_of_the_same_name_is_no_holder(tmp_path: pathlib.Path) -> None:
+def test_other_file_of_same_name_does_not_count(tmp_path: pathlib.Path) -> None:
     board = tmp_path / "board"
     board.touch()
     with holder(board):
@@ -70,11 +70,11 @@ def test_maker_of_a_pseudo_terminal_that_keeps_it_open_is_no_holder(tmp_path: pa
             assert found.pid == pid
 
 
-def test_what_is_unplugged_has_no_holder(tmp_path: pathlib.Path) -> None:
+def test_unplugged_port_has_no_user(tmp_path: pathlib.Path) -> None:
     assert find_port_users(str(tmp_path / "board")) == []
 
 
-def test_a_long_command_is_told_without_its_folders(tmp_path: pathlib.Path) -> None:
+def test_long_command_is_shown_without_folders(tmp_path: pathlib.Path) -> None:
     board = tmp_path / "board"
     board.touch()
     script = tmp_path / ("folder" * 15) / "monitor.py"

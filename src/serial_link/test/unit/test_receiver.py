@@ -12,14 +12,14 @@ from serial_link.framing.frames import PROBE, Frame, encode
 frames = st.builds(Frame, st.integers(0, 0xFFFF), st.binary(max_size=40))
 
 
-def test_every_mode_has_its_row_and_leads_to_one() -> None:
+def test_state_table_is_complete() -> None:
     assert TABLE
     for expected in TABLE.values():
         assert expected.if_good in TABLE and expected.if_bad == SYNC_BYTE
 
 
 @given(st.lists(frames, max_size=5), st.lists(st.integers(0, 300)))
-def test_what_was_sent_comes_whatever_the_cut(messages: List[Frame], cuts: List[int]) -> None:
+def test_frames_are_received_for_any_split(messages: List[Frame], cuts: List[int]) -> None:
     data = b"".join(encode(*message) for message in messages)
     receiver, found, start = Receiver(40), [], 0
     for cut in [*sorted(cut % (len(data) + 1) for cut in cuts), len(data)]:
@@ -29,7 +29,7 @@ def test_what_was_sent_comes_whatever_the_cut(messages: List[Frame], cuts: List[
 
 
 @given(st.binary(max_size=200))
-def test_noise_raises_nothing_and_ends_with_its_time(noise: bytes) -> None:
+def test_noise_raises_nothing_and_ends_after_timeout(noise: bytes) -> None:
     receiver, good = Receiver(512), Frame(100, b"good")
     for frame in receiver.receive(0.0, noise):
         assert encode(*frame) in noise
@@ -51,7 +51,7 @@ def test_a_frame_that_takes_too_long_is_dropped() -> None:
         assert receiver.receive(5.0 + pause, data[6:]) == expected
 
 
-def test_a_probe_is_another_version_and_no_frame() -> None:
+def test_probe_counts_as_other_version() -> None:
     receiver, good = Receiver(512), Frame(100, b"")
     assert receiver.receive(0.0, PROBE + encode(*good)) == [good]
     assert receiver.other_versions == 1

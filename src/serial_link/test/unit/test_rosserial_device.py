@@ -60,13 +60,13 @@ def configured(**options: Any) -> "tuple[Device, Notes]":
     return device, notes
 
 
-def test_it_says_nothing_until_it_is_asked() -> None:
+def test_device_is_silent_until_topic_request() -> None:
     device = Device(Notes())
     device.loop(3.0)
     assert device.output() == b"" and device.state == WAITING
 
 
-def test_it_tells_what_it_sends_and_then_what_it_receives() -> None:
+def test_device_announces_publishers_then_subscribers() -> None:
     device = Device(Notes(), input_size=200, output_size=300)
     device.receive(0.0, encode(PUBLISHER, b""))
     first, *told = sent(device)
@@ -123,14 +123,14 @@ def test_time_is_asked_for_and_without_an_answer_the_host_is_forgotten() -> None
     assert 14.0 < device.next_due(14.0) <= 14.0 + TIME_EVERY_S
 
 
-def test_a_stop_has_it_wait_to_be_asked() -> None:
+def test_stop_ends_publishing_until_topic_request() -> None:
     device, _ = configured()
     device.receive(1.0, encode(STOP, b""))
     device.publish("out", b"")
     assert device.output() == b"" and device.state == WAITING
 
 
-def test_what_does_not_fit_is_dropped_with_a_line_of_the_log() -> None:
+def test_too_large_message_is_dropped_and_logged() -> None:
     device, _ = configured(output_size=100)
     device.publish("out", bytes(92))
     assert sent(device) == [(125, bytes(92))]
@@ -140,7 +140,7 @@ def test_what_does_not_fit_is_dropped_with_a_line_of_the_log() -> None:
 
 
 @pytest.mark.parametrize("name", ["out", "in", "offered"])
-def test_wrong_md5sum_is_told_of_one_topic(name: str) -> None:
+def test_wrong_md5sum_is_announced_for_one_topic(name: str) -> None:
     told = []
     for wrong in ("", name):
         device = Device(Notes(), wrong_md5=wrong)

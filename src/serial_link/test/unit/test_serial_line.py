@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from serial_link.device.serial_line import SerialLine, add_noise
 
 
-def test_bytes_arrive_one_by_one_at_the_pace() -> None:
+def test_bytes_arrive_at_baud_rate() -> None:
     line = SerialLine(1000)  # a byte takes 10 ms
     line.put(1.0, b"abcd")
     assert line.waiting == 4 and line.next_due() == pytest.approx(1.04)
@@ -23,7 +23,7 @@ def test_bytes_arrive_one_by_one_at_the_pace() -> None:
 
 
 @given(st.lists(st.tuples(st.floats(0.0, 0.5), st.binary(max_size=30)), max_size=20))
-def test_nothing_is_lost_and_nothing_is_faster_than_the_line(steps: list) -> None:
+def test_no_byte_is_lost_or_faster_than_the_line(steps: list) -> None:
     line, now, sent, arrived = SerialLine(9600), 0.0, b"", b""
     for pause, data in steps:
         now += pause
@@ -35,7 +35,7 @@ def test_nothing_is_lost_and_nothing_is_faster_than_the_line(steps: list) -> Non
     assert arrived + line.arrived(now + 10.0) == sent
 
 
-def test_a_line_without_a_rate_takes_no_time_and_a_cleared_one_brings_nothing() -> None:
+def test_line_without_rate_has_no_delay_and_cleared_line_is_empty() -> None:
     line = SerialLine(0)
     line.put(1.0, b"abc")
     assert line.arrived(1.0) == b"abc"

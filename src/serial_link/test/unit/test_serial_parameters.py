@@ -5,7 +5,7 @@ import pytest
 from serial_link.serial_parameters import SerialParameters
 
 
-def test_board_of_another_machine_is_refused_where_only_this_one_can_connect() -> None:
+def test_remote_board_is_rejected_with_local_address() -> None:
     values = {"port": "tcp", "tcp_boards": "left@192.168.1.20,right"}
     for address in ("localhost", "127.0.0.1"):
         with pytest.raises(ValueError, match=r"left@192.168.1.20 cannot .* tcp_address to 0.0.0.0"):

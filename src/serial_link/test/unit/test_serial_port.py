@@ -72,7 +72,7 @@ def test_all_bytes_go_both_ways(plugged: Tuple[PtyTransport, SerialPort]) -> Non
     assert port.read(0.0) == b""
 
 
-def test_what_was_sent_before_it_is_open_does_not_come_back(
+def test_bytes_before_open_are_not_echoed(
     plugged: Tuple[PtyTransport, SerialPort],
 ) -> None:
     end, port = plugged
@@ -81,7 +81,7 @@ def test_what_was_sent_before_it_is_open_does_not_come_back(
     assert port.open(0.0) and port.read(0.0) == b""
 
 
-def test_a_pulled_cable_is_told_and_the_link_finds_the_next_number(
+def test_unplugged_cable_is_reported_and_link_finds_new_number(
     plugged: Tuple[PtyTransport, SerialPort],
 ) -> None:
     end, port = plugged
@@ -102,7 +102,7 @@ def test_a_pulled_cable_is_told_and_the_link_finds_the_next_number(
     assert port.read(5.0) == b"back"
 
 
-def test_a_second_program_is_told_who_has_the_port(
+def test_second_program_learns_who_has_the_port(
     plugged: Tuple[PtyTransport, SerialPort],
 ) -> None:
     _, port = plugged
@@ -137,7 +137,7 @@ def test_it_has_the_port_for_itself(
         SerialPort(port.name, 57600).open(0.0)
 
 
-def test_others_may_open_the_port_of_a_simulated_board_whose_node_was_killed() -> None:
+def test_port_of_simulated_board_is_free_after_node_was_killed() -> None:
     with tempfile.TemporaryDirectory(dir="/tmp") as folder:
         os.chmod(folder, 0o755)
         end = PtyTransport(os.path.join(folder, "board"))
@@ -170,14 +170,14 @@ def test_without_permission_the_sentence_names_the_group() -> None:
     assert "sudo usermod -aG" in words and "$USER" in words
 
 
-def test_a_port_that_is_none_is_told(tmp_path: pathlib.Path) -> None:
+def test_invalid_port_is_reported(tmp_path: pathlib.Path) -> None:
     place = tmp_path / "file"
     place.touch()
     with pytest.raises(PortUnavailable, match="file cannot be opened: "):
         SerialPort(str(place), 57600).open(0.0)
 
 
-def test_a_board_that_takes_nothing_does_not_hold_the_writer_for_long(
+def test_stuck_board_blocks_writer_only_briefly(
     plugged: Tuple[PtyTransport, SerialPort],
 ) -> None:
     _, port = plugged

@@ -52,7 +52,7 @@ def run(monitor: SyncMonitor, start: float, end: float) -> List[str]:
     return actions
 
 
-def test_nothing_is_due_while_the_port_is_closed() -> None:
+def test_no_timeout_while_port_is_closed() -> None:
     monitor = SyncMonitor()
     assert monitor.next_due() == math.inf and monitor.poll(1e9) == []
     monitor = in_step()
@@ -79,7 +79,7 @@ def test_board_that_does_not_answer_is_asked_once_in_eleven_seconds_and_probed_e
     assert monitor.state == SYNCED
 
 
-def test_what_waits_for_a_sketch_that_waits_five_seconds_leaves_room_for_messages() -> None:
+def test_slow_sketch_buffer_keeps_room_for_messages() -> None:
     monitor = SyncMonitor()
     actions = monitor.handle(0.0, OPENED) + run(monitor, 0.0, 5.0)
     waiting = 8 * actions.count(ASK) + 2 * actions.count(PROBE)
@@ -186,7 +186,7 @@ def test_a_board_that_says_something_is_not_probed() -> None:
     assert monitor.state == SILENT
 
 
-def test_a_board_that_only_listens_stays_in_contact() -> None:
+def test_board_that_only_subscribes_stays_synced() -> None:
     monitor = in_step()
     for request in range(1, 10):
         actions = run(monitor, 0.0, 2.5 * request)
@@ -269,7 +269,7 @@ def test_a_quick_board_that_was_reset_is_missed_within_half_a_second() -> None:
     assert monitor.handle(1.52, TIME) == [RESTART, ASK]
 
 
-def test_a_board_that_is_silent_for_too_long_is_asked_anew() -> None:
+def test_silent_board_is_requested_again() -> None:
     monitor = in_step()
     actions = run(monitor, 0.0, 0.99 * OVERDUE_S)
     assert set(actions) == {PROBE} and monitor.state == SILENT
@@ -278,7 +278,7 @@ def test_a_board_that_is_silent_for_too_long_is_asked_anew() -> None:
 
 
 @pytest.mark.parametrize("quiet", [False, True])
-def test_a_topic_that_is_not_known_is_asked_for_but_not_again_at_once(quiet: bool) -> None:
+def test_unknown_topic_causes_request_after_pause(quiet: bool) -> None:
     monitor = in_step()
     if quiet:
         monitor.poll(QUIET_S)
@@ -288,7 +288,7 @@ def test_a_topic_that_is_not_known_is_asked_for_but_not_again_at_once(quiet: boo
     assert monitor.state == SYNCED
 
 
-def test_topic_that_stays_unknown_is_asked_for_ever_more_rarely() -> None:
+def test_pauses_grow_while_topic_stays_unknown() -> None:
     monitor = in_step()
     asked_at = []
     for step in range(1, 600):  # its messages come ten times a second

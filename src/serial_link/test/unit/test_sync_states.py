@@ -56,12 +56,12 @@ def test_every_state_is_reached_and_left() -> None:
         assert any(target != state for (of, _), (target, _) in TABLE.items() if of == state)
 
 
-def test_what_has_no_row_changes_nothing() -> None:
+def test_missing_row_keeps_state() -> None:
     assert move(CLOSED, TOPIC) == Move(CLOSED, "")
     assert move(ASKED, MESSAGE) == Move(ASKED, "")
 
 
-def test_notice_proves_nothing_but_that_a_time_request_answered_a_probe() -> None:
+def test_notice_only_explains_a_time_request() -> None:
     others = set(STATES) - {HEARD}
     assert others and all(move(state, NOTICE) == Move(state) for state in others)
 
@@ -76,14 +76,14 @@ def test_a_silent_board_is_restarted_only_if_it_answers_two_probes() -> None:
     assert move(sync_states.CLOSED, OPENED) == Move(ASKED, ASK)
 
 
-def test_time_request_answers_a_probe_or_the_question_as_what_follows_tells() -> None:
+def test_next_frame_decides_what_a_time_request_answered() -> None:
     assert move(SEEKING, TIME) == Move(HEARD)
     assert move(HEARD, TOPIC) == Move(SYNCED)
     others = (TIME, NOTICE, UNKNOWN, DUE)
     assert {move(HEARD, event) for event in others} == {Move(ASKED, ASK)}
 
 
-def test_question_under_way_is_not_followed_by_another() -> None:
+def test_pending_request_is_not_followed_by_another() -> None:
     asking = {
         event for (state, event), (_, action) in TABLE.items() if state == ASKED and action == ASK
     }

@@ -37,7 +37,7 @@ def test_a_board_connects_and_bytes_go_both_ways() -> None:
     port.release()
 
 
-def test_new_connection_replaces_one_that_is_silent_and_no_other() -> None:
+def test_new_connection_replaces_only_a_silent_one() -> None:
     number = free_port()
     server = TcpServer("localhost", number)
     port, first, second = (
@@ -80,7 +80,7 @@ def test_a_message_that_a_board_takes_in_part_ends_the_connection() -> None:
     end.unplug()
 
 
-def test_it_listens_on_this_machine_alone_unless_told_otherwise() -> None:
+def test_server_listens_on_localhost_by_default() -> None:
     number = free_port()
     port = only_port(number)
     port.open(0.0)
@@ -90,14 +90,14 @@ def test_it_listens_on_this_machine_alone_unless_told_otherwise() -> None:
     port.release()
 
 
-def test_a_port_that_is_taken_is_told() -> None:
+def test_occupied_port_is_reported() -> None:
     with socket.create_server(("localhost", 0)) as taken:
         number = taken.getsockname()[1]
         with pytest.raises(PortUnavailable, match=f"tcp localhost:{number} cannot listen"):
             only_port(number).open(0.0)
 
 
-def test_boards_at_one_port_have_a_seat_each_and_one_too_many_is_refused_in_words(
+def test_boards_have_seats_and_surplus_board_is_refused(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     monkeypatch.setattr("serial_link.hardware.tcp_port._SEAT_S", 0.2)
@@ -157,7 +157,7 @@ def test_port_probe_takes_no_board_its_namespace() -> None:
         board.unplug()
 
 
-def test_reader_waits_while_as_many_boards_wait_as_may(monkeypatch: "pytest.MonkeyPatch") -> None:
+def test_reader_waits_while_maximum_of_boards_waits(monkeypatch: "pytest.MonkeyPatch") -> None:
     monkeypatch.setattr("serial_link.hardware.tcp_seats.SAME_BOARD_S", TIMEOUT_S)
     monkeypatch.setattr("serial_link.hardware.tcp_port._SEAT_S", TIMEOUT_S)
     number = free_port()
@@ -178,7 +178,7 @@ def test_reader_waits_while_as_many_boards_wait_as_may(monkeypatch: "pytest.Monk
     port.release()
 
 
-def test_boards_go_on_while_a_refusal_is_logged(monkeypatch: "pytest.MonkeyPatch") -> None:
+def test_boards_continue_while_refusal_is_logged(monkeypatch: "pytest.MonkeyPatch") -> None:
     monkeypatch.setattr("serial_link.hardware.tcp_seats.SAME_BOARD_S", TIMEOUT_S)
     monkeypatch.setattr("serial_link.hardware.tcp_port._SEAT_S", 0.0)
     number, went_on = free_port(), []

@@ -26,7 +26,7 @@ def connect(seats: List[Seat], peer: str, now: float = 0.0, is_board: bool = Tru
     return seat.name
 
 
-def test_port_probe_that_sends_no_frame_reserves_nothing() -> None:
+def test_port_scan_reserves_no_seat() -> None:
     seats = parse_seats("left,right")
     assert connect(seats, C, is_board=False) == "left"
     assert connect(seats, A, 0.9 * OTHER_BOARD_S) is None  # not right, which is for the second
@@ -61,7 +61,7 @@ def test_boards_get_seats_in_the_order_of_their_first_connection_and_keep_them()
     assert connect(seats, B) == "right" and connect(seats, A) == "left"
 
 
-def test_addresses_choose_seats_whoever_comes_first() -> None:
+def test_addresses_determine_seats_in_any_order() -> None:
     seats = parse_seats(f"left@{A},right@{B}")
     assert connect(seats, B) == "right" and connect(seats, A) == "left"
     assert connect(seats, C) is None
@@ -83,7 +83,7 @@ def test_only_seat_is_for_any_board_and_an_other_address_waits_longer() -> None:
     assert connect(seats, B, OTHER_BOARD_S) == ""
 
 
-def test_boards_behind_one_address_are_told_apart_by_order() -> None:
+def test_boards_with_same_address_are_distinguished_by_order() -> None:
     seats = parse_seats("left,right")
     assert connect(seats, A) == "left" and connect(seats, A) == "right"
     seats[0].heard_at = None
@@ -101,6 +101,6 @@ def test_boards_behind_one_address_are_told_apart_by_order() -> None:
         ("left@::1", "'::1' is not an IPv4 address"),
     ],
 )
-def test_list_that_is_invalid_is_refused_in_words(text: str, why: str) -> None:
+def test_invalid_list_is_rejected_with_message(text: str, why: str) -> None:
     with pytest.raises(ValueError, match=why):
         parse_seats(text)

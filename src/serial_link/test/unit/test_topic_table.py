@@ -26,7 +26,7 @@ def names(table: TopicTable) -> List[str]:
     return [endpoint.name for endpoint in table.endpoints()]
 
 
-def test_topics_of_either_direction_may_have_one_id() -> None:
+def test_topics_in_both_directions_may_share_an_id() -> None:
     table = TopicTable()
     table.begin_round(0.0)
     assert table.add(0.0, PUBLISHER, info(125, "out"))
@@ -53,7 +53,7 @@ def test_a_service_is_known_when_both_halves_are() -> None:
         assert table.incoming(125) == expected
 
 
-def test_a_round_is_over_when_nothing_more_comes() -> None:
+def test_round_ends_after_silence() -> None:
     table = TopicTable()
     assert table.is_settled and table.end_round(9.0) is None
     table.begin_round(1.0)
@@ -65,7 +65,7 @@ def test_a_round_is_over_when_nothing_more_comes() -> None:
     assert table.is_settled and table.end_round(9.0) is None
 
 
-def test_what_a_good_round_leaves_out_is_gone_and_what_a_damaged_one_does_stays() -> None:
+def test_good_round_removes_missing_topics_and_damaged_round_keeps_them() -> None:
     table = TopicTable()
     table.begin_round(0.0)
     for number in (125, 126):
@@ -82,7 +82,7 @@ def test_what_a_good_round_leaves_out_is_gone_and_what_a_damaged_one_does_stays(
     assert names(table) == ["topic_126"]
 
 
-def test_a_board_that_tells_nothing_loses_nothing() -> None:
+def test_silent_board_keeps_topics() -> None:
     table = TopicTable()
     table.begin_round(0.0)
     table.add(0.0, PUBLISHER, info(125))
@@ -92,7 +92,7 @@ def test_a_board_that_tells_nothing_loses_nothing() -> None:
     assert names(table) == ["topic_125"]
 
 
-def test_of_a_board_that_was_started_anew_only_what_it_tells_since_then_holds() -> None:
+def test_restart_invalidates_earlier_announcements() -> None:
     table = TopicTable()
     table.mark_damaged()  # a single announcement then replaces nothing
     for time in (0.0, 1.0):
@@ -115,7 +115,7 @@ def test_of_a_board_that_was_started_anew_only_what_it_tells_since_then_holds() 
     assert names(table) == ["new"]
 
 
-def test_an_id_that_is_told_anew_is_what_was_told_last() -> None:
+def test_latest_announcement_of_an_id_applies() -> None:
     table = TopicTable()
     table.begin_round(0.0)
     table.add(0.0, PUBLISHER, info(125, "motor_outqut"))
@@ -126,7 +126,7 @@ def test_an_id_that_is_told_anew_is_what_was_told_last() -> None:
     assert names(table) == ["motor_output"]
 
 
-def test_where_bytes_are_damaged_each_topic_has_to_be_told_twice_alike() -> None:
+def test_damage_requires_two_equal_announcements() -> None:
     table = TopicTable()
     table.mark_damaged()
     told = ["motor_outqut", "motor_output", "motor_output"]
@@ -140,7 +140,7 @@ def test_where_bytes_are_damaged_each_topic_has_to_be_told_twice_alike() -> None
     assert table.end_round(3.5) is True
 
 
-def test_where_bytes_are_damaged_what_is_told_once_replaces_nothing() -> None:
+def test_single_announcement_replaces_nothing_after_damage() -> None:
     table = TopicTable()
     table.mark_damaged()
     for time, name in enumerate(["old", "old", "new", "new"]):
@@ -153,7 +153,7 @@ def test_where_bytes_are_damaged_what_is_told_once_replaces_nothing() -> None:
     assert table.end_round(4.5) is True
 
 
-def test_rounds_that_never_agree_come_to_an_end() -> None:
+def test_disagreeing_rounds_are_limited() -> None:
     table, rounds = TopicTable(), 0
     table.mark_damaged()
     is_complete: Optional[bool] = False
@@ -165,7 +165,7 @@ def test_rounds_that_never_agree_come_to_an_end() -> None:
     assert rounds == MOST_ROUNDS
 
 
-def test_damaged_rounds_come_to_an_end() -> None:
+def test_damaged_rounds_are_limited() -> None:
     table, rounds = TopicTable(), 1
     table.begin_round(0.0)
     table.mark_damaged()
@@ -179,7 +179,7 @@ def test_damaged_rounds_come_to_an_end() -> None:
     assert table.end_round(101.0) is False
 
 
-def test_rounds_that_are_broken_off_come_to_an_end_too() -> None:
+def test_aborted_rounds_are_limited() -> None:
     """Board whose topic is announced wrongly each time, so that it is asked again."""
     table, rounds = TopicTable(), 0
     table.begin_round(0.0)
@@ -204,7 +204,7 @@ def test_rounds_before_the_board_answers_do_not_count() -> None:
     assert table.end_round(101.0) is False
 
 
-def test_invalid_topic_is_known_when_it_was_told_twice_alike() -> None:
+def test_invalid_topic_needs_two_equal_announcements() -> None:
     table = TopicTable()
     table.begin_round(0.0)
     table.add(0.0, PUBLISHER, info(125, "my-topic"))
@@ -223,7 +223,7 @@ def test_invalid_topic_is_known_when_it_was_told_twice_alike() -> None:
     assert table.incoming(125) is not None
 
 
-def test_invalid_topic_that_was_told_once_is_forgotten_at_a_restart() -> None:
+def test_single_invalid_announcement_is_dropped_on_restart() -> None:
     table = TopicTable()
     for number in range(2):
         table.reset()
@@ -241,7 +241,7 @@ def test_round_waits_as_long_as_the_board_may_take() -> None:
     assert table.end_round(6.9 + SETTLED_S + 1.1) is True
 
 
-def test_there_is_a_limit_and_what_is_known_may_change_beyond_it() -> None:
+def test_known_topics_may_change_in_full_table() -> None:
     table = TopicTable()
     table.begin_round(0.0)
     for number in range(MOST_TOPICS):
@@ -251,7 +251,7 @@ def test_there_is_a_limit_and_what_is_known_may_change_beyond_it() -> None:
     assert len(table.endpoints()) == MOST_TOPICS
 
 
-def test_longest_message_is_that_of_what_the_board_sends() -> None:
+def test_longest_message_is_from_publishers() -> None:
     table = TopicTable()
     table.begin_round(0.0)
     assert table.longest == 0

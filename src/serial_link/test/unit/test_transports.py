@@ -24,7 +24,7 @@ def test_each_time_that_it_is_plugged_in_there_is_a_terminal_behind_the_link(
         assert not link.is_symlink()
 
 
-def test_a_board_that_was_closed_before_it_started_leaves_no_link(tmp_path: pathlib.Path) -> None:
+def test_board_closed_before_start_leaves_no_link(tmp_path: pathlib.Path) -> None:
     """Ctrl-C immediately after the node's start."""
 
     def never(_now: float) -> Device:
@@ -45,7 +45,7 @@ def test_a_link_that_a_killed_board_has_left_is_replaced(tmp_path: pathlib.Path)
     end.unplug()
 
 
-def test_what_is_somebody_elses_stays(tmp_path: pathlib.Path) -> None:
+def test_foreign_link_is_kept(tmp_path: pathlib.Path) -> None:
     other, late = PtyTransport(str(tmp_path / "board")), PtyTransport(str(tmp_path / "board"))
     other.plug()
     held = os.readlink(tmp_path / "board")
@@ -69,7 +69,7 @@ def test_a_link_of_the_user_is_in_the_users_folder(
     end.unplug()
 
 
-def test_nothing_raises_where_nobody_has_the_other_end(tmp_path: pathlib.Path) -> None:
+def test_no_exception_without_other_end(tmp_path: pathlib.Path) -> None:
     end = PtyTransport(str(tmp_path / "board"))
     end.write(b"lost")
     assert end.read() == b""

@@ -21,7 +21,7 @@ from serial_link.endpoints.types import (
 from serial_link.negotiation.payloads import SERVICE_CLIENT, SERVICE_SERVER, TopicInfo
 
 
-def test_classes_are_found_where_the_sums_agree() -> None:
+def test_class_is_found_if_md5sum_matches() -> None:
     assert message_class("std_msgs/Bool", Bool._md5sum) is Bool
     assert message_class("std_msgs/Bool", "*") is Bool
     sums = SetBool._request_class._md5sum, SetBool._response_class._md5sum
@@ -35,14 +35,14 @@ def test_transforms_of_rosserials_library_are_those_of_tf2() -> None:
 
 
 @pytest.mark.parametrize("name", ["no_such_msgs/Bool", "std_msgs/NoSuch", "std_msgs"])
-def test_what_there_is_not_is_refused_in_words(name: str) -> None:
+def test_missing_type_is_rejected_with_message(name: str) -> None:
     with pytest.raises(TypeRefused, match=f"{name} not found: is .* built and sourced"):
         message_class(name, "0" * 32)
     with pytest.raises(TypeRefused, match="not found"):
         service_class(name, "0" * 32, "0" * 32)
 
 
-def test_another_form_is_refused_with_both_sums() -> None:
+def test_different_type_is_rejected_with_both_md5sums() -> None:
     with pytest.raises(TypeRefused, match=f"std_msgs/Bool differs .*{'0' * 32}.*{Bool._md5sum}"):
         message_class("std_msgs/Bool", "0" * 32)
     request, response = Trigger._request_class._md5sum, Trigger._response_class._md5sum
@@ -52,21 +52,21 @@ def test_another_form_is_refused_with_both_sums() -> None:
         service_class("std_srvs/Trigger", request, "0" * 32)
 
 
-def test_a_service_is_told_of_from_the_boards_side() -> None:
+def test_service_md5sums_are_from_board_view() -> None:
     sent, heard = (TopicInfo(125, "a", "b/C", text * 32, 512) for text in "sh")
     assert md5sums_of(sent, heard, SERVICE_SERVER, SERVICE_SERVER) == ("h" * 32, "s" * 32)
     assert md5sums_of(sent, heard, SERVICE_CLIENT, SERVICE_SERVER) == ("s" * 32, "h" * 32)
 
 
 @given(st.text(st.characters(blacklist_categories=["Cs"])), st.lists(st.floats(width=32)))
-def test_messages_come_back(text: str, numbers: "list[float]") -> None:
+def test_messages_survive_round_trip(text: str, numbers: "list[float]") -> None:
     for message in (String(text), Float32MultiArray(data=numbers), Header(frame_id=text)):
         payload = encode(message)
         assert encode(decode(type(message), payload)) == payload
 
 
 @given(st.binary(max_size=60))
-def test_whatever_comes_is_a_message_or_refused(payload: bytes) -> None:
+def test_any_bytes_are_decoded_or_rejected(payload: bytes) -> None:
     for data_class in (Bool, String, Header, UInt8MultiArray, Float32MultiArray):
         try:
             decode(data_class, payload)
@@ -75,7 +75,7 @@ def test_whatever_comes_is_a_message_or_refused(payload: bytes) -> None:
 
 
 @given(st.text(min_size=1), st.data())
-def test_a_message_that_is_cut_or_goes_on_is_refused(text: str, data: st.DataObject) -> None:
+def test_message_of_wrong_length_is_rejected(text: str, data: st.DataObject) -> None:
     payload = encode(String(text.encode("utf-8", "replace").decode()))
     cut = data.draw(st.integers(0, len(payload) - 1))
     for wrong in (payload[:cut], payload + b"\0"):
@@ -83,6 +83,6 @@ def test_a_message_that_is_cut_or_goes_on_is_refused(text: str, data: st.DataObj
             decode(String, wrong)
 
 
-def test_what_only_comes_back_otherwise_is_taken() -> None:
+def test_message_that_encodes_differently_is_accepted() -> None:
     assert decode(Bool, b"\2").data
     assert decode(String, struct.pack("<I", 2) + b"\xb0C").data == "\ufffdC"

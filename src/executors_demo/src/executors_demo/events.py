@@ -27,8 +27,8 @@ class Event(NamedTuple):
     note: str = ""
 
     def __str__(self) -> str:
-        what = f"{self.who} #{self.number} {'begins' if self.begins else 'ends'}"
-        line = f"{self.time:8.3f} s  {self.thread:<12}  {what}"
+        call = f"{self.who} #{self.number} {'begins' if self.begins else 'ends'}"
+        line = f"{self.time:8.3f} s  {self.thread:<12}  {call}"
         return f"{line}: {self.note}" if self.note else line
 
 

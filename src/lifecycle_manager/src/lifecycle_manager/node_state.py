@@ -57,7 +57,7 @@ class NodeState:
     :ivar heard_at: time of the last heartbeat
     :ivar query_at: time of the next state query; infinite if the state is known
     :ivar under_way: the pending request; empty without one
-    :ivar told: last state that it has published meanwhile, 0 for none
+    :ivar published: last state that it has published meanwhile, 0 for none
     :ivar is_stuck: whether a transition down has failed
     """
 
@@ -68,7 +68,7 @@ class NodeState:
         self.heard_at = -math.inf
         self.query_at = math.inf
         self.under_way = ""
-        self.told = 0
+        self.published = 0
         self.is_stuck = False
         self._restless_since = now
 

@@ -35,7 +35,7 @@ class System:
         self.goal: Optional[Level] = None
         self.problem = ""
         self._autostart = autostart
-        self._told_at = self._checked_at = now
+        self._goal_set_at = self._checked_at = now
 
     # Events.
 
@@ -47,7 +47,7 @@ class System:
         """
         self.goal = validated(number, self._meant()).goal
         self.problem = ""
-        self._told_at = now
+        self._goal_set_at = now
         for member in self.members:
             member.is_stuck = False
 
@@ -61,7 +61,7 @@ class System:
     def record_state(self, member: NodeState, state: int, now: float) -> None:
         """Record a published state; query it if it is new, because the message may be old."""
         if member.under_way:
-            member.told = state  # not published again; the answer may be older
+            member.published = state  # not published again; the answer may be older
         elif member.is_heard and state != member.state:
             member.query_at = now
 
@@ -72,7 +72,7 @@ class System:
         """
         member.is_heard = False
         member.query_at = math.inf
-        member.under_way, member.told = "", 0
+        member.under_way, member.published = "", 0
         member.enter(0, now)
         if self._meant() > Level.UNCONFIGURED:
             self.problem = f"{member.name} is lost: {why}"
@@ -84,11 +84,11 @@ class System:
         :param why: the error, if known
         """
         label, member.under_way = member.under_way, ""
-        told, member.told = member.told, 0
+        published, member.published = member.published, 0
         member.enter(state, now)
         if member.is_moving or not state:
             member.query_at = now + QUERY_EVERY_S
-        elif told not in (0, state):
+        elif published not in (0, state):
             member.query_at = now
         # A node that has shut down meanwhile is lost, not failed: it may come back.
         if member.level > Level.GONE and state != RESULTS.get(label, state):
@@ -111,11 +111,14 @@ class System:
             if member.is_heard and now - member.heard_at > heartbeat_timeout:
                 self.mark_lost(member, f"no heartbeat for {heartbeat_timeout:g} s", now)
         if self.goal is None:
-            if all(member.rests for member in self.members) or now - self._told_at > FIRST_QUERY_S:
+            if (
+                all(member.rests for member in self.members)
+                or now - self._goal_set_at > FIRST_QUERY_S
+            ):
                 self._adopt_found_state(now)
         elif self.goal > Level.UNCONFIGURED:
             for member in self.members:
-                if member.is_overdue(self._told_at, respawn_window, now):
+                if member.is_overdue(self._goal_set_at, respawn_window, now):
                     where = (
                         f"has been {state_text(member.state)} for longer than {respawn_window:g} s"
                     )
@@ -192,7 +195,7 @@ class System:
 
     def _adopt_found_state(self, now: float) -> None:
         """Adopt the level that was found as the goal; with autostart, ACTIVE if unconfigured."""
-        self.goal, self._told_at = self._meant(), now
+        self.goal, self._goal_set_at = self._meant(), now
         if self._autostart and self.goal is Level.UNCONFIGURED:
             self.goal = Level.ACTIVE
 

@@ -35,7 +35,7 @@ class MotorEnabler:
         self._pause = _FIRST_PAUSE_S
         self._next_call = 0.0
         self._call: Optional[CallFuture] = None
-        self._waits_for = "no answer yet"
+        self._reason = "no answer yet"
         self._was_connected = False
         self._group = MutuallyExclusiveCallbackGroup()
         self._motor = node.create_client("EnableProcess", SetProcessBool, group=self._group)
@@ -78,17 +78,17 @@ class MotorEnabler:
         self._call = None
         try:
             answer = call.result()
-            success, self._waits_for = answer.success, answer.message
+            success, self._reason = answer.success, answer.message
         except CallError as error:
-            success, self._waits_for = False, str(error)
+            success, self._reason = False, str(error)
         self._sequence.answered(success)
         if success:
             self._pause = _FIRST_PAUSE_S
-            rospy.loginfo("%s answers: %s", self._motor.name, self._waits_for)
+            rospy.loginfo("%s answers: %s", self._motor.name, self._reason)
         else:
             self._next_call = time.monotonic() + self._pause
             self._pause = min(2.0 * self._pause, _LONGEST_PAUSE_S)
 
     def _log_waiting(self, _elapsed: float) -> None:
         if self._sequence.wants_call:
-            rospy.loginfo("waiting for the motor: %s", self._waits_for)
+            rospy.loginfo("waiting for the motor: %s", self._reason)

@@ -62,7 +62,7 @@ class Driver:
         #: Why the latest message is invalid; empty if it is valid.
         self._fault = ""
         #: Last logged reason for waiting; empty while the robot does not wait.
-        self._waits_for = ""
+        self._missing = ""
         self._checked: Optional[DrivingParameters] = None
         node.create_subscription("odom", Odometry, self._on_odometry)
 
@@ -158,30 +158,30 @@ class Driver:
         now = rospy.get_time()
         age, skew = self._staleness.age(now), self._staleness.skew(now, limit)
         if age <= limit:
-            if self._waits_for:
+            if self._missing:
                 rospy.loginfo("receiving odometry: the robot drives")
-            self._waits_for = ""
+            self._missing = ""
             return True
         self._progress_checker.forget()
         self._commands.publish(STOP)
         name = self._odometry_name
         if self._fault:
-            waits_for = "pose"
+            missing = "pose"
             text = f"{name} cannot be used ({self._fault}): the robot is stopped"
         elif math.isinf(age):
-            waits_for, text = "first", f"waiting for odometry on {name}"
+            missing, text = "first", f"waiting for odometry on {name}"
         elif skew:
-            waits_for = "clock"
+            missing = "clock"
             text = (
                 f"{name} has stamps {skew:.2f} s behind this clock: the robot is stopped; "
                 "set the clocks of both machines alike"
             )
         else:
-            waits_for = "next"
+            missing = "next"
             text = f"{name} is {age:.2f} s old: the robot is stopped until there is a new message"
-        if waits_for != self._waits_for:
-            self._waits_for = waits_for
-            log = rospy.loginfo if waits_for == "first" else rospy.logwarn
+        if missing != self._missing:
+            self._missing = missing
+            log = rospy.loginfo if missing == "first" else rospy.logwarn
             log("%s", text)
         return False
 

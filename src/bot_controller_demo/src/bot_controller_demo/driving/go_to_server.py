@@ -33,12 +33,12 @@ class GoToServer:
         before, self._goal = self._goal, goal
         try:
             self._accept(goal.request.target_pose)
-        except GoalRefused as refusal:
-            rospy.logwarn("ignoring the goal: %s", refusal)
+        except GoalRefused as error:
+            rospy.logwarn("ignoring the goal: %s", error)
             self._goal = None
             if before is not None:  # otherwise the robot drives to a goal of another source
                 self._stop()
-            goal.abort(text=str(refusal))
+            goal.abort(text=str(error))
 
     def poll(self) -> None:
         """Stop the robot if its goal was cancelled."""

@@ -73,15 +73,15 @@ class ProportionalController:
     def _on_goal(self, message: PoseStamped) -> None:
         try:
             self._head_for(goal_of(message, self._driver.frame))
-        except GoalRefused as refusal:
-            rospy.logwarn("ignoring the goal: %s", refusal)
+        except GoalRefused as error:
+            rospy.logwarn("ignoring the goal: %s", error)
 
     def _set_goal(self, request: SetGoalRequest) -> SetGoalResponse:
         goal = Goal(request.x, request.y, request.theta)
         try:
             self._head_for(allowed(goal))
-        except GoalRefused as refusal:
-            return SetGoalResponse(False, str(refusal))
+        except GoalRefused as error:
+            return SetGoalResponse(False, str(error))
         return SetGoalResponse(True, str(goal))
 
     def _head_for(self, goal: Goal) -> None:

@@ -144,8 +144,8 @@ class LifecycleManager:
         self._has_begun.wait(2 * FIRST_QUERY_S)  # allowed commands depend on the nodes' states
         try:
             return self._command(request.command).result()
-        except ValueError as refusal:
-            return False, str(refusal)
+        except ValueError as error:
+            return False, str(error)
 
     def is_active(self, _: TriggerRequest) -> Tuple[bool, str]:
         """Return whether all nodes are active."""

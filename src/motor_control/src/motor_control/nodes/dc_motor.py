@@ -47,7 +47,7 @@ class DcMotor:
         node.create_service("EnableProcess", SetProcessBool, self._enable)
         node.create_timer(lambda: 1.0 / self._parameters.values.sample_time, self._step)
         self._state = ""
-        self._tell(WAITING)
+        self._publish_state(WAITING)
 
     def _on_input(self, message: Float32) -> None:
         self._input = message.data
@@ -76,17 +76,17 @@ class DcMotor:
             return SetProcessBoolResponse(False, "the motor is shutting down")
         state = ENABLED if request.enable else DISABLED
         if request.enable == (self._plant is not None):
-            self._tell(state)  # waiting becomes disabled
+            self._publish_state(state)  # waiting becomes disabled
             return SetProcessBoolResponse(True, state + " already")
         if request.enable:
             self._start()
         else:
             self._stop()
-        self._tell(state)
+        self._publish_state(state)
         rospy.loginfo("%s: %s", self._service_name, state)
         return SetProcessBoolResponse(True, state)
 
-    def _tell(self, state: str) -> None:
+    def _publish_state(self, state: str) -> None:
         if state != self._state:
             self._state = state
             self._state_publisher.publish(state)

@@ -72,8 +72,8 @@ class ProcessingDemo:
 
     def _status(self, name: str) -> str:
         message = self._latest.get(name)
-        said = SENSORS[name].summarize(message) if message is not None else "no message"
-        return f"{name} #{self._counts[name]}: {said}"
+        summary = SENSORS[name].summarize(message) if message is not None else "no message"
+        return f"{name} #{self._counts[name]}: {summary}"
 
     def _subscribe(self) -> None:
         """Subscribe to the topics of the mode, and unsubscribe from the others."""

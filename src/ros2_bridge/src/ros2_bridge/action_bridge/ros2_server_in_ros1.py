@@ -184,13 +184,13 @@ class Ros2ServerInRos1:
     def _cancel_goal(self, uuid: bytes) -> None:
         """Ask the server to cancel a goal, or all goals."""
 
-        def hear(response: Any) -> None:
+        def check_response(response: Any) -> None:
             if uuid != NO_GOAL and not response.goals_canceling:
                 rospy.logwarn(f"{self._name}: the server in ROS 2 does not cancel {text_of(uuid)}")
 
         info = GoalInfo(goal_id=UUID(uuid=list(uuid)))
         with contextlib.suppress(NoResponse):
-            self._cancel.send(CancelGoal.Request(goal_info=info), hear)
+            self._cancel.send(CancelGoal.Request(goal_info=info), check_response)
 
     def _on_status(self, arrived: List[ReceivedMessage]) -> None:
         for one in arrived:

@@ -200,9 +200,9 @@ class PythonEnvironment:
             else:
                 names.update(twin.names)
         self._names.parent.mkdir(parents=True, exist_ok=True)
-        told = yaml.safe_load(self._left_out.read_text()) if self._left_out.exists() else {}
+        reported = yaml.safe_load(self._left_out.read_text()) if self._left_out.exists() else {}
         for path, reason in sorted(left_out.items()):
-            if told.get(path) != reason:
+            if reported.get(path) != reason:
                 say(f"left out {path}: {reason}")
         self._left_out.write_text(yaml.safe_dump(left_out), "utf-8")
         self._names.write_text(yaml.safe_dump(names), "utf-8")

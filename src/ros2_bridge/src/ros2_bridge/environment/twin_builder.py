@@ -179,8 +179,8 @@ def run(*command: object) -> None:
         [str(part) for part in command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT
     )
     if done.returncode:
-        said = done.stdout.decode("utf-8", "replace").splitlines()
-        errors = [line for line in said if "error" in line] or said[-1:]
+        output = done.stdout.decode("utf-8", "replace").splitlines()
+        errors = [line for line in output if "error" in line] or output[-1:]
         raise RuntimeError(errors[0] if errors else f"{command[0]} ended with {done.returncode}")
 
 

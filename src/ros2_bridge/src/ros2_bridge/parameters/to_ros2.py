@@ -138,8 +138,8 @@ class ParametersToRos2:
         reason = "; ".join(reasons) or self._parameters.change(values)
         if not reason:
             self._publish_changes()
-        said = reason or self._parameters.caution(list(values))
-        return SetParametersResult(successful=not reason, reason=said)
+        message = reason or self._parameters.caution(list(values))
+        return SetParametersResult(successful=not reason, reason=message)
 
     def _wrong_types(self, parameters: List[Any]) -> List[str]:
         """Return errors for integers given to doubles, which rclpy rejects as well."""

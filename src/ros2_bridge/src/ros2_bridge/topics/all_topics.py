@@ -168,8 +168,8 @@ class TopicBridge(PairBridge[_Pair]):
     def types(self) -> Dict[Way, str]:
         """Return the ROS 1 type name of each pair, including topics without messages so far."""
         found = {way: pair.kind.ros1 for way, pair in self.pairs.items()}
-        heard = {name for name, topic in self._ros2.items() if topic.subscribers}
-        for way in wanted(self._rules, heard, set()):
+        subscribed = {name for name, topic in self._ros2.items() if topic.subscribers}
+        for way in wanted(self._rules, subscribed, set()):
             with contextlib.suppress(Unbridgeable):
                 kind = self._types.message(self._types.ros1_name(min(self._ros2[way.name].types)))
                 found.setdefault(way, kind.ros1)

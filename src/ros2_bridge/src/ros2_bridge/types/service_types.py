@@ -69,18 +69,18 @@ class ServiceTypes:
         return {name: str(uri) for name, (_, _, uri) in zip(names, answers)}
 
     def _ask(self, name: str) -> None:
-        said, places = {}, {}
+        header, places = {}, {}
         try:
             places = self._look_up([name])
-            said = probe_service(name, _TIMEOUT_S)
+            header = probe_service(name, _TIMEOUT_S)
         except (CallError, MasterUnreachable):
             pass  # a later poll queries it again
         finally:
             with self._lock:
                 self._asked.discard(name)
                 self._silent.pop(name, None)
-                if "type" in said:
-                    self._found[name] = said["type"]
+                if "type" in header:
+                    self._found[name] = header["type"]
                     self._places.update(places)
                 else:
                     self._silent[name] = None

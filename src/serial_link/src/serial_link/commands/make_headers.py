@@ -40,8 +40,8 @@ def build_headers(packages: List[str]) -> Dict[str, str]:
                 _add_message(found, datatype)
             for datatype in services:
                 _add_service(found, datatype)
-        except TypeRefused as refusal:
-            raise HeaderError(str(refusal)) from None
+        except TypeRefused as error:
+            raise HeaderError(str(error)) from None
     return found
 
 

@@ -86,7 +86,7 @@ class MotorSketch:
         self._counts = motor.counts(began_at)
         self._driven_at = -math.inf
         self._button: Optional[bool] = None
-        self._told_at = began_at
+        self._button_due_at = began_at
         motor.drive(began_at, 0.0)
 
     def on_message(self, device: Device, now: float, name: str, payload: bytes) -> None:
@@ -115,8 +115,10 @@ class MotorSketch:
             self._motor.change(now, self._plant)
         if now - self._driven_at > INPUT_TIMEOUT_S and self._motor.pwm:
             self._motor.drive(now, 0.0)
-        if device.is_configured and (self._panel.button != self._button or now >= self._told_at):
-            self._button, self._told_at = self._panel.button, now + BUTTON_EVERY_S
+        if device.is_configured and (
+            self._panel.button != self._button or now >= self._button_due_at
+        ):
+            self._button, self._button_due_at = self._panel.button, now + BUTTON_EVERY_S
             device.publish("button", bytes((self._button,)))
         if now >= self._turn_at:
             self._turn_at += 1.0 / POTENTIOMETER_HZ

@@ -89,8 +89,8 @@ class Device:
         self._sketch = sketch
         self._sizes = (output_size, input_size)
         self._output = bytearray()
-        self._asked_at = self._told_at = 0.0
-        self._told: List[Tuple[int, TopicInfo]] = []
+        self._time_requested_at = self._host_seen_at = 0.0
+        self._announcements: List[Tuple[int, TopicInfo]] = []
         self._outgoing: Dict[str, int] = {}
         self._incoming: Dict[int, str] = {}
         for declared in sketch.topics:
@@ -134,15 +134,15 @@ class Device:
 
     def loop(self, now: float) -> None:
         """Run one iteration of the loop, as Arduino's ``loop`` does."""
-        if now - self._told_at >= HOST_LOST_S:
+        if now - self._host_seen_at >= HOST_LOST_S:
             self._handle(now, device_states.HOST_LOST)
-        if now - self._asked_at >= TIME_EVERY_S:
+        if now - self._time_requested_at >= TIME_EVERY_S:
             self._handle(now, device_states.TIME_DUE)
         self._sketch.loop(self, now)
 
     def next_due(self, now: float) -> float:
         """Return when :meth:`loop` next has work [s]."""
-        return min(self._sketch.next_due(now), max(now, self._asked_at) + TIME_EVERY_S)
+        return min(self._sketch.next_due(now), max(now, self._time_requested_at) + TIME_EVERY_S)
 
     def output(self) -> bytes:
         """Take the bytes to send."""
@@ -156,32 +156,32 @@ class Device:
             md5sum = md5sum[::-1]
         # md5sum of the messages that the board sends: of its own service, those of the response.
         sent = answer if kind == SERVICE_SERVER else md5sum
-        heard = answer if kind == SERVICE_CLIENT else md5sum
+        received = answer if kind == SERVICE_CLIENT else md5sum
         if kind != SUBSCRIBER:
             number = _FIRST_PUBLISHER + len(self._outgoing)
             self._outgoing[name] = number
             info = TopicInfo(number, name, datatype, sent, self._sizes[0])
-            self._told.append((kind + PUBLISHER, info))
+            self._announcements.append((kind + PUBLISHER, info))
         if kind != PUBLISHER:
             number = _FIRST_SUBSCRIBER + len(self._incoming)
             self._incoming[number] = name
-            info = TopicInfo(number, name, datatype, heard, self._sizes[1])
+            info = TopicInfo(number, name, datatype, received, self._sizes[1])
             info_id = SUBSCRIBER if kind == SUBSCRIBER else kind + SUBSCRIBER
-            self._told.append((info_id, info))
+            self._announcements.append((info_id, info))
 
     def _handle(self, now: float, event: str, topic_id: int = 0, payload: bytes = b"") -> None:
         self.state, actions = device_states.move(self.state, event)
         if event == device_states.TOPICS_REQUESTED:
-            self._told_at = now
+            self._host_seen_at = now
         for action in actions:
             if action == device_states.ASK_TIME:
-                self._asked_at = now
+                self._time_requested_at = now
                 self._send(TIME, payloads.encode_time(0, 0))
             elif action == device_states.NEGOTIATE:
-                for info_id, info in sorted(self._told, key=lambda told: told[0] % 2):
+                for info_id, info in sorted(self._announcements, key=lambda one: one[0] % 2):
                     self._send(info_id, payloads.encode_topic(info))
             elif action == device_states.SET_TIME:
-                self._told_at = now
+                self._host_seen_at = now
                 seconds, nanoseconds = payloads.decode_time(payload)
                 self.host_time = seconds + 1e-9 * nanoseconds
             elif topic_id == PARAMETER:

@@ -110,7 +110,7 @@ def _compare(what: str, md5sum: str, found: Any) -> None:
         )
 
 
-def md5sums_of(sent: Any, heard: Any, kind: int, server: int) -> Tuple[str, str]:
+def md5sums_of(sent: Any, received: Any, kind: int, server: int) -> Tuple[str, str]:
     """Return the md5sums of a service's request and response.
 
     :param sent: info of the messages that the board sends
@@ -118,4 +118,4 @@ def md5sums_of(sent: Any, heard: Any, kind: int, server: int) -> Tuple[str, str]
     :param kind: whether the board offers the service or calls it
     :param server: the kind that offers it
     """
-    return (heard.md5sum, sent.md5sum) if kind == server else (sent.md5sum, heard.md5sum)
+    return (received.md5sum, sent.md5sum) if kind == server else (sent.md5sum, received.md5sum)

@@ -77,19 +77,19 @@ class Decoder:
             if start < 0:
                 start = len(buffer)
             self.faults[GARBAGE] += start - position
-            what, position = self._classify(start)
-            if what == _WAITING:
+            kind, position = self._classify(start)
+            if kind == _WAITING:
                 if not is_over or start == len(buffer):
                     position = start
                     break
-                what, position = CUT_OFF, min(start + len(START), len(buffer))
-            if what == _GOOD:
+                kind, position = CUT_OFF, min(start + len(START), len(buffer))
+            if kind == _GOOD:
                 topic_id = buffer[start + HEADER] + 256 * buffer[start + HEADER + 1]
                 payload = bytes(buffer[start + BEFORE_PAYLOAD : position - 1])
                 frames.append(Frame(topic_id, payload))
                 continue
-            if what != GARBAGE:
-                self.faults[what] += 1
+            if kind != GARBAGE:
+                self.faults[kind] += 1
             self.faults[GARBAGE] += position - start
         del buffer[:position]
         return frames

@@ -299,7 +299,7 @@ class BoardLink:
                 self._add_topic(now, topic_id, payload)
             elif topic_id == TIME:
                 event = sync_states.TIME
-                self._tell_time(now)
+                self._send_time(now)
             elif topic_id == PARAMETER:
                 event = sync_states.NOTICE
                 self.inbox.put_reliable(ParameterRequest(payloads.decode_name(payload)))
@@ -314,7 +314,7 @@ class BoardLink:
             return
         self._execute(now, self._sync.handle(now, event))
 
-    def _tell_time(self, now: float) -> None:
+    def _send_time(self, now: float) -> None:
         if now - self._time_told_at >= _TIME_EVERY_S:
             self._time_told_at = now
             answer = encode(TIME, payloads.encode_time(*self._time_of()))
@@ -355,9 +355,9 @@ class BoardLink:
                 self._topics.reset()
                 self._outgoing_queue.clear()
                 self._time_told_at = -math.inf
-                self._tell_of_restart()
+                self._report_restart()
 
-    def _tell_of_restart(self) -> None:
+    def _report_restart(self) -> None:
         why = self._trouble
         if self._is_open:
             was_reset = self._sync.restarts != self._restarts

@@ -110,24 +110,24 @@ class TopicTable:
         key = (info_id % 2, info.topic_id)
         if key not in self._infos and len(self._infos) >= MOST_TOPICS:
             return False
-        told = self._infos.get(key)
-        if told == (info_id, info):
+        entry = self._infos.get(key)
+        if entry == (info_id, info):
             self._unconfirmed.discard(key)
         elif problem_of(info):
             self._add_suspect(key, (info_id, info))
         else:
-            if told is None or key in self._unconfirmed or not self._is_noisy:
+            if entry is None or key in self._unconfirmed or not self._is_noisy:
                 self._infos[key] = (info_id, info)
             self._unconfirmed.add(key)
         self._seen.add(key)
         self._ends_at = now + self._settled_s
         return True
 
-    def _add_suspect(self, key: Tuple[int, int], told: Tuple[int, TopicInfo]) -> None:
-        if self._suspects.get(key) == told:
+    def _add_suspect(self, key: Tuple[int, int], entry: Tuple[int, TopicInfo]) -> None:
+        if self._suspects.get(key) == entry:
             self._infos[key] = self._suspects.pop(key)
         else:
-            self._suspects[key] = told
+            self._suspects[key] = entry
             self.mark_damaged()
 
     def mark_damaged(self) -> None:
@@ -145,7 +145,7 @@ class TopicTable:
             return None
         self._ends_at = None
         if self._seen and not self._is_damaged:
-            self._infos = {key: told for key, told in self._infos.items() if key in self._seen}
+            self._infos = {key: entry for key, entry in self._infos.items() if key in self._seen}
             self._unconfirmed &= self._seen
             self.is_complete = True
         is_good = not (self._is_damaged or self._is_noisy and self._unconfirmed)
@@ -157,20 +157,20 @@ class TopicTable:
 
         :param topic_id: of the frame
         """
-        told = self._infos.get((PUBLISHER, topic_id))
-        return self._endpoint(*told) if told else None
+        entry = self._infos.get((PUBLISHER, topic_id))
+        return self._endpoint(*entry) if entry else None
 
     def accepts(self, info: TopicInfo) -> bool:
         """Return whether the board has announced this info since its last start.
 
         :param info: of a topic to the board
         """
-        told = self._infos.get((SUBSCRIBER, info.topic_id))
-        return told is not None and told[1] == info
+        entry = self._infos.get((SUBSCRIBER, info.topic_id))
+        return entry is not None and entry[1] == info
 
     def endpoints(self) -> List[Endpoint]:
         """Return the topics, and the services of which both halves are known."""
-        found = {self._endpoint(*told): None for told in self._infos.values()}
+        found = {self._endpoint(*entry): None for entry in self._infos.values()}
         return [one for one in found if one is not None]
 
     @property

@@ -118,8 +118,8 @@ class _Board:
         self.link, self.side = link, side
         self._name = name
         self._faults: Dict[str, int] = {}
-        self._told: Dict[str, int] = {}
-        self._told_at = -_LINE_EVERY_S
+        self._logged_faults: Dict[str, int] = {}
+        self._logged_at = -_LINE_EVERY_S
 
     def status(self, node_name: str) -> DiagnosticStatus:
         """Return the status for ``/diagnostics``; log new faults.
@@ -137,8 +137,8 @@ class _Board:
         values = [KeyValue(name, str(count)) for name, count in sorted(figures.items())]
         name = f"{node_name.lstrip('/')}: {self._name}"
         now = time.monotonic()
-        if faults != self._told and now - self._told_at >= _LINE_EVERY_S:
-            self._told, self._told_at = faults, now
+        if faults != self._logged_faults and now - self._logged_at >= _LINE_EVERY_S:
+            self._logged_faults, self._logged_at = faults, now
             text = ", ".join(f"{name} {count}" for name, count in sorted(faults.items()))
             received, sent = figures.get("received", 0), figures.get("sent", 0)
             rospy.loginfo(

@@ -54,7 +54,7 @@ def sleep_of(default: float, what: str) -> FloatParameter:
     :param default: duration [s]
     :param what: name of the callback
     """
-    text = f"how long a call of {what} sleeps"
+    text = f"duration of the sleep in a call of {what}"
     return FloatParameter(default, minimum=0.0, maximum=3600.0, unit="s", help=text)
 
 

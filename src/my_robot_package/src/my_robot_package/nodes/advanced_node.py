@@ -27,7 +27,7 @@ class AdvancedNodeParameters(ParameterSet):
     timer1_period = _period(1.0, "timer1")
     timer2_period = _period(0.5, "timer2")
     timer1_sleep = FloatParameter(
-        0.0, minimum=0.0, maximum=3600.0, unit="s", help="how long a call of timer1 sleeps"
+        0.0, minimum=0.0, maximum=3600.0, unit="s", help="duration of the sleep in a call of timer1"
     )
 
 

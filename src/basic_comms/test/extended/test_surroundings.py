@@ -171,7 +171,7 @@ class Surroundings(unittest.TestCase):
 
 
 def late(message: String) -> float:
-    """Return how far ahead of this process's clock the talker's is, s."""
+    """Return how far ahead of this process's clock the talker's is [s]."""
     return float(message.data.split()[-1]) - rospy.get_time()
 
 

@@ -24,8 +24,8 @@ Registrations = List[List[Tuple[str, str]]]
 class Round(NamedTuple):
     """Return of a node after it was killed.
 
-    :param absent: from the kill to the end of the successor's init_node, s
-    :param silent: from then until its streams are heard again, s
+    :param absent: from the kill to the end of the successor's init_node [s]
+    :param silent: from then until its streams are heard again [s]
     """
 
     absent: float

@@ -31,7 +31,7 @@ class Stopwatch:
         self._began = time.monotonic()
 
     def seconds(self) -> float:
-        """Return the time passed, s."""
+        """Return the time passed [s]."""
         return time.monotonic() - self._began
 
 

@@ -25,7 +25,7 @@ def run(times, **changes):
 
 
 def distance(one, other):
-    """Return the distance of two phases on the circle, rad."""
+    """Return the distance of two phases on the circle [rad]."""
     return abs(math.remainder(one - other, TWO_PI))
 
 

@@ -14,7 +14,7 @@ STEPS_HZ = 60
 #: How far a stamp may be behind, s: a step, as rospy may hear of it after a node's timer has, less
 #: what rounding makes of it.
 _BEHIND = 1.0 / STEPS_HZ - 1e-6
-#: Longest wait at a step, and pause where a topic that is not waited for is silent, s.
+#: Longest wait at a step, and pause where a topic that is not waited for is silent [s].
 _PATIENCE_S, _PAUSE_S = 0.1, 0.01
 
 
@@ -34,7 +34,7 @@ class SteppedClock:
 
     @property
     def now(self) -> float:
-        """The time, s."""
+        """The time [s]."""
         return self._steps / STEPS_HZ
 
     def subscribe(self, topic: str, data_class: Any, rate: float) -> None:

@@ -55,7 +55,7 @@ def pose(x: float, y: float, theta: float, frame: str = "odom") -> PoseStamped:
 
 
 def heading(odometry: Odometry) -> float:
-    """Return the heading of a robot, rad."""
+    """Return the heading of a robot [rad]."""
     turn = odometry.pose.pose.orientation
     return 2.0 * math.atan2(turn.z, turn.w)
 

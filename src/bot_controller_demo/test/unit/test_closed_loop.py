@@ -23,7 +23,7 @@ ROBOTS = {
     "burger": RobotSettings(),
     "waffle": RobotSettings(0.287, 0.033, 0.220, 0.26, 1.82, 8.06),
 }
-#: Longest that any goal of these tests may take, s.
+#: Longest that any goal of these tests may take [s].
 LONGEST_S = 120.0
 
 

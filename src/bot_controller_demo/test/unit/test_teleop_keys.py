@@ -24,7 +24,7 @@ def told(presses: List[Tuple[float, str]], until: float) -> List[Tuple[float, Ve
     """Return the commands and their times, for a node that polls every 10 ms.
 
     :param presses: times and keys, in order of time
-    :param until: s
+    :param until: [s]
     """
     teleoperation, waiting, said = Teleoperation(), list(presses), []
     for number in range(round(until * 100)):

@@ -32,7 +32,7 @@ def decay(start: float, target: float, seconds: float, time_constant: float) -> 
 
 
 def step_response(settings: PlantSettings, seconds: float, value: float = 1.0) -> float:
-    """Return the output some time after a step from rest, s."""
+    """Return the output some time after a step from rest [s]."""
     return decay(0.0, settings.gain * value, seconds, settings.time_constant)
 
 

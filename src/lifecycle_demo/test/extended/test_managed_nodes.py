@@ -26,7 +26,7 @@ OUTPUTS = {
     "first_order_sys": ("output", Float32),
     "motor_sys": ("motor_speed_y", Float32),
 }
-#: Several periods of each node, s.
+#: Several periods of each node [s].
 SILENCE_S = 0.4
 
 

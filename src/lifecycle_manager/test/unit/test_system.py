@@ -15,7 +15,7 @@ TIMEOUT_S, WINDOW_S = 0.8, 10.0
 STARTUP, PAUSE, RESUME, RESET, SHUTDOWN, CONFIGURE, CLEANUP = range(7)
 #: Resulting state of each transition.
 STARTS = {"configure": (1,), "activate": (2,), "deactivate": (3,), "cleanup": (2,)}
-#: Steps of the simulated time, time that a node takes to answer, and between two heartbeats, s.
+#: Steps of the simulated time, time that a node takes to answer, and between two heartbeats [s].
 TICK_S, ANSWER_S, BEAT_S = 0.05, 0.05, 0.2
 
 

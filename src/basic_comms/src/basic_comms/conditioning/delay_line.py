@@ -39,8 +39,8 @@ class PhaseDelayLine:
     def push(self, frequency: float, time_x: float, value: float) -> None:
         """Add one sample.
 
-        :param frequency: angular frequency since the previous sample, rad/s
-        :param time_x: time of the sample, s
+        :param frequency: angular frequency since the previous sample [rad/s]
+        :param time_x: time of the sample [s]
         :param value: value of the signal
         """
         advance = abs(frequency) * (time_x - self._time)

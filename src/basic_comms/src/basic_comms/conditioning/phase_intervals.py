@@ -62,7 +62,7 @@ def nearest_first(intervals: Sequence[Interval], phase: float) -> List[Interval]
     """Sort intervals by how far their centres are from a phase, the shorter way round.
 
     :param intervals: intervals to sort
-    :param phase: phase to compare with, rad
+    :param phase: phase to compare with [rad]
     :returns: the sorted intervals
     """
     return sorted(intervals, key=lambda interval: abs(math.remainder(interval[0] - phase, TURN)))

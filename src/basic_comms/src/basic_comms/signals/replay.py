@@ -49,7 +49,7 @@ class Series:
 
     @property
     def duration(self) -> float:
-        """Time from the first row to the last, s."""
+        """Time from the first row to the last [s]."""
         return self._times[-1]
 
     def value(self, elapsed: float, hold: bool, loop: bool) -> float:

@@ -17,8 +17,8 @@ class Chirp(NamedTuple):
 
     A single sweep stays at its last frequency afterwards; a repeated one restarts at its first.
 
-    :ivar first: frequency at the start of the sweep, rad/s
-    :ivar last: frequency at the end of the sweep, rad/s
+    :ivar first: frequency at the start of the sweep [rad/s]
+    :ivar last: frequency at the end of the sweep [rad/s]
     :ivar duration: length of the sweep, s, > 0
     :ivar logarithmic: the logarithmic law; both frequencies must be positive and differ
     :ivar repeat: start again after each sweep
@@ -33,8 +33,8 @@ class Chirp(NamedTuple):
     def frequency(self, elapsed: float) -> float:
         """Return the frequency at a time.
 
-        :param elapsed: time since the start of the first sweep, s
-        :returns: instantaneous angular frequency, rad/s
+        :param elapsed: time since the start of the first sweep [s]
+        :returns: instantaneous angular frequency [rad/s]
         """
         if self.repeat:
             elapsed %= self.duration

@@ -16,7 +16,7 @@ EDGE = 1e-9
 def cycle_fraction(phase: float) -> float:
     """Return how much of the current period has passed.
 
-    :param phase: phase, rad
+    :param phase: phase [rad]
     :returns: part of the period, in [0, 1)
     """
     fraction = phase / TWO_PI % 1.0
@@ -26,7 +26,7 @@ def cycle_fraction(phase: float) -> float:
 def sine(phase: float) -> float:
     """Return the sine of a phase.
 
-    :param phase: phase, rad
+    :param phase: phase [rad]
     :returns: value in [-1, 1]
     """
     return math.sin(phase)
@@ -35,7 +35,7 @@ def sine(phase: float) -> float:
 def square(phase: float, duty: float = 0.5) -> float:
     """Return a square wave: high from phase 0 for the duty part of the period, then low.
 
-    :param phase: phase, rad
+    :param phase: phase [rad]
     :param duty: high part of the period, in (0, 1)
     :returns: 1 or -1
     """
@@ -45,7 +45,7 @@ def square(phase: float, duty: float = 0.5) -> float:
 def pulse(phase: float, duty: float = 0.5) -> float:
     """Return a pulse train: as :func:`square`, but at rest at zero.
 
-    :param phase: phase, rad
+    :param phase: phase [rad]
     :param duty: high part of the period, in (0, 1)
     :returns: 1 or 0
     """
@@ -55,7 +55,7 @@ def pulse(phase: float, duty: float = 0.5) -> float:
 def triangle(phase: float) -> float:
     """Return a symmetric triangle with the zeros and the peaks of the sine.
 
-    :param phase: phase, rad
+    :param phase: phase [rad]
     :returns: value in [-1, 1]; 0 and rising at phase 0
     """
     quarters = 4.0 * cycle_fraction(phase)
@@ -69,7 +69,7 @@ def sawtooth(phase: float, symmetry: float = 1.0) -> float:
 
     The convention is that of ``scipy.signal.sawtooth``, whose ``width`` is the symmetry here.
 
-    :param phase: phase, rad
+    :param phase: phase [rad]
     :param symmetry: rising part of the period, in [0, 1]; 0.5 is a triangle that starts at -1
     :returns: value in [-1, 1]
     """
@@ -82,8 +82,8 @@ def sawtooth(phase: float, symmetry: float = 1.0) -> float:
 def step(time: float, step_time: float) -> float:
     """Return a unit step.
 
-    :param time: time, s
-    :param step_time: time of the step, s
+    :param time: time [s]
+    :param step_time: time of the step [s]
     :returns: 0 before the step, 1 from the step on
     """
     return 0.0 if time < step_time else 1.0
@@ -92,8 +92,8 @@ def step(time: float, step_time: float) -> float:
 def ramp(time: float, slope: float, limit: float) -> float:
     """Return a ramp from zero that stops at a limit, as a part of that limit.
 
-    :param time: time since the start of the ramp, s
-    :param slope: gradient, 1/s
+    :param time: time since the start of the ramp [s]
+    :param slope: gradient [1/s]
     :param limit: peak, >= 0
     :returns: value in [-1, 1]
     """

@@ -7,9 +7,9 @@ from typing import NamedTuple, Optional, Sequence
 class Pose(NamedTuple):
     """Pose of a robot on the plane.
 
-    :param x: position, m
-    :param y: position, m
-    :param theta: heading, counter-clockwise from the x axis, rad
+    :param x: position [m]
+    :param y: position [m]
+    :param theta: heading, counter-clockwise from the x axis [rad]
     """
 
     x: float
@@ -20,8 +20,8 @@ class Pose(NamedTuple):
 class Goal(NamedTuple):
     """Target pose of a robot.
 
-    :param x: position, m
-    :param y: position, m
+    :param x: position [m]
+    :param y: position [m]
     :param theta: heading, rad; None for any heading
     """
 
@@ -51,7 +51,7 @@ class Errors(NamedTuple):
 def wrap(angle: float) -> float:
     """Return the same angle between -pi and pi.
 
-    :param angle: rad
+    :param angle: [rad]
     """
     return math.remainder(angle, 2.0 * math.pi)
 

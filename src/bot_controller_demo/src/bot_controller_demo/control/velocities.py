@@ -6,8 +6,8 @@ from typing import Dict, NamedTuple
 class Velocity(NamedTuple):
     """Velocity of a robot.
 
-    :param linear: forward, m/s
-    :param angular: counter-clockwise, rad/s
+    :param linear: forward [m/s]
+    :param angular: counter-clockwise [rad/s]
     """
 
     linear: float
@@ -20,8 +20,8 @@ STOP = Velocity(0.0, 0.0)
 class Limits(NamedTuple):
     """The largest velocities, in either direction.
 
-    :param linear: m/s
-    :param angular: rad/s
+    :param linear: [m/s]
+    :param angular: [rad/s]
     """
 
     linear: float

@@ -16,7 +16,7 @@ _SMALL = 1e-4
 def wrapped(angle: float) -> float:
     """Return the same direction as an angle in [-pi, pi].
 
-    :param angle: rad
+    :param angle: [rad]
     """
     return math.remainder(angle, math.tau)
 
@@ -25,7 +25,7 @@ def chord(distance: float, turn: float) -> float:
     """Return the length of the straight line between the ends of an arc, m; below 0 backwards.
 
     :param distance: length of the arc, m; below 0 backwards
-    :param turn: change of the heading on it, rad
+    :param turn: change of the heading on it [rad]
     """
     half = 0.5 * turn
     ratio = math.sin(half) / half if abs(half) > _SMALL else 1.0 - half * half / 6.0
@@ -35,8 +35,8 @@ def chord(distance: float, turn: float) -> float:
 class Pose(NamedTuple):
     """Pose of a robot in the plane.
 
-    :ivar x: m
-    :ivar y: m
+    :ivar x: [m]
+    :ivar y: [m]
     :ivar theta: heading, rad, 0 along x
     """
 
@@ -48,7 +48,7 @@ class Pose(NamedTuple):
         """Return the pose at the end of an arc; its heading is in [-pi, pi].
 
         :param distance: length of the arc, m; below 0 backwards
-        :param turn: change of the heading on it, rad
+        :param turn: change of the heading on it [rad]
         """
         direction, length = self.theta + 0.5 * turn, chord(distance, turn)
         return Pose(
@@ -78,11 +78,11 @@ def wheel_speeds(linear: float, angular: float, separation: float, radius: float
 
 
 def body_speeds(wheels: Wheels, separation: float, radius: float) -> Tuple[float, float]:
-    """Return a robot's speed, m/s, and rate of turn, rad/s.
+    """Return a robot's speed [m/s] and rate of turn [rad/s].
 
-    :param wheels: the wheels' speeds, rad/s
-    :param separation: distance of the wheels, m
-    :param radius: of the wheels, m
+    :param wheels: the wheels' speeds [rad/s]
+    :param separation: distance of the wheels [m]
+    :param radius: of the wheels [m]
     """
     left, right = wheels.left * radius, wheels.right * radius
     return 0.5 * (left + right), (right - left) / separation

@@ -27,9 +27,9 @@ class Laser:
         With a wall from a along s, a ray from p in the direction d meets it at p + t d = a + u s,
         where t = (a - p) x s / (d x s) and u = (a - p) x d / (d x s).
 
-        :param x: of the laser, m
-        :param y: of the laser, m
-        :param theta: direction of the first ray, rad
+        :param x: of the laser [m]
+        :param y: of the laser [m]
+        :param theta: direction of the first ray [rad]
         """
         if not len(self._starts):
             return numpy.full(len(self._angles), numpy.inf)

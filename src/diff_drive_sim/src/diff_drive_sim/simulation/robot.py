@@ -72,7 +72,7 @@ class Robot:
 
     @property
     def speeds(self) -> Tuple[float, float]:
-        """The speed forward, m/s, and the rate of turn, rad/s."""
+        """The speed forward [m/s] and the rate of turn [rad/s]."""
         return body_speeds(self.wheels, *self._geometry)
 
     def command(self, linear: float, angular: float) -> None:

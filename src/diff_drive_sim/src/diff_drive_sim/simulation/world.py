@@ -8,7 +8,7 @@ from typing import List, Sequence, Tuple
 
 from diff_drive_sim.simulation.kinematics import Pose
 
-#: From x, y to x, y, m.
+#: From x, y to x, y [m].
 Segment = Tuple[float, float, float, float]
 
 #: Number of bisections, for a contact exact to a billionth of the path.
@@ -18,8 +18,8 @@ _HALVINGS = 30
 class World:
     """Walls, which are lines, and boxes, which are four walls each.
 
-    :param walls: x and y of the start, x and y of the end, m
-    :param boxes: x and y of the centre, length along the box's own x and width, m, heading, rad
+    :param walls: x and y of the start, x and y of the end [m]
+    :param boxes: x and y of the centre, length along the box's own x and width, m, heading [rad]
     """
 
     def __init__(
@@ -34,8 +34,8 @@ class World:
     def distance(self, x: float, y: float) -> float:
         """Return the distance of a point from the nearest wall [m]; infinite without a wall.
 
-        :param x: m
-        :param y: m
+        :param x: [m]
+        :param y: [m]
         """
         return min((_distance(x, y, segment) for segment in self.segments), default=math.inf)
 
@@ -80,13 +80,13 @@ class World:
 def box_corners(
     x: float, y: float, length: float, width: float, theta: float
 ) -> List[Tuple[float, float]]:
-    """Return the corners of a box, counter-clockwise, m.
+    """Return the corners of a box, counter-clockwise [m].
 
-    :param x: of the centre, m
-    :param y: of the centre, m
-    :param length: along the box's own x, m
-    :param width: m
-    :param theta: its heading, rad
+    :param x: of the centre [m]
+    :param y: of the centre [m]
+    :param length: along the box's own x [m]
+    :param width: [m]
+    :param theta: its heading [rad]
     """
     cosine, sine = math.cos(theta), math.sin(theta)
     signs = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
@@ -97,7 +97,7 @@ def box_corners(
 
 
 def _distance(x: float, y: float, segment: Segment) -> float:
-    """Return the distance of a point from a line between two points, m."""
+    """Return the distance of a point from a line between two points [m]."""
     x1, y1, x2, y2 = segment
     along_x, along_y = x2 - x1, y2 - y1
     square = along_x * along_x + along_y * along_y

@@ -1,8 +1,8 @@
-/* An ATmega328P at 16 MHz in simavr, in real time, its serial port at a pseudo terminal.
+/* An ATmega328P at 16 MHz in simavr, in real time, with its serial port on a pseudo terminal.
  *
  * avr_board SKETCH.elf LINK: prints the terminal's name once LINK leads there, and runs until its
- * standard input ends. A line "reset SECONDS" there resets it; the sketch runs after that time, as
- * with a bootloader, and what arrives meanwhile is lost. A motor and its encoder are at the pins of
+ * standard input ends. A line "reset SECONDS" there resets it; the sketch starts after that time, as
+ * with a bootloader, and bytes received before are lost. A motor and its encoder are at the pins of
  * docs/examples/board/motor_board: 7 and 8 forward and backward, 9 pulse width, 2 and 3 encoder.
  */
 #include <errno.h>
@@ -42,12 +42,12 @@ static double now(void) {
 
 static void on_output(avr_irq_t *irq, uint32_t value, void *unused) {
   uint8_t byte = value;
-  if (write(terminal, &byte, 1) != 1) return; /* no process reads: a line loses it as well */
+  if (write(terminal, &byte, 1) != 1) return; /* no process reads: a serial line loses it, too */
 }
 
 static void on_flow(avr_irq_t *irq, uint32_t value, void *can) { can_receive = can != NULL; }
 
-/* Drive the motor by the pins, and the encoder by the motor, for one slice of time. */
+/* Drive the motor from the pins, and the encoder from the motor, for one time slice. */
 static void turn(double seconds) {
   static const int GRAY[] = {0, 1, 3, 2};
   int width = avr->data[TCCR1A_] & 0x80 ? avr->data[OCR1AL_] : (avr->data[PORTB_] >> 1 & 1) * 255;
@@ -61,7 +61,7 @@ static void turn(double seconds) {
   if (wanted == counts) return;
   counts += wanted > counts ? 1 : -1;
   int phase = GRAY[counts & 3];
-  /* Or the pins would be at their pull-ups whenever the sketch writes to another pin of the port. */
+  /* Otherwise a write to another pin of the port would set these to their pull-ups. */
   avr_ioport_external_t outside = {.name = 'D', .mask = 3 << 2, .value = phase << 2};
   avr_ioctl(avr, AVR_IOCTL_IOPORT_SET_EXTERNAL('D'), &outside);
   avr_raise_irq(encoder[0], phase & 1);
@@ -100,7 +100,7 @@ static void open_terminal(const char *link) {
   dprintf(report, "%s\n", name);
 }
 
-/* Give the sketch what has arrived, as long as its port takes it; forget it during a reset. */
+/* Pass received bytes to the sketch while its port accepts them; drop them during a reset. */
 static void feed(int is_running) {
   avr_irq_t *input = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT);
   uint8_t byte;
@@ -112,7 +112,7 @@ int main(int argc, char **argv) {
   elf_firmware_t firmware;
   memset(&firmware, 0, sizeof firmware);
   report = dup(1);
-  if (!freopen("/dev/null", "w", stdout)) fail("/dev/null"); /* simavr prints there as well */
+  if (!freopen("/dev/null", "w", stdout)) fail("/dev/null"); /* simavr prints there, too */
   if (argc != 3 || elf_read_firmware(argv[1], &firmware)) {
     fprintf(stderr, "usage: avr_board SKETCH.elf LINK\n");
     return 2;
@@ -159,7 +159,7 @@ int main(int argc, char **argv) {
       turn((double)SLICE / HZ);
     }
     double ahead = began + (double)simulated / HZ - now();
-    if (ahead < -0.1) began -= ahead; /* too slow a machine: go on from here */
+    if (ahead < -0.1) began -= ahead; /* the machine is too slow: continue from here */
     if (ahead > 0.0) usleep((useconds_t)(1e6 * ahead));
   }
   unlink(argv[2]);

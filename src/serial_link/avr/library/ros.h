@@ -1,8 +1,8 @@
-// The device's side of rosserial's protocol for the sketch on the simulated AVR, with the names that
-// sketches use of rosserial's Arduino library. That library can be had from no archive that tests
-// may use; this one does on the wire what its node_handle.h does in version 0.7.8: it publishes only
-// while configured, forgets a host after 11 s, drops a frame that is not whole within 20 ms, and
-// leaves a turn of the loop early when it was asked for its topics.
+// Device side of rosserial's protocol for sketches on the simulated AVR, with the API that sketches
+// use of rosserial's Arduino library. That library is not in any archive available to tests. This
+// one behaves on the wire like its node_handle.h in version 0.7.8: it publishes only while
+// configured, forgets a host after 11 s, drops a frame that is incomplete after 20 ms, and returns
+// early from spinOnce after a topic request.
 #ifndef ROS_H
 #define ROS_H
 
@@ -129,7 +129,7 @@ class NodeHandle : public Sender {
   }
 
  private:
-  // Takes a byte; tells whether a good frame ends with it.
+  // Process a byte; return whether it completes a good frame.
   bool accept(uint8_t byte, unsigned long now) {
     uint16_t place = place_++;
     sum_ += byte;

@@ -1,5 +1,5 @@
-// What a sketch uses of rosserial's library and of Arduino's, for a compiler that has neither.
-// Nothing of it does anything: it shows that a sketch is right C++ with the headers made here.
+// Parts of the rosserial and Arduino libraries that a sketch uses, for a host compiler. The functions
+// do nothing: they only check that a sketch compiles with the generated headers.
 #ifndef ROS_H
 #define ROS_H
 

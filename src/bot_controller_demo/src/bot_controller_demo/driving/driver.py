@@ -19,7 +19,7 @@ from bot_controller_demo.control.velocities import STOP
 from bot_controller_demo_msgs.msg import Progress
 from nodekit import LiveParameters, Node
 
-#: Frame of the odometry, until a message tells it.
+#: Frame of the odometry before the first message.
 _ODOM = "odom"
 
 

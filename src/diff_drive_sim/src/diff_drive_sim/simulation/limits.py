@@ -19,7 +19,7 @@ class RobotSettings(NamedTuple):
     :ivar max_wheel_speed: rad/s, > 0
     :ivar max_wheel_acceleration: rad/s^2; 0 for none: speeds jump
     :ivar command_timeout: timeout of a command, s; 0 for unlimited
-    :ivar odometry_noise: standard deviation of what a wheel's measured path is off after 1 m [m]
+    :ivar odometry_noise: standard deviation of the error of a wheel's path after 1 m [m]
     """
 
     wheel_separation: float = 0.160

@@ -1,4 +1,4 @@
-// What headers of messages need of rosserial's library for boards, for tests without that.
+// The part of rosserial's library that message headers need, for tests without that library.
 #ifndef ROS_TIME_H
 #define ROS_TIME_H
 

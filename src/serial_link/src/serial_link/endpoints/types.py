@@ -114,7 +114,7 @@ def md5sums_of(sent: Any, received: Any, kind: int, server: int) -> Tuple[str, s
     """Return the md5sums of a service's request and response.
 
     :param sent: info of the messages that the board sends
-    :param heard: info of the messages that the board receives
+    :param received: info of the messages that the board receives
     :param kind: whether the board offers the service or calls it
     :param server: the kind that offers it
     """

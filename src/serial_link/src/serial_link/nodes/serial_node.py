@@ -131,7 +131,7 @@ class _Board:
         is_new, self._faults = faults != self._faults, faults
         trouble = self.link.trouble
         level = DiagnosticStatus.WARN if is_new else DiagnosticStatus.OK
-        message = "faults in the last second" if is_new else "in step"
+        message = "faults in the last second" if is_new else "synchronized"
         if trouble:
             level, message = DiagnosticStatus.ERROR, trouble
         values = [KeyValue(name, str(count)) for name, count in sorted(figures.items())]

@@ -13,7 +13,7 @@ import rospy
 from rclpy.duration import Duration
 from rclpy.impl.implementation_singleton import rclpy_implementation as _rclpy
 from rclpy.qos import DurabilityPolicy, LivelinessPolicy, QoSProfile, qos_profile_sensor_data
-from std_msgs.msg import Float32, String
+from std_msgs.msg import Float32, String, UInt8MultiArray
 
 from basic_comms.msg import SignalMsg
 from nodekit import Throttle
@@ -186,6 +186,7 @@ class Keeping:
     :ivar last: last message of each existing publisher, in order of creation
     :ivar sent: all published messages, with their publisher's node
     :ivar made: for each existing publisher, whether it latches, and its node
+    :ivar depths: depth of each publisher, in order of creation
     """
 
     node = "bridge"
@@ -194,10 +195,12 @@ class Keeping:
         self.last: Dict[int, bytes] = {}
         self.sent: List[Tuple[str, bytes]] = []
         self.made: Dict[int, Tuple[bool, str]] = {}
+        self.depths: List[int] = []
 
     def create_publisher(self, owner: str, _: Any, __: str, quality: Quality) -> Any:
         made = SimpleNamespace()
         self.made[id(made)] = quality.latched, owner
+        self.depths.append(quality.depth)
 
         def publish(data: bytes) -> None:
             assert id(made) in self.made
@@ -212,11 +215,44 @@ class Keeping:
         self.last.pop(id(publisher), None)
 
 
-def keeping_pair() -> Tuple[TopicPublishers, Keeping]:
+def keeping_pair(depth: int = 9, chosen: Any = None) -> Tuple[TopicPublishers, Keeping]:
     participant: Any = Keeping()
     kind: Any = SimpleNamespace(cls=None)
-    pair = TopicToRos2(cast(Any, None), participant, "/map", "/map", kind, Qualities(9, None))
+    qualities = Qualities(depth, chosen)
+    pair = TopicToRos2(cast(Any, None), participant, "/map", "/map", kind, qualities)
     return pair.publishers, participant
+
+
+def test_large_messages_are_held_in_a_bounded_number_of_bytes() -> None:
+    publishers, participant = keeping_pair(1000)
+    for size in (100, 60_000, 6_000_000, 100, 6_000_001):
+        publishers.publish("/camera", bytes(size), False)
+    assert participant.depths == [1000, 8]
+    assert [len(data) for _, data in participant.sent] == [100, 60_000, 6_000_000, 100, 6_000_001]
+    publishers.publish("/camera", bytes(200_000_000), False)
+    assert participant.depths[-1] == 1
+    publishers.publish("/map_server", bytes(6_000_000), True)
+    assert list(participant.made.values()) == [(False, "bridge"), (True, "bridge")]
+
+
+def test_depth_that_the_user_sets_holds_for_large_messages() -> None:
+    publishers, participant = keeping_pair(1000, [{"topic": "/map", "depth": 50}])
+    for size in (100, 6_000_000):
+        publishers.publish("/camera", bytes(size), False)
+    assert participant.depths == [50]
+
+
+def test_images_from_ros1_arrive_in_order(ros: both.Both, bridge: both.Bridge) -> None:
+    """The first one makes the bridge hold fewer; none is lost or repeated by that."""
+    ear = ros.hear2("/images", UInt8MultiArray, depth=10)
+    out = publisher1(ros, "/images", "std_msgs/UInt8MultiArray")
+    wait_until(out.get_num_connections, lambda: "no subscriber in ROS 1")
+    for number in range(1, 6):
+        out.send(struct.pack("<III", 0, 0, 2_000_000) + bytes([number]) * 2_000_000)
+        ear.wait(number)
+    assert [message.data[0] for message in ear.heard] == list(range(1, 6))
+    ear.end()
+    out.unregister()
 
 
 def test_latched_messages_of_ended_nodes_are_dropped() -> None:

@@ -104,6 +104,11 @@ class BridgeParameters(ParameterSet):
         return Rules(to_ros2, to_ros1, self.allow, self.deny, names, MaxRates(self.max_rate))
 
 
+#: Most bytes that a publisher holds for a subscriber that does not read, unless the user sets a
+#: depth: 1000 images would fill the memory.
+HELD_BYTES = 2**26
+
+
 class Quality(NamedTuple):
     """Quality of service of a ROS 2 topic.
 
@@ -159,12 +164,15 @@ class Qualities:
         latched: bool = False,
         best_effort: bool = False,
         at_least: int = 0,
+        size: int = 0,
     ) -> Quality:
         """Return the quality of a topic.
 
         :param latched: whether it is transient-local, unless the user sets it
         :param best_effort: whether messages may be lost, unless the user sets it
         :param at_least: minimum depth if it is transient-local
+        :param size: size of its messages, which limits the depth unless the user sets it; 0 if
+            unknown [bytes]
         """
         found = [one for one in self._chosen if fnmatch.fnmatchcase(topic, one["topic"])]
         choice = found[0] if found else {}
@@ -173,6 +181,8 @@ class Qualities:
         if "reliability" in choice:
             best_effort = choice["reliability"] == "best_effort"
         depth = at_least or self._depth
+        if size:
+            depth = max(1, min(depth, HELD_BYTES // size))
         offered = (*self.DURATIONS, "liveliness")
         return Quality(
             int(choice.get("depth", depth)),

@@ -103,11 +103,13 @@ class TopicToRos2:
         self._other, self._qualities = other, qualities
         self.count, self.limit = Count(), RateLimit()
         self._subscription = OnDemandSubscription(self._subscribe)
-        self.publishers = TopicPublishers(participant, self._make_publisher)
+        self.publishers = TopicPublishers(participant, self._make_publisher, self._quality)
 
-    def _make_publisher(self, owner: Ros2Node, latched: bool) -> Any:
+    def _quality(self, latched: bool, size: int) -> Quality:
         # ROS 1 latches a single message.
-        quality = self._qualities.of(self.topic, latched, at_least=1 if latched else 0)
+        return self._qualities.of(self.topic, latched, at_least=1 if latched else 0, size=size)
+
+    def _make_publisher(self, owner: Ros2Node, quality: Quality) -> Any:
         return self._participant.create_publisher(owner, self.kind.cls, self._other, quality)
 
     def _subscribe(self) -> Callable[[], None]:

@@ -8,6 +8,10 @@ from rclpy.node import Node as Ros2Node
 
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.rules.active_pairs import Bridged
+from ros2_bridge.rules.settings import Quality
+
+MakePublisher = Callable[[Ros2Node, Quality], Any]
+QualityOf = Callable[[bool, int], Quality]
 
 #: Time until all subscribers have discovered a new publisher [s].
 _KNOWN_S = 0.1
@@ -21,26 +25,36 @@ class NodePublisher:
     Each has its own history, so that other nodes' messages do not displace it.
 
     :param participant: the bridge in ROS 2
-    :param make: creates a publisher of a node, latched or not
+    :param make: creates a publisher of a node with a quality of service
+    :param quality: returns the quality, latched or not, for messages of a size [bytes]
     :param owner: the publishing ROS 2 node
 
     :ivar is_latched: whether late subscribers receive the latest message
     """
 
     def __init__(
-        self, participant: Participant, make: Callable[[Ros2Node, bool], Any], owner: Ros2Node
+        self, participant: Participant, make: MakePublisher, quality: QualityOf, owner: Ros2Node
     ) -> None:
-        self._participant, self._make, self.owner, self.is_latched = participant, make, owner, False
-        self._publisher, self._latest = make(owner, False), b""
+        self._participant, self._make, self._quality_of = participant, make, quality
+        self.owner, self.is_latched, self._size = owner, False, 0
+        self._quality = quality(False, 0)
+        self._publisher, self._latest = make(owner, self._quality), b""
 
-    def latch(self, is_latched: bool) -> bool:
-        """Change latching, from the next message on.
+    def fit(self, is_latched: bool, size: int) -> bool:
+        """Change the quality of service to that of the next message.
 
-        :returns: whether this is a change
+        :param is_latched: whether the message is latched
+        :param size: its size [bytes]
+        :returns: whether the publisher is a new one, which subscribers have yet to discover
         """
-        if is_latched == self.is_latched:
+        if is_latched == self.is_latched and size <= self._size:
             return False
-        self.is_latched, self._latest = is_latched, b""
+        # In powers of two: each change interrupts the topic.
+        self._size = max(self._size, 1 << (size - 1).bit_length() if size else 0)
+        quality = self._quality_of(is_latched, self._size)
+        if quality == self._quality and is_latched == self.is_latched:
+            return False
+        self.is_latched, self._quality, self._latest = is_latched, quality, b""
         self._remake(self.owner)
         return True
 
@@ -58,7 +72,7 @@ class NodePublisher:
 
     def _remake(self, owner: Ros2Node) -> None:
         before, self.owner = (self.owner, self._publisher), owner
-        self._publisher = self._make(owner, self.is_latched)
+        self._publisher = self._make(owner, self._quality)
         self._participant.destroy_publisher(*before)
 
     def close(self) -> None:
@@ -74,11 +88,12 @@ class TopicPublishers:
     is sent only after the discovery time.
 
     :param participant: the bridge in ROS 2
-    :param make: creates a publisher of a node, latched or not
+    :param make: creates a publisher of a node with a quality of service
+    :param quality: returns the quality, latched or not, for messages of a size [bytes]
     """
 
-    def __init__(self, participant: Participant, make: Callable[[Ros2Node, bool], Any]) -> None:
-        self._participant, self._make = participant, make
+    def __init__(self, participant: Participant, make: MakePublisher, quality: QualityOf) -> None:
+        self._participant, self._make, self._quality_of = participant, make, quality
         self._lock = threading.Lock()
         self._by_caller: Bridged[str, NodePublisher] = Bridged()
         self._is_closed = False
@@ -111,7 +126,9 @@ class TopicPublishers:
                     self._add(_OTHERS, owner)
 
     def _add(self, caller: str, owner: Ros2Node) -> NodePublisher:
-        made = self._by_caller[caller] = NodePublisher(self._participant, self._make, owner)
+        made = self._by_caller[caller] = NodePublisher(
+            self._participant, self._make, self._quality_of, owner
+        )
         return made
 
     def publish(self, caller: str, data: bytes, is_latched: bool) -> None:
@@ -128,13 +145,13 @@ class TopicPublishers:
                 mine = self._plain() or self._add(_OTHERS, self._participant.node)
             elif mine is None:
                 mine = self._add(caller, self._participant.node)
-            is_unknown = mine.latch(is_latched) and is_latched
+            is_unknown = mine.fit(is_latched, len(data))
             if not is_unknown:
                 mine.publish(data)
         if is_unknown:
             time.sleep(_KNOWN_S)
             with self._lock:
-                if self._by_caller.get(caller) is mine:
+                if mine in self._by_caller.values():
                     mine.publish(data)
 
     def has_latched(self) -> bool:

@@ -158,7 +158,7 @@ SENTENCES = {
     "/a 2": "at '2': expected + - * / % ** or a bracket",
     "/a(/b)": "at '(/b)': expected + - * / % ** or a bracket",
     "* /a": "at '* /a': expected a field, a number or a function",
-    "2/a + 1": "there is no a: the name of a field begins with /",
+    "2/a + 1": "unknown name a; the name of a field begins with /",
     "sin + /a": "sin needs its arguments in brackets",
     "foo(/a)": f"unknown function foo; known are {', '.join(FUNCTIONS)}",
     "sqrt(/a, 2)": "sqrt takes 1 argument",

@@ -34,7 +34,7 @@ def test_missing_library_is_reported_with_its_command(
     else:
         path.write_bytes(begin + b"\0" * 100)
     said = (
-        f"{path} is a recording of ROS 2; to read it, fetch the library rosbags, once: "
+        f"{path} is a ROS 2 recording; fetch the library rosbags to read it: "
         "rosrun topic_scope fetch_rosbags.py"
     )
     with pytest.raises(BagError) as caught:

@@ -34,7 +34,7 @@ def unmeasurable(reason: str) -> Measurement:
 def measured(value: float, uncertainty: float) -> Measurement:
     """Return a measurement; on overflow, one without a value."""
     if not math.isfinite(value) or not math.isfinite(uncertainty):
-        return unmeasurable("the numbers are too large")
+        return unmeasurable("numbers too large")
     return Measurement(value, uncertainty)
 
 

@@ -222,7 +222,7 @@ class BagFile(Recording):
         """
         fields = _fields(self._read(_U32.unpack(self._read(4))[0]))
         if kind and fields["op"] != bytes([_OPERATIONS[kind]]):
-            raise ValueError(f"a record is not the {kind} that it should be")
+            raise ValueError(f"unexpected record, not a {kind}")
         return Record(fields, _U32.unpack(self._read(4))[0])
 
     def _read(self, length: int) -> bytes:

@@ -43,7 +43,7 @@ class Ros2Recording(Recording):
             from rosbags.rosbag2 import Reader
         except ModuleNotFoundError:
             raise BagError(
-                f"{path} is a recording of ROS 2; to read it, fetch the library rosbags, once: "
+                f"{path} is a ROS 2 recording; fetch the library rosbags to read it: "
                 f"{rosbags_library.COMMAND}"
             ) from None
         self._metadata = _metadata(path)
@@ -248,8 +248,7 @@ def _decompression(path: str, metadata: Mapping[str, Any]) -> Callable[[bytes], 
     form = _text(metadata, "compression_format")
     if mode != "message" or form != "zstd":
         raise BagError(
-            f"{path}: its files are compressed by {form}; a plain recording is made by: "
-            "ros2 bag convert"
+            f"{path}: its files are compressed by {form}; convert it by: ros2 bag convert"
         )
     from rosbags.rosbag2.storage_mcap import zstd
 
@@ -270,7 +269,7 @@ def _check_index(reader: Any) -> None:
     chunks = _chunks(reader) or []
     known = sum(sum(one.channel_count.values()) for one in chunks)
     if chunks and known < reader.message_count:
-        text = "has no index of its messages; one with an index is made by: mcap recover"
+        text = "has no index of its messages; make one by: mcap recover"
         raise BagError(f"{reader.path} {text}")
 
 

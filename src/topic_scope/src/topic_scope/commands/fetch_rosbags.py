@@ -10,9 +10,9 @@ def main() -> None:
     """Fetch the library that reads recordings of ROS 2; exit with 0, or 1 if that fails."""
     parser = argparse.ArgumentParser(
         prog="fetch_rosbags",
-        description="Fetch the library rosbags from PyPI, once: it reads recordings of ROS 2.",
+        description="Fetch the library rosbags, which reads ROS 2 recordings, from PyPI.",
     )
-    parser.add_argument("--print", action="store_true", help="print only where it is")
+    parser.add_argument("--print", action="store_true", help="print only its path")
     said = "" if parser.parse_args().print else "fetch_rosbags: rosbags is in "
     try:
         print(f"{said}{rosbags_library.fetch()}")

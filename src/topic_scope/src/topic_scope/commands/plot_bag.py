@@ -34,7 +34,7 @@ def main() -> None:
         _fail(f"--align: {arguments.align[1]!r} is not a level")
     if arguments.end is not None and arguments.start > arguments.end:
         start, end = arguments.start / 1e9, arguments.end / 1e9
-        _fail(f"--start {start:g} is after --end {end:g}: nothing lies between")
+        _fail(f"--start {start:g} is after --end {end:g}")
     try:
         left_out = _write(arguments)
         for text in left_out:

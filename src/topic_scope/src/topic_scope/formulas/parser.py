@@ -202,7 +202,7 @@ class _Reader:
             return Number(_CONSTANTS[name])
         if name in FUNCTIONS:
             raise FormulaError(f"{name} needs its arguments in brackets")
-        raise FormulaError(f"there is no {name}: the name of a field begins with /")
+        raise FormulaError(f"unknown name {name}; the name of a field begins with /")
 
     def _call(self, name: str, arguments: List[Node]) -> Node:
         if name not in FUNCTIONS:

@@ -104,7 +104,7 @@ def expand(expression: str) -> List[str]:
             f"{expression[:_LONGEST]!r} is not the name of a field, such as /topic/field"
         )
     if match.group(1) and match.group(1) not in FUNCTIONS:
-        raise FieldError(f"there is no .{match.group(1)}; there are .{', .'.join(FUNCTIONS)}")
+        raise FieldError(f"unknown function .{match.group(1)}; known are .{', .'.join(FUNCTIONS)}")
     topic = _quoted(expression)
     rest = expression[len(topic) :]
     place = re.search("[.@]|$", _bare(rest)).start()  # type: ignore[union-attr]

@@ -163,7 +163,7 @@ def _parser() -> argparse.ArgumentParser:
         "fields",
         nargs="*",
         metavar="FIELD",
-        help="what to show at first: /topic/field, /topic/x:y, /topic/array[3], a topic for all of"
+        help="fields to show at start: /topic/field, /topic/x:y, /topic/array[3], a topic for all of"
         " its fields, or '=/topic/x - 2*/other/y' for a formula; any other field can be"
         " chosen on the page",
     )

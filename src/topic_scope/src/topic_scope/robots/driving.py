@@ -112,7 +112,7 @@ class Driving:
         velocity = Velocity(request.speed, request.turn)
         sessions = [one for owner, one in self._sessions.values() if owner is page]
         if not sessions and not request.is_stop:
-            raise ValueError("this page drives no robot: take the wheel first")
+            raise ValueError("this page does not drive a robot: take the wheel first")
         if not all([one.drive(velocity, request.sent) for one in sessions]):
             raise ValueError(
                 "a command arrived too late and was ignored: the link is slow; "
@@ -136,7 +136,7 @@ class Driving:
         work = partial(self._send, request, ask)
         then = partial(_on_sent, page, request)
         if not self._worker.run(("goal", request.topic), work, then):
-            raise ValueError(f"an earlier goal for {request.topic} is still on its way")
+            raise ValueError(f"an earlier goal for {request.topic} has not been sent yet")
 
     def _send(self, request: Goal, ask: Callable[[], Optional[str]]) -> None:
         topic = request.topic

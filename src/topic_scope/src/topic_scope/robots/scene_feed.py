@@ -86,7 +86,7 @@ class SceneFeed:
                 self._scene.add_message(topic, datatype, reader.read(data), when / NS)
             except (LookupError, TypeError, ValueError) as error:
                 if self._throttle.is_due(topic):
-                    why = f"{datatype} has other fields than known: {error!r}"
+                    why = f"unexpected fields of {datatype}: {error!r}"
                     rospy.logwarn("%s is left out of the robot view: %s", topic, why)
 
     def _is_known(self, header: Mapping[str, str]) -> bool:

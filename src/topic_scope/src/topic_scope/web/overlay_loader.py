@@ -112,7 +112,7 @@ class OverlayLoader:
         """
         bag = self._bags.get(wanted.name)
         if bag is None:
-            known = ", ".join(self._bags) or "none: the option --over of the scope names some"
+            known = ", ".join(self._bags) or "none: name bags by the scope's option --over"
             raise RequestError(f"overlay: no bag {wanted.name}; there are {known}")
         if wanted.trigger is not None:
             self._align(bag, page, wanted.trigger)

@@ -163,8 +163,8 @@ def _parser() -> argparse.ArgumentParser:
         "fields",
         nargs="*",
         metavar="FIELD",
-        help="fields to show at start: /topic/field, /topic/x:y, /topic/array[3], a topic for all of"
-        " its fields, or '=/topic/x - 2*/other/y' for a formula; any other field can be"
+        help="fields to show at start: /topic/field, /topic/x:y, /topic/array[3], a topic for all"
+        " of its fields, or '=/topic/x - 2*/other/y' for a formula; any other field can be"
         " chosen on the page",
     )
     parser.add_argument(

@@ -92,10 +92,10 @@ class Ros1ServerInRos2:
             given_up = self._goals.end_timeouts(now)
         for text in given_up.without_result:
             rospy.logwarn(
-                f"{self._name} sends no result of {text}, which is over: it has an empty one"
+                f"{self._name}: no result of {text} received; the client gets an empty one"
             )
         for text in given_up.unheard:
-            rospy.logwarn(f"{self._name} says nothing about a goal of ROS 2, which is given up")
+            rospy.logwarn(f"{self._name}: no status of a goal from ROS 2 received; it is rejected")
             self._cancel.publish(wire.goal_id(text, 0))
 
     def _is_connected(self) -> bool:
@@ -134,13 +134,13 @@ class Ros1ServerInRos2:
             send(response)
 
         if not self._is_connected():
-            rospy.logwarn(f"{self._name} is not connected: a goal of ROS 2 is rejected")
+            rospy.logwarn(f"{self._name} is not connected: a goal from ROS 2 is rejected")
             answer(False)
             return
         try:
             content = self.kind.goal.to_ros1(serialize_message(request.goal))
         except ConversionError as error:
-            rospy.logwarn(f"{self._name}: a goal of ROS 2 is rejected: {error}")
+            rospy.logwarn(f"{self._name}: a goal from ROS 2 is rejected: {error}")
             answer(False)
             return
         uuid = bytes(request.goal_id.uuid)
@@ -196,15 +196,15 @@ class Ros1ServerInRos2:
         try:
             report = wire.read_report(message._buff)
         except ConversionError as error:
-            rospy.logwarn(f"{self._name}: a result of no goal is refused: {error}")
+            rospy.logwarn(f"{self._name}: a result without a valid goal is ignored: {error}")
             return
         status, content = NUMBERED1.get(report.status), report.content
         try:
             self.kind.result.to_cdr(content)
             if status not in OVER1:
-                raise ConversionError(f"status {report.status} is no end of a goal")
+                raise ConversionError(f"status {report.status} is not final")
         except ConversionError as error:
-            rospy.logwarn(f"{self._name}: {report.text} is aborted, its result refused: {error}")
+            rospy.logwarn(f"{self._name}: {report.text} is aborted, invalid result: {error}")
             status, content = Status1.LOST, b""
         with self._lock:
             self._goals.on_result(report.text, report.stamp, status, content, time.monotonic())

@@ -101,7 +101,7 @@ class Ros2ServerInRos1:
             self._follow_goal(uuid, is_cancelled)
         for goal in waited.without_result:
             rospy.logwarn(
-                f"{self._name} sends no result of {goal.text}, which is over: it has an empty one"
+                f"{self._name}: no result of {goal.text} received; the client gets an empty one"
             )
 
     def _senders(self) -> Set[bytes]:
@@ -124,7 +124,7 @@ class Ros2ServerInRos1:
         try:
             text, stamp, content = wire.read_goal(message._buff)
         except ConversionError as error:
-            rospy.logwarn(f"{self._name}: a goal of ROS 1 without an id is refused: {error}")
+            rospy.logwarn(f"{self._name}: a goal from ROS 1 without an id is ignored: {error}")
             return
         began = rospy.Time.now().to_nsec()
         text = text or f"{self._node.name}-{next(self._numbers)}-{began}"
@@ -198,7 +198,7 @@ class Ros2ServerInRos1:
                 goals = read_list(one.data)
             except ValueError as error:
                 if self._throttle.is_due("list"):
-                    rospy.logwarn(f"{self._name}: a list of goals of ROS 2: {error}")
+                    rospy.logwarn(f"{self._name}: invalid list of goals from ROS 2: {error}")
                 continue
             # ROS 1 has no negative times.
             listed = [(uuid, max(0, stamp), self._known(status)) for uuid, stamp, status in goals]

@@ -18,12 +18,12 @@ from ros2_bridge.actions.states import (
 #: Ended goals are listed, and cancellations that arrive before their goal kept, for this time [s],
 #: as in actionlib's server.
 LISTED_S = 5.0
-RECALLED = "cancelled before it began"
+RECALLED = "cancelled before it started"
 REJECTED = "the server in ROS 2 has rejected it"
 NO_ANSWER = "the server in ROS 2 does not answer"
 NO_RESULT = "the server in ROS 2 does not send its result"
-NO_END = "the server in ROS 2 does not say how it ended"
-GONE = "the server in ROS 2, or the bridge to it, has gone"
+NO_END = "the server in ROS 2 does not send its final status"
+GONE = "the server in ROS 2, or the bridge to it, has ended"
 
 
 class Goal:

@@ -88,7 +88,7 @@ class Life(ParameterCase):
         self.server.set("/good_value/level", -1)
         node.wait_for_log("WARN", "parameter /good_value" + TOO_LOW)
 
-    def test_what_is_unset_at_the_start_is_written(self) -> None:
+    def test_unset_parameters_are_written_at_the_start(self) -> None:
         self.server.set("/half_set", {"level": 5, "high": "1e3", "foreign": [1]})
         node = self.start_node("/half_set")
         values = {**DEFAULTS, "level": 5, "high": 1000.0}
@@ -108,7 +108,7 @@ class Life(ParameterCase):
         node.wait_for(level=float(level))
         self.server.wait_for("/starting/level", level)
 
-    def test_names_of_any_kind_keep_their_values_apart(self) -> None:
+    def test_names_of_any_type_keep_their_values_apart(self) -> None:
         names = ["/lab/bench/probe", "/probe_1", "/probe_2", "/gauge_4711_1700000000000"]
         nodes = [self.launch_node(name) for name in names]
         for level, node in enumerate(nodes, start=2):
@@ -151,7 +151,7 @@ class Life(ParameterCase):
         self.assertEqual(node.interrupt(), 0)
         self.assertEqual(node.logged("Traceback"), [])
 
-    def test_what_happens_amid_the_end_is_no_error(self) -> None:
+    def test_events_during_shutdown_cause_no_error(self) -> None:
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         script = os.path.join(HELPERS, "late_events.py")
@@ -174,7 +174,7 @@ class Life(ParameterCase):
         self.assertRegex(lines, r"\[rosout\]\[WARNING\] .*: late\n")
         self.assertNotIn("ERROR", lines)
 
-    def test_hung_subscribers_hold_nobody_up(self) -> None:
+    def test_hung_subscribers_delay_no_other(self) -> None:
         node = self.start_node("/unhindered")
         hung = [Spy("/unhindered", "/blocked") for _ in range(3)]
         for spy in hung:

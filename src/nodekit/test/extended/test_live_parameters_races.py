@@ -243,7 +243,7 @@ class Races(unittest.TestCase):
         open_all([live])
         self.assert_ends_with(live, level=7.0, title="early", count=5)
 
-    def test_what_is_deleted_before_the_opening_stays_in_force(self) -> None:
+    def test_value_deleted_before_opening_stays_in_force(self) -> None:
         self.user.set(self.level, 2.0)
         live = self.make()
         self.user.delete(self.key)
@@ -257,7 +257,7 @@ class Races(unittest.TestCase):
             open_all([live])
         self.assert_not_followed()
 
-    def test_what_is_closed_is_followed_no_longer(self) -> None:
+    def test_closed_parameters_are_no_longer_followed(self) -> None:
         live = self.start(level=2.0)
         self.assertIn(self.key, self.watcher._keys())
         live.close()
@@ -266,7 +266,7 @@ class Races(unittest.TestCase):
         self.assertEqual((live.values.level, self.user.get(self.level)), (3.0, 2.0))
 
     @mock.patch.object(watcher, "CLOSE_LIMIT_S", 2.0 * TIMEOUT_S)
-    def test_closing_waits_for_what_is_under_way(self) -> None:
+    def test_closing_waits_for_running_callbacks(self) -> None:
         live, begun, end = self.start(), threading.Event(), threading.Event()
         self.addCleanup(end.set)
 
@@ -323,7 +323,7 @@ class Races(unittest.TestCase):
         self.assert_ends_with(live, level=live.values.level)
         self.assertEqual(levels, sorted(levels))
 
-    def test_update_to_what_is_in_force_replaces_what_was_set_just_before(self) -> None:
+    def test_update_to_the_value_in_force_replaces_a_value_set_just_before(self) -> None:
         live = self.start()
         before = live.values.level
 
@@ -338,7 +338,7 @@ class Races(unittest.TestCase):
         self.assert_ends_with(live, level=before)
 
     @unittest.skipUnless(reconfigure.AVAILABLE, "dynamic_reconfigure is not installed")
-    def test_whole_configuration_leaves_alone_what_was_set_just_before(self) -> None:
+    def test_whole_configuration_keeps_values_set_just_before(self) -> None:
         live = self.start()
         interface = reconfigure.ReconfigureInterface(
             live, partial(rospy.Publisher, queue_size=1), rospy.Service
@@ -465,7 +465,7 @@ class Races(unittest.TestCase):
             )
         self.assert_ends_with(live, level=29.0)
 
-    def test_good_and_bad_at_once_are_told_in_their_order(self) -> None:
+    def test_valid_and_invalid_changes_are_reported_in_order(self) -> None:
         live = self.start()
         self.warnings.setLevel(logging.INFO)
 
@@ -534,7 +534,7 @@ class Races(unittest.TestCase):
         wait_until(lambda: self.told()["count"] == 5, lambda: str(self.told()))
         self.assertEqual({(values.level, values.count) for values in told}, {(5.0, 5)})
 
-    def test_listener_that_raises_silences_nobody(self) -> None:
+    def test_listener_that_raises_does_not_stop_the_others(self) -> None:
         live = self.start()
         levels: List[float] = []
 
@@ -581,7 +581,7 @@ class Races(unittest.TestCase):
         self.assertEqual(seen, [6.0, 6.0])
         self.assert_ends_with(live, level=6.0)
 
-    def test_key_that_nobody_declared_is_followed(self) -> None:
+    def test_undeclared_key_is_followed(self) -> None:
         heard: List[Any] = []
         key = self.key + "/Message"
         self.user.set(key, "first")
@@ -643,7 +643,7 @@ class Races(unittest.TestCase):
         wait_until(lambda: onlooker.pushed, lambda: "rospy keeps the notification for itself")
         self.assertEqual(onlooker.pushed, [("new/leaf", 5)])
 
-    def test_cached_reads_by_others_in_the_process_harm_nobody(self) -> None:
+    def test_cached_reads_in_the_same_process_have_no_effect(self) -> None:
         live = self.start(level=2.0)
         self.assertEqual(rospy.get_param_cached(self.level), 2.0)
         self.user.set(self.level, 5.0)

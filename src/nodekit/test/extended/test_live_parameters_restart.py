@@ -60,7 +60,7 @@ class RestartedMaster(ParameterCase):
         self.assertEqual(node.interrupt(), 0)
         wait_until(lambda: not self.server.knows("/gauge"), lambda: "it is still registered")
 
-    def test_what_the_new_master_has_been_told_already_counts(self) -> None:
+    def test_values_already_set_on_the_new_master_take_precedence(self) -> None:
         node = self.start()
         self.server.set("/gauge", {**DEFAULTS, "level": 5, "title": "kept"})
         node.wait_for(level=5.0, title="kept")

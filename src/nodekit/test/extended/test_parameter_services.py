@@ -94,7 +94,7 @@ class ParameterServices(ParameterCase):
         self.assertEqual(values, DEFAULTS)
         self.assert_truth(self.node, self.server)
 
-    def test_several_parameters_change_at_once(self) -> None:
+    def test_several_parameters_change_together(self) -> None:
         before = self.node.changes
         success, message, values = self.change("{low: 20, high: 3e1, title: both, marks: [4]}")
         expected = {**DEFAULTS, "low": 20.0, "high": 30.0, "title": "both", "marks": [4.0]}
@@ -126,7 +126,7 @@ class ParameterServices(ParameterCase):
         for text in (r"\x01", r"\ufffe"):
             self.assert_refused(f'{{title: "{text}"}}', f"{self.node.name}/title: refused ")
 
-    def test_no_change_tells_the_values(self) -> None:
+    def test_empty_change_returns_the_values(self) -> None:
         for text in ("", "{}"):
             self.assertEqual(self.change(text), (True, "", DEFAULTS))
 

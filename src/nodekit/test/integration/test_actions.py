@@ -108,7 +108,7 @@ class Server(Actions):
     def is_running(self, *numbers: int) -> None:
         wait_until(lambda: set(numbers) <= set(self.running), lambda: str(self.running))
 
-    def test_goals_at_once_have_their_own_feedback_and_results(self) -> None:
+    def test_simultaneous_goals_have_their_own_feedback_and_results(self) -> None:
         self.node.create_action_server("test", TestAction, self.execute)
         client = self.stock_client()
         fed: List[int] = []
@@ -204,7 +204,7 @@ class Server(Actions):
         self.may_end.set()
         self.ended(third, GoalState.SUCCEEDED)
 
-    def test_newest_only_without_execute_callback_preempts_at_once(self) -> None:
+    def test_newest_only_without_execute_callback_preempts_immediately(self) -> None:
         handles: List[ServerGoalHandle] = []
         self.node.create_action_server(
             "test", TestAction, handle_accepted_callback=handles.append, newest_only=True
@@ -265,7 +265,7 @@ class Server(Actions):
         self.assertEqual(self.ended(goal, GoalState.ABORTED), (0, "KeyError: 'on purpose'"))
         log.wait_for(lambda line: 'raise KeyError("on purpose")' in line.msg)
 
-    def test_what_execute_returns_is_checked(self) -> None:
+    def test_return_value_of_execute_is_checked(self) -> None:
         returned: Dict[int, Any] = {1: None, 2: "text", 3: TestResult("text"), 4: TestResult(4)}
         self.node.create_action_server(
             "test", TestAction, lambda handle: returned[handle.request.goal]
@@ -282,7 +282,7 @@ class Server(Actions):
             self.assertIn(word, text)
             self.assertEqual(result, 4 if number == 4 else 0)
 
-    def test_short_callbacks_are_called_in_the_group_and_execute_in_none(self) -> None:
+    def test_short_callbacks_are_called_in_the_group_and_execute_outside(self) -> None:
         group, inside = Group(), []
 
         def execute(handle: ServerGoalHandle) -> None:
@@ -441,7 +441,7 @@ class Client(Actions):
         self.assertEqual(ends[REJECT], (GoalState.REJECTED, "not this one", TestResult(REJECT)))
         wait_until(lambda: fed == [SUCCEED, ABORT], lambda: str(fed))
 
-    def test_handles_of_goals_at_once(self) -> None:
+    def test_handles_of_simultaneous_goals(self) -> None:
         first, second = (self.client.send_goal_async(TestGoal(RUN)).result() for _ in range(2))
         rejected = self.client.send_goal_async(TestGoal(REJECT)).result()
         self.assertEqual((first.accepted, rejected.accepted), (True, False))

@@ -69,7 +69,7 @@ class Clients(unittest.TestCase):
         self.assertTrue(client.wait_for_service(TIMEOUT_S))
         self.assertTrue(client.call(GetLoggersRequest()).loggers)
 
-    def test_a_hundred_calls_at_once_never_swap_answers(self) -> None:
+    def test_hundred_simultaneous_calls_never_swap_answers(self) -> None:
         """Course err-6."""
         self.server()
         client = self.node.create_client("echo", SetBool)
@@ -80,7 +80,7 @@ class Clients(unittest.TestCase):
         self.assertEqual([future.result().success for future in futures], wanted)
         wait_until(lambda: not client.running_calls, lambda: str(client.running_calls))
 
-    def test_done_is_told_in_the_group(self) -> None:
+    def test_done_callback_runs_in_the_group(self) -> None:
         self.server()
         group = Group()
         client = self.node.create_client("echo", SetBool, group=group)
@@ -136,7 +136,7 @@ class Clients(unittest.TestCase):
         wait_until(lambda: not client.running_calls, lambda: "its thread still waits")
         self.assertTrue(future.cancelled() and future.done())
 
-    def test_closing_ends_what_is_under_way(self) -> None:
+    def test_closing_ends_running_calls(self) -> None:
         self.server()
         part = self.node.create_scope()
         client = part.create_client("slow", Trigger)
@@ -147,7 +147,7 @@ class Clients(unittest.TestCase):
         with self.assertRaisesRegex(CallCancelled, "its client is closed"):
             client.call(TriggerRequest())
 
-    def test_ctrl_c_ends_a_node_whose_calls_hang_and_whose_callbacks_sleep(self) -> None:
+    def test_ctrl_c_ends_a_node_with_hung_calls_and_sleeping_callbacks(self) -> None:
         self.server()
         node = Process(os.path.join(HELPERS, "waiting_client.py"), [f"__ns:={self.space}"])
         self.addCleanup(node.end)
@@ -194,7 +194,7 @@ class Clients(unittest.TestCase):
         links = [os.path.realpath(f"{directory}/{name}") for name in os.listdir(directory)]
         return len([link for link in links if "socket" in link])
 
-    def test_no_service_and_none_that_is_one(self) -> None:
+    def test_missing_service_and_server_that_is_not_a_service(self) -> None:
         client = self.node.create_client("nowhere", Trigger)
         with self.assertRaisesRegex(CallError, f"{self.space}/nowhere cannot be called: no node"):
             client.call(TriggerRequest())

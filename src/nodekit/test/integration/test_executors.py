@@ -143,7 +143,7 @@ class Executors(unittest.TestCase):
         self.assertGreater(self.report(node)["timer"]["longest_wait"], 0.03)
         self.assertGreater(self.report(node)["subscription"]["longest"], 0.03)
 
-    def test_only_nodes_in_an_executor_tell_of_it(self) -> None:
+    def test_only_nodes_in_an_executor_publish_its_statistics(self) -> None:
         node, other = self.node(), self.node("other")
         first, second = SingleThreadedExecutor(), MultiThreadedExecutor(2)
         for made in (first, second):

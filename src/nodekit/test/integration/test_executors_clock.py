@@ -28,7 +28,7 @@ class OnAClockThatStandsStill(unittest.TestCase):
         self.now += seconds
         self.clock.publish(Clock(rospy.Time.from_sec(self.now)))
 
-    def test_timers_tick_once_a_step_and_messages_are_heard(self) -> None:
+    def test_timers_tick_once_a_step_and_messages_are_received(self) -> None:
         node = Node()
         self.addCleanup(node.close)
         executor = SingleThreadedExecutor()

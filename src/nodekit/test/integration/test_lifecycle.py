@@ -242,7 +242,7 @@ class Table(Managed):
                 self.assertEqual(self.registered(), [])
             driver.node.close()
 
-    def test_what_is_not_allowed_is_refused_and_logged(self) -> None:
+    def test_disallowed_transition_is_refused_and_logged(self) -> None:
         allowed = {(start, label): number for label, number, start, *_ in CELLS}
         for start in WAYS:
             driver = self.driver(start)
@@ -313,7 +313,7 @@ class Table(Managed):
     def latched(self) -> State:
         return rospy.wait_for_message(f"{self.space}/driver/state", State, TIMEOUT_S)
 
-    def test_what_waits_while_a_callback_ends_the_process_is_refused(self) -> None:
+    def test_request_waiting_while_a_callback_ends_the_process_is_refused(self) -> None:
         driver = self.driver("inactive")
         replies: List[bool] = []
         waiting = threading.Thread(target=lambda: replies.append(self.change("activate")))
@@ -382,7 +382,7 @@ class Table(Managed):
         executor.remove_node(driver.node)
         self.assertTrue(self.change("configure"))
 
-    def test_callback_that_waits_for_its_own_transition_is_told(self) -> None:
+    def test_callback_that_waits_for_its_own_transition_gets_an_error(self) -> None:
         driver = self.driver()
         client = driver.node.create_client("~change_state", ChangeState)
         with driver.node.default_group:
@@ -501,7 +501,7 @@ class Made(Managed):
         self.assertFalse("takes effect" in logged.output[0], logged.output)
         self.assertIn(f"port: 'a' -> '{when}', takes effect at the next {when}", logged.output[1])
 
-    def test_what_cannot_be_opened_is_an_error(self) -> None:
+    def test_failure_to_open_is_an_error(self) -> None:
         taken = "~get_state"
 
         def make_again() -> None:
@@ -602,7 +602,7 @@ class Made(Managed):
         timers = [each for each in driver.made.callbacks() if isinstance(each, NodeTimer)]
         self.assertEqual([isinstance(each, ManagedTimer) for each in timers], [True, False])
 
-    def test_hears_while_active(self) -> None:
+    def test_receives_while_active(self) -> None:
         driver = self.driver("active")
         publisher = driver.node.create_publisher("in", String)
         publisher.publish("one")
@@ -758,7 +758,7 @@ class Wanted(Managed):
         Server().set(self.space + "/driver/gain", 4.0)
         self.assertTrue(self.change("configure"))
 
-    def test_what_no_managed_node_can_hold_is_refused_with_a_sentence(self) -> None:
+    def test_unsupported_object_of_a_managed_node_is_refused_with_a_message(self) -> None:
         def hosting(node: Node) -> object:
             return node.host("guest", self.space, Unaware)
 
@@ -800,7 +800,7 @@ class Wanted(Managed):
             self.assertEqual(heard[0], "gain 1")
             self.assertNotIn(self.space + "/driver/get_state", Server().services())
 
-    def test_what_is_no_truth_value_is_refused(self) -> None:
+    def test_non_boolean_managed_parameter_is_refused(self) -> None:
         with self.assertLogs("rosout", "ERROR") as logged:
             self.unaware("maybe")
         sentence = f"parameter {self.space}/driver/managed: refused 'maybe': must be true or false"
@@ -844,7 +844,7 @@ class Heartbeat(Managed):
         lasted = (beats[-1].stamp - beats[0].stamp).to_sec()
         self.assertLess(beats[-1].seq - beats[0].seq, 5.0 * lasted + 1.5)
 
-    def test_that_of_a_closed_node_stands_still(self) -> None:
+    def test_heartbeat_of_a_closed_node_stops(self) -> None:
         self.driver().node.close()
         self.driver()
         ear = MessageRecorder(f"{self.space}/driver/heartbeat", Header)
@@ -990,7 +990,7 @@ class Ends(unittest.TestCase):
         self.assertEqual(len(process.logged(text)), 1, process.error_lines)
         self.assertEqual(len(process.logged("ends without")), 1)
 
-    def test_node_that_ends_its_process_amid_a_transition_is_told_of(self) -> None:
+    def test_node_that_ends_its_process_during_a_transition_is_logged(self) -> None:
         process = self.start("ending", "active")
         self.ask_and_forget("ending", "configure")
         self.assertEqual(process.wait(), 0)
@@ -998,7 +998,7 @@ class Ends(unittest.TestCase):
         text = "/ending ends without its shutdown: it is configuring, and still busy after 0 s"
         self.assertEqual(len(process.logged(text)), 1, process.error_lines)
 
-    def test_rosnode_kill_does_too_and_what_hangs_is_left_behind(self) -> None:
+    def test_rosnode_kill_does_too_and_abandons_hung_callbacks(self) -> None:
         process = self.start("killed", "configuring", "hanging")
         asked = ("configuring", "configure")
         threading.Thread(target=self.ask_and_forget, args=asked, daemon=True).start()

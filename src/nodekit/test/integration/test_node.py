@@ -125,7 +125,7 @@ class Start(OnMaster):
         wait_until(lambda: calls.count("callback") > 5, lambda: str(calls))
         self.assertEqual(self.server.get(self.space + "/one/gain"), 2.0)
 
-    def test_what_is_made_after_the_start_is_registered_at_once(self) -> None:
+    def test_objects_created_after_the_start_are_registered_immediately(self) -> None:
         node = self.node()
         node.start()
         heard: List[str] = []
@@ -135,7 +135,7 @@ class Start(OnMaster):
         self.assertEqual(heard, ["news"])
         self.assertEqual(rospy.ServiceProxy(self.space + "/late", Trigger)().message, "here")
 
-    def test_what_is_closed_amid_the_start_is_not_opened_either(self) -> None:
+    def test_objects_closed_during_the_start_are_not_opened(self) -> None:
         for owner, function in (
             (outgoing_topic, "send_directly"),
             (service, "_LoggedService"),
@@ -184,7 +184,7 @@ class Start(OnMaster):
         self.assertEqual(heard, ["at a"])
         self.assertEqual(rospy.ServiceProxy(self.space + "/tell", Trigger)().message, "here")
 
-    def test_latched_message_of_the_constructor_reaches_who_comes_later(self) -> None:
+    def test_latched_message_of_the_constructor_reaches_late_subscribers(self) -> None:
         node = self.node()
         state = node.create_publisher("state", String, latch=True)
         state.publish("first")
@@ -193,7 +193,7 @@ class Start(OnMaster):
         message = rospy.wait_for_message(self.space + "/state", String, TIMEOUT_S)
         self.assertEqual(message.data, "waiting")
 
-    def test_what_is_latched_reaches_each_later_subscription_of_the_process(self) -> None:
+    def test_latched_message_reaches_each_later_subscription_of_the_process(self) -> None:
         node, heard = self.node(), []
         here = node.create_publisher("here", String, latch=True)
         node.start()
@@ -205,7 +205,7 @@ class Start(OnMaster):
             expected = sorted(count * ["here", "there"])
             wait_until(lambda expected=expected: sorted(heard) == expected, lambda: str(heard))
 
-    def test_change_between_the_declaration_and_the_start_is_told(self) -> None:
+    def test_change_between_declaration_and_start_calls_the_listener(self) -> None:
         told: List[Tuple[float, float]] = []
         node = self.node()
         node.declare_parameters(Settings, lambda new, old: told.append((old.gain, new.gain)))
@@ -214,7 +214,7 @@ class Start(OnMaster):
         wait_until(lambda: told, lambda: "nothing is told")
         self.assertEqual(told, [(1.0, 5.0)])
 
-    def test_statistics_that_rospy_is_to_gather_tell_of_messages_in_the_process_too(self) -> None:
+    def test_rospys_statistics_count_messages_within_the_process(self) -> None:
         name, ear = self.space + "/topic", MessageRecorder("/statistics", TopicStatistics)
         self.addCleanup(ear.close)
         node = self.node()
@@ -228,14 +228,14 @@ class Start(OnMaster):
         told = ear.wait_for(lambda one: one.topic == name and one.delivered_msgs > 1)
         self.assertEqual((told.node_pub, told.node_sub), 2 * (rospy.get_name(),))
 
-    def test_habits_of_rospys_users_are_no_error(self) -> None:
+    def test_arguments_in_rospy_style_are_accepted(self) -> None:
         node = self.node()
         node.create_publisher("a", String, queue_size=10)
         node.create_publisher("b", String, True, 10)
         node.create_subscription("a", String, print, queue_size=1)
         node.start()
 
-    def test_several_refused_parameters_are_named_at_once(self) -> None:
+    def test_several_refused_parameters_are_named_together(self) -> None:
         self.server.set(self.space + "/one", {"rate": -1, "gain": "x"})
         with self.assertRaises(ParameterError) as caught:
             self.node().declare_parameters(Settings)
@@ -287,7 +287,7 @@ class Start(OnMaster):
         self.server.delete(gain)
         wait_until(lambda: picky.settings.values.gain == 1.0, lambda: str(picky.settings.values))
 
-    def test_callbacks_that_nobody_awaits_are_refused(self) -> None:
+    def test_async_callbacks_are_refused(self) -> None:
         async def awaited(*_: Any) -> None:
             pass
 
@@ -306,7 +306,7 @@ class Start(OnMaster):
 class Callbacks(OnMaster):
     """Callbacks of a node exclude each other unless it asks for something else."""
 
-    def test_all_kinds_of_callbacks_exclude_each_other(self) -> None:
+    def test_callbacks_of_every_type_exclude_each_other(self) -> None:
         """Course err-3."""
         node, kinds, inside, overlaps = self.node(), set(), [0], [0]
 
@@ -339,7 +339,7 @@ class Callbacks(OnMaster):
         wait_until(lambda: kinds == wanted, lambda: str(kinds))
         self.assertEqual(overlaps[0], 0)
 
-    def test_what_is_in_no_group_answers_while_a_callback_takes_its_time(self) -> None:
+    def test_callbacks_without_a_group_run_during_a_slow_callback(self) -> None:
         node, go_on, inside = self.node(), threading.Event(), threading.Event()
         self.addCleanup(go_on.set)
 
@@ -368,7 +368,7 @@ class Callbacks(OnMaster):
         go_on.set()
         holder.join(TIMEOUT_S)
 
-    def test_update_in_a_callback_is_in_force_at_once_and_told_afterwards(self) -> None:
+    def test_update_in_a_callback_is_in_force_before_on_change_is_called(self) -> None:
         node = self.node()
         order: List[Any] = []
         settings = node.declare_parameters(
@@ -388,7 +388,7 @@ class Callbacks(OnMaster):
         wait_until(lambda: len(order) == 3, lambda: str(order))
         self.assertEqual(order, [3.0, 4.0, (1.0, 4.0)])
 
-    def test_update_by_who_holds_a_lock_that_on_change_wants_does_not_hang(self) -> None:
+    def test_update_while_holding_a_lock_of_on_change_does_not_hang(self) -> None:
         node, lock, told = self.node(), threading.Lock(), []  # type: Any
 
         def on_change(new: Settings, _old: Settings) -> None:
@@ -447,7 +447,7 @@ class Callbacks(OnMaster):
             publisher.publish(value)
         self.assertEqual(heard, [1.0, 2.0])
 
-    def test_follow_tells_at_the_start_and_of_each_change(self) -> None:
+    def test_on_parameter_is_called_at_the_start_and_for_each_change(self) -> None:
         node, told = self.node(), []  # type: Any
         node.on_parameter("text", told.append)
         node.on_parameter("~text", lambda value: told.append(("private", value)))
@@ -544,7 +544,7 @@ class Forks(OnMaster):
                 start()
                 self.assert_child_ends(0)
 
-    def test_its_status_tells_how(self) -> None:
+    def test_exit_status_of_a_forked_child(self) -> None:
         node = self.node()
         node.create_service("ask", Trigger, self.fork)
         node.start()
@@ -759,7 +759,7 @@ class Closing(OnMaster):
         except rospy.ServiceException:
             pass
 
-    def test_lifetime_ends_only_what_was_made_through_it(self) -> None:
+    def test_scope_closes_only_its_own_objects(self) -> None:
         node, stays, goes = self.node(), [], []  # type: Any
         node.create_timer(100.0, stays.append)
         node.create_publisher("stays", String)
@@ -775,7 +775,7 @@ class Closing(OnMaster):
         names = [name for name, _ in self.registered()]
         self.assertEqual(names, [self.space + "/stays"])
 
-    def test_what_is_closed_before_the_start_is_never_opened(self) -> None:
+    def test_objects_closed_before_the_start_are_never_opened(self) -> None:
         node = self.node()
         part = node.create_scope()
         part.create_publisher("gone", String)

@@ -57,7 +57,7 @@ class WithANode(ParameterCase):
     def test_gets_the_values_in_force(self) -> None:
         self.assertEqual(self.client.get(), DEFAULTS)
 
-    def test_changes_several_at_once_and_tells_all(self) -> None:
+    def test_changes_several_parameters_and_returns_all(self) -> None:
         same = [3.0, 4.0]
         in_force = self.client.change({"low": 20, "high": 30.0, "title": "ä: #", "marks": same})
         expected = {**DEFAULTS, "low": 20.0, "high": 30.0, "title": "ä: #", "marks": same}

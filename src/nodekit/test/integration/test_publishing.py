@@ -302,7 +302,7 @@ class PublishingTest(unittest.TestCase):
         with self.assertRaises(rospy.ROSException):
             publisher.publish(String())
 
-    def test_what_was_latched_before_opening_reaches_a_late_subscriber(self):
+    def test_message_latched_before_opening_reaches_a_late_subscriber(self):
         publisher = Publisher(self.topic, String, latch=True)
         self.addCleanup(publisher.close)
         for number in range(3):

@@ -107,7 +107,7 @@ class OnSimulatedClock(OnClock):
         self.step(5.0, 5.05)
         self.assert_calls(0.0, 0.05)
 
-    def test_clock_that_stands_still(self) -> None:
+    def test_clock_that_does_not_advance(self) -> None:
         timer = self.start(2.0)
         self.step(10.0)
         for rate in (100.0, 1000.0, 0.0, 1000.0, 20.0):
@@ -127,7 +127,7 @@ class OnSimulatedClock(OnClock):
         self.step(*(start + number / 10 for number in range(20)))
         self.assert_calls(*(number / 10 for number in range(20)))
 
-    def test_clock_that_jumps_ahead_skips_what_was_due(self) -> None:
+    def test_clock_jump_ahead_skips_missed_deadlines(self) -> None:
         timer = self.start(10.0)
         self.step(30.0, 37.25, 37.28, 37.3)
         self.assert_calls(0.0, 7.2, 7.3)
@@ -329,7 +329,7 @@ class OnMachinesClock(OnClock):
         steps = {round(500.0 * (b - a), 6) for a, b in zip(self.calls, self.calls[1:])}
         self.assertEqual((steps, timer.skipped), ({1.0}, 0))
 
-    def test_slow_timer_becomes_quick_at_once(self) -> None:
+    def test_slow_timer_becomes_quick_immediately(self) -> None:
         timer = self.start(QUARTER_OF_AN_HOUR)
         wait_until(lambda: self.calls, lambda: "no first call")
         timer.set_rate(1000.0)

@@ -26,7 +26,7 @@ from nodekit.testing.waiting import wait_until
 class SharedMemoryTest(SharedMemoryCase):
     """A publisher in this process, its subscribers in others."""
 
-    def test_subscribers_of_all_kinds_get_the_same_messages_in_order(self):
+    def test_subscribers_of_all_types_get_the_same_messages_in_order(self):
         publisher = self.new_publisher(queue_size=100)
         modes = ("nodekit", "views", "rospy", "nodekit _transport:=tcp")
         subscribers = self.subscribe(publisher, *modes)
@@ -41,7 +41,7 @@ class SharedMemoryTest(SharedMemoryCase):
             uri = rospy.get_master().lookupNode(one.node)[2]
             self.assertIn(self.transports(uri), (["SHAREDMEM"], ["TCPROS"]))
 
-    def test_bus_statistics_count_what_goes_through_shared_memory(self):
+    def test_bus_statistics_count_messages_in_shared_memory(self):
         publisher = self.new_publisher()
         (subscriber,) = self.subscribe(publisher, "nodekit")
         self.publish(publisher, LARGE)
@@ -50,7 +50,7 @@ class SharedMemoryTest(SharedMemoryCase):
         self.assertEqual(rows[0][2], 1)
         self.assertGreater(rows[0][1], LARGE)
 
-    def test_stopped_subscriber_costs_only_itself_and_is_told(self):
+    def test_stopped_subscriber_loses_only_its_own_messages_and_learns_how_many(self):
         publisher = self.new_publisher(queue_size=2)
         (stopped,) = self.subscribe(publisher, "nodekit")
         (other,) = self.subscribe(publisher, "views")

@@ -51,9 +51,7 @@ def wait_for(function: Callable[..., Any], *arguments: Any) -> None:
 
 
 @pytest.mark.parametrize("thread", [True, False])
-def test_state_of_before_goes_out_before_what_is_published_meanwhile(
-    sent: Sent, thread: bool
-) -> None:
+def test_latched_state_is_sent_before_newer_messages(sent: Sent, thread: bool) -> None:
     gate = ActivationGate()
     state = ManagedPublisher(gate, "/state", String, latch=True)
     state.publish(String("older"))
@@ -77,7 +75,7 @@ def test_state_of_before_is_sent_once(sent: Sent) -> None:
     assert sent.words == ["older"]
 
 
-def test_state_that_cannot_be_sent_keeps_none_back_that_can(
+def test_unsendable_state_does_not_hold_back_the_others(
     sent: Sent, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     gate = ActivationGate()

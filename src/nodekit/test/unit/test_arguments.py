@@ -19,7 +19,7 @@ URI = "http://localhost:11311"
     "argument",
     ["_rate:=5", "_on:=true", "_text:=a: b", "_x:=[1, {a: .nan}]", "_empty:=", "x:=y", "5"],
 )
-def test_what_makes_sense(argument):
+def test_valid_arguments_give_no_warning(argument):
     check("node", {}, ["node.py", argument])
 
 
@@ -52,7 +52,7 @@ def test_addresses_of_a_master(uri):
     ["garbage", "", "localhost:11311", "http://", "http://:11311", "http://a:b", "http://a:99999"]
     + ["https://a:11311", "http://a:0", "http://[::1"],
 )
-def test_address_that_is_none_is_named_with_its_source(uri):
+def test_invalid_address_is_named_with_its_source(uri):
     must_be = f"'{uri}': must be the URI of a ROS master, such as {URI}"
     with pytest.raises(ArgumentError, match=re.escape("ROS_MASTER_URI " + must_be)):
         check("node", {"ROS_MASTER_URI": uri}, [])

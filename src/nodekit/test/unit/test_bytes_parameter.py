@@ -30,20 +30,20 @@ def test_bytes_are_taken_as_a_list_and_as_xml_rpc_delivers_them(raw: bytes) -> N
 @pytest.mark.parametrize(
     "raw", [b"12345", [1, 2, 3, 4, 5], "abcd", [256], [-1], [1.0], [True], 5, None, {}, True]
 )
-def test_other_kinds_and_too_many_bytes_are_refused(raw: Any) -> None:
+def test_other_types_and_too_many_bytes_are_refused(raw: Any) -> None:
     with pytest.raises(ParameterError) as caught:
         Lock(key=raw)
     said = "must be at most 4 bytes, as a list of numbers from 0 to 255"
     assert str(caught.value) == f"parameter key: refused {format_value(raw)}: {said}"
 
 
-def test_a_thousand_are_taken_unless_told_otherwise() -> None:
+def test_thousand_elements_are_accepted_by_default() -> None:
     assert BytesParameter(b"", help="").coerce(bytes(1000)) == bytes(1000)
     with pytest.raises(ParameterError):
         BytesParameter(b"", help="").coerce(bytes(1001))
 
 
-def test_what_is_binary_on_the_server_is_written_back_as_a_list() -> None:
+def test_binary_value_on_the_server_is_written_back_as_a_list() -> None:
     reconciler = Reconciler(Lock, ())
     held = {"key": to_wire(b"\x00\xff"), "name": "door"}
     reconciler.start(dict(held), 0.0)

@@ -42,7 +42,7 @@ def test_failures_are_counted_and_logged_at_times(
     assert logged[0].endswith("ValueError: on purpose")
 
 
-def test_what_fails_when_the_end_has_begun_is_counted_only(
+def test_failure_during_shutdown_is_only_counted(
     logged: List[str], monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     # rospy calls shutdown hooks before is_shutdown() is true.
@@ -54,9 +54,7 @@ def test_what_fails_when_the_end_has_begun_is_counted_only(
 
 
 @pytest.mark.parametrize("call", [Callback.call, Callback.call_inside])
-def test_what_fails_because_its_node_is_closed_meanwhile_is_counted_only(
-    logged: List[str], call: Any
-) -> None:
+def test_failure_because_of_a_closed_node_is_only_counted(logged: List[str], call: Any) -> None:
     def publish_to_what_is_closed() -> None:
         callback.close()
         raise rospy.ROSException("publish() to a closed publisher")

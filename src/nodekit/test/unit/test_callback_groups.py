@@ -42,7 +42,7 @@ def queued(group: CallbackGroup, count: int) -> None:
         time.sleep(0.001)
 
 
-def test_callbacks_of_one_group_never_overlap_and_none_is_left_out() -> None:
+def test_callbacks_of_one_group_never_overlap_and_all_are_called() -> None:
     group, inside, calls = Group(), [0], [0]
 
     def work() -> None:
@@ -63,7 +63,7 @@ def test_callbacks_of_one_group_never_overlap_and_none_is_left_out() -> None:
     assert not group._queue and not group._holder
 
 
-def test_who_waits_is_served_in_the_order_of_arrival() -> None:
+def test_waiters_are_served_in_order_of_arrival() -> None:
     group, order = Group(), []  # type: Any
     busy = Busy(group)
     threads = []
@@ -156,7 +156,7 @@ def test_waiting_for_a_group_can_be_limited() -> None:
 
 
 @pytest.mark.parametrize("kind", [Group, ReentrantCallbackGroup])
-def test_waiting_for_a_group_ends_with_what_was_waited_for(kind: Callable[[], Group]) -> None:
+def test_waiting_for_a_group_ends_when_it_is_left(kind: Callable[[], Group]) -> None:
     group = kind()
     assert group.enter()
     group.leave()
@@ -193,7 +193,7 @@ def test_a_turn_that_comes_just_when_the_time_is_over_is_taken() -> None:
     assert not group._holder
 
 
-def test_who_gives_up_waiting_keeps_nobody_else_waiting() -> None:
+def test_timed_out_waiter_delays_no_other() -> None:
     group, calls = Group(), []  # type: Any
     busy = Busy(group)
     gives_up = in_thread(group.enter, 0.01)
@@ -206,7 +206,7 @@ def test_who_gives_up_waiting_keeps_nobody_else_waiting() -> None:
 
 
 @pytest.mark.parametrize("error", [ZeroDivisionError, SystemExit, KeyboardInterrupt])
-def test_callback_that_raises_leaves_the_group_and_goes_on(error: type) -> None:
+def test_callback_that_raises_leaves_the_group_and_is_called_again(error: type) -> None:
     group, calls = Group(), []  # type: Any
 
     def fail() -> None:
@@ -245,7 +245,7 @@ def test_messages_of_another_thread_wait_for_the_group_one_by_one() -> None:
     assert heard == [1, 2, 3]
 
 
-def test_messages_of_this_process_never_wait_and_none_is_lost() -> None:
+def test_messages_of_this_process_never_wait_and_are_all_delivered() -> None:
     group = Group()
     heard: List[List[int]] = []
     receiving = SubscriptionCallback(group, heard.append, "", batches=True)
@@ -294,7 +294,7 @@ def test_closing_a_reentrant_group_does_not_wait_for_the_callers_own_callback() 
     assert left == [True]
 
 
-def test_who_is_in_a_reentrant_group_twice_is_waited_for_until_it_has_left_twice() -> None:
+def test_reentrant_group_is_left_after_both_nested_callbacks() -> None:
     group, inside, once, twice = ReentrantCallbackGroup(), *(threading.Event() for _ in range(3))
 
     def enter_and_leave() -> None:
@@ -317,7 +317,7 @@ def test_who_is_in_a_reentrant_group_twice_is_waited_for_until_it_has_left_twice
     thread.join(TIMEOUT_S)
 
 
-def test_who_leaves_a_reentrant_group_just_then_is_not_waited_for_in_vain() -> None:
+def test_wait_ends_when_a_reentrant_group_is_just_being_left() -> None:
     group = ReentrantCallbackGroup()
     for _ in range(100):
         busy, began = Busy(group), time.monotonic()

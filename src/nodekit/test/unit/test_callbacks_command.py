@@ -36,7 +36,7 @@ class Master:
         ("/missing", "/missing has no executor; "),
     ],
 )
-def test_node_without_executor_is_told_from_missing_node(
+def test_node_without_executor_is_distinguished_from_missing_node(
     monkeypatch: "pytest.MonkeyPatch", executors: List[str], name: str, problem: str
 ) -> None:
     monkeypatch.setattr(command, "MasterClient", Master)

@@ -36,7 +36,7 @@ class Tones(ParameterSet):
     gains = ListParameter([1, 2], element=FloatParameter(0.0, help=""), unit="V", help="gains")
 
 
-def test_defaults_stand_where_nothing_is_given():
+def test_defaults_are_used_for_omitted_arguments():
     assert Limits().as_dict() == {"low": 0.0, "high": 1.0, "count": 3}
     assert list(Limits().as_dict()) == ["low", "high", "count"]
 
@@ -110,7 +110,7 @@ def test_replace_returns_another_snapshot():
         old.replace(high=0.1)
 
 
-def test_snapshots_are_equal_by_kind_and_values():
+def test_snapshots_are_equal_by_type_and_values():
     class Other(Limits):
         """The same parameters under another name."""
 
@@ -125,7 +125,7 @@ def test_a_snapshot_shows_its_values():
     assert repr(Limits(low=0.5)) == "Limits(low=0.5, high=1, count=3)"
 
 
-def test_a_rule_names_the_parameters_their_values_and_what_must_hold():
+def test_rule_names_parameters_values_and_condition():
     with pytest.raises(RuleError) as caught:
         Limits(low=3.0, high=2.5)
     error = caught.value
@@ -147,23 +147,23 @@ def test_several_errors_are_one_sentence_each():
 
 
 @pytest.mark.parametrize("name", ["replace", "rules", "declared", "as_dict", "broken_rule"])
-def test_a_parameter_with_the_name_of_something_else_is_refused_at_once(name):
+def test_parameter_with_a_taken_name_is_refused_immediately(name):
     with pytest.raises(TypeError, match=name):
         type("Taken", (ParameterSet,), {name: IntParameter(1, help="")})
 
 
 @pytest.mark.parametrize("names", [["hihg"], ["low", "hihg"], ["ordered"]])
-def test_a_rule_about_what_is_not_declared_is_refused_at_once(names):
+def test_rule_about_an_undeclared_parameter_is_refused_immediately(names):
     with pytest.raises(TypeError, match=names[-1]):
         type("Misspelt", (Limits,), {"misspelt": rule(*names)(lambda self: None)})
 
 
-def test_a_rule_whose_parameter_a_subclass_takes_away_is_refused_at_once():
+def test_rule_about_a_parameter_removed_by_a_subclass_is_refused():
     with pytest.raises(TypeError, match="high"):
         type("Less", (Limits,), {"high": 5.0})
 
 
-def test_a_rule_about_nothing_is_refused_at_once():
+def test_rule_without_parameters_is_refused_immediately():
     with pytest.raises(TypeError, match="@rule"):
         rule()
     with pytest.raises(TypeError, match="@rule"):

@@ -53,7 +53,7 @@ async def check(_self: object) -> None:
         ),
     ],
 )
-def test_what_would_be_ignored_or_hidden_is_refused(
+def test_ignored_or_hidden_members_are_refused(
     members: Dict[str, Any], error: type, text: str
 ) -> None:
     with pytest.raises(error, match=text):
@@ -142,7 +142,7 @@ def test_a_property_takes_an_inherited_parameter_away() -> None:
     assert Again(is_on=False).is_on is False
 
 
-def test_what_is_no_rule_of_the_node_s() -> None:
+def test_invalid_rule_is_refused() -> None:
     @rule("other")
     def strange(values: ParameterSet) -> None:
         """Define a rule about something else."""
@@ -152,7 +152,7 @@ def test_what_is_no_rule_of_the_node_s() -> None:
             check_rules("Gauge", [method], ["level"])
 
 
-def test_what_belongs_in_a_class_is_no_mistake() -> None:
+def test_valid_class_members_are_accepted() -> None:
     class Rich(ParameterSet):
         """All that a class may have beside its parameters."""
 

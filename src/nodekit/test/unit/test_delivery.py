@@ -185,7 +185,7 @@ def test_full_receivers_together_are_waited_for_once(pairs, clock):
     assert clock.now - start == pytest.approx(delivery.PATIENCE_S)
 
 
-def test_what_is_lost_counts_as_so_many_messages_as_went_together(pairs, clock):
+def test_lost_batch_counts_all_its_messages(pairs, clock):
     link = SubscriberConnection("full", pairs()[0], threading.RLock())
     for _ in range(20):
         delivery.deliver(BIG, [link], 3)
@@ -193,7 +193,7 @@ def test_what_is_lost_counts_as_so_many_messages_as_went_together(pairs, clock):
     assert (link.sent, held, link.lost) == (0, 6, 54)
 
 
-def test_receiver_with_a_depth_is_not_waited_for_and_loses_only_what_exceeds_it(pairs, clock):
+def test_receiver_with_a_depth_is_not_waited_for_and_loses_only_the_excess(pairs, clock):
     start = clock.now
     ours, theirs = pairs()
     link = SubscriberConnection("full", ours, threading.RLock(), depth=10)
@@ -256,7 +256,7 @@ def test_receiver_that_takes_data_has_not_stalled(pairs, clock):
     assert link.takes_nothing(clock.now)
 
 
-def test_receiver_is_served_at_once_while_another_one_is_watched(pairs, monkeypatch):
+def test_receiver_is_served_immediately_while_another_is_watched(pairs, monkeypatch):
     monkeypatch.setattr(delivery, "DRAIN_PERIOD_S", 10 * TIME_OUT)
     deaf = SubscriberConnection("deaf", pairs()[0], threading.RLock(), depth=1)
     with deaf.lock:
@@ -396,7 +396,7 @@ def test_receiver_that_has_gone_is_dropped_without_a_word(pairs, stalled):
     assert link.reports == []
 
 
-def test_sending_says_whether_all_of_it_went_out_or_nobody_is_there(pairs):
+def test_send_returns_whether_all_was_sent_or_the_peer_is_gone(pairs):
     ours, theirs = pairs()
     link = RecordingLink(ours)
     assert link.send(b"news", 1)
@@ -442,7 +442,7 @@ def test_reports_are_throttled_and_complete(pairs):
     assert link.reports[3:] == [(False, 1)]
 
 
-def test_kinds_of_report_are_throttled_apart():
+def test_types_of_report_are_throttled_separately():
     reports = LossReports()
     steps = [  # s, stalled, lost in all, report
         (0.0, True, 0, None),  # a stall without loss

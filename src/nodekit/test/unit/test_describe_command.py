@@ -81,7 +81,7 @@ def somebody_elses(future: "Future[Any]") -> None:
         (somebody_elses, "/describe does not describe parameters"),
     ],
 )
-def test_status_and_names_tell_of_one_in_many_that_is_not_described(
+def test_status_and_names_report_one_undescribed_node_of_many(
     monkeypatch: "pytest.MonkeyPatch",
     capsys: "pytest.CaptureFixture[str]",
     lines: Any,

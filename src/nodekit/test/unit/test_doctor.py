@@ -61,7 +61,7 @@ def faults(findings: List[Finding]) -> List[str]:
     return [str(finding) for finding in findings if finding.level is Level.FAULT]
 
 
-def test_healthy_graph_has_no_fault_and_no_note() -> None:
+def test_healthy_graph_yields_no_fault_and_no_note() -> None:
     assert {finding.level for finding in all_checks(graph())} == {Level.OK}
 
 
@@ -165,7 +165,7 @@ def test_topic_without_publisher_is_a_note_if_no_near_name_fits(
     assert str(found) == "note  /chatter: /listener subscribes, and no node publishes"
 
 
-def test_topic_that_others_hear_is_not_proposed() -> None:
+def test_topic_with_other_subscribers_is_not_proposed() -> None:
     system = graph(
         publishers={"/chatter2": ["/talker"]},
         subscribers={"/chatter": ["/listener"], "/chatter2": ["/other"]},

@@ -107,7 +107,7 @@ def test_numpy_that_is_loaded_already_stays(tmp_path):
     assert_ends_well(run_main(tmp_path, text, before))
 
 
-def test_where_there_is_no_numpy_the_import_says_so(tmp_path):
+def test_missing_numpy_raises_import_error(tmp_path):
     # As if it were not installed: that is not to be mended.
     text = (
         "import sys\n"
@@ -121,7 +121,7 @@ def test_where_there_is_no_numpy_the_import_says_so(tmp_path):
     assert_ends_well(run_main(tmp_path, text, before))
 
 
-def test_interrupt_during_the_imports_is_no_error(tmp_path):
+def test_interrupt_during_the_imports_exits_cleanly(tmp_path):
     done = run_main(tmp_path, "raise KeyboardInterrupt\n")
     assert (done.returncode, done.stderr) == (0, b"")
 

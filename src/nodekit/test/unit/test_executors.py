@@ -86,7 +86,9 @@ def overlap(one: str, other: str, groups: str, name: str) -> bool:
 @pytest.mark.parametrize(
     "one, other", list(itertools.combinations_with_replacement(KINDS, 2)), ids=str
 )
-def test_what_overlaps(scheduler: Scheduler, one: str, other: str, groups: str, name: str) -> None:
+def test_overlapping_callbacks_by_executor_and_group(
+    scheduler: Scheduler, one: str, other: str, groups: str, name: str
+) -> None:
     made = executor(name)
     ready = made._ready if made is not None else None
     first_group: CallbackGroup = ReentrantCallbackGroup() if groups == "one reentrant" else Group()
@@ -143,7 +145,7 @@ def test_callback_in_a_reentrant_group_overlaps_itself_up_to_all_threads() -> No
     assert most[0] == 3
 
 
-def test_timer_goes_on_while_ten_slow_messages_wait(scheduler: Scheduler) -> None:
+def test_timer_keeps_running_while_ten_slow_messages_wait(scheduler: Scheduler) -> None:
     made = MultiThreadedExecutor(2)
     may_end, ticks = threading.Event(), threading.Semaphore(0)
     slow = receiving(made, lambda message: may_end.wait(TIMEOUT_S), depth=11)
@@ -267,7 +269,7 @@ def test_service_answers_with_the_error() -> None:
     assert answering.failures.count == 2
 
 
-def test_removed_while_running_what_waits_is_still_called_and_the_rest_directly() -> None:
+def test_removed_while_running_calls_the_waiting_callbacks_and_the_rest_directly() -> None:
     made, threads = SingleThreadedExecutor(), []  # type: Any
     begun, may_end = threading.Event(), threading.Event()
 
@@ -288,7 +290,7 @@ def test_removed_while_running_what_waits_is_still_called_and_the_rest_directly(
     assert all((name == direct.name) == (message == 3) for message, name in threads)
 
 
-def test_shutdown_tells_that_calls_were_dropped() -> None:
+def test_shutdown_logs_dropped_calls() -> None:
     made = MultiThreadedExecutor(2)
     begun, may_end = threading.Event(), threading.Event()
     heard: List[Any] = []
@@ -325,7 +327,7 @@ def test_shutdown_tells_that_calls_were_dropped() -> None:
     assert callback.group.enter(TIMEOUT_S)
 
 
-def test_close_waits_for_what_is_under_way_but_not_for_what_only_waits() -> None:
+def test_close_waits_for_running_but_not_for_waiting_callbacks() -> None:
     made, began = SingleThreadedExecutor(), threading.Event()
     may_end = threading.Event()
 
@@ -378,7 +380,7 @@ def test_invalid_queue_size_is_rejected(queue_size: Any) -> None:
 
 
 @pytest.mark.parametrize("other", [True, False])
-def test_node_that_leaves_an_executor_that_was_shut_down_goes_on(
+def test_node_removed_from_a_shut_down_executor_keeps_working(
     scheduler: Scheduler, other: bool
 ) -> None:
     gone = SingleThreadedExecutor()

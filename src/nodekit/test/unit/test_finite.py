@@ -76,7 +76,7 @@ COLORS = st.builds(ColorRGBA, FINITE, FINITE, FINITE, FINITE)
         Float64MultiArray(MultiArrayLayout([MultiArrayDimension("inf", 3, 3)], 0), [1.0, 2.0, 3.0]),
     ],
 )
-def test_what_has_no_such_number_is_finite(message):
+def test_message_without_floats_is_finite(message):
     assert is_finite(message) is True
 
 
@@ -89,7 +89,7 @@ def test_a_field(finite, other):
 @given(
     st.lists(FINITE, max_size=20), NOT_FINITE, st.integers(0, 20), st.sampled_from([list, tuple])
 )
-def test_a_list_wherever_in_it_the_number_stands(numbers, other, place, kind):
+def test_non_finite_number_at_any_position_of_a_list(numbers, other, place, kind):
     assert is_finite(Float64MultiArray(data=kind(numbers))) is True
     numbers.insert(place, other)
     assert is_finite(Float64MultiArray(data=kind(numbers))) is False
@@ -132,7 +132,7 @@ def test_numpy_arrays_are_checked(dtype):
 
 
 @given(FLOATS32)
-def test_float32_is_what_a_message_would_carry(value):
+def test_float32_is_rounded_as_in_a_message(value):
     carried = to_float32(value)
     sent = Float32(value)
     assert carried == Float32().deserialize(serialized(sent)).data
@@ -146,7 +146,7 @@ def test_a_float32_stays_as_it_is(value):
     assert to_float32(value) == value
 
 
-def test_the_largest_float32_is_carried_and_what_is_above_is_not():
+def test_the_largest_float32_is_accepted_and_larger_values_are_not():
     (largest,) = struct.unpack("<f", b"\xff\xff\x7f\x7f")
     assert LARGEST_FLOAT32 == largest
     for sign in (1.0, -1.0):

@@ -12,7 +12,7 @@ from nodekit.parameter_server.watched_key import WatchedKey
 from nodekit.parameters.reconciler import Observation
 
 
-def test_what_a_callback_changes_is_its_own() -> None:
+def test_callback_gets_its_own_copy() -> None:
     watcher = mock.Mock(**{"first_reading.return_value": ["one"]})
     told: List[Any] = []
     followed = FollowedParameter("/key", watcher, lambda value: told.append(value.append("mine")))
@@ -27,7 +27,7 @@ def test_what_a_callback_changes_is_its_own() -> None:
 
 
 @pytest.mark.parametrize("fails", [False, True])
-def test_who_asks_to_be_told_while_being_told_is_told_once_more(fails: bool) -> None:
+def test_request_during_a_notification_notifies_once_more(fails: bool) -> None:
     def on_reading(seen: Observation) -> bool:
         watched.due = True  # as another thread does it
         if fails:
@@ -40,7 +40,7 @@ def test_who_asks_to_be_told_while_being_told_is_told_once_more(fails: bool) -> 
     assert watched.is_due
 
 
-def test_who_is_not_done_is_told_once_more() -> None:
+def test_unfinished_listener_is_notified_once_more() -> None:
     answers = [False, True]
     watched = WatchedKey("/key", lambda raw: False, lambda seen: answers.pop(0))
     assert not watched.hand_over("value", 0.0) and watched.is_due

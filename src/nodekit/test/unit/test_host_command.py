@@ -38,7 +38,7 @@ def test_member_has_a_name_a_namespace_and_a_class(text: str, base: str, namespa
         ("", "must be MODULE:CLASS"),
     ],
 )
-def test_what_cannot_be_hosted_is_refused_by_a_sentence(text: str, problem: str) -> None:
+def test_invalid_member_is_refused_with_a_message(text: str, problem: str) -> None:
     with pytest.raises(argparse.ArgumentTypeError) as raised:
         host.member(text)
     assert str(raised.value).startswith(f"'{text}': ")

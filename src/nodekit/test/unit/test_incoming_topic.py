@@ -136,7 +136,7 @@ def test_messages_are_whole_and_in_order_however_they_arrive(words, data):
         assert connected.words == words
 
 
-def test_what_arrives_together_is_handed_over_together(connected):
+def test_messages_that_arrive_together_are_delivered_together(connected):
     connected.socket.sendall(packet("one") + packet("two") + packet("three")[:5])
     connected.socket.sendall(packet("three")[5:])
     connected.receive_all()
@@ -147,7 +147,7 @@ def test_what_arrives_together_is_handed_over_together(connected):
     assert connected.transport.stat_bytes == len(packet("one") + packet("two") + packet("three"))
 
 
-def test_message_in_two_reads_is_not_heard_again_with_the_next_one(connected):
+def test_message_in_two_reads_is_delivered_once(connected):
     halves = packet("first")[:7], packet("first")[7:]
     connected.socket.sendall(halves[0])
     reader = threading.Thread(target=connected.receive_until_closed)
@@ -172,7 +172,7 @@ def test_a_message_longer_than_any_read_arrives(connected):
     assert connected.words == [word]
 
 
-def test_what_came_with_the_header_is_not_lost(connected):
+def test_message_received_with_the_header_is_not_lost(connected):
     connected.transport.read_buff.write(packet("early")[:6])
     connected.socket.sendall(packet("early")[6:] + packet("later"))
     connected.receive_all()
@@ -203,7 +203,7 @@ def test_latched_message_is_kept_for_callbacks_that_come_later(connected):
     assert connected.transport.latch.data == "last"
 
 
-def test_a_subscription_that_comes_later_hears_what_was_latched_before(connected, stack):
+def test_later_subscription_receives_the_latched_message(connected, stack):
     connected.transport.is_latched = True
     connected.socket.sendall(packet("old") + packet("last"))
     connected.receive_some()
@@ -215,7 +215,7 @@ def test_a_subscription_that_comes_later_hears_what_was_latched_before(connected
 
 
 @pytest.mark.parametrize("told, expected", [([0.0], 1), ([], 0), ([incoming_topic.SUCCESSOR_S], 0)])
-def test_publisher_that_was_told_of_before_its_connection_ended_is_looked_for(
+def test_publisher_announced_before_its_old_connection_ended_is_connected(
     connected, monkeypatch, told, expected
 ):
     now, looked_for = time.monotonic(), []
@@ -271,7 +271,7 @@ def test_limit_of_a_plain_subscriber_s_queue_holds_for_later_connections(connect
     assert heard == connected.words == ["d", "e"]
 
 
-def test_a_plain_subscriber_of_the_same_topic_hears_the_same(connected):
+def test_plain_subscriber_of_the_topic_receives_the_same(connected):
     plain = []
     second = rospy.Subscriber(TOPIC, String, plain.append)
     connected.socket.sendall(packet("one") + packet("two"))
@@ -337,7 +337,7 @@ def together(stack):
     return opened(stack, String, latch=True), ear
 
 
-def test_subscriber_of_the_same_process_hears_without_a_connection(together, monkeypatch):
+def test_subscriber_of_the_same_process_receives_without_a_connection(together, monkeypatch):
     publisher, ear = together
     monkeypatch.setattr(rospy, "get_node_uri", lambda: "http://here")
     assert ear.impl.has_connection("http://here")
@@ -371,7 +371,7 @@ def test_link_within_the_process_counts_and_is_listed_as_a_connection(together, 
     assert get_topic_manager().get_pub_sub_info() == []
 
 
-def test_closed_publisher_of_the_process_is_no_connection(together):
+def test_closed_publisher_of_the_process_is_not_a_connection(together):
     publisher, ear = together
     assert ear.subscription.get_num_connections() == 1
     publisher.close()
@@ -379,7 +379,7 @@ def test_closed_publisher_of_the_process_is_no_connection(together):
     assert get_topic_manager().get_pub_sub_info() == []
 
 
-def test_subscriber_of_any_type_in_the_same_process_is_told_the_type(stack, monkeypatch):
+def test_any_type_subscriber_in_the_same_process_gets_the_type(stack, monkeypatch):
     monkeypatch.setattr(rospy, "get_node_uri", lambda: "http://here")
     publisher = opened(stack, Float32, latch=True)
     ear = Ear(stack, rospy.AnyMsg)
@@ -457,7 +457,7 @@ def test_subscriber_that_publishes_in_turn_is_not_in_its_own_way(together):
     assert ear.words == ["question", "answer"]
 
 
-def test_publisher_that_has_gone_is_heard_no_more(together, monkeypatch):
+def test_closed_publisher_is_no_longer_received(together, monkeypatch):
     publisher, ear = together
     monkeypatch.setattr(rospy, "get_node_uri", lambda: "http://here")
     publisher.close()
@@ -467,7 +467,7 @@ def test_publisher_that_has_gone_is_heard_no_more(together, monkeypatch):
     plain.unregister()
 
 
-def test_connection_that_a_publisher_refuses_is_none_any_more(stack, monkeypatch):
+def test_connection_that_a_publisher_refuses_is_removed(stack, monkeypatch):
     monkeypatch.setattr(rospy.impl.tcpros_base, "_is_use_tcp_keepalive", bool)  # asks the master
     ear, uri = Ear(stack), "http://there"
     connection = TCPROSTransport(TCPROSSub(TOPIC, String), TOPIC)
@@ -511,7 +511,7 @@ def test_connection_that_was_begun_between_two_publishers_is_not_wanted(together
     assert ear.impl.add_connection(connection)
 
 
-def test_closed_subscription_hears_nothing_of_a_connection_while_others_go_on(connected, stack):
+def test_closed_subscription_receives_nothing_from_a_connection_while_others_do(connected, stack):
     other = Ear(stack)
     topic = connected.impl
     assert other.impl is topic
@@ -527,7 +527,7 @@ def test_closed_subscription_hears_nothing_of_a_connection_while_others_go_on(co
     assert connected.subscription.get_num_connections() == 0
 
 
-def test_closed_subscription_hears_nothing_of_its_process_while_others_go_on(together, stack):
+def test_closed_subscription_receives_nothing_from_its_process_while_others_do(together, stack):
     publisher, ear = together
     other = Ear(stack)
     publisher.publish(String("before"))
@@ -551,7 +551,7 @@ def test_two_subscriptions_with_one_callback_are_closed_one_by_one(stack):
     assert (heard, first.words) == (["both", "both"], ["both", "both", "one"])
 
 
-def test_subscription_that_opens_while_the_last_other_one_closes_hears(stack, monkeypatch):
+def test_subscription_that_opens_while_the_last_other_closes_receives(stack, monkeypatch):
     publisher = opened(stack, String)
     closing = threading.Thread(target=Ear(stack).subscription.close)
     subscribe = rospy.Subscriber
@@ -568,7 +568,7 @@ def test_subscription_that_opens_while_the_last_other_one_closes_hears(stack, mo
     assert ours.words == ["news"]
 
 
-def test_plain_subscriber_goes_on_when_ours_is_closed(connected):
+def test_plain_subscriber_keeps_receiving_after_ours_is_closed(connected):
     plain = []
     second = rospy.Subscriber(TOPIC, String, plain.append)
     connected.subscription.close()
@@ -606,7 +606,7 @@ def test_latest_keeps_the_newest_message_and_knows_how_old_it_is(stack):
     assert 0.0 <= latest.age <= time.monotonic() - before
 
 
-def test_what_comes_while_a_topic_is_being_registered_is_heard_by_a_test_s_ear(monkeypatch):
+def test_recorder_of_a_test_receives_messages_during_registration(monkeypatch):
     manager = get_topic_manager()
     add = manager._add
 
@@ -628,7 +628,7 @@ def test_what_comes_while_a_topic_is_being_registered_is_heard_by_a_test_s_ear(m
     assert manager.get_subscriber_impl(TOPIC) is None
 
 
-def test_second_type_of_a_topic_is_refused_and_hears_nothing(connected):
+def test_second_type_of_a_topic_is_refused_and_receives_nothing(connected):
     heard = []
     other = Subscription(TOPIC, Float32, lambda messages, may_wait: heard.extend(messages))
     with pytest.raises(rospy.ROSException, match="refused std_msgs/Float32: must be std_msgs/Str"):

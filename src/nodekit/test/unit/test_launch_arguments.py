@@ -76,7 +76,7 @@ def test_several_files_have_arguments_together(tmp_path: Any) -> None:
     assert ignored(words, folder) == [told]
 
 
-def test_what_is_handed_on(tmp_path: Any) -> None:
+def test_arguments_passed_to_included_files(tmp_path: Any) -> None:
     """Test that an included file gets arguments that are passed by name, or all; no others."""
     two = '<arg name="rate" default="1"/><include file="$(dirname)/one.launch" pass_all_args="1"/>'
     include = '<include file="$(dirname)/two.launch" {}><arg name="gain" value="1"/></include>'
@@ -87,7 +87,7 @@ def test_what_is_handed_on(tmp_path: Any) -> None:
     assert len(said(folder, "gain:=2")) == 1
 
 
-def test_a_file_in_a_package_wherever_the_options_stand() -> None:
+def test_file_of_a_package_with_options_in_any_position() -> None:
     told = f"{SAID} signal_frequenzy: it is not declared in cw1.launch; did you mean "
     for options, after in (([], []), (["-p", "11311"], []), (["--wait"], ["--screen"])):
         words = [*options, "basic_comms", "cw1.launch", *after]
@@ -114,7 +114,7 @@ def test_all_that_roslaunch_takes_is_taken(path: pathlib.Path) -> None:
     assert len(ignored([*words, *arguments, "no_such_argument:=1"], "/")) == 1
 
 
-def test_one_node_tells(tmp_path: Any) -> None:
+def test_only_one_node_warns(tmp_path: Any) -> None:
     folder = written(tmp_path, one='<arg name="rate"/>')
     (tmp_path / "roslaunch").write_text(ROSLAUNCH.format(first=FIRST, node=NODE))
     command = [sys.executable, os.path.join(folder, "roslaunch"), "one.launch"]

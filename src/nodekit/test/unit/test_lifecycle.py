@@ -61,7 +61,7 @@ CALLBACKS = {
 
 @pytest.mark.parametrize("label", LABELS)
 @pytest.mark.parametrize("state", STATES, ids=lambda state: state.label)
-def test_what_may_be_asked_for_by_label(state: State, label: str) -> None:
+def test_transitions_allowed_by_label(state: State, label: str) -> None:
     """Course err-7."""
     expected = ASKED.get((state.label, label))
     if expected is None:
@@ -73,7 +73,7 @@ def test_what_may_be_asked_for_by_label(state: State, label: str) -> None:
 
 
 @pytest.mark.parametrize("state", STATES, ids=lambda state: state.label)
-def test_what_may_be_asked_for_by_id(state: State) -> None:
+def test_transitions_allowed_by_id(state: State) -> None:
     allowed = {number for (start, _), (number, _) in ASKED.items() if start == state.label}
     for number in range(256):
         if number in allowed:
@@ -104,7 +104,7 @@ def test_what_may_be_asked_for_by_id(state: State) -> None:
         ),
     ],
 )
-def test_refusals_list_what_is_allowed(state: State, wanted: Union[int, str], text: str) -> None:
+def test_refusals_list_the_allowed_values(state: State, wanted: Union[int, str], text: str) -> None:
     with pytest.raises(NotAllowed) as refusal:
         requested(state, wanted)
     assert str(refusal.value) == text
@@ -188,7 +188,7 @@ def test_one_transition_at_a_time() -> None:
     assert machine.claim(2).label == "cleanup"
 
 
-def test_claim_does_not_wait_unless_it_is_told_to(monkeypatch: "pytest.MonkeyPatch") -> None:
+def test_claim_does_not_wait_by_default(monkeypatch: "pytest.MonkeyPatch") -> None:
     machine = StateMachine(lambda step: None)
     machine.claim("configure")
     waits: List[float] = []

@@ -122,7 +122,7 @@ def test_line_for_a_pipe_does_not_wait_in_a_buffer():
         node.stdin.close()
 
 
-def test_output_that_cannot_be_written_is_no_exit_status():
+def test_unwritable_output_does_not_change_the_exit_status():
     with open("/dev/full", "w") as full:
         done = subprocess.run(
             [

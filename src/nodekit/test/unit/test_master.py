@@ -119,7 +119,7 @@ def test_any_number_of_calls_is_divided_among_a_few_requests() -> None:
         assert instance.requests[3:] == [4]
 
 
-def test_what_the_graph_looks_like() -> None:
+def test_system_state_and_topic_types() -> None:
     with master() as (_, client):
         state = client.system_state()
         assert state.publishers == [("/t", ["/n"])]
@@ -153,7 +153,7 @@ class Levels(ParameterSet):
     name = StringParameter("x", help="what it is called")
 
 
-def test_what_many_namespaces_lack_is_written_and_nothing_else() -> None:
+def test_only_missing_values_of_many_namespaces_are_written() -> None:
     with master() as (instance, client):
         spaces = [f"/g{number}" for number in range(45)]
         instance.held.update(dict.fromkeys(spaces[2:-1], {"level": 2.0, "name": "x"}))
@@ -169,7 +169,7 @@ def test_what_many_namespaces_lack_is_written_and_nothing_else() -> None:
         }
 
 
-def test_reading_tells_of_a_restart() -> None:
+def test_reading_detects_a_restart() -> None:
     with master() as (instance, client):
         reading = client.read(["/n"])
         assert (reading.knows_node, reading.master_pid) == (True, 7)
@@ -196,7 +196,7 @@ def test_reading_tells_of_a_restart() -> None:
         b"<methodResponse></array></methodResponse>",
     ],
 )
-def test_nonsense_is_no_master(body: bytes) -> None:
+def test_invalid_responses_are_not_from_a_master(body: bytes) -> None:
     with answering(body) as client:
         for ask in (
             lambda: client.read(["/n"]),
@@ -217,7 +217,7 @@ def test_uri_that_leads_nowhere(uri: str) -> None:
         MasterClient("/n", master_uri=uri).read([])
 
 
-def test_nobody_listens() -> None:
+def test_no_listening_master() -> None:
     with pytest.raises(MasterUnreachable, match="refused"):
         MasterClient("/n", master_uri=f"http://localhost:{free_port()}/").read([])
 

@@ -81,7 +81,7 @@ def test_master_that_knows_the_node_is_left_alone(rig: Rig) -> None:
     assert (rig.renewals, rig.lines) == (0, [])
 
 
-def test_restarted_master_is_told_once(rig: Rig) -> None:
+def test_restarted_master_is_reported_once(rig: Rig) -> None:
     for knows, pid in ((True, 1), (False, 2), (True, 2), (True, 3), (True, 3)):
         rig.read(knows, pid)
     line = "the master was restarted: registered again, settings in force are kept"
@@ -121,7 +121,7 @@ def test_service_that_was_taken_over_is_registered_again_when_it_is_free(rig: Ri
 
 
 @pytest.mark.parametrize("frees", [False, True])
-def test_service_that_is_taken_over_a_second_time_is_told_again(rig: Rig, frees: bool) -> None:
+def test_service_taken_over_a_second_time_is_reported_again(rig: Rig, frees: bool) -> None:
     told = []
     for _ in range(2):
         rig.master.owners = {"/a": OTHER}

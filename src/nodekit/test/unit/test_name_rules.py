@@ -21,7 +21,7 @@ def test_name_rules(name):
 @pytest.mark.parametrize(
     "name", ["", "a", "/a b", "/a:b", "//", "/a//b", "/a-b", "/a\n", "/~a", "/ä", "/a" * 5000 + " "]
 )
-def test_illegal_names_are_told_with_what_a_name_may_be(name):
+def test_illegal_names_are_reported_with_the_rule(name):
     assert not is_legal_name(name)
     with pytest.raises(IllegalName) as error:
         checked(name, "topic")

@@ -23,7 +23,7 @@ class Packages(rospkg.RosPack):
         return "/somewhere/" + name
 
 
-def test_what_is_made_is_a_package_of_that_name(tmp_path: pathlib.Path) -> None:
+def test_new_package_has_the_given_name(tmp_path: pathlib.Path) -> None:
     made = new.make("first_robot", tmp_path, TEMPLATE)
     assert made == tmp_path / "first_robot"
     assert parse_package(str(made)).name == "first_robot"
@@ -64,7 +64,7 @@ def test_names_that_are_refused(name: str, why: str) -> None:
     assert str(caught.value).startswith(f"package name '{name}': {why}")
 
 
-def test_what_is_there_stays(tmp_path: pathlib.Path) -> None:
+def test_existing_files_are_kept(tmp_path: pathlib.Path) -> None:
     (tmp_path / "first_robot").mkdir()
     (tmp_path / "second_robot").write_text("mine")
     for name in ("first_robot", "second_robot"):
@@ -90,7 +90,7 @@ def test_a_package_within_a_package_is_refused(tmp_path: pathlib.Path) -> None:
     assert sorted(outer.rglob("*")) == before
 
 
-def test_nothing_stays_of_what_could_not_be_written(
+def test_failed_write_leaves_nothing(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     written = []
@@ -107,7 +107,7 @@ def test_nothing_stays_of_what_could_not_be_written(
     assert len(written) == 3 and list(tmp_path.iterdir()) == []
 
 
-def test_the_workspace_is_the_one_around_wherever_one_stands_in_it(tmp_path: pathlib.Path) -> None:
+def test_workspace_is_found_from_any_folder_in_it(tmp_path: pathlib.Path) -> None:
     with pytest.raises(new.NewPackageError, match="is not in a workspace"):
         new.source_folder(tmp_path)
     (tmp_path / "src").mkdir()

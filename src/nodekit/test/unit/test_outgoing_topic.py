@@ -278,7 +278,7 @@ def test_late_joiner_of_latched_topic_gets_the_last_message_alone(opened, connec
     assert [receive(late).data for _ in range(2)] == ["last", "new"]
 
 
-def test_latched_late_joiner_that_does_not_read_delays_nobody_else(opened, connect):
+def test_latched_late_joiner_that_does_not_read_delays_no_other(opened, connect):
     publisher = opened(String, latch=True)
     good = connect(publisher, "/good")
     long = "l" * 1_000_000
@@ -389,7 +389,7 @@ def test_new_subscriber_is_kept_that_has_the_descriptor_of_one_that_has_gone(ope
     assert receive(end).data == "third"
 
 
-def test_nobody_comes_while_it_is_looked_who_has_gone(opened, monkeypatch):
+def test_no_connection_is_added_while_ended_ones_are_removed(opened, monkeypatch):
     topic = impl(opened(String))
     free = []
 
@@ -529,7 +529,7 @@ def test_closing_one_publisher_leaves_the_others_of_its_topic_alone(opened, conn
 
 
 @pytest.mark.parametrize("known", [True, False])
-def test_what_was_latched_before_opening_is_sent_then(unopened, connect, monkeypatch, known):
+def test_message_latched_before_opening_is_sent_on_opening(unopened, connect, monkeypatch, known):
     for module in (rospy.core, rospy.topics):
         monkeypatch.setattr(module, "is_initialized", lambda: True)
     if not known:
@@ -558,9 +558,7 @@ def after(function, do):
     return wrapped
 
 
-def test_what_is_latched_while_it_opens_is_newer_than_what_was_before(
-    unopened, connect, monkeypatch
-):
+def test_message_latched_while_opening_replaces_the_one_before(unopened, connect, monkeypatch):
     for module in (rospy.core, rospy.topics):
         monkeypatch.setattr(module, "is_initialized", lambda: True)
     publisher = unopened(String, latch=True)
@@ -571,7 +569,7 @@ def test_what_is_latched_while_it_opens_is_newer_than_what_was_before(
     assert receive(connect(publisher)).data == "meanwhile"
 
 
-def test_what_is_being_latched_while_it_opens_is_sent(unopened, connect, monkeypatch):
+def test_message_latched_while_the_publisher_opens_is_sent(unopened, connect, monkeypatch):
     for module in (rospy.core, rospy.topics):
         monkeypatch.setattr(module, "is_initialized", lambda: True)
     publisher = unopened(String, latch=True)
@@ -582,7 +580,7 @@ def test_what_is_being_latched_while_it_opens_is_sent(unopened, connect, monkeyp
     assert receive(connect(publisher)).data == "now"
 
 
-def test_what_was_not_latched_before_opening_is_not_sent(unopened, connect):
+def test_unlatched_message_before_opening_is_not_sent(unopened, connect):
     publisher = unopened(String)
     publisher.publish(String("early"))
     publisher.open()
@@ -600,7 +598,7 @@ def test_opening_publishes_nothing_of_itself(unopened, connect):
     assert [s.sent for s in publisher.statistics()] == [1]
 
 
-def test_publisher_that_opens_while_the_last_other_one_closes_is_heard(
+def test_publisher_that_opens_while_the_last_other_closes_is_received(
     opened, unopened, connect, monkeypatch
 ):
     other, ours = opened(String), unopened(String)
@@ -632,7 +630,7 @@ def test_second_type_of_a_topic_is_refused_and_harms_nothing(opened, unopened, c
     assert receive(subscriber).data == "news"
 
 
-def test_the_last_of_several_stays_latched_and_none_leaves_it(opened, connect):
+def test_the_last_of_several_stays_latched_and_an_empty_batch_keeps_it(opened, connect):
     publisher = opened(String, latch=True)
     connect(publisher)
     publisher.publish_all([String("older"), String("newer")])

@@ -15,11 +15,11 @@ VALUES = NUMBERS | st.text(max_size=8) | st.lists(NUMBERS, max_size=3)
 
 
 @given(st.dictionaries(st.text(min_size=1, max_size=5), VALUES, max_size=4))
-def test_what_is_sent_is_what_is_read(values: Any) -> None:
+def test_request_text_round_trips(values: Any) -> None:
     assert yaml.safe_load(request_text(values)) == values
 
 
-def test_what_stands_there_twice_is_written_twice() -> None:
+def test_repeated_value_is_written_twice() -> None:
     same = [1.0, 2.0]
     text = request_text({"xs": same, "ys": same})
     assert "&" not in text and "*" not in text
@@ -41,6 +41,6 @@ def test_values_are_sent_as_the_server_has_them(value: Any, sent: Any) -> None:
     assert yaml.safe_load(request_text({"a": value})) == {"a": sent}
 
 
-def test_what_no_parameter_has_is_refused() -> None:
+def test_unsupported_value_is_refused() -> None:
     with pytest.raises(ValueError, match="not a value of a parameter"):
         request_text({"a": object()})

@@ -75,7 +75,7 @@ def test_bool_takes_truth_values(raw):
 
 
 @pytest.mark.parametrize("raw", [0, 1, 1.0, "true", "True", "off", "", [True]])
-def test_bool_takes_nothing_that_stands_for_one(raw):
+def test_bool_refuses_substitutes(raw):
     assert_refused(BOOL, raw)
 
 
@@ -163,7 +163,7 @@ def test_text_that_would_arrive_as_another_is_refused(raw):
 
 
 @pytest.mark.parametrize("raw", [5, 5.0, True, ["a"]])
-def test_text_is_not_made_of_other_kinds(raw):
+def test_text_refuses_other_types(raw):
     error = assert_refused(TEXT, raw)
     assert "quote" in str(error)
 
@@ -177,13 +177,13 @@ def test_enum_takes_its_words_only():
 
 @pytest.mark.parametrize("raw", NOBODY_TAKES, ids=repr)
 @pytest.mark.parametrize("parameter", KINDS, ids=lambda parameter: parameter.type_name)
-def test_no_kind_takes_what_is_of_none(parameter, raw):
+def test_values_of_no_parameter_type_are_refused(parameter, raw):
     assert_refused(parameter, raw)
     assert_refused(FLOATS, [raw])
 
 
 @given(raw=RAW, parameter=st.sampled_from(KINDS))
-def test_any_raw_value_is_refused_or_becomes_a_finite_value_of_the_kind(raw, parameter):
+def test_any_raw_value_is_refused_or_becomes_a_finite_value_of_the_type(raw, parameter):
     kind = {BOOL: bool, FLOAT: float, INT: int, TEXT: str, ENUM: str, FLOATS: tuple}[parameter]
     try:
         value = parameter.coerce(raw)
@@ -216,7 +216,7 @@ def test_ends_of_a_range_are_closed_or_open(ends, inside, outside):
 
 
 @given(st.floats(0.0, 100.0), st.floats(0.0, 100.0), st.floats(allow_nan=False))
-def test_range_is_what_the_notation_says(low, width, raw):
+def test_range_matches_its_notation(low, width, raw):
     closed = FloatParameter(low, minimum=low, maximum=low + width, help="")
     opened = FloatParameter(low, above=low, below=low + width, help="")
     assert (low <= raw <= low + width) == taken(closed, raw)
@@ -276,7 +276,7 @@ def test_a_rate_may_be_pausable():
     assert_refused(rate, -1e-9)
 
 
-def test_list_takes_elements_of_one_kind_and_coerces_each():
+def test_list_takes_elements_of_one_type_and_coerces_each():
     assert_taken(FLOATS, [1, "1e3", 2.5], (1.0, 1000.0, 2.5))
     assert_taken(FLOATS, (), ())
     for raw in ([1, True], [NAN], ["a"], [[1.0]], [1, 2, 3, 4], "123", {"0": 1.0}, 1.0):
@@ -291,13 +291,13 @@ def test_list_keeps_to_its_lengths():
         assert_refused(pair, raw)
 
 
-def test_list_takes_a_thousand_elements_unless_told_otherwise():
+def test_list_takes_a_thousand_elements_by_default():
     many = ListParameter([], element=INT, help="many")
     assert_taken(many, [7] * 1000, (7,) * 1000)
     assert_refused(many, [7] * 1001)
 
 
-def test_range_of_a_list_says_what_its_elements_are():
+def test_range_of_a_list_describes_its_elements():
     assert FLOATS.range == "0 to 3 of float"
     assert ListParameter([], element=ENUM, help="").range == "0 to 1000 of {off, sine, square}"
 
@@ -323,7 +323,7 @@ def test_list_of_words_of_an_enum():
         (FLOATS, [1, "x"], "[1, 'x']|0 to 3|a number"),
     ],
 )
-def test_refusal_says_parameter_value_and_what_is_allowed(parameter, raw, words):
+def test_refusal_names_parameter_value_and_rule(parameter, raw, words):
     owner = type("Owner", (), {"gauge": parameter})
     text = str(assert_refused(owner.gauge, raw))
     for word in ["parameter gauge: refused ", ": must be ", *words.split("|")]:
@@ -372,7 +372,7 @@ class Letter(str, enum.Enum):
         (BYTES, numpy.bytes_(b"a"), b"a"),
     ],
 )
-def test_what_numpy_has_is_taken_as_python_has_it(parameter, raw, expected):
+def test_numpy_values_become_python_values(parameter, raw, expected):
     value = parameter.accept(raw)
     assert value == expected and type(value) is type(expected)
     assert {type(item) for item in value} <= {float} if parameter is FLOATS else True
@@ -386,7 +386,7 @@ def test_what_numpy_has_is_taken_as_python_has_it(parameter, raw, expected):
         (INT, numpy.str_("x"), "refused 'x'"),
     ],
 )
-def test_what_is_refused_of_numpy_is_shown_as_python_has_it(parameter, raw, shown):
+def test_refused_numpy_values_are_shown_as_python_values(parameter, raw, shown):
     with pytest.raises(ParameterError) as caught:
         parameter.accept(raw)
     assert shown in str(caught.value)
@@ -421,7 +421,7 @@ def test_values_are_cut_at_80_characters():
     [(1, 1.0), (1, True), (0.0, False), ("1", 1), (1.0, 1.5), ([1], [1.0]), ([1], [1, 1])]
     + [({"a": 1}, {"a": True}), ({"a": 1}, {"b": 1}), ({}, []), (NAN, 0.0), (None, {})],
 )
-def test_values_that_differ_in_kind_are_not_the_same(value, other):
+def test_values_of_different_types_are_not_the_same(value, other):
     assert not is_same(value, other)
     assert not is_same({"a": [value]}, {"a": [other]})
 

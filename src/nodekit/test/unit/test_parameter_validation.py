@@ -83,11 +83,11 @@ def validate_changes(in_force, **raw):
     return validate(in_force, {**on_wire(in_force), **raw})
 
 
-def test_nothing_to_do_where_the_server_tells_the_truth():
+def test_correct_server_needs_no_write():
     assert validate(DEFAULTS, on_wire(DEFAULTS)) == (DEFAULTS, [], {})
 
 
-def test_what_is_unset_stands_as_missing_and_is_corrected():
+def test_unset_values_are_missing_and_corrected():
     in_force = Gauge(low=0.5, high=1.5, marks=[4, 5])
     assert validate(in_force, {}) == (DEFAULTS, [], on_wire(DEFAULTS))
     coerced, refused = validate_each(in_force, {"low": 0.75}, missing=in_force.as_dict())
@@ -110,7 +110,7 @@ def test_the_server_is_corrected_only_where_it_holds_something_else(raw, value, 
     assert writes == ({"top": value} if written else {})
 
 
-def test_lists_are_corrected_where_text_stands_for_a_number():
+def test_lists_with_text_for_a_number_are_corrected():
     assert validate_changes(DEFAULTS, marks=[1, 2.5])[2] == {}
     assert validate_changes(DEFAULTS, marks=[1, "1e3"])[2] == {"marks": [1.0, 1000.0]}
 
@@ -149,7 +149,7 @@ def test_broken_rule_takes_back_only_the_changes_that_it_is_about():
     assert error.value == [5.0, 1.0]
 
 
-def test_taking_back_goes_on_to_a_rule_that_is_broken_by_it():
+def test_reverting_a_value_reverts_the_values_of_its_rules():
     # high=0.5 goes with top=0.7 but not with low=0.8; the old high=1 not with top=0.7.
     values, errors, writes = validate_changes(Gauge(low=0.2), low=0.8, high=0.5, top=0.7)
     assert values == Gauge(low=0.2)
@@ -196,13 +196,13 @@ def test_current_value_is_not_validated_again():
     assert len(validate_each(Reader(), {"file": "stale"}, {})[1]) == 1
 
 
-def test_values_that_nobody_declared_are_left_alone():
+def test_undeclared_values_are_left_alone():
     raw = {"unheard_of": float("nan"), "sub": {"a": 1}}
     assert validate_changes(DEFAULTS, **raw) == (DEFAULTS, [], {})
 
 
 @given(gauges(), RAW)
-def test_what_is_written_settles_everything(in_force, raw):
+def test_written_corrections_settle_everything(in_force, raw):
     values, _, writes = validate(in_force, raw)
     Gauge(**values.as_dict())
     assert validate(values, {**raw, **writes}) == (values, [], {})

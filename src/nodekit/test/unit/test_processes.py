@@ -54,7 +54,7 @@ sys.stdin.read()
 """
 
 
-def test_process_hangs_with_all_its_threads_and_goes_on() -> None:
+def test_process_hangs_with_all_its_threads_and_resumes() -> None:
     with subprocess.Popen(
         [sys.executable, "-c", BUSY], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     ) as busy:

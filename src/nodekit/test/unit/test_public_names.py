@@ -61,7 +61,7 @@ def test_each_name_can_be_imported(name: str) -> None:
     assert vars(nodekit)[name] is value, "it is looked for once"
 
 
-def test_type_checkers_are_told_of_the_same_names() -> None:
+def test_type_checkers_see_the_same_names() -> None:
     told: Dict[str, str] = {}
     for statement in imports_for_type_checkers():
         for alias in statement.names:

@@ -44,7 +44,7 @@ def test_each_second_some_lines_are_logged_and_the_rest_is_counted(per_second, s
     assert logged == expected
 
 
-def test_slow_stream_is_logged_line_by_line_at_once():
+def test_slow_stream_is_logged_line_by_line_without_delay():
     logged = []
     log = RateLimitedLog(log=logged.append)
     for number in range(100):

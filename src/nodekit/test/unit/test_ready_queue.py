@@ -198,7 +198,7 @@ def test_group_that_somebody_else_is_in_keeps_only_its_own_calls_out() -> None:
 
 
 @pytest.mark.parametrize("kind", [Group, ReentrantCallbackGroup])
-def test_closed_line_gives_up_what_is_left_and_frees_the_groups(kind: Type[CallbackGroup]) -> None:
+def test_closed_queue_drops_the_rest_and_frees_the_groups(kind: Type[CallbackGroup]) -> None:
     ready = ReadyQueue()
     group: Any = kind()
     given_up: List[int] = []
@@ -218,7 +218,7 @@ def test_closed_line_gives_up_what_is_left_and_frees_the_groups(kind: Type[Callb
     assert ready.next_call() is None
 
 
-def test_line_tells_how_long_calls_take_and_wait() -> None:
+def test_line_shows_durations_and_waits_of_calls() -> None:
     ready = ReadyQueue()
     calls = CallQueue(ready, Group(), 10, lambda things: None, lambda thing: None, together=True)
     assert calls.longest == calls.longest_wait == 0.0

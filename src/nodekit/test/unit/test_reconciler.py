@@ -363,7 +363,7 @@ def test_step_by_step(name: str) -> None:
             reconciler.written(now)
 
 
-def test_start_writes_what_is_unset_all_at_once() -> None:
+def test_start_writes_all_unset_values_together() -> None:
     reconciler = Reconciler(Gauge)
     assert reconciler.is_news(MISSING)
     decision = reconciler.start({"level": "5", "other": 1}, 0.0)
@@ -383,7 +383,7 @@ def test_start_writes_what_is_unset_all_at_once() -> None:
     assert (late.values.level, late.writes, late.unknown) == (7.0, {"level": 7.0}, {})
 
 
-def test_nodes_with_the_same_values_share_what_is_kept_of_them() -> None:
+def test_nodes_with_equal_values_share_the_copy() -> None:
     first, second = Reconciler(Gauge), Reconciler(Gauge)
     for reconciler in (first, second):
         reconciler.start({"level": 1}, 0.0)
@@ -402,7 +402,7 @@ def above_one(values: Gauge) -> None:
 
 
 @pytest.mark.parametrize("raw", [MISSING, {}, {"level": 1.0}, {"low": 1.0}])
-def test_start_refuses_what_breaks_a_rule_of_the_node_s(raw: Any) -> None:
+def test_start_refuses_values_that_break_a_rule(raw: Any) -> None:
     with pytest.raises(RuleError) as caught:
         Reconciler(Gauge, rules=[above_one]).start(raw, 0.0)
     assert str(caught.value) == "parameter level: refused 1: must be above 1"
@@ -423,7 +423,7 @@ def test_rule_of_node_is_checked_at_each_change() -> None:
         reconciler.written(2.0)
 
 
-def test_start_refuses_all_at_once_in_words() -> None:
+def test_start_reports_all_refused_values_together() -> None:
     with pytest.raises(ParameterErrors) as several:
         Reconciler(Gauge).start({"level": -1, "title": 5, "low": 10.0, "high": 5}, 0.0)
     assert several.value.names == ("level", "title", "low", "high")
@@ -449,7 +449,7 @@ def test_start_refuses_all_at_once_in_words() -> None:
         (7, "parameter /n: refused 7: must be a namespace with the node's parameters"),
     ],
 )
-def test_what_is_refused_alone_is_refused_as_itself(raw: Any, text: str) -> None:
+def test_single_refused_value_raises_its_own_error(raw: Any, text: str) -> None:
     with pytest.raises(ParameterError) as caught:
         Reconciler(Gauge).start(raw, 0.0)
     assert not isinstance(caught.value, ParameterErrors)
@@ -625,7 +625,7 @@ ANY_LOOKS = st.tuples(st.none() | ANY_USES, st.booleans(), st.booleans())
 
 
 @given(st.lists(ANY_USES | ANY_LOOKS | st.integers(1, 3), max_size=12))
-def test_whatever_is_set_the_server_tells_valid_values_in_the_end(moves: Any) -> None:
+def test_server_has_valid_values_after_any_changes(moves: Any) -> None:
     world = World(Gauge, {})
     play(world, moves)
     assert corrections(world.reconciler.values, world.server) == {}
@@ -634,7 +634,7 @@ def test_whatever_is_set_the_server_tells_valid_values_in_the_end(moves: Any) ->
 # Writers that correct each other must not hurry.
 
 
-def test_a_burst_goes_at_once_and_more_one_by_one():
+def test_burst_is_allowed_immediately_then_one_per_refill():
     budget = TokenBucket()
     assert [budget.allow("level", 0.0) for _ in range(BURST)] == [True] * BURST
     assert not budget.allow("level", 0.5 * REFILL_S)

@@ -79,7 +79,7 @@ def test_many_are_registered_and_taken_back_by_five_hundreds(ending):
         assert [call[:2] for call in calls] == [(method, f"/{n}") for n in range(1201)]
 
 
-def test_what_is_published_is_registered_before_what_listens(ending):
+def test_publishers_are_registered_before_subscribers(ending):
     ask = Asked()
     entries = [(SRV, "/s", "rosrpc://here:2"), (SUB, "/t", "*"), (PUB, "/t", "*")]
     registrar._Registrar(None, ask).add(entries)
@@ -138,7 +138,7 @@ def asked(ending, monkeypatch):
     return ask
 
 
-def test_topic_that_is_made_anew_while_it_is_taken_back_stays_registered(asked):
+def test_topic_created_again_while_it_is_unregistered_stays_registered(asked):
     old, new = (Publisher("/topic", String) for _ in range(2))
     old.open()
     with registrar.together():
@@ -185,7 +185,7 @@ class Handler:
         return 1, "", 0
 
 
-def test_publishers_that_rospy_was_just_told_of_are_not_forgotten_for_another_one(ending):
+def test_publishers_just_announced_to_rospy_are_kept(ending):
     handler = Handler()
     listener = RegManager(handler)
     listener.publisher_update("/topic", ["http://there:1/", "http://there:2/"])
@@ -196,7 +196,7 @@ def test_publishers_that_rospy_was_just_told_of_are_not_forgotten_for_another_on
     running.join()
 
 
-def test_without_rospy_s_listener_its_own_server_is_told_of_publishers(ending, monkeypatch):
+def test_without_rospys_listener_its_own_server_learns_of_publishers(ending, monkeypatch):
     told = []
     with SimpleXMLRPCServer(("localhost", 0), logRequests=False) as server:
         server.register_multicall_functions()

@@ -36,7 +36,7 @@ class Interrupted(List[Any]):
         self._other.join(0.1)
 
 
-def test_what_is_made_while_something_else_is_closed_is_closed_with_the_rest() -> None:
+def test_object_created_during_a_close_is_closed_with_the_rest() -> None:
     owner, gone, late = ResourceOwner(StartQueue()), Thing(), Thing()
     other = threading.Thread(target=owner.own, args=(late,))
     owner._owned = Interrupted([gone], other)
@@ -46,7 +46,7 @@ def test_what_is_made_while_something_else_is_closed_is_closed_with_the_rest() -
     assert (late.closed, gone.closed) == (True, False)
 
 
-def test_the_latest_is_closed_first_also_what_a_part_has_made() -> None:
+def test_the_latest_is_closed_first_also_within_a_scope() -> None:
     closed: List[str] = []
     node = Node(Names("/whole", True))
     part = node.create_scope()

@@ -66,7 +66,7 @@ def results_of(case: Type[unittest.TestCase], monkeypatch: "pytest.MonkeyPatch")
         (Well, ["test_that_passes"], ""),
     ],
 )
-def test_results_tell_what_failed(
+def test_results_name_the_failure(
     case: Type[unittest.TestCase],
     names: List[str],
     said: str,

@@ -77,7 +77,7 @@ class Port(ParameterSet):
     gain = FloatParameter(1.0, help="a gain")
 
 
-def test_what_is_read_once_is_marked_with_when_a_change_takes_effect() -> None:
+def test_read_once_parameter_states_when_a_change_takes_effect() -> None:
     assert Port(device="/dev/other").device == "/dev/other"
     when = "at the next configure"
     for description, expected in (
@@ -104,7 +104,7 @@ def entry(name: str) -> Any:
     return next(copy.deepcopy(one) for one in described() if one["name"] == name)
 
 
-def test_an_entry_says_what_is_declared_and_what_is_in_force() -> None:
+def test_entry_has_the_declaration_and_the_value_in_force() -> None:
     first = describe(Gauge(angle=-6.25))[0]
     assert first == {
         "name": "angle",
@@ -140,12 +140,12 @@ LIMITS = {"minimum", "maximum", "above", "below", "step", "choices", "min_length
         ("file", {}),
     ],
 )
-def test_limits_are_exact_and_stand_only_where_they_are_declared(name: str, limits: Any) -> None:
+def test_limits_are_exact_and_listed_only_if_declared(name: str, limits: Any) -> None:
     described = entry(name)
     assert {key: described[key] for key in LIMITS & described.keys()} == limits
 
 
-def test_an_infinite_limit_is_none() -> None:
+def test_infinite_limit_is_omitted() -> None:
     class Endless(ParameterSet):
         """Goes on for ever."""
 
@@ -292,7 +292,7 @@ def test_a_long_list_of_choices_sets_no_width() -> None:
     assert helped.split() == ["how", "much"] * 12
 
 
-def test_help_that_has_no_room_stands_below() -> None:
+def test_long_help_is_on_the_next_line() -> None:
     lines = as_table(describe(Generator()), 50).split("\n")
     assert max(map(len, lines)) <= 50
     assert lines[0].split() == "rate = 10.0 float [0, 10000] Hz".split()
@@ -337,6 +337,6 @@ def test_a_description_is_read_as_it_was_sent() -> None:
     ["", "{", "all is well", "a: 1", "[1]", "[{name: a}]", "[" * 5000]
     + ["[!!python/object/new:os.system [id]]", "[{name: a, type: int}]"],
 )
-def test_what_describes_nothing_is_refused(text: str) -> None:
+def test_malformed_description_is_refused(text: str) -> None:
     with pytest.raises(DescriptionError, match="the description"):
         description_in(text)

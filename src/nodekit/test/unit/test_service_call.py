@@ -90,7 +90,7 @@ def test_answer_of_any_size(size: int) -> None:
     assert server.received == sent + block(b"12")
 
 
-def test_server_says_what_it_is() -> None:
+def test_server_header_describes_the_service() -> None:
     look = ServiceCall(TIMEOUT_S)
     assert look.said == {}
     with serving(GREETING) as server:
@@ -114,7 +114,7 @@ def test_a_look_sends_no_request() -> None:
         (struct.pack("<I", (64 << 10) + 1), "a header of 65537 bytes: not a ROS service"),
     ],
 )
-def test_refusal_is_told(answer: bytes, reason: str) -> None:
+def test_refusal_is_reported(answer: bytes, reason: str) -> None:
     with serving(answer) as server, pytest.raises(CallFailed, match=reason):
         call(server)
 

@@ -107,7 +107,7 @@ def subscribe(listener):
         yield lambda *args, **kwds: Subscriber(stack, listener, *args, **kwds)
 
 
-def test_memory_reader_sees_what_the_writer_wrote():
+def test_memory_reader_sees_the_written_bytes():
     written = WrittenMemory(len(CONTENT))
     read = ReadMemory(written.descriptor)
     written.write([CONTENT[:10], bytearray(CONTENT[10:])])
@@ -154,7 +154,7 @@ def test_view_keeps_its_memory_until_the_last_slice_is_gone():
     assert gone
 
 
-def test_memory_without_descriptors_is_an_error_that_leaves_none(monkeypatch):
+def test_memory_without_descriptors_is_an_error_and_leaks_none(monkeypatch):
     before = descriptors()
 
     def refuse(*_args):
@@ -231,7 +231,7 @@ def test_message_in_use_is_not_overwritten(subscribe):
     assert one.topic.segments() == 2
 
 
-def test_reader_that_reads_nothing_gets_the_newest_and_is_told_what_it_missed(subscribe):
+def test_stalled_reader_gets_the_newest_and_the_number_missed(subscribe):
     one = subscribe(depth=2)
     for number in range(10):
         one.send(bytes([number]) * 300_000)
@@ -292,7 +292,7 @@ def test_reader_that_is_gone_returns_all_it_had(subscribe):
     assert one.link.fileno() < 0
 
 
-def test_connection_that_ends_gives_up_what_waits(subscribe):
+def test_connection_that_ends_releases_waiting_messages(subscribe):
     one = subscribe(depth=3)
     for number in range(6):
         one.send(bytes([number]) * 300_000)
@@ -409,7 +409,7 @@ def test_refusal_is_reported_once_and_messages_go_by_the_connection(listener):
 
 
 @pytest.mark.parametrize("text", ["", "one", "a b c d", "a b c\n"])
-def test_malformed_offer_is_none(text):
+def test_malformed_offer_is_rejected(text):
     assert channel.parse_offer(text) is None
 
 

@@ -25,7 +25,7 @@ at_end(ShutdownPhase.NODES, partial(print, "much too late"))
 """
 
 
-def test_what_nodes_ask_for_comes_first_and_the_latest_before_the_others() -> None:
+def test_hooks_of_nodes_run_first_and_the_latest_before_earlier_ones() -> None:
     ended = subprocess.run(
         [sys.executable, "-c", ENDS],
         stdout=subprocess.PIPE,
@@ -55,7 +55,7 @@ tcpros_service.logerr("another error")
 """
 
 
-def test_client_that_hangs_up_before_its_request_is_no_error_of_the_server() -> None:
+def test_client_that_hangs_up_before_its_request_causes_no_server_error() -> None:
     ended = subprocess.run(
         [sys.executable, "-c", CLIENT_HANGS_UP],
         stdout=subprocess.PIPE,

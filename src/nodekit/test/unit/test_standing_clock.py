@@ -44,7 +44,7 @@ def test_standing_clock_costs_nothing(monkeypatch):
         scheduler.close()
 
 
-def test_it_is_told_once_that_there_is_no_clock_yet(monkeypatch):
+def test_missing_clock_is_logged_once(monkeypatch):
     monkeypatch.setattr(clocks.rospy, "Subscriber", lambda *args, **kwds: None)
     monkeypatch.setattr(clocks, "_PATIENCE_S", 0.01)
     told = []

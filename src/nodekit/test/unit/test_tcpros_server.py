@@ -122,7 +122,7 @@ def test_a_rospy_that_accepts_in_another_way_is_left_alone(monkeypatch, warnings
     assert "unsupported rospy version" in warnings[0]
 
 
-def test_silent_connections_keep_nobody_waiting(served):
+def test_silent_connections_delay_no_other(served):
     served.connect()
     served.connect().sendall(header()[:7])
     served.ask(callerid="/subscriber")
@@ -130,7 +130,7 @@ def test_silent_connections_keep_nobody_waiting(served):
     served.wait_for("/subscriber", "/client")
 
 
-def test_header_that_comes_in_pieces_is_whole_and_what_follows_is_left(served):
+def test_header_in_pieces_is_assembled_and_later_bytes_are_left(served):
     peer = served.connect()
     peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     for byte in header(callerid="/slow"):
@@ -140,7 +140,7 @@ def test_header_that_comes_in_pieces_is_whole_and_what_follows_is_left(served):
     assert served.taken[0].recv(6) == b"behind"
 
 
-def test_what_comes_together_with_a_header_is_left(served):
+def test_bytes_after_a_header_are_left(served):
     served.connect().sendall(header(callerid="/quick") + b"behind")
     served.wait_for("/quick")
     assert served.taken[0].recv(100) == b"behind"
@@ -168,7 +168,7 @@ def test_headers_are_handled_in_the_order_of_arrival(served):
 
 
 @pytest.mark.parametrize("drip", [b"", b"x"])
-def test_who_takes_too_long_is_hung_up_on(monkeypatch, served, warnings, drip):
+def test_slow_header_is_closed(monkeypatch, served, warnings, drip):
     monkeypatch.setattr(tcpros_server, "HEADER_TIMEOUT_S", 0.3)
     peer = served.connect()
     peer.sendall(struct.pack("<I", 1000))
@@ -201,7 +201,7 @@ def test_of_too_many_silent_connections_the_oldest_go(monkeypatch, served, warni
     served.wait_for("/newcomer", "/patient")
 
 
-def test_many_that_connect_at_once_cut_nobody_off(monkeypatch, served, warnings):
+def test_many_simultaneous_connections_cut_no_other_off(monkeypatch, served, warnings):
     monkeypatch.setattr(tcpros_server, "MOST_WAITING", 3)
     monkeypatch.setattr(tcpros_server, "GRACE_S", TIME_OUT)
     peers = [served.connect() for _ in range(3)]
@@ -214,7 +214,7 @@ def test_many_that_connect_at_once_cut_nobody_off(monkeypatch, served, warnings)
     assert warnings == []
 
 
-def test_more_than_the_queue_of_rospy_holds_are_connected_at_once(monkeypatch, served, warnings):
+def test_more_clients_than_rospys_queue_holds_connect_simultaneously(monkeypatch, served, warnings):
     served.ask()
     served.wait_for("/n")  # it accepts
     monkeypatch.setattr(tcpros_server, "MOST_WAITING", 3)
@@ -248,7 +248,7 @@ def test_longest_header_is_read(monkeypatch, served):
         (struct.pack("<I", 0), "no topic or service name detected"),
     ],
 )
-def test_what_cannot_be_had_is_answered_by_an_error(served, warnings, said, answer):
+def test_invalid_request_is_answered_by_an_error(served, warnings, said, answer):
     peer = served.connect()
     peer.sendall(said)
     with contextlib.closing(peer.makefile("rb")) as stream:
@@ -272,7 +272,7 @@ def test_nonsense_and_defects_end_one_connection_only(served, warnings, said):
 
 
 @pytest.mark.parametrize("number", [errno.EMFILE, errno.EPROTO, errno.EPERM])
-def test_accepting_goes_on_when_one_could_not_be_accepted(monkeypatch, served, warnings, number):
+def test_accepting_continues_after_a_failed_accept(monkeypatch, served, warnings, number):
     """Rospy's own thread ends with this error, and no client can connect after that."""
     monkeypatch.setattr(tcpros_server, "_PAUSE_S", 0.01)
     accept = socket.socket.accept

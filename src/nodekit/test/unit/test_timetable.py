@@ -55,7 +55,7 @@ def run(timetable, start, events):
     return calls
 
 
-def test_the_first_call_is_due_at_once_with_no_time_passed():
+def test_first_call_is_due_immediately_with_zero_elapsed():
     timetable = Timetable(0.1)
     assert timetable.deadline == -math.inf
     timetable.begin(5.0)
@@ -116,7 +116,7 @@ def test_missed_deadlines_are_made_up_for_where_that_is_wanted():
     assert timetable.skipped == 0
 
 
-def test_what_is_missed_by_too_much_is_not_made_up_for():
+def test_calls_missed_by_too_much_are_not_caught_up():
     timetable = Timetable(10.0, catch_up=0.5)
     timetable.take_deadline(0.0)
     assert timetable.take_deadline(60.05) == pytest.approx(60.0)
@@ -137,7 +137,7 @@ def test_missed_deadlines_are_skipped_and_the_grid_is_kept():
 
 
 @given(STARTS, st.floats(0.1, 1000.0), st.lists(st.floats(0.0, 50.0), max_size=20))
-def test_what_is_not_taken_is_skipped_and_counted(start, rate, waits):
+def test_missed_deadlines_are_skipped_and_counted(start, rate, waits):
     timetable = Timetable(rate)
     now = start
     timetable.begin(now)
@@ -180,7 +180,7 @@ def test_new_rate_counts_from_the_last_call(start, rate, rates, waited):
         )
 
 
-def test_slow_task_that_becomes_quick_is_due_at_once_and_loses_no_time():
+def test_slow_task_that_becomes_quick_runs_immediately_and_loses_no_time():
     timetable = Timetable(0.1)
     timetable.take_deadline(100.0)
     timetable.set_rate(0.2)
@@ -232,7 +232,7 @@ def test_a_pause_ends_with_any_rate(rate):
 
 
 @pytest.mark.parametrize("catch_up", [0.0, 60.0])
-def test_what_was_not_due_by_the_rate_that_was_in_force_is_not_skipped(catch_up):
+def test_calls_not_due_at_the_former_rate_are_not_skipped(catch_up):
     paused = Timetable(10.0, catch_up)
     paused.take_deadline(70.0)
     paused.set_rate(0.0)
@@ -249,7 +249,7 @@ def test_what_was_not_due_by_the_rate_that_was_in_force_is_not_skipped(catch_up)
     assert slow.skipped == 0
 
 
-def test_the_same_rate_again_loses_nothing_of_what_is_made_up_for():
+def test_the_same_rate_again_keeps_the_calls_to_catch_up():
     # All timers of a node are given their rates again after a change of any of its parameters.
     timetable = Timetable(10.0, catch_up=1.0)
     timetable.take_deadline(0.0)
@@ -261,7 +261,7 @@ def test_the_same_rate_again_loses_nothing_of_what_is_made_up_for():
 
 
 @pytest.mark.parametrize("rate", [0.0, 10.0])
-def test_what_is_paused_from_the_beginning_has_its_first_call_afterwards(rate):
+def test_timetable_paused_from_the_start_begins_afterwards(rate):
     timetable = Timetable(rate)
     timetable.set_rate(0.0)
     assert timetable.deadline is None
@@ -303,7 +303,7 @@ def test_clock_set_back_makes_the_task_due_one_period_on(start, rate, calls, bac
     st.integers(0, 10**6) | st.integers(17 * 10**11, 18 * 10**11),
     st.sampled_from([1, 2, 5]),
 )
-def test_clock_whose_steps_are_the_deadlines_loses_none(hertz, first_ms, every):
+def test_clock_steps_equal_to_the_deadlines_skip_none(hertz, first_ms, every):
     # The stamps of /clock are rounded to a float; so are the deadlines, but not alike.
     timetable = Timetable(hertz / every)
     stamps = [(first_ms * 1000 + number * (10**6 // hertz)) / 1e6 for number in range(200)]

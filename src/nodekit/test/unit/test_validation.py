@@ -99,14 +99,16 @@ def refusal(give: Callable[[], Any], kind: Type[Exception] = TypeError) -> str:
 
 @pytest.mark.parametrize("what, take", TAKERS)
 @pytest.mark.parametrize("given", [None, "text", 5.0])
-def test_callback_that_is_no_function(what: str, take: Callable[[Any], Any], given: Any) -> None:
+def test_callback_that_is_not_a_function_is_refused(
+    what: str, take: Callable[[Any], Any], given: Any
+) -> None:
     text = refusal(lambda: take(given))
     assert text.startswith(what)
     assert text.endswith(f": refused {given!r}: must be a function")
 
 
 @pytest.mark.parametrize("what, take", TAKERS)
-def test_callback_that_nobody_awaits(what: str, take: Callable[[Any], Any]) -> None:
+def test_async_callback_is_refused(what: str, take: Callable[[Any], Any]) -> None:
     text = refusal(lambda: take(awaited))
     assert text.startswith(what)
     assert ": refused awaited: must not be async def, as it is never awaited: " in text
@@ -201,12 +203,12 @@ def test_whatever_can_be_called_is_a_function(given: Any) -> None:
     node().create_subscription("topic", String, given)
 
 
-def test_rate_that_nobody_awaits() -> None:
+def test_async_rate_is_refused() -> None:
     text = refusal(lambda: node().create_timer(awaited, print))
     assert text.startswith("/lab/one: rate: refused awaited: must not be async def")
 
 
-def test_callback_of_a_managed_node_that_nobody_awaits() -> None:
+def test_async_callback_of_a_managed_node_is_refused() -> None:
     class Managed(ManagedNode):
         async def on_configure(self, made: Any) -> None:  # type: ignore[override]
             pass
@@ -237,7 +239,7 @@ def test_callback_of_a_managed_node_that_nobody_awaits() -> None:
         (str, "str"),
     ],
 )
-def test_what_is_no_message_class(give: Callable[[Any], Any], given: Any, shown: str) -> None:
+def test_non_message_class_is_refused(give: Callable[[Any], Any], given: Any, shown: str) -> None:
     must = "must be a message class, such as std_msgs.msg.Float32"
     assert refusal(lambda: give(given)) == f"topic /lab/topic: refused {shown}: {must}"
 
@@ -259,13 +261,13 @@ def test_what_is_no_message_class(give: Callable[[Any], Any], given: Any, shown:
         (Trigger(), "<"),
     ],
 )
-def test_what_is_no_service_class(give: Callable[[Any], Any], given: Any, shown: str) -> None:
+def test_non_service_class_is_refused(give: Callable[[Any], Any], given: Any, shown: str) -> None:
     text = refusal(lambda: give(given))
     assert text.startswith(f"service /lab/ask: refused {shown}")
     assert text.endswith(": must be a service class, such as std_srvs.srv.Trigger")
 
 
-def test_what_is_refused_is_not_made() -> None:
+def test_refused_objects_are_not_created() -> None:
     one = node()
     for give in (
         lambda: one.create_subscription("topic", Trigger, print),

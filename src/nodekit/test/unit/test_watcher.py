@@ -105,7 +105,7 @@ def watcher(monkeypatch, client, notify):
         ("/ab", []),
     ],
 )
-def test_notification_concerns_the_key_and_what_is_below_it_but_no_sibling(
+def test_notification_concerns_the_key_and_its_children_but_no_sibling(
     monkeypatch, watcher, notify, key, rings
 ):
     every = [Told(name).watched for name in ("/a", "/a/b", "/a/bc")]

@@ -20,7 +20,7 @@ VALUES = st.recursive(SCALARS, lambda inner: st.lists(inner, max_size=3), max_le
     ["{" * 20_000, "[" * 100_000, "- " * 50_000, "? " * 50_000, "{a:\n" * 20_000, "a: {" * 20_000],
     ids=lambda text: text[:4].strip(),
 )
-def test_what_is_too_deep_is_refused_soon(text: str) -> None:
+def test_deep_nesting_is_refused_quickly(text: str) -> None:
     began = time.monotonic()
     with pytest.raises(ValueError, match="at most 20 deep|invalid YAML"):
         yaml_text.load(text)
@@ -38,7 +38,7 @@ def test_depth_is_counted_from_the_outermost(depth: int, is_taken: bool) -> None
 
 
 @pytest.mark.parametrize("text", ["a: &a [*a]", "a: &a 1\nb: *a", "&a [1, *a]"])
-def test_what_refers_to_itself_is_refused(text: str) -> None:
+def test_aliases_are_refused(text: str) -> None:
     with pytest.raises(ValueError, match="aliases"):
         yaml_text.load(text)
 
@@ -46,19 +46,19 @@ def test_what_refers_to_itself_is_refused(text: str) -> None:
 @pytest.mark.parametrize(
     "text", ["{", "a: [", "{[a]: 1}", "\0", "a: !!python/name:os.system x", '!!bool "x"']
 )
-def test_what_is_not_valid_is_refused_in_one_line(text: str) -> None:
+def test_invalid_yaml_is_refused_in_one_line(text: str) -> None:
     with pytest.raises(ValueError, match="invalid YAML: [^\n]+$"):
         yaml_text.load(text)
 
 
 @given(st.dictionaries(st.text("abc", min_size=1), VALUES, max_size=4))
 @example({"a": "\x85", "b": ["\u2028 ", "\u4f60"]})
-def test_what_is_written_is_read(values: object) -> None:
+def test_dumped_yaml_round_trips(values: object) -> None:
     assert (
         yaml_text.load(yaml_text.dump(values)) == yaml.safe_load(yaml_text.dump(values)) == values
     )
 
 
-def test_what_is_no_yaml_is_refused() -> None:
+def test_unrepresentable_value_is_refused() -> None:
     with pytest.raises(ValueError, match="no YAML"):
         yaml_text.dump({"a": object()})

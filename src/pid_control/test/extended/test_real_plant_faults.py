@@ -69,7 +69,7 @@ class RealPlantFaults(RealPlantCase):
         self.assertTrue(judge.logged("the plant is silent: nothing on", "motor_output for 0.8 s"))
         self.wait_for_last_input()
 
-    def test_without_a_master_there_is_no_plant(self) -> None:
+    def test_real_plant_needs_a_master(self) -> None:
         no_master = f"http://localhost:{free_port()}"
         words = ("--real-plant", *self.controller)
         self.assert_refused("needs your own master", *words, ROS_MASTER_URI=no_master)

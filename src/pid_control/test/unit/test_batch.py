@@ -182,7 +182,7 @@ def test_build_folder_called_like_the_messages_of_the_course_has_both(
     assert len(texts) == 2 and text in texts
 
 
-def test_batch_goes_on_after_a_package_that_cannot_be_read(
+def test_batch_continues_after_an_unreadable_package(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     judge = tmp_path / "judge"

@@ -92,7 +92,7 @@ def test_find_coursework_leaves_out_nodes_of_other_packages_and_terminals() -> N
     }
 
 
-def test_find_coursework_told_launch_file_gets_its_arguments() -> None:
+def test_find_coursework_given_launch_file_gets_its_arguments() -> None:
     folder = str(COURSEWORKS / "sine_classes")
     found = find_coursework(folder, ["both.launch", "amplitude:=7.5"], dict(ENVIRONMENT))
     assert found.parameters["/lab/source/amplitude"] == 7.5
@@ -149,7 +149,7 @@ def test_find_coursework_without_two_nodes_names_the_option(tmp_path: pathlib.Pa
     assert [node.program for node in found.nodes] == ["a.py", "b.py"]
 
 
-def test_names_in_source_have_their_default_unless_it_is_no_number() -> None:
+def test_names_in_source_have_their_numeric_default() -> None:
     found = good("wave_loops")
     names = dict(found.names_in_source(found.nodes[0].command.name))
     assert names["process_offset"] == 1.0 and names["process_angle"] > 0.0
@@ -178,7 +178,7 @@ def test_files_of_a_package_are_found() -> None:
     assert len(launch_files(folder)) == 1
 
 
-def test_package_folder_says_what_is_missing(tmp_path: pathlib.Path) -> None:
+def test_package_folder_names_the_missing_file(tmp_path: pathlib.Path) -> None:
     with pytest.raises(CommandError, match="no package.xml in it"):
         package_folder(str(tmp_path), {})
     with pytest.raises(CommandError, match="folder not found"):
@@ -212,7 +212,7 @@ def test_pair_is_found_by_topics_and_types_not_by_names() -> None:
     assert dict(found.others) == {"/z": "F"}
 
 
-def test_pair_of_other_types_or_without_an_output_is_none() -> None:
+def test_pair_of_other_types_or_without_an_output_is_not_found() -> None:
     one, other = good("included_arguments").nodes
     a = topics({"/s": "F"}, {})
     for b in (topics({"/p": "F"}, {"/s": "D"}), topics({}, {"/s": "F"})):

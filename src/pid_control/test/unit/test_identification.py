@@ -35,7 +35,7 @@ def test_identify_without_dead_zone_or_limit_finds_neither() -> None:
         assert found.uncertainty.dead_zone == found.uncertainty.limit == math.inf
 
 
-def test_one_step_by_hand_is_enough_for_gain_time_constant_and_dead_time() -> None:
+def test_one_manual_step_is_enough_for_gain_time_constant_and_dead_time() -> None:
     record = answered([(2.0, 0.5)], Model(13.1, 0.4, 0.1), 6.0)
     assert record.inputs.tolist() == [0.0, 0.5]
     found = identify(record)

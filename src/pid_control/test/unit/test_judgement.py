@@ -255,7 +255,7 @@ def bad_judgement() -> tuple:
     return judge(records, LIMITS), records
 
 
-def test_the_table_fits_a_terminal_and_marks_what_failed() -> None:
+def test_the_table_fits_a_terminal_and_marks_failures() -> None:
     lines = as_table(bad_judgement()[0]).splitlines()
     assert max(map(len, lines)) <= 80
     assert [line.split()[0] for line in lines if line.endswith("FAILED")] == ["windup", "time"]
@@ -287,7 +287,7 @@ def test_csv_has_a_row_per_controller_and_escapes_formulas() -> None:
     assert float(rows[0]["windup.leave_time"]) > 0.5 and rows[1]["windup.leave_time"] == ""
 
 
-def test_the_picture_shows_every_scenario_and_marks_what_failed() -> None:
+def test_the_picture_shows_every_scenario_and_marks_failures() -> None:
     judgement, records = bad_judgement()
     records = [*records, Record(STEPS, ENDED)]
     svg = as_svg(records, "<a> & b", ["windup"])

@@ -77,7 +77,7 @@ def test_the_overshoot_is_that_of_the_worst_step() -> None:
     assert figure(rows_of(speed), "overshoot") == pytest.approx(25.0)
 
 
-def test_overshoot_of_a_motor_that_stands_is_not_measured() -> None:
+def test_overshoot_of_a_stopped_motor_is_not_measured() -> None:
     still = rows_of(lambda time: 9.0)
     assert figure(still, "overshoot") is None
 
@@ -212,7 +212,7 @@ def jumped(record: Record, *spans: float) -> Record:
     return record._replace(answers=answers)
 
 
-def test_an_integral_that_goes_on_while_the_clock_stands_still_shows() -> None:
+def test_integral_that_grows_while_the_clock_is_paused_is_found() -> None:
     record = play_one("rate", pi())
     assert figure(record, "standstill_jump") < 0.005
     assert figure(record._replace(pauses=()), "standstill_jump") is None

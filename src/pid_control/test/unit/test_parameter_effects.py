@@ -102,7 +102,7 @@ def test_is_number_excludes_truth_values() -> None:
         (BEFORE._replace(process=None), {PROCESS}),
     ],
 )
-def test_changed_nodes_names_those_whose_features_differ(after: Features, nodes: Any) -> None:
+def test_changed_nodes_names_nodes_with_different_features(after: Features, nodes: Any) -> None:
     assert changed_nodes(BEFORE, after) == nodes
     assert changed_nodes(after, BEFORE) == nodes
 

@@ -118,7 +118,7 @@ def test_file_that_no_launch_file_loads_is_unused(tmp_path: pathlib.Path) -> Non
     assert found.read_by(GENERATOR) == 1
 
 
-def test_file_whose_numbers_are_overridden_is_unused(tmp_path: pathlib.Path) -> None:
+def test_file_with_overridden_numbers_is_unused(tmp_path: pathlib.Path) -> None:
     names = {"signal_amplitude": 2, "signal_omega": 3, "process_angle": 1}
     names.update({"process_offset": 1, "process_amplitude": 1})
     overriding = "".join(f'<param name="{one}" value="{names[one]}.5"/>' for one in names)
@@ -141,7 +141,7 @@ def test_file_of_another_launch_file_or_of_a_program_is_noted(tmp_path: pathlib.
     assert "own.yaml: the programs load it by themselves" in trials.notes
 
 
-def test_coursework_without_parameters_has_none() -> None:
+def test_coursework_without_parameters() -> None:
     found, _, ran = tried(COURSEWORKS / "sine_classes", lambda _: features(1.0, 1.0, 0.5, 1.0, 1.0))
     assert found.read_by(GENERATOR) == found.read_by(PROCESS) == 0
     assert not found.has_files and dict(found.unused_files) == {}

@@ -169,7 +169,7 @@ def test_change_of_ki_to_0_holds_the_integral() -> None:
     assert law.update(5.0, 4.0, DT).output == pytest.approx(before, abs=1e-9)
 
 
-def test_ki_of_0_from_the_beginning_has_no_integral() -> None:
+def test_ki_of_0_from_the_start_keeps_no_integral() -> None:
     law = Pid(PidSettings(PI, 0.08, 0.0))
     law.resume(0.5)
     assert law.update(5.0, 4.0, 0.0).output == pytest.approx(0.08)

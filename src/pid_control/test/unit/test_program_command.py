@@ -218,7 +218,7 @@ def test_find_controller_program_gets_the_parameters_of_its_launch_file(
     assert command.package == str(tmp_path)
 
 
-def test_find_controller_program_with_arguments_is_run_as_told(tmp_path: pathlib.Path) -> None:
+def test_find_controller_program_keeps_its_arguments(tmp_path: pathlib.Path) -> None:
     program = package_with_launch_file(tmp_path, LAUNCH)
     command = find_controller([str(program), "_kp:=1"])
     assert (command.argv, command.parameters) == ([str(program), "_kp:=1"], {})
@@ -241,7 +241,7 @@ def test_find_controller_launch_file_that_cannot_be_used_is_noted(tmp_path: path
         (None, "loop.launch"),  # a link that leads nowhere
     ],
 )
-def test_find_controller_faulty_launch_file_is_noted_but_refused_if_told(
+def test_find_controller_faulty_launch_file_is_noted_but_refused_if_given(
     tmp_path: pathlib.Path, text: Optional[str], says: str
 ) -> None:
     program = package_with_launch_file(tmp_path, text or "")
@@ -273,7 +273,7 @@ def test_find_controller_in_a_launch_file_with_a_fault_is_refused(
         ("<launch>", "loop.launch cannot be used: "),
     ],
 )
-def test_find_controller_told_launch_file_without_the_program_is_refused(
+def test_find_controller_given_launch_file_without_the_program_is_refused(
     tmp_path: pathlib.Path, text: str, says: str
 ) -> None:
     program = package_with_launch_file(tmp_path, text)

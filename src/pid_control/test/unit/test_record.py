@@ -33,7 +33,7 @@ def test_times_are_in_order_and_count_from_the_first_output() -> None:
     assert abs(record.interval - 0.1) < 1e-6
 
 
-def test_what_is_not_finite_is_left_out_and_counted() -> None:
+def test_non_finite_samples_are_left_out_and_counted() -> None:
     outputs = TIMES.copy()
     outputs[[3, 50]] = math.nan, math.inf
     record = record_of([0.0, 1.0, 2.0], [0.0, math.nan, 1.0], TIMES, outputs)

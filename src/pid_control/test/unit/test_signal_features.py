@@ -102,7 +102,7 @@ def test_process_features_nan_is_counted_and_left_out() -> None:
     assert found.shift_error(1.0) < 0.01 and found.distortion < 0.01
 
 
-def test_process_features_constant_output_has_none() -> None:
+def test_process_features_of_constant_output_are_missing() -> None:
     signal = record(math.sin)
     sine = signal_features(signal).sine
     assert sine is not None
@@ -123,7 +123,7 @@ def test_is_sine_like_settling_output_is_not(of: Callable[[float], float], is_li
     assert is_sine_like(record(of), 2.0) is is_like
 
 
-def test_signal_features_ramp_has_no_sine() -> None:
+def test_signal_features_of_a_ramp_lack_a_sine() -> None:
     assert signal_features(record(lambda time: 1.0)).sine is None
     assert signal_features(Channel("/x", "data", [], [])) == (None, None)
 
@@ -132,7 +132,7 @@ def fields(*functions: Tuple[str, Callable[[float], float]]) -> List[Channel]:
     return [record(of)._replace(field=name) for name, of in functions]
 
 
-def test_signal_of_is_what_goes_up_and_down() -> None:
+def test_signal_of_is_the_oscillating_value() -> None:
     channels = fields(
         ("amplitude", lambda time: 2.0), ("time_x", lambda time: time), ("q", math.sin)
     )

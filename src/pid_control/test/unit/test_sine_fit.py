@@ -73,11 +73,11 @@ def test_fit_sine_known_frequency_is_kept() -> None:
 
 
 @pytest.mark.parametrize("values", [[1.0] * 50, [1.0, 2.0] * 3, [0.0] * 50])
-def test_fit_sine_constant_or_short_record_has_none(values: List[float]) -> None:
+def test_fit_sine_constant_or_short_record_finds_none(values: List[float]) -> None:
     assert fit_sine(grid(len(values) / 10.0, 10.0), values) is None
 
 
-def test_fit_sine_at_one_time_has_none() -> None:
+def test_fit_sine_at_one_time_finds_none() -> None:
     assert fit_sine([1.0] * 20, list(map(float, range(20)))) is None
 
 

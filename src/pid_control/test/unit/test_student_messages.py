@@ -97,7 +97,7 @@ def test_message_without_a_float_names_its_fields(tmp_path: pathlib.Path) -> Non
         loop_message("set_point", String)
 
 
-def test_told_type_and_field_are_used() -> None:
+def test_given_type_and_field_are_used() -> None:
     message = given_message("set_point", "std_msgs/Float32/data", {})
     assert (message.message_class, message.field) == (Float32, "data")
     assert message.filled(2.5, 1.0).data == 2.5
@@ -112,7 +112,7 @@ def test_told_type_and_field_are_used() -> None:
         ("no_such/Type/x", r"set_point: type not found \(no_such/Type\)"),
     ],
 )
-def test_told_type_that_does_not_exist_is_refused(text: str, says: str) -> None:
+def test_given_type_that_does_not_exist_is_refused(text: str, says: str) -> None:
     with pytest.raises(MessageTypeError, match=says):
         given_message("set_point", text, {})
 

@@ -220,7 +220,7 @@ def test_unpack_name_with_a_colon_is_kept(tmp_path: pathlib.Path, make: object) 
     assert (tmp_path / "target" / name).read_text() == "text"
 
 
-def test_unpack_members_that_are_no_files_count_too(
+def test_unpack_counts_members_that_are_not_files(
     tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     monkeypatch.setattr(archives, "_MOST", 3)

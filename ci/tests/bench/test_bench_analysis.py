@@ -74,7 +74,7 @@ def test_interval_holds_the_median_and_is_reproducible(values):
     assert analysis.estimate(values) == found
 
 
-def test_interval_is_as_sure_as_it_says():
+def test_interval_has_its_confidence():
     draw = random.Random(2)
     hits = 0
     for _ in range(200):

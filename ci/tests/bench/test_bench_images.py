@@ -6,7 +6,7 @@ from ci.benchmark import images
 from ci.benchmark.record import Sample
 
 
-def test_figures_are_of_what_was_sent_in_the_time_to_all_subscribers():
+def test_figures_count_samples_of_the_interval_for_all_subscribers():
     sent = [Sample(float(number), number) for number in range(10)]
     first = [Sample(number + 0.002, number) for number in range(10)]
     second = [Sample(number + 0.004, number) for number in range(10) if number != 5]

@@ -10,7 +10,7 @@ from ci.benchmark.measurements import MEASUREMENTS
 RESULTS = pathlib.Path(page.__file__).parents[2] / "docs" / "results"
 
 
-def test_the_table_of_the_docs_is_made_of_their_figures():
+def test_table_of_the_docs_matches_their_figures():
     content = json.loads((RESULTS / "benchmark.json").read_text())
     text = page.make_table(page.read(content), content["machine"])
     assert text == (RESULTS / "benchmark.inc").read_text()

@@ -46,7 +46,7 @@ def recorder(master):
     return Recorder("/recorder", master, "/topic", "std_msgs/Empty")
 
 
-def test_a_port_that_comes_back_is_connected_again(master, monkeypatch):
+def test_returning_port_is_connected_again(master, monkeypatch):
     connected = []
     monkeypatch.setattr(Recorder, "_connect", lambda self, uri: connected.append(uri))
     with recorder(master) as observer:

@@ -75,7 +75,7 @@ def test_a_failure_is_reported_and_ends_no_other_subject(error):
     assert stage.order() == ["a", "b", "a"]
 
 
-def test_a_turn_disturbed_by_the_host_is_taken_once_more(monkeypatch):
+def test_turn_disturbed_by_the_host_is_repeated(monkeypatch):
     shares = iter([0.5, 0.02, 0.03, 0.5])
     monkeypatch.setattr(machine.Steal, "share", lambda _self: next(shares))
     results = run(Measurement("row", ["a"], Stage().prepare, 2, 2))

@@ -60,7 +60,7 @@ def test_the_commands_are_those_of_readme() -> None:
         (["--other"], "Usage: ci/clean-room"),
     ],
 )
-def test_the_clean_room_refuses_what_it_does_not_know(options: list, said: str) -> None:
+def test_clean_room_refuses_unknown_options(options: list, said: str) -> None:
     result = subprocess.run(
         [str(CI / "clean-room"), *options],
         stdout=subprocess.PIPE,
@@ -75,7 +75,7 @@ def test_the_clean_room_refuses_what_it_does_not_know(options: list, said: str) 
     "release, more",
     [("bookworm", " lint docs"), ("trixie", "")],
 )
-def test_all_is_what_the_release_has_tools_for(
+def test_all_depends_on_the_tools_of_the_release(
     workspace: Workspace, release: str, more: str
 ) -> None:
     workspace.pretend_packages("[run]\none\n[catkin_build]\ntwo\n", installed="one\ntwo\n")
@@ -96,7 +96,7 @@ def test_all_is_what_the_release_has_tools_for(
 
 
 @pytest.mark.parametrize("first, kept", [("overtaken", "one"), ("fails", "two")])
-def test_no_run_spoils_the_system_that_another_one_keeps(
+def test_run_does_not_change_the_system_kept_by_another(
     tmp_path: pathlib.Path, first: str, kept: str
 ) -> None:
     (tmp_path / "cache").mkdir()

@@ -24,7 +24,7 @@ def commands(page: str, section: str) -> List[str]:
     return printed.decode().splitlines()
 
 
-def test_the_commands_are_those_that_the_proof_takes() -> None:
+def test_commands_match_those_of_the_proof() -> None:
     lines = commands("docs/container.md", "Build and run")
     assert [line.split()[:2] for line in lines] == [
         ["podman", "build"],
@@ -44,13 +44,13 @@ def test_the_commands_are_those_that_the_proof_takes() -> None:
         ("docs/tutorials/other_packages.md", "All of it in your own workspace"),
     ],
 )
-def test_a_way_in_that_readme_tells_is_that_of_its_page(page: str, section: str) -> None:
+def test_commands_in_the_readme_match_their_page(page: str, section: str) -> None:
     (row,) = [line for line in README.splitlines() if line.startswith("|") and f"]({page}" in line]
     first, second = commands(page, section)[:2]
     assert f"`{first}`" in row and f"`{second}`" in row
 
 
-def test_the_page_alone_is_published_and_the_nodes_network_has_no_way_out() -> None:
+def test_only_the_page_is_published_and_the_nodes_network_is_internal() -> None:
     composed = yaml.safe_load((WORKSPACE / "packaging" / "compose.yaml").read_text("utf-8"))
     services = composed["services"]
     published = [(name, port) for name in services for port in services[name].get("ports", [])]
@@ -69,7 +69,7 @@ def test_the_page_alone_is_published_and_the_nodes_network_has_no_way_out() -> N
         (["--other"], "Usage: ci/container"),
     ],
 )
-def test_what_it_does_not_know_is_refused(options: List[str], said: str) -> None:
+def test_unknown_options_are_refused(options: List[str], said: str) -> None:
     result = subprocess.run(
         [str(CI / "container"), *options],
         stdout=subprocess.PIPE,

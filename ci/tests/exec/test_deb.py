@@ -40,7 +40,7 @@ def test_the_commands_are_those_of_the_page() -> None:
         (["--other"], "Usage: ci/deb"),
     ],
 )
-def test_what_it_does_not_know_is_refused(options: List[str], said: str) -> None:
+def test_unknown_options_are_refused(options: List[str], said: str) -> None:
     result = subprocess.run(
         [str(CI / "deb"), *options], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=60
     )
@@ -49,7 +49,7 @@ def test_what_it_does_not_know_is_refused(options: List[str], said: str) -> None
 
 
 @pytest.mark.parametrize("script", ["packages/deb-inside", "systems/clean-room-inside"])
-def test_each_part_has_a_line_and_one_that_fails_decides(script: str) -> None:
+def test_each_part_has_a_line_and_any_failure_decides(script: str) -> None:
     options = "build,prove bookworm" if "deb" in script else "build,prove '' bookworm"
     command = (
         f"source '{CI}/{script}.bash'; find_mirror() {{ :; }}; "
@@ -71,7 +71,7 @@ def test_each_part_has_a_line_and_one_that_fails_decides(script: str) -> None:
         ]
 
 
-def test_packages_that_do_not_get_to_dist_are_told(tmp_path: pathlib.Path) -> None:
+def test_packages_missing_in_dist_are_reported(tmp_path: pathlib.Path) -> None:
     stubs = "; ".join(
         f"{name}() {{ :; }}" for name in "apt_get succeeds git tar python3 chroot cp".split()
     )

@@ -62,7 +62,7 @@ def test_moved_workspace_is_rebuilt(workspace: Workspace, built_by_hand: bool) -
     assert workspace.shows("tiny.Beat")
 
 
-def test_two_at_once_build_once(workspace: Workspace) -> None:
+def test_two_simultaneous_runs_build_once(workspace: Workspace) -> None:
     both = [workspace.start("python3", "-c", "import tiny.msg") for _ in range(2)]
     ends = [(process.communicate(timeout=120)[1], process.returncode) for process in both]
     assert [status for _, status in ends] == [0, 0], ends
@@ -128,7 +128,7 @@ def test_another_workspace_of_the_caller_stays_out(workspace: Workspace, built: 
 
 
 @pytest.mark.parametrize("sign", list("\"'$ \\#:\t"))
-def test_refuses_a_path_that_ros_cannot_take(tmp_path: pathlib.Path, sign: str) -> None:
+def test_refuses_a_path_that_ros_cannot_handle(tmp_path: pathlib.Path, sign: str) -> None:
     workspace = Workspace(tmp_path / f"one{sign}other")
     result = workspace.run("echo", "not reached")
     assert (result.stdout, result.returncode) == ("", 125)
@@ -138,7 +138,7 @@ def test_refuses_a_path_that_ros_cannot_take(tmp_path: pathlib.Path, sign: str) 
 
 
 @pytest.mark.parametrize("place", ["build", "build/ci-exec", "build/ci-exec/lock", "devel"])
-def test_says_whose_the_build_is(workspace: Workspace, place: str) -> None:
+def test_names_the_owner_of_the_build(workspace: Workspace, place: str) -> None:
     workspace.pretend_packages("[run]\none\n", installed="one\n")
     assert workspace.run("true").returncode == 0
     (workspace.root / "src" / "tiny" / "msg" / "Bar.msg").write_text("")
@@ -152,7 +152,7 @@ def test_says_whose_the_build_is(workspace: Workspace, place: str) -> None:
     assert f"'chown -R daemon {workspace.root}/build {workspace.root}/devel'" in line
 
 
-def test_says_that_the_checkout_cannot_be_written_to(workspace: Workspace) -> None:
+def test_reports_a_read_only_checkout(workspace: Workspace) -> None:
     workspace.pretend_packages("[run]\none\n")
     workspace.give_away(".")
     result = workspace.run("echo", "not reached")
@@ -161,7 +161,7 @@ def test_says_that_the_checkout_cannot_be_written_to(workspace: Workspace) -> No
     assert f"cannot write to {workspace.root}/build/ci-exec" in line and "a clone" in line
 
 
-def test_runs_what_is_built_whoever_it_belongs_to(workspace: Workspace) -> None:
+def test_runs_a_build_of_any_owner(workspace: Workspace) -> None:
     workspace.pretend_packages("[run]\none\n", installed="one\n")
     assert workspace.run("true").returncode == 0
     workspace.give_away("build")

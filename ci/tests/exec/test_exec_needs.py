@@ -41,7 +41,7 @@ def several(workspace: Workspace) -> Workspace:
     return workspace
 
 
-def test_builds_what_is_named_and_adds_to_it(several: Workspace) -> None:
+def test_builds_the_named_packages_and_adds_others_later(several: Workspace) -> None:
     said = several.run("rosrun", "user", "nothing").stderr
     assert "building with catkin_make: tiny user\n" in said
     assert built_ones(several) == {"tiny", "user"}
@@ -86,7 +86,7 @@ def test_builds_what_is_named_and_adds_to_it(several: Workspace) -> None:
         ("", "of_all of_key of_plot of_spare of_tiny"),
     ],
 )
-def test_installs_what_is_needed(workspace: Workspace, command: str, packages: str) -> None:
+def test_installs_the_dependencies(workspace: Workspace, command: str, packages: str) -> None:
     shutil.rmtree(str(workspace.root / "src" / "tiny"))
     workspace.add_package("tiny", '<depend condition="1 == 1"> key </depend>')
     workspace.add_package("spare")
@@ -103,7 +103,7 @@ def test_installs_what_is_needed(workspace: Workspace, command: str, packages: s
     assert sorted(words[words.index("--no-install-recommends") + 1 :]) == sorted(expected)
 
 
-def test_what_was_asked_for_once_is_kept_up_to_date(workspace: Workspace) -> None:
+def test_package_built_once_is_kept_up_to_date(workspace: Workspace) -> None:
     workspace.add_package("spare")
     log = workspace.pretend_packages(
         LISTED, installed="catkin\nalways\nof_key\n", known="of_tiny\n"
@@ -130,7 +130,7 @@ def named_in_launch_files(package: pathlib.Path) -> Set[str]:
     return {name for name in names - asked if (SOURCES / name).is_dir()}
 
 
-def test_what_launch_files_start_is_what_their_package_depends_on() -> None:
+def test_packages_of_launch_files_are_dependencies() -> None:
     script = f"source '{CI}/setup/setup.bash'; dependencies | closure"
     seen: Set[str] = set()
     for package in sorted(path.parent for path in SOURCES.glob("*/launch")):

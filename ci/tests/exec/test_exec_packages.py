@@ -54,7 +54,7 @@ def test_updates_the_lists_if_a_package_is_not_in_them(workspace: Workspace) -> 
     assert commands[1].endswith(" one two")
 
 
-def test_says_what_the_system_does_not_have(workspace: Workspace) -> None:
+def test_reports_packages_missing_in_the_system(workspace: Workspace) -> None:
     log = workspace.pretend_packages(LISTED, installed="catkin\n", known="one\n")
     result = workspace.run("echo", "not reached")
     assert (result.stdout, result.returncode) == ("", 125)
@@ -79,7 +79,7 @@ def test_failed_installation_is_shown(workspace: Workspace) -> None:
     assert "E: as the test wants it" in result.stderr
 
 
-def test_what_it_prints_installs_even_with_missing_lists(workspace: Workspace) -> None:
+def test_printed_commands_install_even_with_missing_lists(workspace: Workspace) -> None:
     log = workspace.pretend_packages(LISTED)
     (log.parent / "mirror").write_text("catkin\none\ntwo\n")
     result = workspace.run("echo", "not reached", CI_EXEC_NO_INSTALL="1")
@@ -96,7 +96,7 @@ def test_what_it_prints_installs_even_with_missing_lists(workspace: Workspace) -
     assert workspace.run("true", CI_EXEC_NO_INSTALL="1").returncode == 0
 
 
-def test_without_sudo_says_what_root_can_do(workspace: Workspace) -> None:
+def test_without_sudo_prints_the_commands_for_root(workspace: Workspace) -> None:
     log = workspace.pretend_packages(LISTED)
     workspace.be_somebody()
     workspace.fakes["command"] = '[ "$2" != sudo ] && builtin command "$@"'
@@ -108,7 +108,7 @@ def test_without_sudo_says_what_root_can_do(workspace: Workspace) -> None:
     assert log.read_text() == ""
 
 
-def test_sudo_is_asked_once_and_its_refusal_said_as_such(workspace: Workspace) -> None:
+def test_sudo_is_asked_once_and_its_refusal_is_reported(workspace: Workspace) -> None:
     log = workspace.pretend_packages(LISTED)
     workspace.be_somebody("alice")
     workspace.fakes["command"] = '[ "$2" = sudo ] || builtin command "$@"'
@@ -131,7 +131,7 @@ def test_proxies_reach_apt_through_sudo(workspace: Workspace) -> None:
     assert calls and all("http_proxy=http://proxy:1 " in line for line in calls)
 
 
-def test_an_unreachable_archive_is_said_as_such(workspace: Workspace) -> None:
+def test_unreachable_archive_is_reported(workspace: Workspace) -> None:
     log = workspace.pretend_packages(LISTED)
     fault = "E: Failed to fetch http://mirror/x  Could not connect to proxy:1 (refused)"
     workspace.fakes["apt-helper"] = f"echo '{fault}'; false"
@@ -158,7 +158,7 @@ def test_an_archive_that_never_answers_is_given_up(workspace: Workspace) -> None
     assert time.monotonic() - began < 50.0
 
 
-def test_what_is_downloaded_already_takes_no_network(workspace: Workspace) -> None:
+def test_downloaded_packages_need_no_network(workspace: Workspace) -> None:
     workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
     workspace.fakes["apt-helper"] = "false"
     apt_get = workspace.fakes["apt-get"]
@@ -212,7 +212,7 @@ def test_finishes_an_installation_that_was_cut_short(workspace: Workspace) -> No
     assert log.read_text().splitlines()[0] == "dpkg --configure -a"
 
 
-def test_an_installation_without_effect_is_no_success(workspace: Workspace) -> None:
+def test_installation_without_effect_fails(workspace: Workspace) -> None:
     workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
     workspace.fakes["apt-get"] = ":"
     result = workspace.run("echo", "not reached")
@@ -220,7 +220,7 @@ def test_an_installation_without_effect_is_no_success(workspace: Workspace) -> N
     assert "has not installed catkin one two" in result.stderr
 
 
-def test_on_a_terminal_a_long_installation_shows_that_it_goes_on(workspace: Workspace) -> None:
+def test_long_installation_shows_progress_on_a_terminal(workspace: Workspace) -> None:
     workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")
     workspace.fakes["apt-get"] += '; [[ $1 != install ]] || { echo "Unpacking two"; sleep 0.5; }'
     workspace.patch("setup.bash", "every=5\n", "every=0.1\n")
@@ -250,7 +250,9 @@ def test_without_a_terminal_it_shows_no_progress(workspace: Workspace) -> None:
 
 
 @pytest.mark.parametrize("absent", ["apt-get", "dpkg-query"])
-def test_refuses_a_system_without_apt_in_one_sentence(workspace: Workspace, absent: str) -> None:
+def test_refuses_a_system_without_apt_with_a_one_line_message(
+    workspace: Workspace, absent: str
+) -> None:
     log = workspace.pretend_packages(LISTED)
     workspace.fakes["command"] = f'[ "$2" != {absent} ] && builtin command "$@"'
     result = workspace.run("echo", "not reached")
@@ -276,7 +278,7 @@ def ros_in(prefix: pathlib.Path) -> pathlib.Path:
         (["opt/noetic", "mine"], "a_devel:mine", "mine"),
     ],
 )
-def test_takes_the_ros_that_is_sourced_or_stands_in_opt(
+def test_uses_the_sourced_ros_or_the_ros_in_opt(
     workspace: Workspace, there: List[str], sourced: str, taken: str
 ) -> None:
     log = workspace.pretend_packages(LISTED, known="one\ntwo\n")
@@ -313,7 +315,7 @@ def test_builds_with_the_python_that_a_ros_brings(workspace: Workspace) -> None:
     assert result.returncode == 125 and "older than Python 3.8" in result.stderr
 
 
-def test_without_apt_it_names_what_a_ros_of_its_own_lacks(workspace: Workspace) -> None:
+def test_without_apt_it_names_packages_missing_in_another_ros(workspace: Workspace) -> None:
     workspace.pretend_packages(LISTED)
     prefix = ros_in(workspace.root / "env")
     workspace.fakes["command"] = '[ "$2" != apt-get ] && builtin command "$@"'
@@ -324,7 +326,7 @@ def test_without_apt_it_names_what_a_ros_of_its_own_lacks(workspace: Workspace) 
     assert "rosdep" not in workspace.run("true", CMAKE_PREFIX_PATH=str(prefix)).stderr
 
 
-def test_an_installation_that_hangs_is_said_to_where_there_is_no_terminal(
+def test_hung_installation_is_reported_without_a_terminal(
     workspace: Workspace,
 ) -> None:
     log = workspace.pretend_packages(LISTED, known="catkin\none\ntwo\n")

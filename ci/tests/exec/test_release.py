@@ -165,7 +165,7 @@ def test_a_release_is_a_commit_a_tag_and_what_was_built(copy: Copy) -> None:
 
 
 @pytest.mark.parametrize("check", ["exec", "test", "deb", "container"])
-def test_nothing_is_released_where_a_check_is_bad(copy: Copy, check: str) -> None:
+def test_release_needs_passing_checks(copy: Copy, check: str) -> None:
     copy.script(check, "exit 3")
     copy.commit()
     before = copy.state()
@@ -177,7 +177,7 @@ def test_nothing_is_released_where_a_check_is_bad(copy: Copy, check: str) -> Non
     assert copy.git("tag") == "" and os.listdir(copy.root / "dist") == [".1.2.0"]
 
 
-def test_what_was_good_is_not_run_again(copy: Copy) -> None:
+def test_passed_steps_are_not_run_again(copy: Copy) -> None:
     copy.script("deb", f"test -e {copy.journal}.goes_on; mkdir -p dist/$1")
     copy.commit()
     done = copy.release("1.2.0")
@@ -242,7 +242,7 @@ def test_only_the_same_commit_is_gone_on_with(copy: Copy) -> None:
     assert copy.release("1.2.0").returncode == 0
 
 
-def test_nothing_is_released_without_the_pages(copy: Copy) -> None:
+def test_release_needs_the_pages(copy: Copy) -> None:
     copy.script("test", "")  # as if the tools of that tier are missing
     copy.commit()
     before = copy.state()
@@ -252,7 +252,7 @@ def test_nothing_is_released_without_the_pages(copy: Copy) -> None:
     assert copy.state() == before and copy.git("tag") == ""
 
 
-def test_its_author_is_told_here_and_signs_nothing(
+def test_author_is_given_here_and_signs_nothing(
     copy: Copy, monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path
 ) -> None:
     (tmp_path / "config").write_text(
@@ -286,7 +286,7 @@ def test_each_package_has_its_part_in_the_changelog() -> None:
         assert lines[:4] == ["^" * len(title), title, "^" * len(title), ""]
 
 
-def test_a_dry_run_shows_and_changes_nothing(copy: Copy) -> None:
+def test_dry_run_prints_and_changes_nothing(copy: Copy) -> None:
     before = copy.state()
     done = copy.release("--dry-run", "1.2.0")
     assert done.returncode == 0, done.stderr
@@ -307,7 +307,7 @@ def test_a_dry_run_shows_and_changes_nothing(copy: Copy) -> None:
         ("1.3.0", "there are uncommitted changes: ?? stray"),
     ],
 )
-def test_what_cannot_be_released_is_refused(copy: Copy, version: str, said: str) -> None:
+def test_invalid_release_is_refused(copy: Copy, version: str, said: str) -> None:
     if "tag" in said:
         copy.git("tag", version)
     if "stray" in said:
@@ -318,7 +318,7 @@ def test_what_cannot_be_released_is_refused(copy: Copy, version: str, said: str)
     assert not copy.journal.exists()
 
 
-def test_nothing_is_released_by_whom_nobody_can_reach(copy: Copy) -> None:
+def test_release_needs_a_reachable_maintainer(copy: Copy) -> None:
     placeholder = PROJECT.replace("security@example.org", "security@somewhere.invalid")
     copy.write("packaging/project.yaml", placeholder.replace("example.org/it/", "not.invalid/"))
     copy.commit()
@@ -331,7 +331,7 @@ def test_nothing_is_released_by_whom_nobody_can_reach(copy: Copy) -> None:
     assert copy.state() == before and not copy.journal.exists()
 
 
-def test_what_is_not_published_may_have_placeholders(copy: Copy) -> None:
+def test_unpublished_files_may_have_placeholders(copy: Copy) -> None:
     copy.write("packaging/project.yaml", PROJECT.replace("example.org", "basic-comms.invalid"))
     copy.commit()
     done = copy.release("--unpublished", "1.2.0")
@@ -341,7 +341,7 @@ def test_what_is_not_published_may_have_placeholders(copy: Copy) -> None:
     assert f"{told} before you publish anything" in done.stderr
 
 
-def test_a_project_without_placeholders_is_not_told_of_them(copy: Copy) -> None:
+def test_project_without_placeholders_gets_no_hint(copy: Copy) -> None:
     assert "placeholders" not in copy.release("--unpublished", "--dry-run", "1.2.0").stderr
 
 

@@ -66,7 +66,7 @@ def test_oldest_python_chooses_for_all(workspace: Workspace, wheels: pathlib.Pat
     assert rosbags.read_text() == "a==1.1\n"
 
 
-def test_list_stays_where_there_are_no_wheels(workspace: Workspace, wheels: pathlib.Path) -> None:
+def test_list_is_kept_without_wheels(workspace: Workspace, wheels: pathlib.Path) -> None:
     printed, status = run(workspace, missing="3.11")
     assert (printed, status) == ("", 125)
     assert wheels.read_text() == "a==1.0\n"

@@ -114,7 +114,7 @@ def differences(master: rosgraph.Master) -> str:
     return str({way: topics ^ HEARD for way, topics in heard(master).items()})
 
 
-def test_hosted_nodes_publish_what_separate_ones_do(master: rosgraph.Master) -> None:
+def test_hosted_nodes_publish_the_same_as_separate_nodes(master: rosgraph.Master) -> None:
     expected = {way: HEARD for way in WAYS}
     wait_until(lambda: heard(master) == expected, lambda: differences(master), TIMEOUT_S)
     for way in WAYS:

@@ -127,7 +127,7 @@ def test_the_robot_is_expected_as_typed(text: str) -> None:
     assert found["/fleet_monitor/expected"] == [found["/robot_monitor/robot_name"]] == [text]
 
 
-def test_no_file_is_no_text() -> None:
+def test_missing_file_has_no_text() -> None:
     for name in ("basic_comms/launch/signal_gen.launch", "basic_comms/launch/cw1.launch"):
         assert settings(load(name))["/signal_generator/file"] == ""
 
@@ -170,7 +170,7 @@ def test_the_scope_is_called_after_its_port(port: str, name: str) -> None:
 
 
 @pytest.mark.parametrize("port", ["-1", "80.5", "web", "1 --address 0.0.0.0", "true"])
-def test_a_port_that_is_none_is_refused(port: str) -> None:
+def test_invalid_port_is_refused(port: str) -> None:
     with pytest.raises(RLException) as caught:
         load(SCOPE, "port:=" + port)
     assert f"port is {port.replace('true', 'True')}: must be a whole number" in str(caught.value)
@@ -233,7 +233,7 @@ def test_groups_may_begin_at_any_number(name: str) -> None:
 
 
 @pytest.mark.parametrize("text", ["abc", "1 # 2", "1:30", "1 2", "nan", "true", "0x10"])
-def test_what_is_no_number_is_left_for_the_node_to_refuse(text: str) -> None:
+def test_non_numeric_value_is_left_for_the_node_to_refuse(text: str) -> None:
     found = settings(load("basic_comms/launch/cw1.launch", "signal_offset:=" + text))
     offset = found["/signal_generator/offset"]
     assert offset == (text if text != "true" else True)

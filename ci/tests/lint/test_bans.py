@@ -31,7 +31,7 @@ def refused(place: str, text: str) -> bool:
         "from typing import TYPE_CHECKING\n\nif TYPE_CHECKING:\n    pass\n",
     ],
 )
-def test_what_is_banned_is_refused(text: str) -> None:
+def test_banned_code_is_refused(text: str) -> None:
     assert refused(LIBRARY, text)
     assert refused("src/basic_comms/scripts/x.py", text)
     assert not refused("src/basic_comms/test/unit/x.py", text)

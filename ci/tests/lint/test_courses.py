@@ -45,13 +45,13 @@ GOOD = [f"001-a-1,1,001,c,o,{TEST}", f"001-a-2,9,001,c,o,{TEST}", f"001-a-5,1,00
         (GOOD[0], "docs/courses.csv: 001-a-1 has more than one row"),
     ],
 )
-def test_what_differs_is_told(workspace: pathlib.Path, row: str, sentence: str) -> None:
+def test_differences_are_reported(workspace: pathlib.Path, row: str, sentence: str) -> None:
     items = courses.rows(HEAD + "\n".join([*GOOD, row]))
     [found] = courses.breaches(items, workspace)
     assert found.startswith(sentence)
 
 
-def test_an_id_that_nobody_knows_is_told_and_a_missing_row_names_its_test(
+def test_unknown_id_is_reported_and_a_missing_row_names_its_test(
     workspace: pathlib.Path,
 ) -> None:
     items = courses.rows(HEAD + f"001-a-1,1,001,c,o,\n{GOOD[2]}")

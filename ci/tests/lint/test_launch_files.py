@@ -19,7 +19,7 @@ def check(folder: pathlib.Path) -> Tuple[str, int]:
     return done.stdout, done.returncode
 
 
-def test_a_file_is_good_whose_nodes_are_there(tmp_path: pathlib.Path) -> None:
+def test_file_with_existing_nodes_is_good(tmp_path: pathlib.Path) -> None:
     (tmp_path / "good.launch").write_text(LAUNCH % ("basic_comms", "process.py"))
     assert check(tmp_path) == ("1 launch files, 0 of them with faults\n", 0)
 

@@ -32,7 +32,7 @@ def test_each_carries_the_licence(name: str) -> None:
 
 
 @each_package
-def test_each_says_what_it_is_as_its_package_xml_does(name: str) -> None:
+def test_page_begins_with_the_description_of_package_xml(name: str) -> None:
     title, text, *_ = page(name).split("\n\n")
     description = ElementTree.parse(str(PACKAGES[name] / "package.xml")).findtext("description")
     assert title == f"# {name}"
@@ -62,7 +62,7 @@ def test_each_names_a_command_for_something_that_is_there(name: str) -> None:
     assert package == name and file.is_file()
 
 
-def test_what_keeps_a_convention_of_ros_and_what_shows_it_is_there() -> None:
+def test_files_named_by_the_conventions_page_exist() -> None:
     rows = (WORKSPACE / "docs" / "conventions.md").read_text("utf-8").splitlines()[6:]
     named = [re.findall(r"`([\w/.]+\.py)`", row) for row in rows]
     assert sum(map(bool, named)) >= 8

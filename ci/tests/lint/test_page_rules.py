@@ -47,7 +47,7 @@ def test_a_module_of_a_room_does_not_import_the_entry() -> None:
     assert told == ["page/tools.js:1: page may not import main.js"]
 
 
-def test_an_import_in_a_comment_is_none() -> None:
+def test_import_in_a_comment_is_ignored() -> None:
     assert found({"base/keys.js": '// import "../state/state.js";\n'}) == []
     assert found({"base/keys.js": '/** @param {import("../state/state.js").State} */\n'}) == []
 

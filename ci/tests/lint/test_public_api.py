@@ -23,7 +23,7 @@ from ci.lint import public_api
         ("import nodekit\nnodekit.parameters.kinds", "parameters"),
     ],
 )
-def test_what_is_inside_is_refused_in_every_form(text: str, room: str) -> None:
+def test_private_modules_are_refused_in_every_form(text: str, room: str) -> None:
     assert [found for _, found in public_api.named(text)] == [room]
 
 
@@ -43,7 +43,7 @@ def test_what_is_inside_is_refused_in_every_form(text: str, room: str) -> None:
         ".. automodule:: nodekit.node.ros_node",
     ],
 )
-def test_what_is_public_is_not(text: str) -> None:
+def test_public_modules_are_accepted(text: str) -> None:
     assert not list(public_api.named(text))
 
 
@@ -51,7 +51,7 @@ def test_line_is_that_of_the_room() -> None:
     assert list(public_api.named("a\nfrom nodekit import (\n    node,\n)\n")) == [(3, "node")]
 
 
-def test_nobody_reaches_past_it() -> None:
+def test_workspace_uses_only_public_names() -> None:
     assert list(public_api.breaches()) == []
 
 

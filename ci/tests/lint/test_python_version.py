@@ -33,9 +33,9 @@ def judge(tmp_path: pathlib.Path, text: str) -> List[str]:
 
 
 @pytest.mark.parametrize("what", sorted(NEWER))
-def test_what_is_newer_is_refused(tmp_path: pathlib.Path, what: str) -> None:
+def test_newer_python_is_refused(tmp_path: pathlib.Path, what: str) -> None:
     assert judge(tmp_path, NEWER[what])
 
 
-def test_what_it_has_is_not(tmp_path: pathlib.Path) -> None:
+def test_features_of_its_python_are_accepted(tmp_path: pathlib.Path) -> None:
     assert judge(tmp_path, "import math\n\nif (whole := math.prod([2, 3])) > 5:\n    pass\n") == []

@@ -55,5 +55,5 @@ def test_a_breach_is_found(name: str, text: str, said: str) -> None:
     assert found[1].startswith(said)
 
 
-def test_the_workspace_has_no_breach() -> None:
+def test_workspace_keeps_the_rules() -> None:
     assert list(code_rules.all_breaches()) == []

@@ -56,7 +56,7 @@ def told(body: str, decorator: str = "") -> int:
 
 
 @pytest.mark.parametrize("body", IDLE)
-def test_assertion_that_may_hold_of_nothing_is_told(body: str) -> None:
+def test_vacuous_assertion_is_reported(body: str) -> None:
     assert told(body) == 1
 
 
@@ -65,5 +65,5 @@ def test_any_other_is_not(body: str) -> None:
     assert told(body) == 0
 
 
-def test_what_hypothesis_gives_is_not_empty_each_time() -> None:
+def test_values_of_hypothesis_are_not_always_empty() -> None:
     assert told(IDLE[0], "@given(st.lists(st.integers()))") == 0

@@ -102,7 +102,7 @@ def test_tests_that_import_the_module_are_run_the_shortest_first(
     assert killers(run, "2", "3", "1", "9") == ["short", "long", "", "short"]
 
 
-def test_long_test_is_not_tried_where_a_short_one_kills(
+def test_long_test_is_not_run_if_a_short_one_kills(
     run: Evaluation, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     offer(monkeypatch, long="assert False", short="from p.a import f; assert f() == 1")
@@ -121,7 +121,7 @@ def test_endless_mutant_is_killed_by_the_time(
     assert run.killer(MODULE, "def f():\n    while True:\n        pass\n").startswith("it: ")
 
 
-def test_failure_by_chance_kills_nothing(
+def test_random_failure_kills_no_mutant(
     run: Evaluation, tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     mark = tmp_path / "mark"

@@ -97,13 +97,13 @@ def test_draw_hardly_depends_on_other_lines_and_only_on_the_seed(draw: Any) -> N
     assert keys != {one.key for one in draw(text, 20, 2)}
 
 
-def test_draw_has_as_many_of_each_kind_while_there_are_any(draw: Any) -> None:
+def test_draw_is_balanced_over_the_types(draw: Any) -> None:
     kinds = [one.kind for one in draw("a b c", 8, 1, ["loop", "operator", "constant"])]
     assert all(kinds.count(kind) >= 2 for kind in ("loop", "operator", "constant"))
     assert len(draw("a b c", 100, 1, ["loop"])) == 3
 
 
-def test_equal_lines_are_told_apart(draw: Any) -> None:
+def test_equal_lines_are_distinguished(draw: Any) -> None:
     assert len({one.key for one in draw("a a a", 9, 1)}) == 3
 
 

@@ -85,7 +85,7 @@ def test_each_catkin_package_is_a_debian_package_with_what_its_user_needs(
     assert changelog.endswith("\n -- we <us@example.org>  Sun, 22 Nov 2026 06:00:00 +0000\n")
 
 
-def test_a_description_that_the_synopsis_tells_whole_is_not_repeated(tree: pathlib.Path) -> None:
+def test_description_equal_to_the_synopsis_is_not_repeated(tree: pathlib.Path) -> None:
     file = tree / "src" / "one" / "package.xml"
     file.write_text(
         file.read_text().replace("A one, to\n    look at: and more.", "One to look at.")
@@ -93,7 +93,7 @@ def test_a_description_that_the_synopsis_tells_whole_is_not_repeated(tree: pathl
     assert "\nDescription: one to look at\n This is the package one of ROS 1." in made(tree)[1]
 
 
-def test_who_builds_needs_what_a_package_hands_on(tree: pathlib.Path) -> None:
+def test_build_dependencies_include_exported_dependencies(tree: pathlib.Path) -> None:
     write(tree, "two_msgs", ["<build_export_depend>message_runtime</build_export_depend>"])
     write(tree, "one", ["<build_export_depend>two_msgs</build_export_depend>"])
     source, one, two, _ = made(tree)
@@ -105,7 +105,7 @@ def test_who_builds_needs_what_a_package_hands_on(tree: pathlib.Path) -> None:
     assert "ros-two-msgs (= ${binary:Version})" in values(one, "Depends")
 
 
-def test_what_is_of_use_is_recommended_and_what_tests_need_is_left_out(
+def test_useful_packages_are_recommended_and_test_dependencies_left_out(
     tree: pathlib.Path,
 ) -> None:
     write(tree, "one", ["<exec_depend>plots</exec_depend>", "<test_depend>probe</test_depend>"])
@@ -114,7 +114,7 @@ def test_what_is_of_use_is_recommended_and_what_tests_need_is_left_out(
     assert "probe" not in one and "python3-plots" not in values(one, "Depends")
 
 
-def test_a_key_that_is_missing_and_one_too_many_are_told(tree: pathlib.Path) -> None:
+def test_missing_and_superfluous_keys_are_reported(tree: pathlib.Path) -> None:
     (tree / "src" / "one" / "scripts").mkdir()
     plots = "<exec_depend>plots</exec_depend>"
     write(tree, "one", [plots, "<exec_depend>rospy</exec_depend>"])
@@ -126,7 +126,7 @@ def test_a_key_that_is_missing_and_one_too_many_are_told(tree: pathlib.Path) -> 
     ]
 
 
-def test_packages_of_two_versions_are_told(tree: pathlib.Path) -> None:
+def test_packages_of_two_versions_are_reported(tree: pathlib.Path) -> None:
     (tree / "src" / "one" / "scripts").mkdir()
     write(tree, "one", ["<depend>rospy</depend>", "<depend>plots</depend>"])
     file = tree / "src" / "two_msgs" / "package.xml"

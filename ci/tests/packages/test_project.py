@@ -61,7 +61,7 @@ def copy(tmp_path: pathlib.Path, monkeypatch: "pytest.MonkeyPatch") -> pathlib.P
     return tmp_path
 
 
-def test_what_the_owner_fills_in_comes_everywhere(
+def test_data_of_the_owner_is_written_everywhere(
     copy: pathlib.Path, capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     project.main()
@@ -81,7 +81,7 @@ def test_what_the_owner_fills_in_comes_everywhere(
             assert not re.search(r"basic-comms\.invalid|There is no such address", path.read_text())
 
 
-def test_the_page_says_that_the_owner_has_to_fill_it_in() -> None:
+def test_page_asks_the_owner_to_fill_in_missing_data() -> None:
     told = project.read(WORKSPACE)
     page = (WORKSPACE / "SECURITY.md").read_text("utf-8")
     assert f"\nReport it to {told['security']}.\n" in page

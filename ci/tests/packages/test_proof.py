@@ -27,19 +27,19 @@ def test_command_that_hangs_does_not_succeed(monkeypatch: "pytest.MonkeyPatch") 
     assert not proof.succeeds("sleep", "60")
 
 
-def test_command_that_ends_badly_is_told() -> None:
+def test_failed_command_is_reported() -> None:
     with pytest.raises(SystemExit, match="ended with status -2"):
         with proof.running("sleep", "60"):
             pass
 
 
-def test_command_that_hangs_is_killed_and_told(monkeypatch: "pytest.MonkeyPatch") -> None:
+def test_hung_command_is_killed_and_reported(monkeypatch: "pytest.MonkeyPatch") -> None:
     with pytest.raises(SystemExit, match="ended with SIGKILL, 0 s after Ctrl-C: status -9"):
         with proof.running(*DEAF):
             wait_until_deaf(monkeypatch)
 
 
-def test_what_was_wrong_while_it_ran_is_told_though_it_hangs(
+def test_error_while_running_is_reported_though_the_command_hangs(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     with pytest.raises(SystemExit, match="not as it should be"):

@@ -30,7 +30,7 @@ def test_all_kept_needs_every_check_of_every_run() -> None:
     assert not checks.all_kept({})
 
 
-def test_table_names_what_falls_short() -> None:
+def test_table_marks_missed_bounds() -> None:
     of_run = [checks.at_most("gap", 3.0, 2.0, "ms"), checks.reported("load", "1.5")]
     text = checks.table({"record": of_run})
     assert "| record | gap  | <= 2 ms | 3 ms   | SHORT |" in text

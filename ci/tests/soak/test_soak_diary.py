@@ -20,7 +20,7 @@ def test_entries_are_sorted() -> None:
     assert entries(text) == [(1.5, "/a", "killed"), (2.5, "/b", "activated")]
 
 
-def test_nothing_is_wrong() -> None:
+def test_good_story_has_no_fault() -> None:
     good = story()
     assert (good.all_active(), good.rash, good.longest) == (True, [], 0.0)
     assert not story((5.0, "/b", "stopped")).all_active()
@@ -32,7 +32,7 @@ def test_stays_active_after_a_loss() -> None:
     assert (round(bad.longest, 6), bad.rash) == (0.3, [])
 
 
-def test_one_that_is_stopped_does_not_work() -> None:
+def test_stopped_node_is_not_active() -> None:
     events = [(5.0, "/b", "stopped"), (5.1, "/a", "deactivated"), (5.2, "/a", "cleaned_up")]
     assert story(*events).longest == 0.0
     bad = story(*events, (7.0, "/b", "continued"), (7.5, "/b", "deactivated"))

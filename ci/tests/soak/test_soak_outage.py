@@ -24,7 +24,7 @@ def test_each_lost_sample_is_counted(removed: Set[int], begin: float) -> None:
     assert lost(times, 1000.0) == len(removed)
 
 
-def test_jitter_and_repetition_are_no_loss() -> None:
+def test_jitter_and_repetition_are_not_losses() -> None:
     assert lost(1e-3 * np.arange(1000) + 3e-4 * np.sin(np.arange(1000)), 1000.0) == 0
     assert lost(np.array([0.0, 1e-3, 1e-3, 2e-3]), 1000.0) == 0
 
@@ -34,7 +34,7 @@ def test_losses_are_those_of_the_latest_report_of_each_subscriber() -> None:
     assert counted_losses("") == {}
 
 
-def test_lateness_is_that_of_each_outage_that_is_over() -> None:
+def test_lateness_of_each_ended_outage() -> None:
     assert reported_lateness(LOG) == [20.1]
     assert reported_lateness(LOG + LOG.replace("20.1", "3.5")) == [20.1, 3.5]
     assert reported_lateness("") == []

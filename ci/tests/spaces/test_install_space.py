@@ -101,7 +101,7 @@ def test_a_controller_is_judged(start: Start) -> None:
     assert said.endswith("passed: all 2 figures of 1 scenario")
 
 
-def test_a_new_package_can_be_made(start: Start, tmp_path: pathlib.Path) -> None:
+def test_new_package_can_be_created(start: Start, tmp_path: pathlib.Path) -> None:
     made = output(start("rosrun", "nodekit", "new", "first_robot", str(tmp_path)))
     assert made.startswith(f"made {tmp_path}/first_robot\n")
     assert os.access(str(tmp_path / "first_robot" / "scripts" / "my_node"), os.X_OK)

@@ -41,12 +41,12 @@ def test_the_course_runs(launched: "subprocess.Popen[bytes]", user: Dict[str, st
     assert b"amplitude_scale" in described
 
 
-def test_what_the_page_says_to_copy_is_all_that_is_needed() -> None:
+def test_packages_to_copy_by_the_page_are_sufficient() -> None:
     copy, *_ = commands("Take nodekit into your own workspace")
     assert set(re.findall(r"src/(\w+)", copy)) == needed("basic_comms")
 
 
-def test_what_the_page_says_of_a_new_package_stands_in_it() -> None:
+def test_dependencies_on_the_page_are_in_a_new_package() -> None:
     section = PAGE.read_text("utf-8").partition("\nA package made by [rosrun nodekit new]")[2]
     told = [line for line in section.splitlines() if line.startswith("<exec_depend>")]
     template = SOURCES / "nodekit" / "template" / "package_name" / "package.xml"

@@ -29,7 +29,7 @@ def test_a_package_has_its_lint_its_units_and_its_integration_tests() -> None:
     }
 
 
-def test_a_word_that_names_nothing_is_an_error_that_says_where_to_look() -> None:
+def test_unknown_word_is_an_error_with_a_hint() -> None:
     with pytest.raises(UnknownWord, match="'midle' is not a tier, .*--list"):
         chosen("midle")
 
@@ -43,7 +43,7 @@ def test_a_place_may_name_a_test(tmp_path: pathlib.Path) -> None:
     assert step.command[-1] == f"{file}::test_b"
 
 
-def test_a_place_that_is_no_test_is_refused(tmp_path: pathlib.Path) -> None:
+def test_file_that_is_not_a_test_is_refused(tmp_path: pathlib.Path) -> None:
     selection = Selection(places=[(tmp_path / "notes.md", "")])
     with pytest.raises(UnknownWord, match="is not a test file"):
         tier_plan.plan(selection, NO_TIMES)
@@ -62,7 +62,7 @@ def test_a_place_that_is_no_test_is_refused(tmp_path: pathlib.Path) -> None:
         ([], set(), []),
     ],
 )
-def test_a_change_reaches_what_depends_on_it(
+def test_change_selects_dependent_packages(
     files: List[str], packages_: Set[str], whole: List[str]
 ) -> None:
     selection = of_change(files, NEEDS, "HEAD~1")

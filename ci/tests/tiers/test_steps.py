@@ -80,7 +80,7 @@ def test_rostests_own_file_counts_only_for_nodes_that_did_not_report(
     assert not run_writing(tmp_path / "none", rosunit_one="", rostest_file=PASSED).good
 
 
-def test_time_limit_ends_what_escaped_too(tmp_path: pathlib.Path) -> None:
+def test_time_limit_ends_escaped_processes_too(tmp_path: pathlib.Path) -> None:
     command = "setsid sleep 300 & echo $!; exec sleep 300"
     result = run(tmp_path, "sh", "-c", command, time_limit=4.0)
     assert tally(result) == (0, 1, 0, False)
@@ -115,7 +115,7 @@ def test_steps_do_not_share_a_master_or_a_home(tmp_path: pathlib.Path) -> None:
     assert all(str(tmp_path) in path for path in one[1:])
 
 
-def test_hangup_ends_what_a_step_starts_where_the_run_ignores_it(tmp_path: pathlib.Path) -> None:
+def test_hangup_ends_processes_of_a_step_though_the_run_ignores_it(tmp_path: pathlib.Path) -> None:
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
     try:
         result = run(tmp_path, "sh", "-c", "sh -c 'kill -HUP $$; echo ignored'; echo ended")
@@ -176,7 +176,7 @@ def test_a_step_that_has_grown_is_named(
     assert [line for line in told if "usually" in line] == ["unit/a: 16.0 s, usually 10.0 s"]
 
 
-def test_rounds_name_what_did_not_pass_in_each(capsys: "pytest.CaptureFixture[str]") -> None:
+def test_rounds_name_the_failures_of_each(capsys: "pytest.CaptureFixture[str]") -> None:
     good, bad = result_of("a", 1.0, passed=2), result_of("a", 1.0, passed=1, failed=1)
     assert command.summarise_rounds([[good], [good]])
     assert capsys.readouterr().out.splitlines()[-1] == "2 passed, 0 failed, 0 skipped"
@@ -201,7 +201,7 @@ def test_a_failure_names_the_command_that_repeats_it() -> None:
     assert repeat_command(Step("lint", "style", []), Case("style", "failed")) == "./ci/test lint"
 
 
-def test_a_step_is_run_after_the_one_it_needs(
+def test_step_runs_after_its_prerequisite(
     tmp_path: pathlib.Path, capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     made, seen = tmp_path / "made", tmp_path / "seen"
@@ -244,7 +244,7 @@ def test_step_that_has_just_ended_keeps_no_other_from_being_interrupted() -> Non
         assert running.wait(30) != 0
 
 
-def test_interrupt_leaves_nothing_behind(tmp_path: pathlib.Path) -> None:
+def test_interrupt_leaves_no_process(tmp_path: pathlib.Path) -> None:
     command = ["sh", "-c", f"echo $$ > '{tmp_path / 'pid'}'; exec sleep 300"]
     code = (
         "import pathlib, sys; from ci.tiers import command, tier_plan, times;"

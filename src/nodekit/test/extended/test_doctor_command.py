@@ -79,7 +79,7 @@ class WithAMaster(unittest.TestCase):
         matching = [line for line in found if all(word in line for word in words)]
         self.assertEqual(len(matching), 1, f"{words} in {found}")
 
-    def test_healthy_system_is_called_healthy_and_nothing_stays_registered(self) -> None:
+    def test_healthy_system_is_reported_and_nothing_stays_registered(self) -> None:
         self.start("talker", f"+ /chatter {TEXT}", f"+ /stamped {STAMPED}")
         self.start("listener", f"- /chatter {TEXT}", f"- /stamped {STAMPED}", f"- /x {TEXT}")
         before = self.master.system_state()

@@ -168,7 +168,7 @@ class Races(unittest.TestCase):
         self.user.set(self.level, -1)
         self.assert_ends_with(live)
 
-    def test_namespace_that_is_replaced_during_a_put_back_comes_into_force(self) -> None:
+    def test_namespace_replaced_during_a_restore_takes_effect(self) -> None:
         live = self.start(level=2.0, title="old")
         self.server.before_write = lambda: self.user.set(self.key, {"count": 5})
         self.user.set(self.level, -1)
@@ -177,26 +177,26 @@ class Races(unittest.TestCase):
         self.assert_ends_with(live, level=live.values.level, count=5)
         self.assertIn(live.values.level, (1.0, 2.0))
 
-    def test_scalar_over_the_namespace_during_a_put_back_ends_in_step(self) -> None:
+    def test_scalar_over_the_namespace_during_a_restore_ends_in_step(self) -> None:
         live = self.start(level=2.0, title="old")
         self.server.before_write = lambda: self.user.set(self.key, 7)
         self.user.set(self.level, -1)
         # The put-back makes a namespace of the scalar again, with nothing else in it.
         self.assert_ends_with(live, level=2.0)
 
-    def test_bad_value_that_is_hit_by_a_put_back_changes_nothing(self) -> None:
+    def test_invalid_value_overwritten_by_a_restore_has_no_effect(self) -> None:
         live = self.start(level=2.0)
         self.server.before_write = lambda: self.user.set(self.level, "x")
         self.user.set(self.level, -1)
         self.assert_ends_with(live, level=2.0)
 
-    def test_value_that_comes_when_the_defaults_are_written(self) -> None:
+    def test_value_set_while_the_defaults_are_written(self) -> None:
         live = self.make()
         self.server.before_write = lambda: self.user.set(self.level, 5.0)
         open_all([live])
         self.assert_ends_with(live, level=5.0)
 
-    def test_value_that_comes_between_the_first_read_and_the_opening(self) -> None:
+    def test_value_set_between_the_first_read_and_the_opening(self) -> None:
         live = self.make()
         self.user.set(self.level, 5.0)
         levels = self.levels_of(live)
@@ -223,7 +223,7 @@ class Races(unittest.TestCase):
                 self.assert_ends_with(live, **{key: value, **expected})
             self.assertEqual(len(self.warnings.texts), 0 if expected else 1)
 
-    def test_good_value_that_comes_and_is_replaced_during_the_opening(self) -> None:
+    def test_valid_value_set_and_replaced_during_the_opening(self) -> None:
         live = self.make()
 
         def meddle() -> None:
@@ -308,7 +308,7 @@ class Races(unittest.TestCase):
             self.make()
         self.assert_not_followed()
 
-    def test_update_during_a_read_is_not_taken_back(self) -> None:
+    def test_update_during_a_read_is_kept(self) -> None:
         live = self.start()
         levels = self.levels_of(live)
 
@@ -399,7 +399,7 @@ class Races(unittest.TestCase):
         self.assert_ends_with(live)
         self.assertEqual(len(self.warnings.texts), 1)
 
-    def test_update_that_cannot_be_written_changes_nothing(self) -> None:
+    def test_update_that_cannot_be_written_has_no_effect(self) -> None:
         live = self.start(level=2.0)
         self.server.before_write = fail
         with self.assertRaises(MasterUnreachable):
@@ -421,7 +421,7 @@ class Races(unittest.TestCase):
         self.restart_master(self.key)
         self.assert_ends_with(live, level=2.0, title="kept", marks=[])
 
-    def test_same_bad_value_once_more_is_refused_once_more(self) -> None:
+    def test_repeated_invalid_value_is_refused_again(self) -> None:
         live = self.start(level=2.0)
         for number in range(1, 4):
             self.user.set(self.level, -1)
@@ -431,7 +431,7 @@ class Races(unittest.TestCase):
         self.assert_ends_with(live, level=2.0)
         self.assertEqual(len(self.warnings.texts), 3, self.warnings.texts)
 
-    def test_same_bad_value_once_more_without_a_notification(self) -> None:
+    def test_repeated_invalid_value_without_a_notification(self) -> None:
         live = self.start(level=2.0)
         for _ in range(3):
             # The master does not notify the writer.
@@ -453,7 +453,7 @@ class Races(unittest.TestCase):
             )
         self.assert_ends_with(live, level=34.0)
 
-    def test_good_bad_ends_on_the_good_one_at_any_pace(self) -> None:
+    def test_valid_then_invalid_value_ends_on_the_valid_one_at_any_pace(self) -> None:
         live, pace = self.start(), random.Random(2)
         for good in range(10, 30):
             self.user.set(self.level, good)
@@ -481,7 +481,7 @@ class Races(unittest.TestCase):
         self.assertIn("refused -1: must be", refused)
         self.assertIn("; in force is level=5", refused)
 
-    def test_changes_come_through_while_a_slider_is_moved(self) -> None:
+    def test_changes_arrive_while_a_slider_is_moved(self) -> None:
         live = self.start()
         levels = self.levels_of(live)
         for position in itertools.count(1):
@@ -660,7 +660,7 @@ class Races(unittest.TestCase):
                 lambda: f"{value} is not in the cache",
             )
 
-    def test_defect_of_one_follower_harms_no_other(self) -> None:
+    def test_exception_in_one_follower_does_not_stop_the_others(self) -> None:
         def break_down(_seen: object) -> bool:
             raise ZeroDivisionError
 

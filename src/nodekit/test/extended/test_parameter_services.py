@@ -103,7 +103,7 @@ class ParameterServices(ParameterCase):
         self.assert_truth(self.node, self.server)
         self.assertEqual(self.node.changes, before + 1)
 
-    def test_nothing_changes_where_one_is_refused(self) -> None:
+    def test_one_refused_value_prevents_all_changes(self) -> None:
         name = self.node.name
         self.assert_refused("{count: 5, level: -1}", f"parameter {name}/level: refused -1: must")
         self.assert_refused("{level: -1, shape: square}", name + "/level: ", name + "/shape: ")

@@ -86,7 +86,7 @@ class UnknownRospy(unittest.TestCase):
         """Return the gain from its service."""
         return str(call_service("/echo/ask", Trigger, timeout=TIMEOUT_S).result().message)
 
-    def test_it_is_slower_and_says_so_once_and_never_wrong(self) -> None:
+    def test_without_the_fast_path_it_is_slower_and_logs_it_once(self) -> None:
         server, ticks = Server(), self.ear("/ticks")
         ticks.wait_for(lambda message: message.data == "tick")
         question = rospy.Publisher("/in", String, queue_size=10, latch=True)

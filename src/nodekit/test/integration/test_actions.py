@@ -139,7 +139,7 @@ class Server(Actions):
         for goal in (third, fourth):
             self.ended(goal, GoalState.PREEMPTED)
 
-    def test_goal_that_was_cancelled_before_it_came_is_recalled(self) -> None:
+    def test_goal_cancelled_before_it_arrived_is_recalled(self) -> None:
         self.node.create_action_server("test", TestAction, self.execute)
         client = self.stock_client()
         status = MessageRecorder(f"{self.space}/test/status", GoalStatusArray)
@@ -154,7 +154,7 @@ class Server(Actions):
         self.assertEqual(result.status.status, GoalState.RECALLED)
         self.assertEqual(self.running, {})
 
-    def test_newest_only_lets_the_earlier_goal_end_before_the_next_one_begins(self) -> None:
+    def test_newest_only_ends_the_earlier_goal_before_the_next_begins(self) -> None:
         holds = threading.Event()
         self.addCleanup(holds.set)
 
@@ -179,7 +179,7 @@ class Server(Actions):
         self.assertEqual(self.ended(third, GoalState.SUCCEEDED), (4, "there"))
         self.assertEqual(set(self.running), {1, 3})
 
-    def test_goal_that_is_cancelled_while_it_waits_for_an_earlier_one_never_begins(self) -> None:
+    def test_goal_cancelled_while_it_waits_for_an_earlier_one_never_begins(self) -> None:
         holds = threading.Event()
         self.addCleanup(holds.set)
 

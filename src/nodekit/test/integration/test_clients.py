@@ -125,7 +125,7 @@ class Clients(unittest.TestCase):
         with self.assertRaisesRegex(CallTimeout, f"{self.space}/slow: no answer within 0.3 s"):
             future.result()
 
-    def test_cancelled_call_says_so_and_hangs_up(self) -> None:
+    def test_cancelled_call_raises_and_closes_its_connection(self) -> None:
         self.server()
         client = self.node.create_client("slow", Trigger)
         future = client.call_async(TriggerRequest(), TIMEOUT_S)

@@ -122,7 +122,7 @@ class Executors(unittest.TestCase):
             {"name": self.space + "/topic", "running": 1, "waiting": 3, "dropped": 2, "made": 1},
         )
 
-    def test_report_says_why_a_timer_is_late(self) -> None:
+    def test_report_names_the_cause_of_a_late_timer(self) -> None:
         node = self.node()
         executor = SingleThreadedExecutor()
         self.addCleanup(executor.shutdown)

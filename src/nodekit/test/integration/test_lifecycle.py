@@ -328,7 +328,7 @@ class Table(Managed):
         self.assertEqual(logged.output, [f"WARNING:rosout:{text}"])
         self.assertEqual((replies, driver.called), ([False], ["on_shutdown"]))
 
-    def test_one_transition_at_a_time_while_all_else_is_answered(self) -> None:
+    def test_one_transition_at_a_time_while_other_requests_are_answered(self) -> None:
         may_end = threading.Event()
         self.addCleanup(may_end.set)
         self.driver(on_configure=lambda: may_end.wait(TIMEOUT_S))
@@ -372,7 +372,7 @@ class Table(Managed):
         self.assertTrue(self.change("configure"))
         self.assertEqual([name.rpartition("-")[0][:9] for name in names], ["executor-"])
 
-    def test_request_that_an_executor_refuses_keeps_no_later_one_from_being_answered(self) -> None:
+    def test_request_refused_by_an_executor_does_not_block_later_ones(self) -> None:
         driver = self.driver()
         executor = SingleThreadedExecutor()
         executor.add_node(driver.node)
@@ -444,7 +444,7 @@ class Made(Managed):
         within[0].close()
         self.assertEqual(self.registered(), ["out"])
 
-    def test_is_closed_where_the_callback_fails_half_way(self) -> None:
+    def test_objects_are_closed_if_the_callback_fails_half_way(self) -> None:
         driver = self.driver(on_configure=failing)
         self.assertFalse(self.change("configure"))
         self.assertEqual(self.registered(), [])
@@ -614,7 +614,7 @@ class Made(Managed):
         publisher.publish("three")
         wait_until(lambda: driver.heard == ["one", "three"], lambda: str(driver.heard))
 
-    def test_many_rounds_leave_nothing(self) -> None:
+    def test_many_rounds_leak_nothing(self) -> None:
         driver = self.driver()
 
         def configure() -> None:
@@ -691,7 +691,7 @@ class Wanted(Managed):
         host.start()
         return heard
 
-    def test_is_made_at_configure_speaks_while_active_and_ends_at_cleanup(self) -> None:
+    def test_created_at_configure_publishes_while_active_and_ends_at_cleanup(self) -> None:
         heard = self.unaware(True)
         with contextlib.closing(Node(Names.hosted(self.space, "other"))) as other:
             publisher = other.create_publisher("in", String)
@@ -823,7 +823,7 @@ class Wanted(Managed):
 class Heartbeat(Managed):
     """Heartbeats as a manager receives them."""
 
-    def test_beats_in_any_state_and_beside_whatever_takes_long(self) -> None:
+    def test_heartbeat_continues_in_any_state_and_during_long_callbacks(self) -> None:
         driver = self.driver()
         ear = MessageRecorder(f"{self.space}/driver/heartbeat", Header)
         self.addCleanup(ear.close)

@@ -181,7 +181,7 @@ class LiveParameters(ParameterCase):
         run_rosparam("set", GAUGE, "{low: 20, high: 30, shape: flat}")
         self.assert_taken(low=20.0, high=30.0, shape="flat", title="kept")
 
-    def test_replaced_namespace_takes_the_rest_back_to_defaults(self) -> None:
+    def test_replaced_namespace_resets_the_rest_to_defaults(self) -> None:
         self.server.set(GAUGE + "/title", "gone")
         self.node.wait_for(title="gone")
         self.changes_before += 1
@@ -208,7 +208,7 @@ class LiveParameters(ParameterCase):
         run_rosparam("delete", GAUGE)
         self.assert_one_change(**DEFAULTS)
 
-    def test_scalar_over_the_namespace_is_refused_and_all_of_it_put_back(self) -> None:
+    def test_scalar_over_the_namespace_is_refused_and_all_values_are_restored(self) -> None:
         self.server.set(GAUGE, {**DEFAULTS, "level": 5.0, "someone_elses": "note"})
         self.node.wait_for(level=5.0)
         wait_until(lambda: self.new_log("WARN"), lambda: "a warning of the unknown name")
@@ -241,7 +241,7 @@ class LiveParameters(ParameterCase):
         self.assertEqual(len(self.node.logged("levle")), 1)
         self.assertEqual(self.server.get(GAUGE + "/levle"), 5)
 
-    def test_broken_rule_takes_back_the_two_it_is_about(self) -> None:
+    def test_broken_rule_reverts_its_two_parameters(self) -> None:
         self.server.set(GAUGE, {**DEFAULTS, "low": 20.0, "high": 15.0, "count": 4})
         self.node.wait_for(count=4)
         self.assert_truth(self.node, self.server)
@@ -275,7 +275,7 @@ class LiveParameters(ParameterCase):
         self.server.set(GAUGE + "/level", 6)
         self.node.wait_for(level=6.0)
 
-    def test_node_writes_nothing_while_nothing_is_to_be_written(self) -> None:
+    def test_node_writes_only_corrections(self) -> None:
         spy = Spy(GAUGE)
         self.addCleanup(spy.end)
         for level, held in ((2.0, 2.0), (3.0, 3.0), ("x", 3.0), (4.0, 4.0)):

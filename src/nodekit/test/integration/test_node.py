@@ -596,7 +596,7 @@ class Texts(OnMaster):
         for each in (ear, late):
             each.wait_for(lambda line: line.msg == f"{self.space} afterwards")
 
-    def test_a_message_is_refused_and_the_next_one_sent(self) -> None:
+    def test_refused_message_does_not_stop_the_next(self) -> None:
         node, plain = self.node(), self.publisher("plain")
         publisher = node.create_publisher("ours", String)
         node.start()
@@ -609,7 +609,7 @@ class Texts(OnMaster):
                 each.publish("fine")
                 self.assertEqual(ear.wait_for(lambda _: True).data, "fine")
 
-    def test_an_answer_is_refused_and_the_next_one_sent(self) -> None:
+    def test_refused_response_does_not_stop_the_next(self) -> None:
         node, texts = self.node(), [self.NO_TEXT, "fine"]
         node.create_service("ask", Trigger, lambda _: TriggerResponse(True, texts.pop(0)))
         node.start()
@@ -679,7 +679,7 @@ class Closing(OnMaster):
         with self.assertRaises(RuntimeError):
             node.create_publisher("more", String)
 
-    def test_close_waits_for_a_callback_that_is_under_way(self) -> None:
+    def test_close_waits_for_a_running_callback(self) -> None:
         node, go_on, inside, done = self.node(), threading.Event(), threading.Event(), []
 
         def serve(_request: Any) -> TriggerResponse:
@@ -796,7 +796,7 @@ class Closing(OnMaster):
         wait_until(is_settled, lambda: str(seen[-2:]))
         return seen[-1]
 
-    def test_hundred_rounds_leave_nothing(self) -> None:
+    def test_hundred_rounds_leak_nothing(self) -> None:
         publisher = self.publisher("in", latch=True)
         publisher.publish("x")
 

@@ -66,10 +66,10 @@ class WithANode(ParameterCase):
         self.node.wait_for(**expected)
         self.assert_truth(self.node, self.server)
 
-    def test_takes_a_tuple_for_a_list(self) -> None:
+    def test_accepts_a_tuple_for_a_list(self) -> None:
         self.assertEqual(self.client.change({"marks": (5.0,)})["marks"], [5.0])
 
-    def test_one_that_is_refused_changes_nothing(self) -> None:
+    def test_refused_change_in_a_batch_has_no_effect(self) -> None:
         with self.assertRaises(ChangeRefused) as caught:
             self.client.change({"count": 5, "level": -1, "shape": "square"})
         self.assertIn(f"{GAUGE}/level: refused -1: must be", str(caught.exception))
@@ -130,7 +130,7 @@ class Silence(ParameterCase):
         with self.assertRaisesRegex(CallError, "/client/gone/change cannot be called"):
             client.change({"count": 4})
 
-    def test_service_of_that_name_that_describes_nothing(self) -> None:
+    def test_service_of_that_name_without_a_description(self) -> None:
         service = rospy.Service(
             "/client/other/describe", Trigger, lambda _: TriggerResponse(True, "all is well")
         )

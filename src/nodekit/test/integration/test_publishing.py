@@ -149,7 +149,7 @@ class PublishingTest(unittest.TestCase):
         """Tell whether the publisher's own threads are gone."""
         return not any(t.name == "drain" for t in threading.enumerate())
 
-    def test_stopped_subscriber_costs_the_others_nothing_and_is_back_after_it(self):
+    def test_stopped_subscriber_delays_no_other_and_recovers(self):
         publisher = self.publisher()
         _, good = self.subscriber(publisher)
         name, stopped = self.subscriber(publisher)
@@ -181,7 +181,7 @@ class PublishingTest(unittest.TestCase):
         self.assertEqual(len(numbers), self.count - self.statistics_of(publisher, name).lost)
         wait_until(self.no_more_threads, lambda: "a background thread is left")
 
-    def test_last_message_arrives_though_nothing_follows_it(self):
+    def test_last_message_arrives_without_a_following_one(self):
         publisher = self.publisher()
         _, node = self.subscriber(publisher)
         with hanging(node.process.pid):
@@ -287,7 +287,7 @@ class PublishingTest(unittest.TestCase):
         with self.assertRaises(rospy.ROSException):
             publisher.publish(String())
 
-    def test_closing_amid_the_opening_leaves_nothing_either(self):
+    def test_closing_during_opening_leaves_nothing(self):
         publisher = Publisher(self.topic, String)
         register = outgoing_topic.send_directly
 

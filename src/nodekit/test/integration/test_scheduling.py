@@ -189,7 +189,7 @@ class OnSimulatedClock(OnClock):
         timer = self.start(rate, dispatch=kept.append)
         return timer, kept
 
-    def test_call_that_is_kept_leaves_out_those_that_come_meanwhile(self) -> None:
+    def test_kept_call_replaces_later_ones(self) -> None:
         timer, kept = self.keep(10.0)
         self.step(9.0, 9.1, 9.2)
         self.assertEqual(len(kept), 1, "it is not dispatched again before it is made")
@@ -216,7 +216,7 @@ class OnSimulatedClock(OnClock):
         kept[1]()
         self.assert_calls(0.0, 2.0)
 
-    def test_call_that_is_kept_is_not_made_once_the_timer_is_paused_or_closed(self) -> None:
+    def test_kept_call_is_not_made_after_the_timer_is_paused_or_closed(self) -> None:
         for end in (lambda timer: timer.set_rate(0.0), Timer.close):
             timer, kept = self.keep(10.0)
             self.step(9.0)
@@ -371,7 +371,7 @@ class OnMachinesClock(OnClock):
         wait_until(lambda: len(ticks) > 50, lambda: str(ticks))
         self.assertEqual(len(self.calls), 1)
 
-    def test_timers_that_are_closed_leave_nothing(self) -> None:
+    def test_closed_timers_leak_nothing(self) -> None:
         scheduler = self.scheduler(MonotonicClock())
         ticks: List[float] = []
         kept = Timer(scheduler, ticks.append, 1000.0)
@@ -396,7 +396,7 @@ class OnMachinesClock(OnClock):
         gc.collect()
         self.assertEqual([timer for timer in gone if timer() is not None], [])
 
-    def test_rates_that_no_timer_can_keep_are_refused_and_stop_nothing(self) -> None:
+    def test_impossible_rates_are_refused_and_stop_no_timer(self) -> None:
         timer = self.start(500.0)
         for rate in (math.inf, -math.inf, math.nan, -1.0, -1e-9, 1.01 * HIGHEST_HZ):
             with self.assertRaises(ValueError, msg=str(rate)) as refused:

@@ -108,7 +108,7 @@ def test_number_in_base_60_is_warned_of_with_its_value(text, value):
 
 
 @pytest.mark.parametrize("text, has", [("1:30", True), ("1:30.5", False), ("1:00:00", False)])
-def test_decimal_number_is_proposed_only_where_it_would_be_one(text, has):
+def test_decimal_number_is_proposed_only_if_it_is_valid(text, has):
     (warning,) = surprising_values(["node.py", f"_gain:={text}"])
     assert ("for a decimal number" in warning) == has
 
@@ -175,7 +175,7 @@ def test_invalid_names_are_rejected():
         ({}, ['_x:={a: [1"'], "argument '_x:={a: [1\"': must have"),
     ],
 )
-def test_node_refuses_in_one_sentence(tmp_path, environment, arguments, sentence):
+def test_node_refuses_with_a_one_line_message(tmp_path, environment, arguments, sentence):
     (tmp_path / "some_node.py").write_text("import nodekit\ndef main(): nodekit.run('n', object)\n")
     program = "from nodekit.entry_point import main; main('some_node')"
     paths = [str(tmp_path), *sys.path]

@@ -167,7 +167,7 @@ def test_waiting_for_a_group_ends_when_it_is_left(kind: Callable[[], Group]) -> 
     assert group.wait_until_left(0.0)
 
 
-def test_a_callback_waits_for_its_group_for_as_long_as_it_takes() -> None:
+def test_callback_waits_for_its_group_without_a_limit() -> None:
     group, calls = Group(), []  # type: Any
     busy = Busy(group)
     waits = in_thread(Callback(group, lambda: calls.append(1), "").call)
@@ -178,7 +178,7 @@ def test_a_callback_waits_for_its_group_for_as_long_as_it_takes() -> None:
     assert calls == [1]
 
 
-def test_a_turn_that_comes_just_when_the_time_is_over_is_taken() -> None:
+def test_turn_at_the_moment_of_the_timeout_is_taken() -> None:
     group = Group()
     busy = Busy(group)
 
@@ -223,7 +223,7 @@ def test_callback_that_raises_leaves_the_group_and_is_called_again(error: type) 
     assert not group._holder
 
 
-def test_nothing_begins_once_a_callback_is_closed() -> None:
+def test_closed_callback_begins_no_call() -> None:
     group, calls = Group(), []  # type: Any
     callback = Callback(group, lambda: calls.append("callback"), "")
     coalescing = CoalescingCallback(group, lambda: calls.append("bell"), "")

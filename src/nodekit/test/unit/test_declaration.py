@@ -68,7 +68,7 @@ def test_the_same_declaration_may_have_other_defaults():
         Limits.with_defaults(hihg=2.0)
 
 
-def test_one_snapshot_of_the_defaults_is_for_all():
+def test_defaults_share_one_snapshot():
     assert Limits.as_declared() is Limits.as_declared() == Limits()
     other = Limits.with_defaults(count=4)  # derived from the first, which has a snapshot already
     assert other.as_declared() is other.as_declared() == other()
@@ -136,7 +136,7 @@ def test_rule_names_parameters_values_and_condition():
     assert str(RuleError(["count"], [4], "count must be odd")).startswith("parameter count: ")
 
 
-def test_several_errors_are_one_sentence_each():
+def test_several_errors_have_one_line_each():
     limits = [ParameterError("count", 10, "small"), RuleError(["a", "b"], [1, 2], "a must be b")]
     both = ParameterErrors(limits)
     assert both.names == ("count", "a", "b")

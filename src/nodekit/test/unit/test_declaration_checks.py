@@ -107,7 +107,7 @@ def test_an_inherited_parameter_is_not_hidden_in_silence(value: Any) -> None:
         type("Mine", (Gauge,), {"is_on": value})
 
 
-def test_a_hidden_parameter_is_named_with_the_ways_out() -> None:
+def test_hidden_parameter_is_named_with_remedies() -> None:
     with pytest.raises(TypeError) as caught:
 
         class Mine(Mixin, Gauge):
@@ -119,7 +119,7 @@ def test_a_hidden_parameter_is_named_with_the_ways_out() -> None:
     )
 
 
-def test_a_property_takes_an_inherited_parameter_away() -> None:
+def test_property_removes_an_inherited_parameter() -> None:
     class Without(Gauge):
         """Always on."""
 

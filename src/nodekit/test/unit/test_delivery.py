@@ -219,7 +219,7 @@ def test_held_data_is_bounded_in_bytes_and_the_newest_is_always_held(pairs, monk
     assert ([each.size for each in link.held], link.lost) == ([len(BIG), 5 * len(BIG)], 9)
 
 
-def test_many_small_messages_are_bounded_by_the_memory_they_take(pairs, monkeypatch):
+def test_many_small_messages_are_bounded_by_their_memory(pairs, monkeypatch):
     monkeypatch.setattr("nodekit.transport.subscriber_connection.MOST_HELD", len(BIG) + 100_000)
     link = SubscriberConnection("full", pairs()[0], threading.RLock(), depth=1_000_000)
     delivery.deliver(BIG, [link])
@@ -581,7 +581,7 @@ class FullSocket:
         self._sock.close()
 
 
-def test_background_thread_pauses_where_a_writable_socket_takes_nothing(pairs):
+def test_background_thread_pauses_if_a_writable_socket_accepts_nothing(pairs):
     threads = threading.active_count()
     ours, _ = pairs()
     full = FullSocket(ours)
@@ -595,7 +595,7 @@ def test_background_thread_pauses_where_a_writable_socket_takes_nothing(pairs):
     wait_until(lambda: threading.active_count() == threads, lambda: "a thread is left")
 
 
-def test_background_thread_takes_notice_of_another_stall(pairs):
+def test_background_thread_notices_another_stall(pairs):
     threads = threading.active_count()
     (first, held), (second, read) = pairs(), pairs()
     silent, other = RecordingLink(first), RecordingLink(second)

@@ -236,7 +236,7 @@ def test_wall_stamps_in_simulated_time_are_a_fault() -> None:
     assert graph_checks.check_clocks(simulated(12.0, 12.0), use_sim_time=True) == []
 
 
-def test_simulated_time_without_clock_is_a_fault_and_standing_one_a_note() -> None:
+def test_simulated_time_without_clock_is_a_fault_and_a_stopped_clock_a_note() -> None:
     (found,) = faults(graph_checks.check_clocks(graph(), use_sim_time=True))
     assert "/use_sim_time is true, and no node publishes the time" in found
     (paused,) = graph_checks.check_clocks(simulated(1000.0, None), use_sim_time=True)

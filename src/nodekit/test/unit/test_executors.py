@@ -188,7 +188,7 @@ def test_newest_messages_are_kept_and_the_rest_is_counted() -> None:
     assert heard == [7, 8, 9]
 
 
-def test_batch_takes_all_that_waits() -> None:
+def test_batch_takes_all_waiting_messages() -> None:
     made, heard = SingleThreadedExecutor(), []  # type: Any
     callback = SubscriptionCallback(Group(), heard.append, "topic", True, 100)
     callback.attach(made._ready)
@@ -241,7 +241,7 @@ def test_timer_that_is_too_slow_for_its_rate_leaves_the_others_their_turns(
 
 
 @pytest.mark.parametrize("error", [ValueError, SystemExit, KeyboardInterrupt])
-def test_failure_harms_nothing_else(error: Type[BaseException]) -> None:
+def test_failure_affects_nothing_else(error: Type[BaseException]) -> None:
     made, heard = SingleThreadedExecutor(), []  # type: Any
 
     def fail(message: Any) -> None:
@@ -355,14 +355,14 @@ def test_invalid_number_of_threads_is_rejected(threads: int) -> None:
         MultiThreadedExecutor(threads)
 
 
-def test_threads_that_have_not_begun_count(monkeypatch: "pytest.MonkeyPatch") -> None:
+def test_threads_not_yet_started_count(monkeypatch: "pytest.MonkeyPatch") -> None:
     """Or a call to another thread, made early, would be refused as one to the only thread."""
     monkeypatch.setattr(threading.Thread, "start", lambda thread: None)
     assert len(MultiThreadedExecutor(3)._ready.workers) == 3
 
 
 @pytest.mark.parametrize("queue_size, kept", [(None, DEPTH), (3, 3), (-1, 50)])
-def test_as_many_messages_wait_as_is_said(queue_size: Optional[int], kept: int) -> None:
+def test_queue_holds_the_given_number_of_messages(queue_size: Optional[int], kept: int) -> None:
     made, node, heard = SingleThreadedExecutor(), Node(Names("/one", True)), []  # type: Any
     made.add_node(node)
     node.create_subscription("topic", String, heard.append, queue_size)

@@ -104,7 +104,7 @@ def test_cancellation_leaves_goals_that_end_already() -> None:
     assert goals.cancel("0", 0, 100 * SECOND, 0.0) == []
 
 
-def test_goal_cancelled_by_id_before_it_comes_is_recalled_once() -> None:
+def test_goal_cancelled_by_id_before_it_arrives_is_recalled_once() -> None:
     goals = GoalList()
     assert goals.cancel("early", 0, SECOND, 0.0) == []
     assert [(goal.id, goal.state) for goal in goals] == [("early", GoalState.RECALLING)]
@@ -115,7 +115,7 @@ def test_goal_cancelled_by_id_before_it_comes_is_recalled_once() -> None:
     assert (again.is_new, again.is_recalled, again.goal) == (False, False, arrival.goal)
 
 
-def test_goal_cancelled_by_time_before_it_comes_is_recalled() -> None:
+def test_goal_cancelled_by_time_before_it_arrives_is_recalled() -> None:
     goals = GoalList()
     goals.cancel("", 10 * SECOND, 20 * SECOND, 0.0)
     arrivals = [goals.add(str(stamp), stamp * SECOND, 20 * SECOND, 0.0) for stamp in (10, 11, 0)]
@@ -137,7 +137,7 @@ def test_clock_that_is_set_back_forgets_cancellations_by_time() -> None:
     assert goals.add("b", 1 * SECOND, 1 * SECOND, 0.0).is_new
 
 
-def test_duplicate_of_a_running_goal_changes_nothing() -> None:
+def test_duplicate_of_a_running_goal_is_ignored() -> None:
     goals, (first,) = listed(1)
     arrival = goals.add("0", 7 * SECOND, 100 * SECOND, 0.0)
     assert arrival == (first, False, False)

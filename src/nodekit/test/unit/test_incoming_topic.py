@@ -196,7 +196,7 @@ def test_nonsense_ends_the_connection_as_rospy_expects_it(connected):
         connected.transport.receive_once()
 
 
-def test_latched_message_is_kept_for_callbacks_that_come_later(connected):
+def test_latched_message_is_kept_for_later_callbacks(connected):
     connected.transport.is_latched = True
     connected.socket.sendall(packet("old") + packet("last"))
     connected.receive_all()
@@ -241,7 +241,7 @@ def test_a_read_takes_no_more_memory_than_it_brings(connected):
     assert most < rospy.impl.tcpros_base.DEFAULT_BUFF_SIZE / 4
 
 
-def test_a_defect_of_one_callback_leaves_the_others_alone(connected):
+def test_exception_in_one_callback_does_not_stop_the_others(connected):
     def fail(messages, may_wait):
         raise ValueError("defect")
 
@@ -282,7 +282,7 @@ def test_plain_subscriber_of_the_topic_receives_the_same(connected):
 
 
 @pytest.mark.parametrize("known", [True, False])
-def test_where_batches_are_not_possible_messages_come_one_by_one(monkeypatch, known):
+def test_without_batches_messages_arrive_one_by_one(monkeypatch, known):
     with contextlib.ExitStack() as stack:
         if known:
             stack.callback(rospy.Subscriber(TOPIC, String).unregister)
@@ -432,7 +432,7 @@ def test_the_latched_message_is_like_any_other_message_of_the_same_process(stack
 
 
 @pytest.mark.parametrize("latch", [True, False])
-def test_where_nothing_is_latched_nothing_is_handed_over(stack, latch):
+def test_without_a_latched_message_nothing_is_delivered(stack, latch):
     publisher = opened(stack, String, latch=latch)
     first = Ear(stack)
     if not latch:
@@ -443,7 +443,7 @@ def test_where_nothing_is_latched_nothing_is_handed_over(stack, latch):
     assert late.batches == []
 
 
-def test_subscriber_that_publishes_in_turn_is_not_in_its_own_way(together):
+def test_subscriber_that_publishes_in_its_callback_does_not_deadlock(together):
     publisher, ear = together
 
     def answer(messages, may_wait):
@@ -488,7 +488,7 @@ def test_connection_that_a_publisher_refuses_is_removed(stack, monkeypatch):
     assert not ear.impl.has_connection(uri)
 
 
-def test_second_connection_to_a_publisher_leaves_the_first_one_alone(connected, monkeypatch):
+def test_second_connection_to_a_publisher_keeps_the_first(connected, monkeypatch):
     looked_for = []
     monkeypatch.setattr(registrar, "connect", lambda *what: looked_for.append(what))
     second = TCPROSTransport(TCPROSSub(TOPIC, String), TOPIC)
@@ -500,7 +500,7 @@ def test_second_connection_to_a_publisher_leaves_the_first_one_alone(connected, 
     assert looked_for == [(TOPIC, "/publisher")], "the first one may have been about to end"
 
 
-def test_connection_that_was_begun_between_two_publishers_is_not_wanted(together, monkeypatch):
+def test_connection_begun_between_two_publishers_is_dropped(together, monkeypatch):
     publisher, ear = together
     uri = "http://here"
     monkeypatch.setattr(rospy, "get_node_uri", lambda: uri)
@@ -579,7 +579,7 @@ def test_plain_subscriber_keeps_receiving_after_ours_is_closed(connected):
 
 
 @pytest.mark.parametrize("known", [True, False])
-def test_where_batches_are_not_possible_closing_ends_it_too(monkeypatch, known):
+def test_without_batches_closing_ends_it_too(monkeypatch, known):
     with contextlib.ExitStack() as stack:
         plain = []
         if not known:

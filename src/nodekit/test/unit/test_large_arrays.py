@@ -32,7 +32,7 @@ def messages(draw):
 
 
 @given(messages())
-def test_split_message_is_the_serialized_one_and_is_read_again(message):
+def test_split_message_equals_the_serialized_one_and_round_trips(message):
     parts = split(message, serialized)
     assert parts.joined() == serialized(message)
     assert len(parts) == len(parts.joined())

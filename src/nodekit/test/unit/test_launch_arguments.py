@@ -107,7 +107,7 @@ def test_a_file_that_is_not_there_or_no_xml(tmp_path: Any) -> None:
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
-def test_all_that_roslaunch_takes_is_taken(path: pathlib.Path) -> None:
+def test_arguments_of_roslaunch_are_accepted(path: pathlib.Path) -> None:
     words = [str(path)]
     arguments = [f"{name}:=1" for name in get_args([str(path)])]
     assert ignored([*words, *arguments], "/") == []

@@ -133,7 +133,7 @@ def test_value_that_cannot_be_sent_hides_no_other() -> None:
         assert client.read(["/n"]).values == {"/n": {"level": 1.0, "big": UNREADABLE}}
 
 
-def test_two_answers_that_come_in_turn_are_parsed_once_each(
+def test_two_alternating_responses_are_parsed_once_each(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
     parsed: List[bytes] = []

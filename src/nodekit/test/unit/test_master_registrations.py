@@ -88,7 +88,7 @@ def test_restarted_master_is_reported_once(rig: Rig) -> None:
     assert (rig.renewals, rig.lines) == (2, [line, line])
 
 
-def test_node_that_was_forgotten_says_so_and_not_that_the_master_was_restarted(rig: Rig) -> None:
+def test_forgotten_node_logs_it_and_claims_no_restart(rig: Rig) -> None:
     for knows in (True, False, True):
         rig.read(knows)
     line = "the master had forgotten this node: registered again, settings in force are kept"
@@ -106,7 +106,7 @@ def test_master_that_refuses_everything_is_asked_once_and_no_restart_is_claimed(
     assert len(rig.lines) == rig.renewals - 1 > 0
 
 
-def test_service_that_was_taken_over_is_registered_again_when_it_is_free(rig: Rig) -> None:
+def test_service_taken_over_is_registered_again_when_it_is_free(rig: Rig) -> None:
     rig.master.owners = {"/a": OWN}
     assert rig.reclaim_services() == []
     rig.master.owners = {"/a": OTHER}

@@ -74,7 +74,7 @@ def test_existing_files_are_kept(tmp_path: pathlib.Path) -> None:
     assert (tmp_path / "second_robot").read_text() == "mine"
 
 
-def test_a_folder_that_is_not_there_is_not_made(tmp_path: pathlib.Path) -> None:
+def test_missing_folder_is_not_created(tmp_path: pathlib.Path) -> None:
     with pytest.raises(new.NewPackageError, match="cannot be created: No such file or directory$"):
         new.make("first_robot", tmp_path / "none", TEMPLATE)
     assert list(tmp_path.iterdir()) == []

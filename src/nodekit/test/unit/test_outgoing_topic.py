@@ -328,7 +328,9 @@ def test_subscriber_that_has_gone_is_forgotten(opened, connect):
     assert receive(rest).data == "news"
 
 
-def test_subscriber_that_goes_while_the_topic_closes_raises_nothing(opened, connect, monkeypatch):
+def test_subscriber_that_disconnects_while_the_topic_closes_raises_nothing(
+    opened, connect, monkeypatch
+):
     publisher = opened(String)
     connect(publisher).close()
     topic = impl(publisher)
@@ -356,7 +358,7 @@ class Gone(socket.socket):
 
 
 @pytest.mark.parametrize("name", ["/subscriber", "/another"])
-def test_new_subscriber_is_kept_that_has_the_descriptor_of_one_that_has_gone(opened, connect, name):
+def test_new_subscriber_with_a_reused_descriptor_is_kept(opened, connect, name):
     publisher = opened(String, latch=True)
     theirs = connect(publisher)
     (transport,) = impl(publisher).connections
@@ -619,7 +621,7 @@ def test_publisher_that_opens_while_the_last_other_closes_is_received(
     assert [s.sent for s in ours.statistics()] == [1]
 
 
-def test_second_type_of_a_topic_is_refused_and_harms_nothing(opened, unopened, connect):
+def test_second_type_of_a_topic_is_refused_without_side_effects(opened, unopened, connect):
     first, other = opened(String), unopened(Float32)
     subscriber = connect(first)
     text = f"topic {TOPIC}: refused std_msgs/Float32: must be std_msgs/String, as elsewhere"

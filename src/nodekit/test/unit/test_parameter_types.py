@@ -70,7 +70,7 @@ def assert_refused(parameter, raw):
 
 
 @pytest.mark.parametrize("raw", [True, False])
-def test_bool_takes_truth_values(raw):
+def test_bool_accepts_truth_values(raw):
     assert_taken(BOOL, raw, raw)
 
 
@@ -93,7 +93,7 @@ def test_bool_refuses_substitutes(raw):
         (1.7e308, 1.7e308),
     ],
 )
-def test_float_takes_numbers_and_numeric_text(raw, expected):
+def test_float_accepts_numbers_and_numeric_text(raw, expected):
     assert_taken(FLOAT, raw, expected)
 
 
@@ -119,12 +119,12 @@ def test_numbers_are_finite_and_never_truth_values(parameter, raw):
         (2147483647.0, 2147483647),
     ],
 )
-def test_int_takes_whole_numbers(raw, expected):
+def test_int_accepts_whole_numbers(raw, expected):
     assert_taken(INT, raw, expected)
 
 
 @pytest.mark.parametrize("raw", [0.5, "0.5", 2147483648, -2147483649, 2147483648.0, "2147483648"])
-def test_int_takes_no_fraction_and_no_more_than_32_bits(raw):
+def test_int_refuses_fractions_and_more_than_32_bits(raw):
     assert_refused(INT, raw)
 
 
@@ -168,7 +168,7 @@ def test_text_refuses_other_types(raw):
     assert "quote" in str(error)
 
 
-def test_enum_takes_its_words_only():
+def test_enum_accepts_only_its_words():
     assert_taken(ENUM, "square", "square")
     for raw in ("Square", "squar", "", False, 0, ["sine"]):
         assert_refused(ENUM, raw)
@@ -261,7 +261,7 @@ def test_steps_hold_over_the_whole_range_of_an_int():
     assert_refused(even, 2147483647)
 
 
-def test_a_rate_is_one_that_a_timer_can_have():
+def test_rate_is_valid_for_a_timer():
     rate = RateParameter(10.0, help="how often")
     assert (rate.range, rate.unit, rate.type_name) == ("[1e-06, 10000]", "Hz", "float")
     assert_taken(rate, 1e-6, 1e-6)
@@ -276,7 +276,7 @@ def test_a_rate_may_be_pausable():
     assert_refused(rate, -1e-9)
 
 
-def test_list_takes_elements_of_one_type_and_coerces_each():
+def test_list_accepts_elements_of_one_type_and_coerces_each():
     assert_taken(FLOATS, [1, "1e3", 2.5], (1.0, 1000.0, 2.5))
     assert_taken(FLOATS, (), ())
     for raw in ([1, True], [NAN], ["a"], [[1.0]], [1, 2, 3, 4], "123", {"0": 1.0}, 1.0):
@@ -291,7 +291,7 @@ def test_list_keeps_to_its_lengths():
         assert_refused(pair, raw)
 
 
-def test_list_takes_a_thousand_elements_by_default():
+def test_list_accepts_a_thousand_elements_by_default():
     many = ListParameter([], element=INT, help="many")
     assert_taken(many, [7] * 1000, (7,) * 1000)
     assert_refused(many, [7] * 1001)

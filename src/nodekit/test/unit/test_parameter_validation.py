@@ -125,7 +125,7 @@ def test_truth_value_in_place_of_an_equal_number_is_refused_and_corrected():
 
 
 @pytest.mark.parametrize("raw", ["x", "", True, float("nan"), {"a": 1}, [1.0], 101.0])
-def test_refused_value_leaves_the_one_in_force_and_says_why(raw):
+def test_refused_value_keeps_the_value_in_force_and_gives_the_reason(raw):
     in_force = Gauge(top=7.0)
     values, (error,), writes = validate_changes(in_force, top=raw, count=5)
     assert values == in_force.replace(count=5)
@@ -140,7 +140,7 @@ def test_rule_is_checked_when_all_values_are_known():
     assert (errors, writes) == ([], {})
 
 
-def test_broken_rule_takes_back_only_the_changes_that_it_is_about():
+def test_broken_rule_reverts_only_its_own_parameters():
     values, (error,), writes = validate_changes(DEFAULTS, low=5.0, count=7, title="new")
     assert values == Gauge(count=7, title="new")
     assert writes == {"low": 0.0}
@@ -163,7 +163,7 @@ def test_rule_is_checked_with_current_value_of_rejected_one():
     assert [error.name for error in errors] == ["high", "low, high"]
 
 
-def test_default_of_a_deleted_value_is_taken_back_where_it_breaks_a_rule():
+def test_default_of_a_deleted_value_is_reverted_if_it_breaks_a_rule():
     in_force = Gauge(low=1.5, high=1.8)
     values, _, writes = validate(
         in_force, {k: v for k, v in on_wire(in_force).items() if k != "high"}

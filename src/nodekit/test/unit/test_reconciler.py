@@ -483,7 +483,7 @@ def test_validated_change_is_adopted_only_on_request() -> None:
         ({"low": "x", "high": -1}, "low: refused 'x': must be a number"),
     ],
 )
-def test_a_change_that_is_refused_changes_nothing(changes: Dict[str, Any], text: str) -> None:
+def test_refused_change_has_no_effect(changes: Dict[str, Any], text: str) -> None:
     reconciler = Reconciler(Gauge)
     reconciler.start(HELD, 0.0)
     with pytest.raises(ParameterError) as caught:
@@ -643,7 +643,7 @@ def test_burst_is_allowed_immediately_then_one_per_refill():
     assert not budget.allow("level", 1.9 * REFILL_S)
 
 
-def test_one_more_goes_with_each_of_the_questions_that_come_once_in_a_while():
+def test_restart_check_is_added_to_each_periodic_request():
     budget = TokenBucket()
     for _ in range(BURST):
         budget.allow("level", 0.0)
@@ -651,7 +651,7 @@ def test_one_more_goes_with_each_of_the_questions_that_come_once_in_a_while():
 
 
 @given(st.lists(st.floats(0.0, 3.0 * REFILL_S), max_size=200))
-def test_never_more_is_allowed_than_the_burst_and_one_a_period(pauses):
+def test_at_most_the_burst_and_one_per_period_is_allowed(pauses):
     budget, now, allowed = TokenBucket(), 0.0, 0
     for pause in pauses:
         now += pause

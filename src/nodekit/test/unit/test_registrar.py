@@ -66,7 +66,7 @@ def topics(count):
     return [(PUB, f"/{number}", "std_msgs/String") for number in range(count)]
 
 
-def test_many_are_registered_and_taken_back_by_five_hundreds(ending):
+def test_registrations_are_batched_by_five_hundreds(ending):
     ask = Asked()
     tested = registrar._Registrar(None, ask)
     tested.add(topics(1201))
@@ -94,7 +94,7 @@ def test_publishers_are_registered_before_subscribers(ending):
     ]
 
 
-def test_node_that_ends_in_the_middle_of_its_start_leaves_nothing_registered(ending):
+def test_node_ended_during_its_start_leaves_nothing_registered(ending):
     ask = Asked(lambda calls: len(ask.requests) == 2 and ending.request())
     registrar._Registrar(None, ask).add(topics(1201) + [(SRV, "/s", "rosrpc://here:2")])
     registered = [call[1] for call in ask.calls if call[0].startswith("register")]
@@ -149,7 +149,7 @@ def test_topic_created_again_while_it_is_unregistered_stays_registered(asked):
     assert told[-1] == "registerPublisher", told
 
 
-def test_topic_that_is_closed_while_it_is_registered_is_taken_back(asked):
+def test_topic_closed_while_it_is_registered_is_unregistered(asked):
     publisher = Publisher("/topic", String)
     with registrar.together():
         publisher.open()
@@ -158,7 +158,7 @@ def test_topic_that_is_closed_while_it_is_registered_is_taken_back(asked):
     assert told[-1] == "unregisterPublisher", told
 
 
-def test_service_that_is_closed_while_it_is_registered_again_is_taken_back(asked, monkeypatch):
+def test_service_closed_while_it_is_registered_again_is_unregistered(asked, monkeypatch):
     offered = {"/closed": mock.Mock(), "/open": mock.Mock()}
     entries = [(SRV, name, "rosrpc://here:2") for name in offered]
     registrar._registrar.add(entries)

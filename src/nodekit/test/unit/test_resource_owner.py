@@ -57,7 +57,7 @@ def test_the_latest_is_closed_first_also_within_a_scope() -> None:
 
 
 @pytest.mark.parametrize("fails", ["start", "own"])
-def test_nothing_stays_of_a_hosted_node_that_cannot_start(
+def test_hosted_node_that_cannot_start_leaves_nothing(
     fails: str, monkeypatch: "pytest.MonkeyPatch"
 ) -> None:
     node = Node(Names("/whole", True))

@@ -31,7 +31,7 @@ def test_no_truth_value_is_refused(value: Any) -> None:
     assert text.endswith(": must be true or false")
 
 
-def test_nothing_of_managed_nodes_is_imported_where_they_are_not_wanted() -> None:
+def test_lifecycle_modules_are_imported_only_if_needed() -> None:
     program = """
 import sys
 from nodekit.process.run import selected_class

@@ -198,7 +198,7 @@ def test_client_validates_like_the_node(name: str, raw: Any) -> None:
 
 
 @given(*[st.floats(allow_nan=False, allow_infinity=False)] * 2)
-def test_numbers_come_back_as_they_were(one: float, other: float) -> None:
+def test_numbers_round_trip(one: float, other: float) -> None:
     ends = {"minimum": min(one, other), "maximum": max(one, other)}
 
     class Bounded(ParameterSet):

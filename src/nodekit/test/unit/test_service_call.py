@@ -156,7 +156,7 @@ def test_header_without_sense_is_a_header_without_fields() -> None:
         assert call(server) == b"3"
 
 
-def test_call_is_cancelled_under_way_and_before() -> None:
+def test_call_is_cancelled_before_and_while_running() -> None:
     errors: List[Exception] = []
 
     def run(under_way: ServiceCall, server: Server) -> None:

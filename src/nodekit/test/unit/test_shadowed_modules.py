@@ -24,7 +24,7 @@ def run_script(path: Path, **environment: str) -> "subprocess.CompletedProcess[s
 
 @pytest.mark.parametrize("text", [SCRIPT, PORTED], ids=["with rospy", "without"])
 @pytest.mark.parametrize("name", ["signal", "queue", "rospy", "random"])
-def test_script_with_the_name_of_a_module_is_named_in_one_sentence(
+def test_script_with_the_name_of_a_module_is_named_in_one_line(
     tmp_path: Path, name: str, text: str
 ) -> None:
     path = tmp_path / f"{name}.py"
@@ -48,7 +48,7 @@ def test_other_files_beside_the_script_are_its_own(tmp_path: Path) -> None:
     assert run_script(tmp_path / "talker.py").returncode == 0
 
 
-def test_file_that_hides_nothing_is_accepted(tmp_path: Path) -> None:
+def test_file_without_a_name_clash_is_accepted(tmp_path: Path) -> None:
     for name in ("time.py", "os.py", "talker.py"):  # built in, and loaded before the script
         (tmp_path / name).write_text(PORTED)
     assert run_script(tmp_path / "talker.py").returncode == 0

@@ -173,12 +173,12 @@ def test_frame_is_read_as_it_was_written(places, field, lost):
     assert frame.unpack_from(b"before" + one.pack(), 6) == one
 
 
-def test_frame_whose_array_is_outside_is_refused():
+def test_frame_with_an_array_out_of_bounds_is_refused():
     with pytest.raises(ValueError, match="malformed"):
         frame.unpack_from(Frame(1, 10, 5, 11, 0, 0).pack(), 0)
 
 
-def test_messages_arrive_in_one_segment_that_is_used_again(subscribe):
+def test_messages_reuse_one_segment(subscribe):
     one = subscribe()
     for number in range(5):
         assert one.send(bytes([number]) * 300_000)
@@ -186,7 +186,7 @@ def test_messages_arrive_in_one_segment_that_is_used_again(subscribe):
     assert one.topic.segments() == 1
 
 
-def test_forked_child_returns_nothing_that_its_parent_reads(subscribe):
+def test_forked_child_releases_no_segment_of_its_parent(subscribe):
     one = subscribe()
     one.send(b"a" * 300_000)
     (announced,) = one.announced()
@@ -258,7 +258,7 @@ def test_background_service_waits_for_the_reader_not_for_the_socket(subscribe):
     assert one.read() == [b"c" * 300_000]
 
 
-def test_slow_reader_takes_no_memory_from_a_fast_one(subscribe):
+def test_slow_reader_does_not_hold_memory_of_a_fast_one(subscribe):
     slow = subscribe(depth=1)
     fast = subscribe(topic=slow.topic)
     fast.lock = slow.lock
@@ -342,7 +342,7 @@ def test_message_to_a_subscriber_that_has_gone_is_not_lent(subscribe):
     assert one.topic.segments() == 0
 
 
-def test_fifty_subscribers_that_come_and_go_get_every_message_while_there(subscribe):
+def test_fifty_changing_subscribers_get_every_message_while_connected(subscribe):
     first = subscribe()
     there = [first, *(subscribe(topic=first.topic) for _ in range(49))]
     number = 0
@@ -418,7 +418,7 @@ def test_offer_is_read_as_it_was_written(listener):
     assert channel.parse_offer(offer.text()) == offer
 
 
-def test_channels_that_come_in_another_order_reach_their_connections(listener):
+def test_channels_in_another_order_reach_their_connections(listener):
     first, second = listener.offer(), listener.offer()
     writers = [WriterChannel(second), WriterChannel(first)]
     written = WrittenMemory(4096)
@@ -474,7 +474,7 @@ def test_channel_of_a_connection_that_ends_before_it_reads_is_closed(subscribe):
         assert not subscriber.topic._pool.readers()
 
 
-def test_connection_whose_channel_has_ended_is_not_left_waiting(subscribe):
+def test_connection_with_an_ended_channel_is_released(subscribe):
     subscriber = subscribe(depth=10)
     for _ in range(MOST_IN_FLIGHT + 1):
         assert subscriber.send(b"x" * 300_000)

@@ -26,7 +26,7 @@ class StandingClock(clocks.SimulatedClock):
         super().wait_until(moment)
 
 
-def test_standing_clock_costs_nothing(monkeypatch):
+def test_stopped_clock_uses_no_cpu_time(monkeypatch):
     monkeypatch.setattr(clocks.rospy, "Subscriber", lambda *args, **kwds: None)
     clock = StandingClock()
     scheduler = Scheduler(clock)

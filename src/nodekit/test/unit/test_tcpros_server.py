@@ -114,7 +114,7 @@ def test_this_rospy_is_known():
 
 @pytest.mark.parametrize("method", ["_RUN", "_START", "_HANDLE"])
 @pytest.mark.parametrize("other", [lambda server: None, print])
-def test_a_rospy_that_accepts_in_another_way_is_left_alone(monkeypatch, warnings, method, other):
+def test_different_rospy_server_is_left_alone(monkeypatch, warnings, method, other):
     monkeypatch.setattr(tcpros_server, method, other)
     run = TCPServer.run
     tcpros_server.patch_tcpros_server()
@@ -260,7 +260,7 @@ def test_invalid_request_is_answered_by_an_error(served, warnings, said, answer)
 
 
 @pytest.mark.parametrize("said", [header(topic="/defect"), header()[:9], struct.pack("<II", 8, 9)])
-def test_nonsense_and_defects_end_one_connection_only(served, warnings, said):
+def test_garbage_and_exceptions_end_one_connection_only(served, warnings, said):
     waiting = served.connect()
     peer = served.connect()
     peer.sendall(said)
@@ -295,7 +295,7 @@ def test_server_that_is_shut_down_before_it_runs_ends_without_a_word(served):
     server.run()
 
 
-def test_header_that_rospy_reads_is_the_one_that_is_read_here():
+def test_header_is_read_as_by_rospy():
     ours, theirs = socket.socketpair()
     with ours, theirs:
         theirs.sendall(header(callerid="/same"))

@@ -66,7 +66,7 @@ def test_first_call_is_due_immediately_with_zero_elapsed():
 
 
 @given(STARTS, RATES, st.floats(0.0, 1e3))
-def test_to_begin_again_changes_nothing(start, rate, later):
+def test_beginning_again_has_no_effect(start, rate, later):
     timetable = Timetable(rate)
     timetable.begin(start)
     timetable.begin(start + later)
@@ -85,7 +85,7 @@ def test_the_first_call_that_is_late_counts_from_when_it_was_due():
     assert timetable.deadline == pytest.approx(5.3)
 
 
-def test_to_take_begins():
+def test_taking_a_deadline_begins():
     timetable = Timetable(2.0)
     assert timetable.take_deadline(7.0) == 0.0
     assert timetable.deadline == 7.5
@@ -108,7 +108,7 @@ def test_a_day_at_1_khz_ends_on_the_very_grid():
     assert timetable.deadline == 1.7e9 + 86400.001
 
 
-def test_missed_deadlines_are_made_up_for_where_that_is_wanted():
+def test_missed_deadlines_are_caught_up_if_requested():
     timetable = Timetable(10.0, catch_up=0.5)
     timetable.take_deadline(0.0)
     assert [timetable.take_deadline(0.31) for _ in range(3)] == pytest.approx([0.1, 0.2, 0.3])
@@ -287,7 +287,7 @@ def test_clock_set_back_during_a_pause():
 
 
 @given(st.floats(10.0, 1e5), st.floats(0.5, 100.0), st.integers(0, 20), st.floats(0.1, 1e5))
-def test_clock_set_back_makes_the_task_due_one_period_on(start, rate, calls, back):
+def test_clock_set_back_schedules_the_task_one_period_later(start, rate, calls, back):
     timetable = Timetable(rate)
     for number in range(calls):
         timetable.take_deadline(start + number / rate)

@@ -164,12 +164,12 @@ def test_callback_of_changes_takes_the_new_and_the_old_values() -> None:
     assert text == f"on_change: refused Beating.take_1: {must}"
 
 
-def test_rate_takes_no_argument() -> None:
+def test_rate_has_no_argument() -> None:
     text = refusal(lambda: node().create_timer(Beating().take_1, print))
     assert text.startswith("/lab/one: rate: refused Beating.take_1: must take no argument")
 
 
-def test_the_way_out_of_async_is_one() -> None:
+def test_proposed_replacement_of_async_works() -> None:
     def callback(argument: Any) -> None:
         asyncio.run(awaited(argument))
 
@@ -362,7 +362,7 @@ def test_waiting_without_a_time_out(give: Callable[[Any], Any], timeout: Any) ->
     assert text == f"timeout: refused {timeout!r} s: {must}"
 
 
-def test_waiting_as_long_as_it_takes() -> None:
+def test_waiting_without_a_limit() -> None:
     assert SingleThreadedExecutor().shutdown(math.inf)
 
 

@@ -138,7 +138,7 @@ def test_change_of_any_key_is_noticed_without_a_notification(monkeypatch, client
         wait_until(lambda: one.values == [5], lambda: f"{one.watched.key} is not noticed")
 
 
-def test_reading_that_was_not_dealt_with_is_handed_over_again(monkeypatch, client, watcher):
+def test_unhandled_reading_is_delivered_again(monkeypatch, client, watcher):
     monkeypatch.setattr(watching, "RECONCILE_S", 0.01)
 
     class Busy(Told):
@@ -152,7 +152,7 @@ def test_reading_that_was_not_dealt_with_is_handed_over_again(monkeypatch, clien
     wait_until(lambda: told.values == [5, 5], lambda: f"told: {told.values}", 10.0)
 
 
-def test_value_that_never_rests_is_handed_over_all_the_same(monkeypatch, client, watcher):
+def test_constantly_changing_value_is_delivered(monkeypatch, client, watcher):
     monkeypatch.setattr(watching, "RECONCILE_S", 0.01)
     told, numbers, read = Told("/busy"), itertools.count(), client.read
 
@@ -166,9 +166,7 @@ def test_value_that_never_rests_is_handed_over_all_the_same(monkeypatch, client,
     wait_until(lambda: len(told.values) >= 2, lambda: f"told: {told.values}", 10.0)
 
 
-def test_notifications_come_again_after_a_restart_of_the_master(
-    monkeypatch, client, watcher, notify
-):
+def test_notifications_resume_after_a_restart_of_the_master(monkeypatch, client, watcher, notify):
     """The read once a second would hide missing notifications."""
     again = []
     monkeypatch.setattr(registrar, "reregister_all", again.append)
@@ -185,7 +183,7 @@ def test_notifications_come_again_after_a_restart_of_the_master(
     wait_until(lambda: 5 in told.values, lambda: str(told.values))
 
 
-def test_watcher_with_nothing_to_do_costs_nothing(client, watcher):
+def test_idle_watcher_uses_no_cpu_time(client, watcher):
     watcher.watch([Told("/n").watched])
     watcher.wake()
     wait_until(lambda: ["/n"] in client.reads or [] in client.reads, lambda: str(client.reads))

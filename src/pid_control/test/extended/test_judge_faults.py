@@ -76,7 +76,7 @@ class JudgeFaults(JudgeCase):
         self.assertEqual((judge.returncode, errors), (130, ""))
         wait_until(lambda: not self.processes(), lambda: f"left behind: {self.processes()}")
 
-    def test_judge_ctrl_c_during_import_has_no_traceback(self) -> None:
+    def test_judge_ctrl_c_during_import_prints_no_traceback(self) -> None:
         judge = subprocess.Popen(
             [str(JUDGE), str(CONTROLLERS / "good_loop.py")],
             env={**self.environment(), "PYTHONPROFILEIMPORTTIME": "1"},

@@ -45,7 +45,7 @@ class RealPlantFaults(RealPlantCase):
         self.assertTrue(judge.logged("not judged: the node was shut down"), judge.logged())
         self.assert_stopped()
 
-    def test_controller_that_ignores_ctrl_c_is_ended_at_a_second_one_too(self) -> None:
+    def test_controller_that_ignores_ctrl_c_is_killed_at_the_second_too(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
             script = pathlib.Path(folder) / "stubborn.py"
             script.write_text(STUBBORN.format(folder=os.path.dirname(self.controller[0])))

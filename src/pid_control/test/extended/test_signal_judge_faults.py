@@ -72,7 +72,7 @@ class TestSignalJudge(unittest.TestCase):
                 self.assertEqual(judgement.flaws(), list(case.flaws), text)
                 self.assertIn(case.says, text)
 
-    def test_machine_clock_is_not_judged_by_a_simulated_one(self) -> None:
+    def test_machine_clock_is_not_compared_with_a_simulated_clock(self) -> None:
         edits = [
             ("scripts/signal_generator.py", "import numpy", "import time as clock\n\nimport numpy"),
             ("scripts/signal_generator.py", "rate.sleep()", "clock.sleep(0.1)"),

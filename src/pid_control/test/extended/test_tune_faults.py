@@ -33,7 +33,7 @@ class TuneFaults(unittest.TestCase):
         said = subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout.decode()
         self.assertEqual(said.splitlines()[-1], "not judged: 0.1 s are over")
 
-    def test_tune_termination_leaves_nothing_behind(self) -> None:
+    def test_tune_termination_leaves_no_process(self) -> None:
         for number in (signal.SIGTERM, signal.SIGHUP, signal.SIGINT):
             with tempfile.TemporaryDirectory() as folder:
                 model = pathlib.Path(folder) / "model.yaml"

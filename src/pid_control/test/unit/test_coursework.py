@@ -111,7 +111,7 @@ def test_find_coursework_without_launch_file_takes_programs_by_name(
     assert found.missing == "the package has no launch file"
 
 
-def test_find_coursework_launch_file_of_one_node_says_so(tmp_path: pathlib.Path) -> None:
+def test_find_coursework_reports_a_launch_file_of_one_node(tmp_path: pathlib.Path) -> None:
     launch = {"a.launch": node("process.py"), "b.launch": "<broken"}
     folder = package(tmp_path, launch, "signal.py", "process.py")
     found = find_coursework(folder, [], dict(ENVIRONMENT))
@@ -119,7 +119,7 @@ def test_find_coursework_launch_file_of_one_node_says_so(tmp_path: pathlib.Path)
     assert found.missing.startswith("a.launch starts 1 node of it; b.launch cannot be loaded: ")
 
 
-def test_find_coursework_launch_file_of_another_package_says_which(
+def test_find_coursework_names_the_package_of_a_foreign_launch_file(
     tmp_path: pathlib.Path,
 ) -> None:
     both = node("process.py", "ben") + node("signal.py", "ben")

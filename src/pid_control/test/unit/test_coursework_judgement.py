@@ -218,7 +218,7 @@ def test_free_running_output_and_lost_restart_are_named() -> None:
     assert "no output follows the signal" in cause(found)
 
 
-def test_yaml_namespace_and_launch_say_which() -> None:
+def test_yaml_namespace_and_launch_name_the_source() -> None:
     found = evidence()
     assert found.parameters is not None
     found.parameters = found.parameters._replace(unused_files={"p.yaml": "no launch file loads it"})
@@ -290,7 +290,7 @@ def test_frequency_error_takes_rad_per_s_or_hz() -> None:
     assert frequency_error(3.0, 2.0) == pytest.approx(1.0 / 3.0)
 
 
-def test_picture_shows_both_channels_or_says_that_there_is_nothing() -> None:
+def test_picture_shows_both_channels_or_a_note() -> None:
     text = as_picture(evidence(), "anna & ben: passed")
     ElementTree.fromstring(text)
     assert "/signal/data" in text and "/proc_signal/data" in text and "anna &amp; ben" in text

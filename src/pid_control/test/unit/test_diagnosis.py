@@ -133,7 +133,7 @@ def test_judge_names_no_false_cause(make: Callable[[], Law], allowed: Set[str]) 
 
 
 @pytest.mark.parametrize("make", [student(leak=3.0), law_of(switch), student(rounding=0.5)])
-def test_judge_unknown_cause_is_said_to_be_unknown(make: Callable[[], Law]) -> None:
+def test_judge_reports_an_unknown_cause(make: Callable[[], Law]) -> None:
     judgement = judged(make)
     assert judgement.flaws() == ["unexplained"], as_sentences(judgement)
     assert all("one of: " in failure.cause.sentence for failure in judgement.failures)

@@ -11,7 +11,7 @@ from pid_control.plant.system_parameters import SystemParameters
 from plants import recorded
 
 
-def test_model_comes_back_and_the_node_takes_it() -> None:
+def test_saved_model_is_loaded_by_the_node() -> None:
     found = identify(recorded(Model(13.1, 0.04, 0.01, 0.1, 9.0)))
     text = as_yaml(found, "a\nrecord")
     assert text.startswith("# Identified from a record.\n")

@@ -9,7 +9,7 @@ from pid_control.identification.record import record_of
 TIMES = numpy.linspace(0.0, 10.0, 101)
 
 
-def test_input_before_its_first_message_is_0_where_it_comes_now_and_then() -> None:
+def test_sporadic_input_is_0_before_its_first_message() -> None:
     record = record_of([3.0, 6.0], [1.0, 2.0], TIMES, TIMES)
     assert record.changed_at.tolist() == [0.0, 3.0, 6.0]
     assert record.inputs.tolist() == [0.0, 1.0, 2.0]

@@ -75,7 +75,7 @@ def sent_at(scenario: Scenario, *moments: float) -> list:
     return [experiment.send(moment) for moment in moments]
 
 
-def test_set_points_come_at_100_hz_and_outputs_with_each_step() -> None:
+def test_set_points_arrive_at_100_hz_and_outputs_with_each_step() -> None:
     scenario = BY_NAME["steps"]._replace(silence=(math.inf, math.inf))
     sent = sent_at(scenario, *(index * STEP_S for index in range(51)))
     assert [one.set_point is not None for one in sent] == [i % 5 == 0 for i in range(51)]
@@ -97,7 +97,7 @@ def test_a_motor_that_only_falls_silent_keeps_its_time_and_its_speed() -> None:
     assert after.output.time == pytest.approx(2.2)
 
 
-def test_nan_comes_once_on_each_topic() -> None:
+def test_nan_arrives_once_on_each_topic() -> None:
     scenario = BY_NAME["nan"]
     sent = sent_at(scenario, *(index * STEP_S for index in range(1200)))
     outputs = [i * STEP_S for i, one in enumerate(sent) if math.isnan(one.output.speed)]

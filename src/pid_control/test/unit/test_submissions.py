@@ -166,7 +166,7 @@ def test_unpack_leaves_links_out(tmp_path: pathlib.Path) -> None:
 
 
 @pytest.mark.parametrize("ending", ["zip", "tar.xz"])
-def test_class_with_a_damaged_archive_says_so_and_has_the_others(
+def test_class_with_a_damaged_archive_reports_it_and_judges_the_others(
     tmp_path: pathlib.Path, ending: str
 ) -> None:
     path = tmp_path / "class" / f"anna.{ending}"

@@ -75,7 +75,7 @@ def test_clean_room_refuses_unknown_options(options: list, said: str) -> None:
     "release, more",
     [("bookworm", " lint docs"), ("trixie", "")],
 )
-def test_all_depends_on_the_tools_of_the_release(
+def test_lint_runs_only_with_the_tools_of_the_release(
     workspace: Workspace, release: str, more: str
 ) -> None:
     workspace.pretend_packages("[run]\none\n[catkin_build]\ntwo\n", installed="one\ntwo\n")

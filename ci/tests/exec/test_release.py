@@ -252,7 +252,7 @@ def test_release_needs_the_pages(copy: Copy) -> None:
     assert copy.state() == before and copy.git("tag") == ""
 
 
-def test_author_is_given_here_and_signs_nothing(
+def test_release_needs_the_git_identity_and_signs_nothing(
     copy: Copy, monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path
 ) -> None:
     (tmp_path / "config").write_text(

@@ -189,7 +189,7 @@ class OnSimulatedClock(OnClock):
         timer = self.start(rate, dispatch=kept.append)
         return timer, kept
 
-    def test_kept_call_replaces_later_ones(self) -> None:
+    def test_kept_call_skips_deadlines_until_it_is_made(self) -> None:
         timer, kept = self.keep(10.0)
         self.step(9.0, 9.1, 9.2)
         self.assertEqual(len(kept), 1, "it is not dispatched again before it is made")

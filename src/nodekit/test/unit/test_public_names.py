@@ -117,7 +117,7 @@ def test_a_name_that_does_not_exist_is_an_error_as_everywhere() -> None:
     run("try: from nodekit import Nodes\nexcept ImportError: pass\nelse: raise SystemExit(1)")
 
 
-def test_star_imports_all_public_names() -> None:
+def test_star_import_has_all_public_names() -> None:
     run(f"from nodekit import *; assert set({nodekit.__all__!r}) <= set(globals())")
 
 

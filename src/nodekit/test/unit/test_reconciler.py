@@ -643,7 +643,7 @@ def test_burst_is_allowed_immediately_then_one_per_refill():
     assert not budget.allow("level", 1.9 * REFILL_S)
 
 
-def test_restart_check_is_added_to_each_periodic_request():
+def test_one_write_per_refill_period_is_always_allowed():
     budget = TokenBucket()
     for _ in range(BURST):
         budget.allow("level", 0.0)

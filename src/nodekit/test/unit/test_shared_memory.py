@@ -186,7 +186,7 @@ def test_messages_reuse_one_segment(subscribe):
     assert one.topic.segments() == 1
 
 
-def test_forked_child_releases_no_segment_of_its_parent(subscribe):
+def test_forked_child_does_not_release_its_parents_loan(subscribe):
     one = subscribe()
     one.send(b"a" * 300_000)
     (announced,) = one.announced()
@@ -474,7 +474,7 @@ def test_channel_of_a_connection_that_ends_before_it_reads_is_closed(subscribe):
         assert not subscriber.topic._pool.readers()
 
 
-def test_connection_with_an_ended_channel_is_released(subscribe):
+def test_connection_with_a_withdrawn_channel_sends_the_rest_by_tcp(subscribe):
     subscriber = subscribe(depth=10)
     for _ in range(MOST_IN_FLIGHT + 1):
         assert subscriber.send(b"x" * 300_000)

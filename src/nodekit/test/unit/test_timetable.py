@@ -287,7 +287,7 @@ def test_clock_set_back_during_a_pause():
 
 
 @given(st.floats(10.0, 1e5), st.floats(0.5, 100.0), st.integers(0, 20), st.floats(0.1, 1e5))
-def test_clock_set_back_schedules_the_task_one_period_later(start, rate, calls, back):
+def test_clock_set_back_schedules_the_task_with_one_period_elapsed(start, rate, calls, back):
     timetable = Timetable(rate)
     for number in range(calls):
         timetable.take_deadline(start + number / rate)

@@ -474,7 +474,7 @@ def test_channel_of_a_connection_that_ends_before_it_reads_is_closed(subscribe):
         assert not subscriber.topic._pool.readers()
 
 
-def test_connection_with_a_withdrawn_channel_sends_the_rest_by_tcp(subscribe):
+def test_connection_with_a_withdrawn_channel_does_not_wait(subscribe):
     subscriber = subscribe(depth=10)
     for _ in range(MOST_IN_FLIGHT + 1):
         assert subscriber.send(b"x" * 300_000)

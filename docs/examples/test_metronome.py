@@ -31,11 +31,11 @@ class MetronomeTest(unittest.TestCase):
             self.assertEqual(launch.graph.parameter("/launch/metronome/tempo"), 90)
 
     def test_a_change_takes_effect(self) -> None:
-        graph, ear = Graph(), MessageRecorder("/change/beat", String)
+        graph, recorder = Graph(), MessageRecorder("/change/beat", String)
         self.start("__ns:=change", "_tempo:=400")
-        ear.wait_for(lambda message: message.data == "tick")
+        recorder.wait_for(lambda message: message.data == "tick")
         graph.set_parameter("/change/metronome/sound", "tock")
-        ear.wait_for(lambda message: message.data == "tock")
+        recorder.wait_for(lambda message: message.data == "tock")
 
     def test_an_invalid_value_is_refused_and_put_back(self) -> None:
         graph, metronome = Graph(), self.start("__ns:=nonsense")

@@ -14,12 +14,12 @@ from nodekit.testing.running import rosrun
 class MyNodeTest(unittest.TestCase):
     """The launch file starts the node."""
 
-    def test_it_says_its_text_and_follows_a_change(self) -> None:
-        ear = MessageRecorder("/test/output", String)
+    def test_publishes_its_text_and_applies_a_change(self) -> None:
+        recorder = MessageRecorder("/test/output", String)
         with launched("package_name my_node.launch rate:=20 __ns:=test") as launch:
-            ear.wait_for(lambda message: message.data == "Hello")
+            recorder.wait_for(lambda message: message.data == "Hello")
             launch.graph.set_parameter("/test/my_node/text", "Good morning")
-            ear.wait_for(lambda message: message.data == "Good morning")
+            recorder.wait_for(lambda message: message.data == "Good morning")
 
 
 if __name__ == "__main__":

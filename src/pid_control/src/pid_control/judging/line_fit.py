@@ -2,6 +2,8 @@
 
 from typing import NamedTuple, Optional, Sequence, Tuple
 
+import numpy
+
 #: Fewest points of a fit.
 _FEWEST = 4
 
@@ -29,10 +31,8 @@ def fit_line(points: Sequence[Tuple[float, float]]) -> Optional[Line]:
     """
     if len(points) < _FEWEST:
         return None
-    middle = sum(x for x, _ in points) / len(points)
-    mean = sum(y for _, y in points) / len(points)
-    spread = sum((x - middle) ** 2 for x, _ in points)
-    if spread == 0.0:
+    x, y = numpy.array(points).T
+    if x.max() == x.min():
         return None
-    slope = sum((x - middle) * (y - mean) for x, y in points) / spread
-    return Line(slope, mean - slope * middle)
+    offset, slope = numpy.polynomial.polynomial.polyfit(x, y, 1)
+    return Line(float(slope), float(offset))

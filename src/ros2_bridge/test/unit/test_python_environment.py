@@ -1,5 +1,6 @@
 """make_environment reports failures in one message, and builds twins in order."""
 
+import concurrent.futures
 import pathlib
 import sys
 from typing import Dict, List, Sequence
@@ -7,6 +8,7 @@ from typing import Dict, List, Sequence
 import pytest
 import yaml
 
+from nodekit.testing.waiting import wait_until
 from ros2_bridge.environment import python_environment
 from ros2_bridge.environment.python_environment import PythonEnvironment, Unavailable
 from ros2_bridge.types.ros2_interfaces import TwinPackage, generate_interfaces
@@ -140,6 +142,31 @@ def test_environment_before_is_back_after_a_kill(wheels: pathlib.Path, place: pa
     (place / python_environment.MARK).touch()
     Environment(place).make(wheels, {})
     assert (place / "old").exists() and not place.with_name("ros2_previous").exists()
+
+
+def test_second_command_waits_for_the_first(
+    wheels: pathlib.Path, place: pathlib.Path, capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    begun, go_on = place.with_name("begun"), place.with_name("go_on")
+    first, second = Environment(place), Environment(place)
+    first.script = f"touch {begun}; until [ -e {go_on} ]; do sleep 0.02; done"
+    second.script = "exit 1"  # nothing is left to install
+    with concurrent.futures.ThreadPoolExecutor() as pool:
+        earlier = pool.submit(first.make, wheels, package(place.parent / "src" / "a_msgs"))
+        try:
+            wait_until(begun.exists, lambda: "not begun")
+            later = pool.submit(second.make, wheels, {})
+            shown: List[str] = []
+            wait_until(
+                lambda: shown.append(capsys.readouterr().err) or "waiting" in "".join(shown),
+                lambda: str(shown),
+            )
+            assert not later.done()
+        finally:
+            go_on.touch()
+        earlier.result()
+        later.result()
+    assert second.names() == {"a_msgs/x": "a_msgs/X"}
 
 
 @pytest.mark.parametrize("name", ["ros2", "ros2_twins", "ros2_previous"])

@@ -5,6 +5,8 @@ workspace. On failure the exit status is 125, with one message.
 """
 
 import argparse
+import contextlib
+import fcntl
 import hashlib
 import os
 import pathlib
@@ -13,7 +15,7 @@ import signal
 import subprocess
 import sys
 import time
-from typing import Dict, List, Mapping, Sequence
+from typing import Dict, Iterator, List, Mapping, Sequence
 from xml.etree import ElementTree
 
 import rospkg
@@ -70,6 +72,21 @@ class PythonEnvironment:
         :raises Unavailable: on failure
         """
         self._claim()
+        with self._locked():
+            self._make(wheels, packages)
+
+    @contextlib.contextmanager
+    def _locked(self) -> Iterator[None]:
+        """Exclude other commands that change this environment; wait for them."""
+        with open(self._twins / "lock", "w", encoding="utf-8") as file:
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                say(f"another command is changing {self._folder}: waiting for it")
+                fcntl.flock(file, fcntl.LOCK_EX)
+            yield
+
+    def _make(self, wheels: pathlib.Path, packages: Mapping[str, pathlib.Path]) -> None:
         self._restore()
         stamp = self._folder / "wheels"
         wanted = f"{self._folder}\n{sys.version}\n{wheels.read_text('utf-8')}"

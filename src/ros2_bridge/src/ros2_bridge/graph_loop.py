@@ -22,6 +22,7 @@ from ros2_bridge.rules.settings import BridgeParameters, Qualities
 from ros2_bridge.rules.skip_log import SkipLog
 from ros2_bridge.services import ServiceBridge
 from ros2_bridge.topics.all_topics import TopicBridge
+from ros2_bridge.topics.robot_description import RobotDescription
 from ros2_bridge.topics.rosout import Rosout
 from ros2_bridge.types.type_registry import TypeRegistry
 
@@ -59,6 +60,7 @@ class GraphLoop:
             TypeRegistry(),
         )
         self._topics = TopicBridge(node, participant, types, qualities, self._skip_log)
+        self._description = RobotDescription(node, participant, types, self._skip_log)
         self._nodes = NodeBridge(
             node,
             participant,
@@ -139,6 +141,8 @@ class GraphLoop:
                 part.close_denied(rules)
         with self._guarded():
             self._topics.update_topics(rules, ros1, topics, owners)
+        with self._guarded():
+            self._description.update(rules, ros1, topics)
         with self._guarded():
             self._services.update_services(rules, ros1, services, owners)
         with self._guarded():

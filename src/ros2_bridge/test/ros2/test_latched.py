@@ -173,3 +173,39 @@ def test_late_ros2_listeners_get_latched_message_of_each_ros1_node(ros: both.Bot
         other.end()
     for publisher in (left, description):
         publisher.unregister()
+
+
+def test_robot_description_of_the_parameter_server_is_latched_in_ros2(
+    ros: both.Both, bridge: both.Bridge
+) -> None:
+    def heard(ear: both.MessageRecorder) -> List[str]:
+        return [message.data for message in ear.heard]
+
+    rospy.set_param(DESCRIPTION, ROBOT)
+    early = ros.hear2(DESCRIPTION, String, latched=True)
+    wait_until(lambda: heard(early) == [ROBOT], lambda: str(heard(early)))
+    rospy.set_param(DESCRIPTION, "<robot name='ü'/>")
+    wait_until(lambda: heard(early)[-1:] == ["<robot name='ü'/>"], lambda: str(heard(early)))
+    late = ros.hear2(DESCRIPTION, String, latched=True)
+    wait_until(lambda: heard(late) == ["<robot name='ü'/>"], lambda: str(heard(late)))
+
+    def publishers() -> List[str]:
+        return [one.node_name for one in ros.node.get_publishers_info_by_topic(DESCRIPTION)]
+
+    # A node of ROS 2 that publishes one replaces it.
+    own = ros.node.create_publisher(String, DESCRIPTION, QOS)
+    wait_until(lambda: publishers() == ["ros2_tests"], lambda: str(publishers()))
+    ros.node.destroy_publisher(own)
+    wait_until(lambda: publishers() == ["ros2_bridge"], lambda: str(publishers()))
+    rospy.set_param(DESCRIPTION, 5)
+    wait_until(
+        lambda: any("/robot_description of ROS 1: not a text" in line for line in bridge.logged()),
+        lambda: str(bridge.logged()),
+    )
+    assert publishers() == []
+    rospy.set_param(DESCRIPTION, ROBOT)
+    wait_until(lambda: publishers() == ["ros2_bridge"], lambda: str(publishers()))
+    rospy.delete_param(DESCRIPTION)
+    wait_until(lambda: publishers() == [], lambda: str(publishers()))
+    for ear in (early, late):
+        ear.end()

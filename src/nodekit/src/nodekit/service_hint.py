@@ -1,4 +1,4 @@
-"""Hint for a command whose node does not offer the command's service.
+"""Hint for the error of a command that does not find its service on the given node.
 
 It suggests nodes with a similar name, and tells a running node from a missing one.
 """

@@ -8,7 +8,7 @@ from typing import Callable, Dict, List, Optional, Set
 from nodekit.doctor.findings import Finding, fault, note, ok
 from nodekit.doctor.snapshot import Snapshot, is_loopback
 
-#: Topics of ROS itself, which need no second side.
+#: Topics of ROS itself, which need not have both publishers and subscribers.
 _OF_ROS = ("/rosout", "/rosout_agg", "/clock", "/tf", "/tf_static", "/diagnostics")
 #: Smallest similarity of two names that suggests a typing error, as difflib's ratio.
 _ALIKE = 0.8

@@ -1,6 +1,6 @@
 """Callback groups: which callbacks of a node may run at the same time.
 
-rospy makes callbacks from many threads: one per connection, one for timers, one per call of a
+rospy runs callbacks in many threads: one per connection, one for timers, one per call of a
 service. Callbacks of a mutually exclusive group still run one after the other, in order of arrival,
 so that a node's class needs no locks.
 
@@ -40,7 +40,7 @@ class _Admission(NamedTuple):
 class CallbackGroup:
     """Base class of callback groups; as a context manager, it is entered and left.
 
-    :param urgent: whether an executor makes its callbacks before those of other groups
+    :param urgent: whether an executor runs its callbacks before those of other groups
     """
 
     def __init__(self, urgent: bool = False) -> None:
@@ -112,12 +112,12 @@ class MutuallyExclusiveCallbackGroup(CallbackGroup):
 
     A thread that is inside enters again without waiting.
 
-    :param urgent: whether an executor makes its callbacks before those of other groups
+    :param urgent: whether an executor runs its callbacks before those of other groups
     """
 
     def __init__(self, urgent: bool = False) -> None:
         super().__init__(urgent)
-        # Held by the thread inside. It is handed over locked, so that no other thread gets between.
+        # Held by the thread inside. It is handed over locked, so that no other thread enters first.
         self._inside = threading.Lock()
         self._holder = 0  # id of the thread inside, 0 if free
         self._depth = 0  # how often that thread has entered again
@@ -230,7 +230,7 @@ Group = MutuallyExclusiveCallbackGroup
 class ReentrantCallbackGroup(CallbackGroup):
     """A group whose callbacks run at any time, also in parallel, as in rospy itself.
 
-    :param urgent: whether an executor makes its callbacks before those of other groups
+    :param urgent: whether an executor runs its callbacks before those of other groups
     """
 
     def __init__(self, urgent: bool = False) -> None:
@@ -300,4 +300,4 @@ class ReentrantCallbackGroup(CallbackGroup):
 
 
 class NoGroup(ReentrantCallbackGroup):
-    """Group of nodekit's internal callbacks for a node; no executor makes their calls."""
+    """Group of nodekit's internal callbacks for a node; no executor runs them."""

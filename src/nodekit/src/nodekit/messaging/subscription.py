@@ -1,4 +1,4 @@
-"""Subscription that passes on all messages that have arrived together."""
+"""Topic subscription with one call for all messages that arrive together."""
 
 import time
 from typing import Any, Callable, List, Optional, Set
@@ -75,14 +75,14 @@ class Subscription:
         latched.receive_latched(self.resolved_name, self._receive, self._is_late)
 
     def get_num_connections(self) -> int:
-        """Return the number of publishing nodes, with this process if it publishes the topic."""
+        """Return the number of publishing nodes, including this process if it publishes."""
         subscriber = self._subscriber
         return int(subscriber.get_num_connections()) if subscriber is not None else 0
 
     def publishers(self) -> Set[str]:
-        """Return the names of the connected publishing nodes, with this process's own.
+        """Return the names of the connected publishing nodes, including this process's.
 
-        A connection counts once its publisher has answered, and so sends what it publishes.
+        A connection counts once its publisher has answered, and sends all later messages.
         """
         subscriber = self._subscriber
         return incoming_topic.publishers_of(subscriber.impl) if subscriber is not None else set()

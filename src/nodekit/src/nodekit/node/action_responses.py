@@ -1,19 +1,19 @@
 # Pure: knows no ROS.
-"""Answers of the callbacks of an action's server."""
+"""Responses of an action server's goal and cancel callbacks."""
 
 import enum
 from typing import Any
 
 
 class GoalResponse(enum.IntEnum):
-    """Answer of a goal callback."""
+    """Response of a goal callback."""
 
     REJECT = 1
     ACCEPT = 2
 
 
 class CancelResponse(enum.IntEnum):
-    """Answer of a cancel callback."""
+    """Response of a cancel callback."""
 
     REJECT = 1
     ACCEPT = 2
@@ -22,7 +22,7 @@ class CancelResponse(enum.IntEnum):
 def is_accepted(answer: Any, responses: Any) -> bool:
     """Return whether a callback has accepted.
 
-    :param answer: its result: a boolean, or one of the responses
+    :param answer: result of the callback: a boolean, or one of the responses
     :param responses: GoalResponse or CancelResponse
     :raises TypeError: if it is neither
     """

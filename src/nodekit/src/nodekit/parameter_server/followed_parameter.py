@@ -1,4 +1,4 @@
-"""Followed parameter, which is not declared and never written."""
+"""Followed parameter of any node: a callback gets each change; the value is never written."""
 
 import copy
 from typing import Any, Callable, Optional, Sequence
@@ -13,7 +13,7 @@ _UNKNOWN = NoValue("UNKNOWN")
 
 
 class FollowedParameter:
-    """Parameter that is followed from :func:`open_all` on.
+    """Undeclared parameter or namespace, followed from :func:`open_all` on.
 
     The value is kept when the master is restarted and has no value.
 

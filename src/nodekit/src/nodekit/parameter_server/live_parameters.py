@@ -22,9 +22,9 @@ Listener = Callable[[], None]
 _OPENED_TOGETHER = 50
 #: From this number of namespaces on, missing values are written before the subscription. For each
 #: value written, the master searches all parameter subscriptions: 17 000 values of 500 groups took
-#: 11 s, and 1.6 s before the subscription. With fewer, no value is lost that is set meanwhile.
+#: 11 s, and 1.6 s before the subscription. With fewer, no value set meanwhile is lost.
 WRITTEN_FIRST = 100
-#: Most namespaces that are read at a time for that, so that the write follows soon.
+#: Most namespaces that are read before each of these writes, so that the write follows soon.
 _WRITTEN_TOGETHER = 20
 
 

@@ -67,7 +67,7 @@ _functions: Dict[ShutdownPhase, List[Callable[[], object]]] = {phase: [] for pha
 def at_end(phase: ShutdownPhase, function: Callable[[], object]) -> Callable[[], None]:
     """Call a function at shutdown.
 
-    During a shutdown, a function of nodekit is called immediately, and maybe a second time.
+    During a shutdown, a function of the phase TOOLKIT is called immediately, and maybe again.
 
     :param phase: the phase of the shutdown
     :param function: the function, called before those added earlier for the phase

@@ -1,4 +1,4 @@
-"""Changes of a node's parameters that are in effect on return."""
+"""Parameter changes for tests: the node uses the new values once the call returns."""
 
 from typing import Any
 
@@ -10,8 +10,7 @@ from nodekit.node.parameter_client import ParameterClient
 def change(node: str, **values: Any) -> None:
     """Change parameters; the node handles later messages with the new values.
 
-    After ``rosparam set`` that moment is unknown: the node logs the change before its class is
-    notified.
+    ``rosparam set`` does not wait, and the node logs a change before it notifies its class.
 
     :param node: global name of the node
     :param values: new values by name

@@ -52,7 +52,7 @@ class SimulatedBoard:
         self, end: Transport, baud: int, make_device: Factory, boot_s: float = 0.2, seed: int = 1
     ) -> None:
         self.faults = Faults()
-        self._end = end
+        self._transport = end
         self._in, self._out = SerialLine(baud), SerialLine(baud)
         self._make_device, self.boot_s = make_device, boot_s
         self._chance = random.Random(seed)
@@ -76,7 +76,7 @@ class SimulatedBoard:
         with self._switch:
             if self._is_over.is_set():
                 return
-            self._end.plug()
+            self._transport.plug()
             self._starts_at = time.monotonic()
             self._thread.start()
 
@@ -90,7 +90,7 @@ class SimulatedBoard:
             self._is_over.set()
         if self._thread.ident is not None:
             self._thread.join(2.0)
-        self._end.unplug()
+        self._transport.unplug()
 
     def _run(self) -> None:
         while not self._is_over.is_set():
@@ -103,14 +103,14 @@ class SimulatedBoard:
             if self._device is None and now >= self._starts_at:
                 self._device = self._make_device(now)
             if self._in.waiting < _RX_BUFFER:
-                self._in.put(now, add_noise(self._end.read(), faults.noise, self._chance))
+                self._in.put(now, add_noise(self._transport.read(), faults.noise, self._chance))
             if self._device is None:
                 self._in.arrived(now)  # it does not read yet
             elif self._is_free():
                 self._device.receive(now, self._in.arrived(now))
                 self._device.loop(now)
                 self._out.put(now, self._device.output())
-            self._end.write(add_noise(self._out.arrived(now), faults.noise, self._chance))
+            self._transport.write(add_noise(self._out.arrived(now), faults.noise, self._chance))
             self._wait(now)
 
     def _wait(self, now: float) -> None:
@@ -119,7 +119,7 @@ class SimulatedBoard:
             due = min(due, self._device.next_due(now))
         timeout = max(0.0, due - time.monotonic())
         if self._in.waiting < _RX_BUFFER:
-            self._end.wait(timeout)
+            self._transport.wait(timeout)
         else:
             time.sleep(timeout)
 
@@ -128,18 +128,18 @@ class SimulatedBoard:
         return not self.faults.stalls and self._out.waiting <= _TX_BUFFER
 
     def _move_cable(self, now: float, is_wanted: bool) -> None:
-        if is_wanted and not self._end.is_plugged and now >= self._plugged_at + _PLUG_EVERY_S:
+        if is_wanted and not self._transport.is_plugged and now >= self._plugged_at + _PLUG_EVERY_S:
             self._plugged_at = now
             self._in.clear()
             self._out.clear()
             with contextlib.suppress(OSError):  # retried
-                self._end.plug()
-        elif self._end.is_plugged and not is_wanted:
-            self._end.unplug()
+                self._transport.plug()
+        elif self._transport.is_plugged and not is_wanted:
+            self._transport.unplug()
 
     def _restart(self, now: float) -> None:
         """Deliver the bytes that have left the board, and boot again."""
-        self._end.write(self._out.arrived(now))
+        self._transport.write(self._out.arrived(now))
         self._out.clear()
         self._in.clear()
         self._device = None

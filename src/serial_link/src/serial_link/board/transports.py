@@ -124,7 +124,7 @@ class PtyTransport:
 
 
 class TcpTransport:
-    """TCP connection to a host, as of a Wi-Fi board.
+    """TCP connection to a host, like that of a Wi-Fi board.
 
     :param address: of the host
     :param port: TCP port

@@ -47,7 +47,7 @@ TOPICS = (
 
 
 class Panel:
-    """Controls of the board for a person.
+    """Button and potentiometer of the board, and settings of its motor.
 
     :param plant: settings of the connected motor
 

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Conversion of a parameter to the types that a board accepts. Pure."""
+"""Conversion of a parameter to the types that a board accepts."""
 
 import math
 import struct

@@ -55,8 +55,8 @@ def encode(topic_id: int, payload: bytes) -> bytes:
     return b"".join((START, length, bytes((checksum(length),)), body, bytes((checksum(body),))))
 
 
-#: Topic request of the protocol before ROS Hydro, seven bytes. The eighth ends the frame that a
-#: newer board sees in them: it takes the 0xff before it for the beginning of a frame.
+#: Topic request of the protocol before ROS Hydro, seven bytes. A newer board takes the last one,
+#: 0xff, for the beginning of a frame; the eighth byte ends that frame.
 OLD_REQUEST = b"\xff\xff\x00\x00\x00\x00\xff\x00"
 #: Start of a frame of a version that no board supports. A board that is waiting for the topic
 #: request answers it with a time request; a configured board does not answer.

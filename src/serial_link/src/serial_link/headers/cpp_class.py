@@ -1,6 +1,6 @@
-"""C++ class of a message, compatible with rosserial's library.
+"""Generator of a message's or service's C++ header, compatible with rosserial's library.
 
-Compatible with rosserial's ros_lib (github.com/ros-drivers/rosserial), but not copied from it: a
+As in rosserial's ros_lib (github.com/ros-drivers/rosserial), but not copied from it: a
 class in the package's namespace that derives from ros::Msg, a pointer and a length for an array, a
 pointer for a string, the include guards of its generator, and a member ``st_NAME``, an element of
 the array NAME. A float64 is a double if the board's double has 8 bytes, else a float.
@@ -49,7 +49,7 @@ class Class(NamedTuple):
 
 
 def header(package: str, name: str, classes: List[Class], service: bool = False) -> str:
-    """Return the header of a message, or of a service.
+    """Return the C++ header of a message, or of a service.
 
     :param package: of the message or service
     :param name: of the message or service

@@ -1,6 +1,6 @@
-"""C++ functions shared by all headers: serialization of numbers and strings."""
+"""Text of the C++ header wire.h: serialization for all generated headers."""
 
-#: Path among the headers.
+#: Path of this header among the generated ones.
 WIRE_PATH = "serial_link/wire.h"
 
 #: The boards that rosserial supports are little-endian, like the wire format: numbers are copied.

@@ -3,12 +3,13 @@
 import threading
 from typing import Counter, Dict
 
-#: Frames and bytes in both directions; dropped messages: too large for the board's buffer, sent
-#: while not synchronized, of an unknown topic id, or malformed despite valid checksums; and the
-#: number of times that the port was opened and the topics were requested.
+#: Frames and bytes in both directions.
 RECEIVED, RECEIVED_BYTES, SENT, SENT_BYTES = "received", "received bytes", "sent", "sent bytes"
+#: Dropped messages: too large for the board's buffer, sent while not synchronized, of an unknown
+#: topic id, malformed despite valid checksums, or of a topic that cannot be opened in ROS.
 TOO_LARGE, NO_CONTACT, UNKNOWN_ID = "too large", "no contact", "unknown id"
 MALFORMED, REFUSED = "malformed", "of refused topics"
+#: Frames that the port did not accept in time, openings of the port, and topic requests.
 STUCK, OPENINGS, ASKED = "stuck", "openings", "asked"
 
 

@@ -1,4 +1,4 @@
-"""Synchronization with a board: the table of :mod:`.sync_states`, with its timeouts."""
+"""Detection of silent and restarted boards: state machine of :mod:`.sync_states`, with timeouts."""
 
 import math
 from typing import List
@@ -35,9 +35,9 @@ PROBE_EVERY_S, GROWTH = 0.25, 1.5
 ASK_EVERY_S = 0.25
 #: The topics follow within this time after a time request that answers the topic request [s].
 FOLLOWS_S = 0.1
-#: A configured board requests the time at this interval, or once per loop iteration if that is
-#: longer; an excess beyond the second number indicates a slow loop [s]. The board forgets a host
-#: that has not answered for the third number [s].
+#: Interval at which a configured board requests the time, or once per loop iteration if that takes
+#: longer [s]; excess that indicates a slow loop [s]; time without an answer after which the board
+#: forgets its host [s].
 TIME_EVERY_S, LATE_S, OVERDUE_S = 2.5, 0.2, 11.0
 #: A slow board counts as silent after this many iterations of its loop without a frame.
 TURNS = 1.5
@@ -51,8 +51,8 @@ _PROOFS = (OPENED, TOPIC, MESSAGE, UNKNOWN)
 class SyncMonitor:
     """Monitor of the synchronization with a board. Time is an argument [s].
 
-    It learns how long the board may be silent from its answer times, and from how late it requests
-    the time.
+    The monitor learns how long the board may be silent: from the board's answer times, and from how
+    late the board requests the time.
 
     :param frame_s: time on the line of a frame that announces a topic [s]
 
@@ -66,7 +66,7 @@ class SyncMonitor:
         self._frame_s = frame_s
         #: Duration of a loop iteration of the sketch [s]; 0 for a quick loop. The second value
         #: excludes the last time request, which may have answered a probe.
-        self._turn_s = self._turn_before_s = 0.0
+        self._loop_s = self._loop_before_s = 0.0
         self._pause_s = self._ask_pause_s = 0.0
         self._empty_answers = 0
         self._proven_at = self._alive_at = self._asked_at = self._probed_at = -math.inf
@@ -77,7 +77,7 @@ class SyncMonitor:
     @property
     def patience(self) -> float:
         """Longest time the board may take to answer [s]."""
-        return max(QUIET_S, TURNS * self._turn_s) + self._frame_s
+        return max(QUIET_S, TURNS * self._loop_s) + self._frame_s
 
     def handle(self, now: float, event: str) -> List[str]:
         """Handle an event.
@@ -88,9 +88,9 @@ class SyncMonitor:
         """
         was = self.state
         if event == OPENED:
-            self._turn_s = self._turn_before_s = self._ask_pause_s = 0.0
+            self._loop_s = self._loop_before_s = self._ask_pause_s = 0.0
         elif event == TIME:
-            self._learn_turn(now)
+            self._learn_loop_time(now)
         elif event == TOPIC:
             self._receive_answer(now)
         if event in _PROOFS or (event == TIME and was != SYNCED):
@@ -104,7 +104,7 @@ class SyncMonitor:
         actions = [action] if action else []
         if action == RESTART:
             self.restarts += was == PROBING and event == TIME
-            self._ask_pause_s, self._turn_s = 0.0, self._turn_before_s
+            self._ask_pause_s, self._loop_s = 0.0, self._loop_before_s
             if self.state == ASKED:
                 actions.append(ASK)
         if ASK in actions:
@@ -112,7 +112,7 @@ class SyncMonitor:
         if PROBE in actions:
             self._probed_at = now
             is_first = was not in (self.state, PROBING)
-            longer = max(GROWTH * self._pause_s, TURNS * self._turn_s)
+            longer = max(GROWTH * self._pause_s, TURNS * self._loop_s)
             self._pause_s = PROBE_EVERY_S + self._frame_s if is_first else longer
         return actions
 
@@ -166,18 +166,18 @@ class SyncMonitor:
         if not self._is_answered:
             self._is_answered = True
             if now - self._asked_at > QUIET_S + self._frame_s:
-                self._turn_s = max(self._turn_s, now - self._asked_at)
+                self._loop_s = max(self._loop_s, now - self._asked_at)
 
-    def _learn_turn(self, now: float) -> None:
+    def _learn_loop_time(self, now: float) -> None:
         """Learn the duration of a loop iteration from a time request."""
         period, self._time_at = now - self._time_at, now
         if self.state != PROBING:
-            self._turn_before_s = self._turn_s
+            self._loop_before_s = self._loop_s
         if self.state in (SYNCED, SILENT, PROBING) and self._is_answered and period < math.inf:
             if period > TIME_EVERY_S + LATE_S + self._frame_s:
-                self._turn_s = period
+                self._loop_s = period
             elif period > TIME_EVERY_S - LATE_S:
-                self._turn_s = 0.0
+                self._loop_s = 0.0
 
     def _may_ask(self, now: float) -> bool:
         """Return whether another topic request may be sent; if so, lengthen the next pause."""

@@ -61,7 +61,7 @@ _LAPSED = (
     "the board was silent for 11 s, after which rosserial's library forgets its host: its topics "
     "are requested again; a loop must take less"
 )
-#: Returns the time for the board, in s and ns.
+#: Returns the time for the board: seconds and nanoseconds.
 TimeOf = Callable[[], Tuple[int, int]]
 
 

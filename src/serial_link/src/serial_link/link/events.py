@@ -1,4 +1,4 @@
-"""Events from a board's frames, for the ROS side."""
+"""Events of a board link for the ROS side: topics, messages, log lines and restarts."""
 
 from typing import List, NamedTuple, Union
 

@@ -27,9 +27,9 @@ _USUAL = {"received", "received bytes", "sent", "sent bytes", "openings", "asked
 
 
 class SerialNode:
-    """Node that gives boards their topics, services, parameters and logs in ROS.
+    """Node that offers the topics, services, parameters and logs of boards in ROS.
 
-    The boards announce them: they are asked when the port opens, and after each restart. It
+    It requests a board's topics when the port opens, and after each restart of the board. It
     replaces rosserial_python's node of the same name.
 
     :ROS Subscribers:

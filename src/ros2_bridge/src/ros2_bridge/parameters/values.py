@@ -66,7 +66,7 @@ def as_kind(value: Any, kind: int) -> Any:
 
 
 def fitting_kind(value: Any, kind: int) -> int:
-    """Return the type with which a ROS 1 value is given to a parameter.
+    """Return the type with which to set a parameter to a ROS 1 value.
 
     ROS 1 uses integers for bytes, and an empty list has no element type.
     """

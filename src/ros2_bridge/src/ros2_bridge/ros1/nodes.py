@@ -5,8 +5,8 @@ The master lists only nodes with registrations. Each ROS 2 node is registered as
 subscriber asks each publisher's address for the topic; these nodes refuse, because the bridge sends
 the topic. A service has a single node in ROS 1, here the ROS 2 node; its calls go to the bridge.
 
-They do not use the bridge's own address: the master shuts down the node at the address of a name
-that another node takes, and a ROS 1 node may take the name of a ROS 2 node.
+The registrations have an address of their own, not the bridge's: if a ROS 1 node takes the name of
+a ROS 2 node, the master shuts down the node at the registered address.
 """
 
 import contextlib
@@ -46,7 +46,7 @@ _EVENTS = Entry("Subscriber", "/parameter_events", "rcl_interfaces/ParameterEven
 class NodeRegistrar:
     """Registrations of ROS 2 nodes with the master.
 
-    One thread updates them; another may close this meanwhile.
+    One thread updates the registrations; another may close the registrar meanwhile.
 
     :param bridge: name of the bridge, which offers services for them
     """
@@ -57,7 +57,7 @@ class NodeRegistrar:
         #: Nodes of another running bridge, for example to another domain.
         self._others: Set[str] = set()
         self._calls_to = ""
-        #: Held during calls of the master, which stop as soon as this is closed.
+        #: Held during calls of the master, which stop as soon as the registrar is closed.
         self._lock, self._is_closed = threading.Lock(), False
         self._address = _Address()
         self._server = rosgraph.xmlrpc.XmlRpcNode(rpc_handler=self._address)
@@ -93,7 +93,7 @@ class NodeRegistrar:
     def register(
         self, nodes: Mapping[str, AbstractSet[Entry]], in_ros1: Set[str], is_restarted: bool
     ) -> None:
-        """Register new nodes with their entries, and unregister what has disappeared.
+        """Register new nodes with their entries, and unregister those that have disappeared.
 
         :param nodes: registrations of each ROS 2 node, by name
         :param in_ros1: names of the ROS 1 nodes
@@ -215,7 +215,7 @@ class _Address(rosgraph.xmlrpc.XmlRpcHandler):
         return [1, "", []]
 
     def publisherUpdate(self, *_: Any) -> List[Any]:  # noqa: N802
-        """Ignore the publishers in ROS 1: the bridge is informed as well."""
+        """Ignore the publishers in ROS 1: the bridge finds them itself."""
         return [1, "", 0]
 
     def requestTopic(self, *_: Any) -> List[Any]:  # noqa: N802

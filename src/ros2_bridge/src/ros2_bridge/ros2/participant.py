@@ -29,12 +29,12 @@ _GUID_PREFIX_SIZE = 12
 _CALLS = 10
 #: Pause between the end of all nodes and that of the participant [s]: DDS repeats the message that
 #: a node has ended until it is received, but only while the participant exists.
-_LAST_WORD_S = 0.2
+_LINGER_S = 0.2
 #: Name of the node that keeps the participant alive until then; ``ros2 node list`` hides it.
 _LAST_NODE = "/_ros2_bridge_ends"
-#: Clears ROS 2's error state of this thread. rcl tries type supports that twins do not have,
-#: collects the errors, and would log for each endpoint that they were truncated.
-_forget_failures = ctypes.CDLL("librcutils.so").rcutils_reset_error
+#: Clears ROS 2's error state of this thread. rcl tries type supports that generated packages
+#: lack, collects the errors, and would log for each endpoint that they were truncated.
+_reset_error = ctypes.CDLL("librcutils.so").rcutils_reset_error
 
 
 def _profile(quality: Quality, publishes: bool) -> QoSProfile:
@@ -125,7 +125,7 @@ class Participant:
         """
         with self._lock:
             publisher = node.create_publisher(cls, topic, _profile(quality, True))
-            _forget_failures()
+            _reset_error()
             self._published[topic] += 1
             return publisher
 
@@ -151,7 +151,7 @@ class Participant:
             subscription = self.node.create_subscription(
                 cls, topic, lambda message: None, _profile(quality, False), raw=True
             )
-            _forget_failures()
+            _reset_error()
             self._subscribed[topic] += 1
         handle = subscription.handle
 
@@ -191,7 +191,7 @@ class Participant:
             service = node.create_service(
                 cls, name, lambda request, response: response, qos_profile=QoSProfile(depth=depth)
             )
-            _forget_failures()
+            _reset_error()
 
         def receive_requests(most: int) -> None:
             for _ in range(most):
@@ -214,7 +214,7 @@ class Participant:
         """
         with self._lock:
             client = self.node.create_client(cls, name, qos_profile=QoSProfile(depth=depth))
-            _forget_failures()
+            _reset_error()
         waitable = Waitable("client", client, receive)
         return client, self._attach(self.calls, waitable, lambda: self.node.destroy_client(client))
 
@@ -247,7 +247,7 @@ class Participant:
             last = self.create_node(_LAST_NODE)
             for node in nodes:
                 node.destroy_node()
-            time.sleep(_LAST_WORD_S)
+            time.sleep(_LINGER_S)
             last.destroy_node()
             rclpy.shutdown(context=self.context)
 

@@ -1,4 +1,4 @@
-"""Active pairs: created, kept, replaced and closed as the graphs change; imports neither ROS."""
+"""Bridged pairs of topics, services or actions, kept up to date; imports neither ROS."""
 
 from typing import (
     Any,
@@ -51,7 +51,7 @@ def for_all(items: Iterable[Any], function: Callable[[Any], None]) -> None:
 class Bridged(Dict[Key, Part]):
     """Active pairs by key; each is closed once it has been missing for several polls.
 
-    :param polls: number of consecutive polls that must miss it
+    :param polls: number of consecutive polls without a pair after which it is closed
     """
 
     def __init__(self, polls: int = MISSED_POLLS) -> None:
@@ -78,7 +78,7 @@ class PairBridge(Generic[Part]):
 
     :param skip_log: receives the reasons for missing pairs
 
-    :ivar pairs: active pairs by way
+    :ivar pairs: active pairs by name and direction
     """
 
     def __init__(self, skip_log: SkipLog) -> None:
@@ -88,7 +88,7 @@ class PairBridge(Generic[Part]):
     def update_pairs(self, ways: Sequence[Way]) -> None:
         """Create and close pairs after a poll of both graphs.
 
-        :param ways: pairs to bridge
+        :param ways: names and directions to bridge
         """
         try:
             self.pairs.close_missing(ways)

@@ -1,4 +1,4 @@
-"""Selection of topics and services, and their directions; imports neither ROS."""
+"""Selection of the topics, services and actions to bridge; imports neither ROS."""
 
 import fnmatch
 import functools
@@ -57,7 +57,7 @@ class Rules(NamedTuple):
 
 
 def is_never_bridged(name: str) -> bool:
-    """Return whether each side has its own topics and services of this name."""
+    """Return whether a name is reserved: used by each ROS for itself, or bridged specially."""
     return _compiled(NEVER).match(name) is not None
 
 
@@ -68,9 +68,9 @@ def _compiled(patterns: Tuple[str, ...]) -> "re.Pattern[str]":
 
 
 class Way(NamedTuple):
-    """A name and a direction to bridge.
+    """Topic, service or action to bridge, with its direction.
 
-    :param name: of the topic or service in ROS 1
+    :param name: its name in ROS 1
     :param to_ros2: whether from ROS 1 to ROS 2
     """
 

@@ -1,4 +1,4 @@
-"""Settings of the user: parameters and qualities of service."""
+"""The user's settings: parameters of the bridge, and quality of service (QoS) of topics."""
 
 import fnmatch
 from typing import Any, List, Mapping, NamedTuple, Tuple

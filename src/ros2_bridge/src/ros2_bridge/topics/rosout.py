@@ -35,7 +35,7 @@ class NodeLog(NamedTuple):
 
 
 class Rosout:
-    """Bridge of log lines, published by the nodes that they come from.
+    """Bridge of log lines; each is published by its own node in ROS 2.
 
     :param node: the bridge in ROS 1
     :param participant: the bridge in ROS 2
@@ -47,10 +47,10 @@ class Rosout:
     def __init__(self, node: Node, participant: Participant, names: Renaming) -> None:
         self._node, self._participant, self._names = node, participant, names
         self._logs: Bridged[str, NodeLog] = Bridged(1)
-        self._of_others = self._made_by(participant.node)
+        self._of_others = self._create_log(participant.node)
         self.subscription = OnDemandSubscription(self._subscribe)
 
-    def _made_by(self, owner: Ros2Node) -> NodeLog:
+    def _create_log(self, owner: Ros2Node) -> NodeLog:
         quality = Quality(1000, latched=True)
         return NodeLog(
             self._participant,
@@ -68,7 +68,7 @@ class Rosout:
         )
         for name, owner in owners.items():
             if name not in self._logs:
-                self._logs[name] = self._made_by(owner)
+                self._logs[name] = self._create_log(owner)
 
     def _subscribe(self) -> Callable[[], None]:
         scope = self._node.create_scope()

@@ -1,7 +1,8 @@
 # Pure: knows no ROS.
-"""Operations that convert parts of a message: see :mod:`ros2_bridge.types.codec`.
+"""Operations that convert parts of a message between ROS 1's serialization and CDR.
 
-An operation knows only its read position and the output so far.
+An operation knows only its read position and the output so far. ``down`` converts to CDR, ``up`` to
+ROS 1; :mod:`ros2_bridge.types.codec` joins them into codecs.
 """
 
 import struct
@@ -14,7 +15,7 @@ _PADDING = tuple(bytes(size) for size in range(5))
 #: Most elements of an array whose elements are empty in ROS 1.
 _MOST_EMPTY = 1_000_000
 
-#: Reads the source at an offset, appends to the output, returns the offset behind what it has read.
+#: Reads the source at an offset, appends to the output, returns the offset behind the bytes read.
 Instruction = Callable[[Any, int, bytearray], int]
 
 

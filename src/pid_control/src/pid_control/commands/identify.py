@@ -1,4 +1,4 @@
-"""The command ``rosrun pid_control identify [FILE.bag]``."""
+"""The command ``rosrun pid_control identify [FILE.bag]``: system identification."""
 
 import argparse
 import math

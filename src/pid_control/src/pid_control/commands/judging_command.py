@@ -1,4 +1,4 @@
-"""Common part of the commands that judge: options, limits, a class run, and reports."""
+"""Common part of the commands that judge: options, limits, batch runs, and reports."""
 
 import argparse
 import os
@@ -179,7 +179,7 @@ class Command:
 
 
 def check_class(parser: Parser, arguments: argparse.Namespace, invalid: Sequence[str]) -> None:
-    """Check the options of a class run; a wrong option ends the command.
+    """Check the options of a batch run; a wrong option ends the command.
 
     :param parser: the parser
     :param arguments: the options
@@ -205,7 +205,7 @@ def class_options(arguments: argparse.Namespace) -> List[str]:
 
 
 def roster_of(parser: Parser, arguments: argparse.Namespace) -> Dict[str, str]:
-    """Return the roster of a class run; an invalid roster ends the command."""
+    """Return the roster of a batch run; an invalid roster ends the command."""
     from pid_control.programs.submissions import RosterError, read_roster
 
     try:

@@ -1,4 +1,4 @@
-"""Diagnosis: the cause of a figure beyond its limit.
+"""Diagnosis of a controller: the fault that explains a metric beyond its limit.
 
 A cause is stated as a fact only if the records rule out all others; else all are listed, or the
 cause is reported as unknown.
@@ -23,7 +23,7 @@ Figures = Dict[Tuple[str, str], Optional[float]]
 #: Returns True if a figure breaks its limit: scenario, metric, figure.
 IsBroken = Callable[[str, str, Optional[float]], bool]
 
-#: Number of messages during a pause of the clock above which a loop has no rate.
+#: A loop that sends more messages than this while the clock is paused has no rate.
 _FLOOD = 200
 
 
@@ -117,7 +117,7 @@ def cause_of(
     :param scenario: name of the scenario
     :param metric: name of the metric
     :param figures: all figures of the controller
-    :param evidence: evidence about its law
+    :param evidence: evidence about its control law
     :param is_broken: returns True if another figure would break that limit, too
     """
     clock = _clock_cause(metric, figures)
@@ -264,7 +264,7 @@ def _loop_cause(
     evidence: Evidence,
     is_broken: IsBroken,
 ) -> Cause:
-    """Return whether the gains explain a figure: a faultless controller with them has it too."""
+    """Return the gains as the cause if a faultless controller with them breaks the limit, too."""
     flaw, what = "gains", _SYMPTOMS.get(metric, "it is slow, or oscillates for long")
     if metric == "chatter":
         flaw = "chatter"

@@ -37,7 +37,7 @@ class Outgoing(NamedTuple):
 
 
 class Experiment:
-    """Motor and set point of a scenario, by any clock.
+    """Simulated motor and set point of a scenario; time is an argument.
 
     Before the scenario begins, while the controller connects, the motor is at rest or held and does
     not follow its input.

@@ -157,7 +157,7 @@ def _processor(record: Record) -> float:
 def leave_times(record: Record) -> List[float]:
     """Return the time from each reachable set point until the input leaves its limit [s].
 
-    The limit is the input at the end of the stay out of reach, and at most the motor's own.
+    The limit is the input at the end of the unreachable set point, at most the motor's own.
     """
     found = []
     for _, end, sign in STAYS:
@@ -207,10 +207,9 @@ def _output_response(record: Record) -> Optional[float]:
 
 
 def _response(record: Record, is_output: bool) -> Optional[float]:
-    """Return the smaller answer of both signs, 0 without any [1/(rad/s)].
+    """Return the smaller of the responses of both signs; 0 without a response [1/(rad/s)].
 
-    None if no linear law explains the answer to any probe, as for an input in steps, or an input
-    that is always at its limit.
+    None if no linear law explains the response, as for an input in steps, or always at its limit.
     """
     if is_constant(record.answers, is_output):
         # At a limit, even a controller that depends on the error gives the same answer.

@@ -1,4 +1,4 @@
-"""Record of a scenario."""
+"""Record of one run of a scenario: the loop over time, the answers, and a failure."""
 
 from typing import List, NamedTuple, Sequence, Tuple
 

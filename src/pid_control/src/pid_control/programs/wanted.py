@@ -1,4 +1,4 @@
-"""Subject of a class run: the part of each package that is judged."""
+"""Part of each package that a batch run judges, such as a program of a given name."""
 
 import glob
 import os
@@ -15,7 +15,7 @@ class NothingToJudge(Exception):
 
 
 class Wanted(Protocol):
-    """Subject of a class run, in any package.
+    """Part of a package that a batch run judges.
 
     :ivar subject: heading of the judged part in tables
     :ivar figures: names of the figures of each scenario
@@ -25,13 +25,13 @@ class Wanted(Protocol):
     figures: Figures
 
     def is_in(self, package: str) -> bool:
-        """Return True if a package has it."""
+        """Return True if a package has this part."""
 
     def is_built_by(self, package: str) -> bool:
-        """Return True if a package builds it."""
+        """Return True if a package builds this part."""
 
     def words(self, package: str, workspace: Optional[str]) -> List[str]:
-        """Return the words that name it for the judge.
+        """Return the command-line arguments that name it for the judge.
 
         :param package: folder of the package
         :param workspace: workspace that the package was built in, if it was
@@ -43,7 +43,7 @@ class Wanted(Protocol):
 
 
 class ProgramWanted:
-    """A program as the subject of a class run, by its name.
+    """Program that a batch run judges, found by its name.
 
     :param name: name of the program in each package
     :param arguments: its arguments

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Samples of outputs, by the plant's own time stamps if present. Pure."""
+"""Samples of outputs, by the plant's own time stamps if present."""
 
 from typing import Any, List, Optional
 

@@ -1,4 +1,4 @@
-"""Outcomes of a scenario, with any plant."""
+"""Outcome of a scenario: failure of the controller, or a reason why it cannot be judged."""
 
 import signal
 import time
@@ -8,10 +8,10 @@ from pid_control.judging.record import ENDED, RESTLESS, SILENT, WRITES_WITHOUT_E
 from pid_control.judging.scenarios import Scenario
 from pid_control.programs.program_process import ProgramProcess
 
-#: Processor time without a rest above which a controller is restless, and time without a rest above
-#: which, with less processor time, the machine is too busy [s].
+#: A controller that never rests is restless above this processor time; with less, the machine is
+#: too busy after this time [s].
 _RESTLESS_S, _STARVED_S = 3.0, 30.0
-#: Signal by which a machine out of memory ends processes.
+#: Exit status of a killed process, as by the kernel without free memory.
 _KILLED = -signal.SIGKILL
 
 
@@ -46,7 +46,7 @@ class Runner(Protocol):
 
 
 class Restlessness:
-    """Time in which a controller was never idle, and whether it or the machine is the reason.
+    """Detector of a controller that is never idle, or of a machine too busy to run it.
 
     :param processor_time: returns the controller's processor time so far [s]
     """
@@ -67,7 +67,7 @@ class Restlessness:
     def is_its_own(self) -> bool:
         """Return True if the controller computes without a pause.
 
-        :raises JudgingError: if it has waited too long for the machine
+        :raises BusyMachineError: if it has waited too long for the machine
         """
         if self._before is None:
             return False

@@ -1,4 +1,4 @@
-"""Coursework as the subject of a class run."""
+"""Coursework that a batch run judges."""
 
 from typing import List, Optional, Sequence
 

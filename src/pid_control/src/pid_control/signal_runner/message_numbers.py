@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Numbers in a message, by the names of their fields. Pure."""
+"""Numbers in a message, by the names of their fields."""
 
 from typing import Any, Dict
 

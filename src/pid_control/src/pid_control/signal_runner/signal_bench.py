@@ -1,4 +1,4 @@
-"""Bench of two nodes: publishes the clock, and records the numbers of their messages."""
+"""Test bench of a student's two nodes: publishes /clock, and records numbers in their messages."""
 
 import contextlib
 import functools

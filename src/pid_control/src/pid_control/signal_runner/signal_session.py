@@ -1,4 +1,4 @@
-"""Session of one judgement of a coursework: its trials, one after the other."""
+"""Session that judges a student's signal generator and process node: its trials in turn."""
 
 import math
 import time
@@ -32,14 +32,14 @@ from pid_control.signal_runner.trial import STEP_S, NotConnectedError, Pair, Tri
 _SETTLE_S, _SHORTEST_S, _LONGEST_S, _STOPPED_S = 1.0, 5.0, 30.0, 2.0
 #: Time after the stop in which messages may still arrive [s].
 _AFTER_STOP_S = 0.5
-#: Largest delay of the judge in that trial [s].
+#: Largest delay of the judge in a trial by the machine's clock [s].
 _MOST_LATE_S = 0.05
-#: Rate that may be limited by the step of the clock, in steps; how much finer the next step is; and
-#: the finest one [s].
+#: Share of the clock's rate from which it may limit a loop; factor to the next finer step of the
+#: clock; and the finest step [s].
 _NEAR, _FINER, _FINEST_S = 0.8, 5.0, 0.0004
 #: Periods of a record.
 _PERIODS = 2.2
-#: Namespace of the trial of the names.
+#: Namespace for the trial that checks names.
 _GROUP = "/judged_group"
 #: Most trials by the machine's clock, each of which a busy machine may spoil.
 _WALL_TRIALS = 3

@@ -1,4 +1,4 @@
-"""The command ``rosrun topic_scope fetch_rosbags.py``."""
+"""The command ``rosrun topic_scope fetch_rosbags.py``, which fetches the library rosbags."""
 
 import argparse
 import sys
@@ -21,4 +21,4 @@ def main() -> None:
     except OSError as error:
         sys.exit(f"fetch_rosbags: {error.filename}: {error.strerror}")
     except KeyboardInterrupt:
-        sys.exit(130)  # as a shell puts it
+        sys.exit(130)  # a shell's status after Ctrl-C

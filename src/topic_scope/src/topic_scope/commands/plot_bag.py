@@ -48,7 +48,7 @@ def main() -> None:
     except OSError as error:
         _fail(f"{arguments.output}: {error.strerror or error}")
     except KeyboardInterrupt:
-        sys.exit(130)  # as a shell puts it
+        sys.exit(130)  # a shell's status after Ctrl-C
 
 
 def _is_level(text: str) -> bool:

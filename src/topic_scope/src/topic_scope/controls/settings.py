@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Setting of nodes' parameters from pages.
+"""Parameter changes that pages request, sent to the nodes.
 
 A value is sent to the node's service ``~change``, whose reply states whether it was accepted, and
 why not. The service changes several parameters in one step, so rejected values are kept, and

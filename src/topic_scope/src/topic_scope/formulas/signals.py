@@ -1,4 +1,4 @@
-"""Sampled signals, and the functions over time of formulas."""
+"""Sampled signals, and their derivative, low-pass, moving average and extremes."""
 
 import math
 from typing import NamedTuple
@@ -49,7 +49,7 @@ def delayed(signal: Signal, by: int) -> Signal:
 
 
 def slope(signal: Signal) -> Signal:
-    """Return the derivative per second, at the middle of each two samples."""
+    """Return the derivative per second, midway between successive samples."""
     times, values, received, longest = signal
     steps = numpy.diff(times)
     rising = numpy.full(len(steps), numpy.nan)

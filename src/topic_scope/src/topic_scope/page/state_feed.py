@@ -1,4 +1,4 @@
-"""Messages with the states that a page shows over time."""
+"""Feed of a page's state traces: texts and named values, as spans over time."""
 
 import math
 import time

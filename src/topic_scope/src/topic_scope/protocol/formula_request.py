@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Requests about formulas and masks."""
+"""Requests to check a formula, and to set or remove a mask (limits around a trace)."""
 
 from typing import Any, Dict, NamedTuple, Optional, Tuple
 

@@ -1,4 +1,4 @@
-"""Recorder of the shown fields: from names to samples."""
+"""Recorder of the fields that pages show: expands their names, and keeps recent samples."""
 
 import itertools
 import math
@@ -68,8 +68,8 @@ class Recorder:
         self._source = source
         self._layouts = layouts
         self._types: Mapping[str, str] = {}
-        self._laid = {topic: overlay for overlay in overlays for topic in overlay.layouts}
-        self._arrays = {topic: one.arrays[topic] for topic, one in self._laid.items()}
+        self._overlaid = {topic: overlay for overlay in overlays for topic in overlay.layouts}
+        self._arrays = {topic: one.arrays[topic] for topic, one in self._overlaid.items()}
         #: The latest message of each subscribed topic: a latched message arrives only once.
         self._latest: Dict[str, Tuple[Record, Batch]] = {}
         self._choices: Dict[Tuple[str, str, bool], List[Choice]] = {}
@@ -125,7 +125,7 @@ class Recorder:
 
     def _layout_of(self, topic: str) -> Optional[Record]:
         """Return the layout of the messages of an existing topic; None if unknown."""
-        laid = self._laid.get(topic)
+        laid = self._overlaid.get(topic)
         return laid.layouts[topic] if laid else self._layouts.installed(self._types[topic])
 
     def expand(self, name: str) -> List[str]:
@@ -214,8 +214,8 @@ class Recorder:
         if problem_of(name) or place is None or not (place[1] or function):
             return  # the name is invalid, or its topic does not exist yet
         path = fields.to_path(place[1])
-        if place[0] in self._laid:
-            laid = self._laid[place[0]]
+        if place[0] in self._overlaid:
+            laid = self._overlaid[place[0]]
             self._traces[name] = laid.trace(place[0], path, timestamp, function)
             return
         made = Stream(place[0], timestamp, self._clocks)

@@ -147,7 +147,7 @@ class OverlayLoader:
 
 
 def _crossings(series: Series, page: Page, trigger: Trigger, longest: float) -> numpy.ndarray:
-    """Return the times at which a line of a bag, scaled as on the page, triggers it [s]."""
+    """Return the times at which a trace of a bag, scaled as on the page, meets the trigger [s]."""
     samples = numpy.array(series.times), numpy.array(series.values)
     times, values = page.scaling.scaled(lambda *_: samples)(trigger.field, 0.0, 0.0)
     longest = 0.0 if page.scaling.is_stepped(trigger.field) else longest

@@ -1,4 +1,4 @@
-"""Services and topics of a managed node, as of ROS 2's lifecycle."""
+"""Services and topics of a managed node, as in ROS 2's lifecycle."""
 
 import functools
 import threading
@@ -93,10 +93,9 @@ class LifecycleServices:
 
 
 class Heartbeat:
-    """Publisher of ``~heartbeat`` in any state, which long callbacks do not delay.
+    """Publisher of ``~heartbeat`` in any state; without a subscriber nothing is sent.
 
-    Only callbacks that subscribe to a heartbeat in this process do. Without a subscriber nothing is
-    sent.
+    Long callbacks do not delay it, except callbacks of a subscriber of heartbeats in this process.
 
     :param node: the node, which owns the heartbeat
     """

@@ -18,8 +18,8 @@ class NodeContext:
 
     :ivar group: the default group of callbacks
     :ivar rates: timers whose rates follow the node's parameters
-    :ivar ready: the queue of the executor that makes the calls, None without an executor
-    :ivar live: the parameters declared last, None before
+    :ivar ready: ready queue of the node's executor; None without an executor
+    :ivar live: the parameters declared last; None before a declaration
     """
 
     __slots__ = ("names", "start_queue", "group", "rates", "ready", "live")

@@ -25,9 +25,9 @@ _LONGEST_REASON = 400
 
 
 class ConnectionWatch:
-    """Warns once of each announced publisher that is not connected in time.
+    """Watch on announced publishers: warns once about each that is not connected in time.
 
-    A thread checks them, and exists only while connections are missing.
+    Its thread exists only while connections are missing.
 
     :param request: sends calls to the master and returns its replies; raises a ConnectionError if
         it does not reply in time

@@ -43,12 +43,12 @@ class Reader:
         size = transport.protocol.buff_size
         self._buffer = memoryview(mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE))
         self._socket: Any = None
-        #: the offer of this connection, and the socket at which it is taken
+        #: Offer of shared memory for this connection, and the socket at which it is accepted.
         self._offer: Optional[Offer] = None
         self._listener: Optional[ChannelListener] = None
         self._channel: Optional[ReaderChannel] = None
-        #: messages that the publisher has lost for this subscriber, as the latest announcement
-        #: says; -1 before the first one
+        #: Number of messages that the publisher has dropped for this subscriber, from the latest
+        #: announcement; -1 before the first one.
         self.lost = -1
         fields = transport.protocol.get_header_fields
         transport.protocol.get_header_fields = lambda: {**fields(), **self._offered()}

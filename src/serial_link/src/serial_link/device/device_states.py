@@ -1,4 +1,4 @@
-"""State table of rosserial's board library: when a board publishes."""
+"""State table of rosserial's board library: negotiation of topics, time, and lost hosts."""
 
 from typing import Dict, NamedTuple, Tuple
 
@@ -26,7 +26,7 @@ EVENTS = (
     HOST_LOST,
 )
 
-#: Actions, in their order.
+#: Actions: request the time, announce the topics, set the clock, deliver a message.
 ASK_TIME, NEGOTIATE, SET_TIME, DELIVER = "ask time", "negotiate", "set time", "deliver"
 
 

@@ -1,4 +1,4 @@
-"""TCP port to which boards with Wi-Fi connect."""
+"""TCP port for boards with Wi-Fi; each board has a seat, which stands for its namespace."""
 
 import contextlib
 import select
@@ -14,7 +14,7 @@ _WRITE_S = 0.5
 _READ_AT_ONCE = 4096
 #: Longest pause within a frame [s]: long, because TCP resends lost packets.
 _GAP_S = 5.0
-#: A board waits this long for a seat [s], longer than a silent board keeps one.
+#: Longest wait of a board for a seat [s]; longer than a silent board keeps its seat.
 _SEAT_S = 12.0
 #: Most waiting boards.
 _MOST_WAITING = 16

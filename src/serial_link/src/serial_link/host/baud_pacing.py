@@ -10,7 +10,7 @@ AHEAD_S = 0.002
 class BaudPacer:
     """Pacer that keeps the system's transmit buffer nearly empty.
 
-    The system buffers 4 KB, which is 0.7 s at 57 600 baud: a new value would queue behind them.
+    The system buffers 4 KB, which take 0.7 s at 57 600 baud; new values would queue behind them.
     Time is an argument [s].
 
     :param baud: bits per second; 0 for no pacing

@@ -28,7 +28,7 @@ class FrameWriter:
     """Writer of queued frames while its port is open.
 
     :param port: of the board
-    :param counts: counts sent frames
+    :param counts: counters of sent frames
     :param log: throttled log
 
     :ivar queue: frames to send

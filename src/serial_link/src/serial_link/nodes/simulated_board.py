@@ -17,8 +17,8 @@ from serial_link.device.motor_sketch import MotorSketch, Panel
 class SimulatedBoardNode:
     """Simulated board on a serial port or a TCP connection, which carries its topics.
 
-    In ROS itself it has only the actions of a person at the board, as parameters and a service: the
-    button and the potentiometer, the cable, the reset, and faults.
+    The parameters and the service are the actions of a person at the board: button, potentiometer,
+    cable, reset, and faults.
 
     :ROS Services:
         - ``~reset`` (std_srvs/Trigger): presses the reset button

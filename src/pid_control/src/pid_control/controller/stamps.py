@@ -1,4 +1,4 @@
-"""The interval between measurements, from their stamps, which may be wrong.
+"""Classifier of measurement stamps: interval dt, late messages, gaps and restarts.
 
 A controller that uses its loop period as dt integrates wrongly when the loop is late; the stamp of
 a measurement is the time at which the plant was measured.

@@ -1,4 +1,4 @@
-"""Responses of many first-order plants, with the terms that identify knows, vectorised.
+"""Vectorised responses of many first-order plants with dead time, dead zone, limit and friction.
 
 With input u, output y, gain K, time constant T, dead time L, dead zone m, limit w_max, offset c and
 friction f::

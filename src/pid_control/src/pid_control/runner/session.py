@@ -1,4 +1,4 @@
-"""Session of one judgement: a controller, its scenarios, and a simulated or a real plant."""
+"""Session that judges a controller: runs its scenarios with a simulated or a real plant."""
 
 import os
 import time

@@ -2,6 +2,8 @@
 
 ``rosrun ros2_bridge make_environment`` does so for an installed bridge, ``ci/ros2`` in the
 workspace. On failure the exit status is 125, with one message.
+
+Twins are ROS 2 packages with the types of ROS 1 packages: :mod:`ros2_bridge.types.ros2_interfaces`.
 """
 
 import argparse
@@ -197,9 +199,9 @@ class PythonEnvironment:
         return f"msg/{name}.idl" in self._index(package).read_text("utf-8").split()
 
     def build_twins(self, packages: Mapping[str, pathlib.Path]) -> None:
-        """Build and install new and changed twins, and write their list of names.
+        """Build and install new and changed twins of ROS 1 types, and write their list of names.
 
-        Twins of earlier runs are kept. A type without a possible twin is skipped, and reported
+        Twins of earlier runs are kept. A type that cannot have a twin is skipped, and reported
         once.
 
         :param packages: folders of packages, with or without messages, by name

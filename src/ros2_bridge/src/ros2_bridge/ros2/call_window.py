@@ -1,4 +1,4 @@
-"""Window of service calls that may still be in a ROS 2 server's queue."""
+"""Limit of pending service calls, so that a ROS 2 server's queue does not drop any."""
 
 import threading
 import time

@@ -22,7 +22,7 @@ _OTHERS = ""
 class NodePublisher:
     """Publisher of a topic for one ROS 1 node, with its latched message, if any.
 
-    Each has its own history, so that other nodes' messages do not displace it.
+    Each publisher has its own history, so that other nodes' messages do not displace its message.
 
     :param participant: the bridge in ROS 2
     :param make: creates a publisher of a node with a quality of service
@@ -84,8 +84,8 @@ class TopicPublishers:
     """Publishers of a topic in ROS 2, one per ROS 1 node.
 
     A new publisher may send its first message before subscribers have discovered it. If both are
-    reliable, DDS resends it. But a latched message counts as old for a volatile subscriber; so it
-    is sent only after the discovery time.
+    reliable, DDS resends it. But a volatile subscriber does not get an older latched message; so
+    a latched message is sent only after the discovery time.
 
     :param participant: the bridge in ROS 2
     :param make: creates a publisher of a node with a quality of service

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""ROS 2 interface definitions (twins) of a ROS 1 package's types.
+"""Generator of ROS 2 interface definitions (twins) of a ROS 1 package's types.
 
 ROS 2 requires type names in CamelCase and field names in lower case; time types have other names,
 and string constants are quoted.

@@ -25,7 +25,7 @@ OFFSET_NS = 3 * NS
 
 
 class Series(NamedTuple):
-    """Number over time.
+    """Number or state over time.
 
     :param name: name of the field
     :param times: timestamp of each message, since the start of the bag [s]

@@ -1,4 +1,4 @@
-"""The command ``rosrun topic_scope mask.py FIELD --around REFERENCE``, live or of a bag."""
+"""The command ``rosrun topic_scope mask.py FIELD --around REFERENCE``: mask test of a trace."""
 
 import argparse
 import math
@@ -89,7 +89,7 @@ class TraceChecker:
     def update(self) -> bool:
         """Check the new samples, and save the first failure before its samples are dropped.
 
-        :returns: whether the check has ended: a sample is outside, and the first one ends it
+        :returns: whether the check has ended: the first sample outside ends it
         :raises OSError: if it cannot be saved
         """
         self._recorder.update()
@@ -229,7 +229,7 @@ def main() -> None:
     except OSError as error:
         _fail(f"{arguments.save}: {error.strerror or error}")
     except KeyboardInterrupt:
-        sys.exit(130)  # as a shell reports an interrupt
+        sys.exit(130)  # a shell's status after Ctrl-C
 
 
 def _fail(text: str) -> NoReturn:

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Usual time from the stamps of one topic to the receipt of its messages."""
+"""Median lag of a topic, from the stamps of its messages to their receipt, and its drift."""
 
 from collections import deque
 from typing import Deque, Tuple
@@ -10,8 +10,8 @@ from topic_scope.timing.nanoseconds import NS
 
 #: Time window of the median [ns].
 RECENT_NS = 2 * NS
-#: The lag is estimated again if it has changed by more than this [ns]: initially, and once settled.
-#: After that, load on the machine does not shift a trace.
+#: Change of the lag from which it is estimated again [ns]: at first, and once it has settled. The
+#: latter is larger, so that load on the machine does not shift a trace.
 TOLERANCE_NS, SETTLED_NS = 2 * NS // 1000, NS // 10
 #: Most samples of a batch in the median, so that the cost of an update does not depend on the rate.
 _SAMPLES = 64
@@ -20,7 +20,7 @@ _SAMPLES = 64
 class Lag:
     """Recent median of times of receipt minus stamps, and its drift.
 
-    It drifts if a simulation or a replay is faster or slower than the scope's clock.
+    The lag drifts if a simulation or a replay is faster or slower than the scope's clock.
 
     :ivar usual: the median, at the latest time of receipt [ns]
     :ivar drift: its change per second [s/s]

@@ -47,7 +47,7 @@ class Reader:
         self._offer: Optional[Offer] = None
         self._listener: Optional[ChannelListener] = None
         self._channel: Optional[ReaderChannel] = None
-        #: Number of messages that the publisher has dropped for this subscriber, from the latest
+        #: Number of messages to this subscriber that the publisher has lost, from the latest
         #: announcement; -1 before the first one.
         self.lost = -1
         fields = transport.protocol.get_header_fields

@@ -1,4 +1,4 @@
-"""Command ``rosrun executors_demo timeline LOG… -o picture.svg``."""
+"""Command ``timeline``: picture of the calls of each thread, from a demo's log."""
 
 import argparse
 import os

@@ -1,4 +1,4 @@
-"""The command ``rosrun nodekit callbacks NODE``."""
+"""Command ``rosrun nodekit callbacks``: callbacks of a node, and the time that they take."""
 
 import argparse
 import sys

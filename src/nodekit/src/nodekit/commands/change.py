@@ -1,4 +1,4 @@
-"""The command ``rosrun nodekit change NAMESPACE NAME VALUE ...``."""
+"""Command ``rosrun nodekit change``: change of several parameters of a node, all or none."""
 
 import argparse
 import shlex

@@ -1,4 +1,4 @@
-"""The command ``rosrun nodekit describe NAMESPACE``."""
+"""Command ``rosrun nodekit describe``: parameters of a node, with ranges, units and help."""
 
 import argparse
 import shutil

@@ -1,4 +1,4 @@
-"""The command ``rosrun nodekit doctor``, which finds faults of a ROS system."""
+"""Command ``rosrun nodekit doctor``: search for the faults of a ROS system."""
 
 import argparse
 import os

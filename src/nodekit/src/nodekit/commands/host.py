@@ -1,4 +1,4 @@
-"""The command ``rosrun nodekit host [NAME=]MODULE:CLASS ...``: many nodes in one process."""
+"""Command ``rosrun nodekit host``: many nodes in one process."""
 
 import argparse
 import importlib

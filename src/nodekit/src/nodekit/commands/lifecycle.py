@@ -1,4 +1,4 @@
-"""The command ``rosrun nodekit lifecycle nodes | get | list | set``."""
+"""Command ``rosrun nodekit lifecycle``: states and transitions of managed nodes."""
 
 import argparse
 import sys

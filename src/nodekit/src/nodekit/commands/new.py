@@ -1,4 +1,4 @@
-"""The command ``rosrun nodekit new NAME [FOLDER]``."""
+"""Command ``rosrun nodekit new``: new package from a template."""
 
 import argparse
 import importlib.util

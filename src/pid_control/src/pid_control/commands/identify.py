@@ -1,4 +1,4 @@
-"""The command ``rosrun pid_control identify [FILE.bag]``: system identification."""
+"""Command ``rosrun pid_control identify``: model of a motor from a record or a live system."""
 
 import argparse
 import math

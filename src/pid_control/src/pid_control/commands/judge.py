@@ -1,4 +1,4 @@
-"""The command ``rosrun pid_control judge [OPTION…] PACKAGE NAME [ARGUMENT…]``."""
+"""Command ``rosrun pid_control judge``: judgement of a controller."""
 
 import argparse
 import os

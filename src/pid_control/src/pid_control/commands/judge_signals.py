@@ -1,4 +1,4 @@
-"""The command ``rosrun pid_control judge_signals [OPTION…] PACKAGE [FILE.launch [ARG:=…]]``."""
+"""Command ``rosrun pid_control judge_signals``: judgement of the first coursework."""
 
 import argparse
 import os

@@ -1,4 +1,4 @@
-"""The command ``rosrun pid_control tune MODEL.yaml``."""
+"""Command ``rosrun pid_control tune``: gains of a controller for an identified model."""
 
 import argparse
 import sys

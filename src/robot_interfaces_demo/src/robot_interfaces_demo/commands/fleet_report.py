@@ -1,4 +1,4 @@
-"""Command ``rosrun robot_interfaces_demo fleet_report``."""
+"""Command ``rosrun robot_interfaces_demo fleet_report``: report of a fleet_monitor."""
 
 import argparse
 import sys

@@ -1,4 +1,4 @@
-"""The command ``rosrun topic_scope fetch_rosbags.py``, which fetches the library rosbags."""
+"""Command ``rosrun topic_scope fetch_rosbags.py``: download of the Python library rosbags."""
 
 import argparse
 import sys

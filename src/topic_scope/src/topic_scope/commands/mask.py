@@ -1,4 +1,4 @@
-"""The command ``rosrun topic_scope mask.py FIELD --around REFERENCE``: mask test of a trace."""
+"""Command ``rosrun topic_scope mask.py``: mask test of a trace."""
 
 import argparse
 import math

@@ -1,4 +1,4 @@
-"""The command ``rosrun topic_scope plot_bag.py FILE.bag FIELD… -o out.png``."""
+"""Command ``rosrun topic_scope plot_bag.py``: plot or CSV file of fields in a bag."""
 
 import argparse
 import math

@@ -189,6 +189,7 @@ class Over(unittest.TestCase):
         browser.find("#show-trigger").send_keys(Keys.ENTER)
         browser.wait_for("#trigger-persistence").send_keys("off")
         wait_until(lambda: self.band() < 0.001, self.falling)
+        browser.keys(Keys.ESCAPE)  # or the dialog would cover the page of the next test
         self.assertEqual(browser.errors(), [])
 
     def test_late_messages_are_placed_at_their_stamps(self) -> None:

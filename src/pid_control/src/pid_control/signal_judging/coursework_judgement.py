@@ -221,12 +221,15 @@ def _unchanged_phase(evidence: Evidence, figures: Figures) -> Cause:
 
 
 def _negative(evidence: Evidence, figures: Figures) -> Cause:
-    process = _baseline(evidence).features.process
-    assert process is not None
+    features = _baseline(evidence).features
+    process, sine = features.process, features.signal.sine
+    assert process is not None and sine is not None
+    # A record of a few periods seldom has the trough itself.
+    needed = max(process.gain * sine.amplitude, process.offset - process.lowest)
     return Cause(
         "negative",
         f"the output goes down to {process.lowest:.3g}: its offset is {process.offset:.3g}, where"
-        f" at least {process.offset - process.lowest:.3g} is needed, or a rectifier",
+        f" at least {needed:.3g} is needed, or a rectifier",
     )
 
 

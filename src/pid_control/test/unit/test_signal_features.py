@@ -114,13 +114,21 @@ def test_process_features_of_constant_output_are_missing() -> None:
     ("of", "is_like"),
     [
         (lambda time: math.sin(2.0 * time), True),
+        (lambda time: max(0.0, math.sin(2.0 * time + 0.8)), True),  # 0 in the last quarter period
         (lambda time: 10.0 + 5.0 * 0.5 ** (10.0 * time), False),
         (lambda time: 1.0, False),
         (lambda time: 3.0 * time, False),
     ],
 )
 def test_is_sine_like_settling_output_is_not(of: Callable[[float], float], is_like: bool) -> None:
-    assert is_sine_like(record(of), 2.0) is is_like
+    assert is_sine_like(record(of), 2.0, 0.0, 12.0) is is_like
+
+
+@given(st.floats(0.0, 3.0), st.floats(1.0, 9.0), st.booleans())
+def test_is_sine_like_rest_of_a_buffer_is_not(phase: float, rest: float, holds: bool) -> None:
+    """A node that delays the signal sends what it has stored, then nothing or the last value."""
+    sent = record(lambda time: math.sin(min(time, rest) + phase))
+    assert not is_sine_like(sent if holds else sent.between(0.0, rest), 1.0, 0.0, 12.0)
 
 
 def test_signal_features_of_a_ramp_lack_a_sine() -> None:

@@ -5,7 +5,7 @@ import math
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 
 from pid_control.signal_judging.channels import Channel, oscillates
-from pid_control.signal_judging.sine_fit import SineFit, fit_sine, wrapped
+from pid_control.signal_judging.sine_fit import SineFit, fit_sine, is_constant, wrapped
 
 #: Shapes of an output: a sine, its magnitude, or its positive half.
 SINE, RECTIFIED, HALF = "sine", "rectified", "half-wave"
@@ -13,6 +13,8 @@ SINE, RECTIFIED, HALF = "sine", "rectified", "half-wave"
 _SURE = 0.1
 #: Distortion up to which an output without an input counts as a sine.
 _GOES_ON = 0.3
+#: Share of the end of such an output that must oscillate too: a buffer empties before.
+_END = 0.25
 #: Share of the largest value from which a sample of a half wave counts as positive.
 _ABOVE = 0.02
 
@@ -111,16 +113,23 @@ def process_features(
     )
 
 
-def is_sine_like(output: Channel, frequency: float) -> bool:
-    """Return True if an output continues as a sine, and does not just settle.
+def is_sine_like(output: Channel, frequency: float, begin: float, end: float) -> bool:
+    """Return True if an output continues as a sine to the end, and does not just settle.
 
-    :param output: at least one period of it
+    A node that delays the signal still sends the rest of its buffer, which is part of a sine.
+
+    :param output: the output
     :param frequency: angular frequency of the sine [rad/s]
+    :param begin: begin of the record, at least one period before its end [s]
+    :param end: end of the record [s]
     """
-    finite = output.finite()
-    if not oscillates(finite):
+    finite = output.between(begin, end).finite()
+    last = finite.between(end - _END * (end - begin)).values
+    if not oscillates(finite) or not last:
         return False
-    _, fit = _shape(finite.times, finite.values, frequency)
+    shape, fit = _shape(finite.times, finite.values, frequency)
+    if is_constant(last) and shape != HALF:
+        return False
     return fit is not None and fit.distortion <= _GOES_ON
 
 

@@ -245,8 +245,9 @@ class SignalSession:
         assert sine is not None
         period = 2.0 * math.pi / sine.frequency
         trial.run(_AFTER_STOP_S + min(max(period, _STOPPED_S), _LONGEST_S))
-        _, silent = self._channels(pair, stopped + _AFTER_STOP_S)
-        goes_on = is_sine_like(silent.between(0.0, trial.now), sine.frequency)
+        since = stopped + _AFTER_STOP_S
+        _, silent = self._channels(pair, since)
+        goes_on = is_sine_like(silent, sine.frequency, since, trial.now)
         trial.run_past(self.evidence.baseline.output.topic)
         trial.start_node(pair.generator)
         trial.connect_again(pair)

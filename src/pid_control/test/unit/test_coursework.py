@@ -1,7 +1,8 @@
 """Tests of finding a coursework in a package."""
 
 import pathlib
-from typing import Dict, List
+from typing import Any, Dict, List
+from unittest import mock
 
 import pytest
 from geometry_msgs.msg import Vector3Stamped
@@ -19,7 +20,7 @@ from pid_control.signal_runner.coursework import (
 )
 from pid_control.signal_runner.coursework_wanted import CourseworkWanted
 from pid_control.signal_runner.message_numbers import numbers_in
-from pid_control.signal_runner.trial import _description, _pair
+from pid_control.signal_runner.trial import Trial, _description, _pair
 
 COURSEWORKS = pathlib.Path(__file__).resolve().parents[1] / "courseworks"
 ENVIRONMENT = {"PATH": "/usr/bin:/bin"}
@@ -221,3 +222,18 @@ def test_pair_of_other_types_or_without_an_output_is_not_found() -> None:
     assert text == (
         "process_node.py publishes /s (F) and subscribes to nothing; sig_gen.py does not answer"
     )
+
+
+@pytest.mark.parametrize(
+    ("group", "names"), [("", ["/a/gain"]), ("/group", ["/a/gain", "/group/a/gain"])]
+)
+def test_trial_in_a_namespace_keeps_global_names_of_parameters(
+    group: str, names: List[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A source that reads a global name is not at fault: only topics are compared."""
+    server: Dict[str, Any] = {"/stale": 1.0}
+    monkeypatch.setattr("rospy.get_param_names", lambda: list(server))
+    monkeypatch.setattr("rospy.delete_param", server.pop)
+    monkeypatch.setattr("rospy.set_param", server.__setitem__)
+    with Trial(mock.Mock(), mock.Mock(), [], {"/a/gain": 2.0}, 0.0, group=group):
+        assert server == {**dict.fromkeys(names, 2.0), "/use_sim_time": True}

@@ -101,7 +101,8 @@ class Trial:
     ) -> None:
         self._step = step
         self._bench, self._master, self._nodes = bench, master, list(nodes)
-        self._parameters = {group + name: value for name, value in parameters.items()}
+        grouped = {group + name: value for name, value in parameters.items()}
+        self._parameters = {**parameters, **grouped}  # a source may read a global name
         self._deadline, self._is_simulated, self._group = deadline, is_simulated, group
         self._running: Dict[str, ProgramProcess] = {}
         self._restless: Optional[Restlessness] = None

@@ -112,6 +112,17 @@ def test_find_coursework_without_launch_file_takes_programs_by_name(
     assert found.missing == "the package has no launch file"
 
 
+def test_find_coursework_moves_private_parameters_from_arguments(tmp_path: pathlib.Path) -> None:
+    """A node sets parameters of its arguments itself: in a trial, they would not change."""
+    arguments = "--fast _gain:=0.5 _name:=wave _bad:=[ __log:=x in:=out a:=_b:=c"
+    launch = node("signal.py") + node("process.py", name="p")[:-2] + f' args="{arguments}"/>'
+    folder = package(tmp_path, {"a.launch": launch}, "signal.py", "process.py")
+    found = find_coursework(folder, [], dict(ENVIRONMENT))
+    assert found.parameters == {"/p/gain": 0.5, "/p/name": "wave"}
+    rest = ["--fast", "_bad:=[", "__log:=x", "in:=out", "a:=_b:=c"]
+    assert found.nodes[0].command.argv[-5:] == rest
+
+
 def test_find_coursework_reports_a_launch_file_of_one_node(tmp_path: pathlib.Path) -> None:
     launch = {"a.launch": node("process.py"), "b.launch": "<broken"}
     folder = package(tmp_path, launch, "signal.py", "process.py")

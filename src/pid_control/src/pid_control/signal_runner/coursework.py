@@ -7,6 +7,7 @@ import shlex
 from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
 import rospkg
+import yaml
 from roslaunch.core import Node, local_machine, setup_env
 
 from pid_control.programs.package_messages import package_name
@@ -275,6 +276,7 @@ class _Finder:
         parameters = {
             key: one.value for key, one in config.params.items() if not key.startswith(private)
         }
+        nodes = [_with_parameters_of_arguments(one, parameters) for one in nodes]
         nodes = sorted(nodes, key=lambda one: not _is_like(one.name + one.program, _PROCESS))
         found = Coursework(
             self._folder, self._name, file, arguments, nodes[:_MOST_NODES], parameters, "", notes
@@ -329,6 +331,24 @@ class _Finder:
             StudentNode(one.partition(".")[0], "/", one, self._command(one, notes))
             for one in chosen
         ]
+
+
+def _with_parameters_of_arguments(node: StudentNode, parameters: Dict[str, Any]) -> StudentNode:
+    """Move private parameters, ``_name:=value``, from a node's arguments to the others.
+
+    A node sets those of its arguments when it starts: other values would have no effect.
+    """
+    argv = []
+    for word in node.command.argv:
+        name, is_remapping, text = word.partition(":=")
+        if not is_remapping or not name.startswith("_") or name.startswith("__"):
+            argv.append(word)
+            continue
+        try:
+            parameters[f"{node.global_name}/{name[1:]}"] = yaml.safe_load(text)
+        except yaml.YAMLError:
+            argv.append(word)
+    return node._replace(command=node.command._replace(argv=argv))
 
 
 def _has_node(path: str) -> bool:

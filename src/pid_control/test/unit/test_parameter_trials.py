@@ -5,6 +5,8 @@ import pathlib
 import shutil
 from typing import Any, Callable, List, Mapping, Tuple
 
+import pytest
+
 from pid_control.signal_judging.channels import Channel
 from pid_control.signal_judging.evidence import GENERATOR, PROCESS, Baseline, Features, Parameters
 from pid_control.signal_judging.features import SINE, ProcessFeatures, SignalFeatures
@@ -116,6 +118,35 @@ def test_file_that_no_launch_file_loads_is_unused(tmp_path: pathlib.Path) -> Non
     assert dict(found.unused_files) == {"params.yaml": "no launch file loads it"}
     assert found.hidden == {GENERATOR, PROCESS}  # by their names in the sources
     assert found.read_by(GENERATOR) == 1
+
+
+@pytest.mark.parametrize(
+    ("numbers", "is_unused"),
+    [
+        ("signal_omega: 3", True),
+        ("lab: {signal_amplitude: 2, signal_omega: 3}", True),
+        ("process_offset: 2", False),  # an older version of the loaded file
+        ("motor_gain: 2", False),  # of another activity: no source needs it
+        ("rate: 10", False),  # a word in most sources, but no parameter of a node
+    ],
+)
+def test_file_beside_a_loaded_one_is_unused_if_it_is_needed(
+    numbers: str, is_unused: bool, tmp_path: pathlib.Path
+) -> None:
+    package = copy("wave_loops", tmp_path, "config/params.yaml", "signal_", "other_")
+    (package / "config" / "generator.yaml").write_text(numbers)
+    found, _, _ = tried(package, wave_loops)
+    wanted = {"generator.yaml": "no launch file loads it"} if is_unused else {}
+    assert dict(found.unused_files) == wanted
+
+
+def test_file_of_another_activity_is_not_blamed_without_a_loaded_one(
+    tmp_path: pathlib.Path,
+) -> None:
+    package = copy("sine_classes", tmp_path, "package.xml", "", "")
+    (package / "motor.yaml").write_text("motor_gain: 2")
+    found, _, _ = tried(package, lambda _: features(1.0, 1.0, 0.5, 1.0, 1.0))
+    assert dict(found.unused_files) == {}
 
 
 def test_file_with_overridden_numbers_is_unused(tmp_path: pathlib.Path) -> None:

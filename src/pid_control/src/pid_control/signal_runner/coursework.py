@@ -96,15 +96,26 @@ class Coursework(NamedTuple):
 
     def mentions(self, name: str) -> bool:
         """Return True if a source has a word."""
-        return any(re.search(rf"\b{re.escape(name)}\b", text) for text in self._sources())
+        return any(
+            re.search(rf"\b{re.escape(name)}\b", text) for text in self._sources(self._paths())
+        )
 
-    def _sources(self) -> List[str]:
+    def quotes(self, name: str) -> bool:
+        """Return True if a program of the nodes has a name in quotes; any source if it is built."""
+        programs = [node.command.name for node in self.nodes]
+        paths = programs if all(path.endswith(".py") for path in programs) else self._paths()
+        end = re.compile(rf"""["'/~]{re.escape(name)}["']""")
+        return any(end.search(text) for text in self._sources(paths))
+
+    def _paths(self) -> List[str]:
+        return [path for path in files_in(self.folder) if path.endswith(_SOURCES)]
+
+    def _sources(self, paths: Sequence[str]) -> List[str]:
         found = []
-        for path in files_in(self.folder):
-            if path.endswith(_SOURCES):
-                with contextlib.suppress(OSError):
-                    with open(path, encoding="utf-8", errors="replace") as file:
-                        found.append(file.read())
+        for path in paths:
+            with contextlib.suppress(OSError):
+                with open(path, encoding="utf-8", errors="replace") as file:
+                    found.append(file.read())
         return found
 
 

@@ -59,8 +59,8 @@ class ParameterTrials:
         self._coursework, self._pair, self._features = coursework, pair, features
         self._before = baseline.features
         self._before_names = set(coursework.parameters)
-        #: YAML files with numbers.
-        self._numbered: Set[str] = set()
+        #: Names of the numbers in each YAML file that has any.
+        self._numbered: Dict[str, Set[str]] = {}
         self.notes: List[str] = []
 
     def run(self) -> Parameters:
@@ -130,8 +130,9 @@ class ParameterTrials:
                 content = yaml.safe_load(text)
             except (yaml.YAMLError, RecursionError, ValueError):
                 continue
-            if _has_number(content):
-                self._numbered.add(os.path.relpath(path, folder))
+            names = _names_of_numbers(content)
+            if names:
+                self._numbered[os.path.relpath(path, folder)] = names
                 with open(path, "w", encoding="utf-8") as file:
                     yaml.safe_dump(self._other_numbers(content), file)
         if not self._numbered:
@@ -155,8 +156,6 @@ class ParameterTrials:
 
     def _unused(self, reached: Set[str]) -> Mapping[str, str]:
         """Return the YAML files with numbers that do not reach the nodes, and why not."""
-        if not self._numbered or reached:
-            return {}
         texts = []
         for path in launch_files(self._coursework.folder):
             with open(path, encoding="utf-8", errors="replace") as file:
@@ -166,15 +165,27 @@ class ParameterTrials:
         for path in sorted(self._numbered):
             name = os.path.basename(path)
             users = [file for file, text in texts if name in text]
+            if users and reached:  # these files, or others with the same names
+                continue
             if self._coursework.mentions(name):
                 self.notes.append(f"{name}: the programs load it by themselves")
             elif chosen in users:
                 found[name] = f"{chosen} loads it, but sets other values"
             elif users:
                 self.notes.append(f"{name} is loaded by {', '.join(users)}, not by {chosen}")
-            else:
+            elif self._is_needed(self._numbered[path], bool(reached)):
                 found[name] = "no launch file loads it"
         return found
+
+    def _is_needed(self, names: Set[str], is_beside: bool) -> bool:
+        """Return True if a source has one of these parameters, which are all unset.
+
+        :param names: last names of the parameters
+        :param is_beside: True if other files reach the nodes: then only their programs count
+        """
+        is_set = {name.rpartition("/")[2] for name in self._coursework.parameters}
+        has = self._coursework.quotes if is_beside else self._coursework.mentions
+        return not names & is_set and any(has(name) for name in names)
 
     def _try_all(self, copy: Coursework, wanted: Mapping[str, Any]) -> Set[str]:
         """Change all numbers; return the parameters with the effect that their names suggest."""
@@ -286,7 +297,8 @@ def _roles(node: str) -> Dict[str, Tuple[str, ...]]:
     return GENERATOR_ROLES if node == GENERATOR else PROCESS_ROLES
 
 
-def _has_number(content: Any) -> bool:
+def _names_of_numbers(content: Any, name: str = "") -> Set[str]:
+    """Return the last names of the numbers in a YAML file."""
     if isinstance(content, dict):
-        return any(_has_number(one) for one in content.values())
-    return is_number(content)
+        return {one for key in content for one in _names_of_numbers(content[key], str(key))}
+    return {name} if is_number(content) else set()

@@ -14,6 +14,7 @@ from pid_control.signal_judging.parameter_roles import (
     GENERATOR_ROLES,
     PROCESS_ROLES,
     changed,
+    changed_text_or_list,
     is_number,
     role_of,
 )
@@ -74,6 +75,13 @@ def test_changed_value_is_another_one_of_the_same_type(value: Any, role: str, fa
 def test_changed_phase_is_seen_in_rad_and_in_degrees() -> None:
     move = changed(0.0, "phase_shift", is_far=True)
     assert abs(math.remainder(move, 2.0 * math.pi)) > 0.2 and math.radians(move) > 0.2
+
+
+def test_changed_text_or_list_has_other_numbers() -> None:
+    assert changed_text_or_list("2.0", "amplitude") == "3.0"
+    assert changed_text_or_list([2, "a", 4.0], "") == [3, "a", 5.0]
+    for value in ("sine", "", True, None, {"a": 1}, 2.0):
+        assert changed_text_or_list(value, "gain") == value
 
 
 def test_is_number_excludes_truth_values() -> None:

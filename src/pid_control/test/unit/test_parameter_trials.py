@@ -172,6 +172,17 @@ def test_file_of_another_launch_file_or_of_a_program_is_noted(tmp_path: pathlib.
     assert "own.yaml: the programs load it by themselves" in trials.notes
 
 
+def test_text_or_list_of_numbers_is_a_parameter(tmp_path: pathlib.Path) -> None:
+    def law(parameters: Mapping[str, Any]) -> Features:
+        amplitude, omega = parameters["/wave"]
+        return features(amplitude, omega, 0.5, 1.0, float(parameters["/lift"]))
+
+    package = copy("wave_loops", tmp_path, "config/params.yaml", "", "")
+    (package / "config" / "params.yaml").write_text("wave: [2.0, 3.0]\nlift: '1.5'\nlog: name")
+    found, _, _ = tried(package, law)
+    assert (found.read_by(GENERATOR), found.read_by(PROCESS)) == (1, 1)
+
+
 def test_coursework_without_parameters() -> None:
     found, _, ran = tried(COURSEWORKS / "sine_classes", lambda _: features(1.0, 1.0, 0.5, 1.0, 1.0))
     assert found.read_by(GENERATOR) == found.read_by(PROCESS) == 0

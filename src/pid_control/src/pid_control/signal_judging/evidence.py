@@ -89,7 +89,8 @@ class Parameters(NamedTuple):
     """Effects of the parameters.
 
     :ivar tried: parameters of the launch file
-    :ivar hidden: nodes that changed with parameters that only their sources name
+    :ivar hidden: nodes that changed with parameters that only their sources name, or that are not
+        numbers
     :ivar unused_files: YAML files of numbers that do not reach the nodes, and why not
     :ivar has_files: whether there are YAML files of numbers
     """

@@ -1,6 +1,7 @@
 """Roles of parameters, by their names, and values to try."""
 
-from typing import Dict, Tuple, Union
+import contextlib
+from typing import Any, Dict, Tuple, Union
 
 Number = Union[int, float]
 #: Roles of a generator's and of a process node's parameters, with parts of names of each; the first
@@ -60,3 +61,17 @@ def changed(value: Number, role: str, is_far: bool = False) -> Number:
     if isinstance(value, int):
         return round(new) if round(new) != value else value + 1
     return float(new)
+
+
+def changed_text_or_list(value: Any, role: str) -> Any:
+    """Return a text of a number, or a list, with other numbers; other values unchanged.
+
+    :param value: the present one
+    :param role: role of the parameter; empty if unknown
+    """
+    if isinstance(value, list):
+        return [changed(one, role) if is_number(one) else one for one in value]
+    if isinstance(value, str):
+        with contextlib.suppress(ValueError):
+            return str(changed(float(value), role))
+    return value

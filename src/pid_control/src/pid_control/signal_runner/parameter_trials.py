@@ -20,6 +20,7 @@ from pid_control.signal_judging.parameter_roles import (
     GENERATOR_ROLES,
     PROCESS_ROLES,
     changed,
+    changed_text_or_list,
     is_number,
     role_of,
 )
@@ -245,7 +246,10 @@ class ParameterTrials:
             return None
 
     def _reads_hidden(self, node: str) -> bool:
-        """Return True if a node changes with parameters that only its source names."""
+        """Return True if a node changes with parameters that only its source names, or no numbers.
+
+        A launch file may set a text of a number, or a list of numbers.
+        """
         values: Dict[str, Any] = {}
         for name, default in self._coursework.names_in_source(self._node(node).command.name):
             value = changed(default, role_of(name, _roles(node)), is_far=False)
@@ -253,6 +257,10 @@ class ParameterTrials:
                 values[place] = value
         known = self._coursework.parameters
         values = {name: value for name, value in values.items() if name not in known}
+        for name, value in known.items():
+            other = changed_text_or_list(value, self._role(name)[1])
+            if other != value:
+                values[name] = other
         return bool(values) and node in self._effect(values)
 
     def _places(self, node: str, name: str) -> Sequence[str]:

@@ -82,7 +82,8 @@ def cause(found: Evidence) -> str:
 
 
 def test_good_coursework_passes_with_all_figures() -> None:
-    judgement = judged(evidence(constants={"amplitude": 2.0, "frequency": 2.0, "other": 5.0}))
+    constants = {"amplitude": 2.0, "frequency": 2.0, "sample_rate": 10.0, "samples": 5.0}
+    judgement = judged(evidence(constants=constants))
     assert judgement.verdict == PASSED
     assert [finding.metric for finding in judgement.findings] == [
         metric for metrics in METRICS.values() for metric in metrics
@@ -150,12 +151,28 @@ def test_flaw_of_the_messages_is_the_first_cause(changes: Dict[str, Any], says: 
             "10 messages per second are too few for /hz: 9.68169: they show a sine of 2 rad/s",
         ),
         (
+            Tried("/f_hz", 2.0, "frequency", {GENERATOR}, is_predicted=True),
+            "the frequency is 2 rad/s, where /f_hz is 2",
+        ),
+        (
+            Tried("/hz/rad_s", 1.0 / math.pi, "frequency", {GENERATOR}, is_predicted=True),
+            "the frequency is 2 rad/s, where /hz/rad_s is 0.31831",
+        ),
+        (
             Tried("/gain", 0.9, "gain", {PROCESS}, is_predicted=True),
             "the output has 0.5 of the amplitude, where /gain is 0.9",
         ),
         (
             Tried("/angle", 2.0, "phase_shift", {PROCESS}, is_predicted=True),
             "the phase shift is 1 rad, where /angle is 2",
+        ),
+        (
+            Tried("/angle_deg", 1.0, "phase_shift", {PROCESS}, is_predicted=True),
+            "the phase shift is 1 rad, where /angle_deg is 1",
+        ),
+        (
+            Tried("/angle_rad", 417.2957795, "phase_shift", {PROCESS}, is_predicted=True),
+            "the phase shift is 1 rad, where /angle_rad is 417.296",
         ),
         (
             Tried("/a/b", 2.0, "", set(), is_mentioned=False),
@@ -181,6 +198,8 @@ def test_flaw_of_a_parameter_is_named(tried: Tried, says: str) -> None:
         # In Hz, in degrees, a lag, of another unit, not the only one, maybe used in another case.
         Tried("/hz", 2.0 / (2.0 * math.pi), "frequency", {GENERATOR}, is_predicted=True),
         Tried("/angle", math.degrees(1.0), "phase_shift", {PROCESS}, is_predicted=True),
+        Tried("/f_hz", 1.0 / math.pi, "frequency", {GENERATOR}, is_predicted=True),
+        Tried("/angle_deg", math.degrees(1.0), "phase_shift", {PROCESS}, is_predicted=True),
         Tried("/angle", -1.0, "phase_shift", {PROCESS}, is_predicted=True),
         Tried("/phase_samples", 10.0, "phase_shift", {PROCESS}),
         Tried("/gain", 1.0, "gain", {PROCESS}, is_predicted=True),

@@ -5,7 +5,7 @@ from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from pid_control.signal_judging.channels import oscillates
 from pid_control.signal_judging.evidence import GENERATOR, PROCESS, Baseline, Broken, Evidence
-from pid_control.signal_judging.figures import Figures, figures_of, is_known
+from pid_control.signal_judging.figures import Figures, figures_of, frequencies_of, is_known
 from pid_control.signal_judging.scenarios import METRICS
 from pid_control.verdicts.judgement import (
     FAILED,
@@ -159,22 +159,23 @@ def _frequency(evidence: Evidence, figures: Figures) -> Cause:
     assert named is not None
     signal, measured = _baseline(evidence).features.signal, figures["signal", "frequency"]
     assert measured is not None
-    if signal.rate and _is_alias(measured, named[1], signal.rate):
+    if signal.rate and _is_alias(measured, frequencies_of(*named), signal.rate):
         return Cause(
             "undersampled",
             f"{signal.rate:.3g} messages per second are too few for {named[0]}: {named[1]:g}: they"
             f" show a sine of {measured:.3g} rad/s",
         )
+    unit = ", in rad/s or Hz" if len(frequencies_of(*named)) > 1 else ""
     return Cause(
         "frequency",
-        f"the frequency is {measured:.3g} rad/s, where {named[0]} is {named[1]:g}, in rad/s or Hz",
+        f"the frequency is {measured:.3g} rad/s, where {named[0]} is {named[1]:g}{unit}",
     )
 
 
-def _is_alias(measured: float, value: float, rate: float) -> bool:
+def _is_alias(measured: float, frequencies: Sequence[float], rate: float) -> bool:
     """Return True if a faster sine of a frequency looks like the measured one when sampled."""
     turn = 2.0 * math.pi * rate
-    for wanted in (value, 2.0 * math.pi * value):
+    for wanted in frequencies:
         if wanted > 0.5 * turn:
             folded = abs(wanted - turn * round(wanted / turn))
             if abs(folded - measured) < 0.05 * max(folded, measured):

@@ -1,11 +1,11 @@
 """Figures of a coursework, from its evidence."""
 
 import math
-from typing import Dict, Optional, Tuple
+from typing import Dict, Optional, Sequence, Tuple
 
 from pid_control.signal_judging.evidence import GENERATOR, PROCESS, Evidence, Features
 from pid_control.signal_judging.features import ProcessFeatures
-from pid_control.signal_judging.parameter_roles import GENERATOR_ROLES, role_of
+from pid_control.signal_judging.parameter_roles import GENERATOR_ROLES, role_of, values_in_rad
 
 #: Figures by scenario and metric; None if not measurable.
 Figures = Dict[Tuple[str, str], Optional[float]]
@@ -67,7 +67,7 @@ def _of_signal(evidence: Evidence) -> Dict[str, Optional[float]]:
         if role == "amplitude":
             errors.append(_relative(sine.amplitude, value))
         elif role == "frequency":
-            errors.append(frequency_error(sine.frequency, value))
+            errors.append(frequency_error(sine.frequency, value, name))
     found["field_error"] = max(errors) if errors else None
     if evidence.parameters is not None:
         amplitude = evidence.parameters.value_of(GENERATOR, "amplitude")
@@ -75,7 +75,7 @@ def _of_signal(evidence: Evidence) -> Dict[str, Optional[float]]:
             found["amplitude_error"] = _relative(sine.amplitude, amplitude[1])
         frequency = evidence.parameters.value_of(GENERATOR, "frequency")
         if frequency is not None:
-            found["frequency_error"] = frequency_error(sine.frequency, frequency[1])
+            found["frequency_error"] = frequency_error(sine.frequency, frequency[1], frequency[0])
     return found
 
 
@@ -110,7 +110,7 @@ def _of_process(evidence: Evidence) -> Dict[str, Optional[float]]:
         if shift is not None:
             found["shift_error"] = _shift_error(
                 process,
-                shift[1],
+                values_in_rad(shift[0], shift[1], math.radians(1.0), "deg"),
                 sine.frequency,
                 signal_rate=(baseline.features.signal.rate or math.inf),
             )
@@ -118,24 +118,33 @@ def _of_process(evidence: Evidence) -> Dict[str, Optional[float]]:
 
 
 def _shift_error(
-    process: ProcessFeatures, value: float, frequency: float, signal_rate: float
+    process: ProcessFeatures, angles: Sequence[float], frequency: float, signal_rate: float
 ) -> float:
-    """Return the distance from a phase in rad or degrees, a lead or a lag [rad].
+    """Return the distance from a phase, a lead or a lag [rad].
 
     A node may hold a sample for one iteration before it answers: that difference is ignored.
     """
-    angles = (value, math.radians(value))
     errors = [process.shift_error(sign * one) for one in angles for sign in (1.0, -1.0)]
     return max(0.0, min(errors) - frequency / signal_rate)
 
 
-def frequency_error(frequency: float, value: float) -> float:
+def frequency_error(frequency: float, value: float, name: str = "") -> float:
     """Return the relative difference from a frequency in rad/s or in Hz.
 
     :param frequency: measured [rad/s]
     :param value: the other frequency
+    :param name: its name, which may state its unit
     """
-    return min(_relative(frequency, abs(value)), _relative(frequency, 2.0 * math.pi * abs(value)))
+    return min(_relative(frequency, one) for one in frequencies_of(name, abs(value)))
+
+
+def frequencies_of(name: str, value: float) -> Sequence[float]:
+    """Return the frequencies that a parameter may mean [rad/s].
+
+    :param name: its name, which may state its unit
+    :param value: its value, in rad/s or in Hz
+    """
+    return values_in_rad(name, value, 2.0 * math.pi, "hz")
 
 
 def _relative(measured: float, wanted: float) -> float:

@@ -7,9 +7,9 @@ Number = Union[int, float]
 #: Roles of a generator's and of a process node's parameters, with parts of names of each; the first
 #: that is in the name counts.
 GENERATOR_ROLES: Dict[str, Tuple[str, ...]] = {
+    "frequency": ("freq", "omega"),
     "rate": ("rate", "hz"),
     "amplitude": ("ampl",),
-    "frequency": ("freq", "omega"),
     "offset": ("offset",),
     "phase": ("phase", "shift"),
 }
@@ -19,6 +19,8 @@ PROCESS_ROLES: Dict[str, Tuple[str, ...]] = {
     "offset": ("offset",),
     "gain": ("ampl", "gain", "scale", "factor"),
 }
+#: Parts of the names of frequencies that are rates of a loop, not of the signal.
+_LOOP = ("rate", "sampl", "publ", "update", "loop")
 #: Factors, and summands, of a changed value by role.
 _FACTORS = {"rate": 2.0, "amplitude": 1.5, "frequency": 1.25, "gain": 1.4}
 _SUMMANDS = {"offset": 0.5, "phase": 0.4, "phase_shift": 0.4}
@@ -36,9 +38,24 @@ def role_of(name: str, roles: Dict[str, Tuple[str, ...]]) -> str:
     """
     lower = name.lower()
     for role, parts in roles.items():
-        if any(part in lower for part in parts):
-            return role
+        if any(part in lower.replace("sampl", "") for part in parts):  # not an amplitude
+            is_loop = role == "frequency" and any(part in lower for part in _LOOP)
+            return "rate" if is_loop else role
     return ""
+
+
+def values_in_rad(name: str, value: float, per_unit: float, unit: str) -> Tuple[float, ...]:
+    """Return the values of a parameter in rad that its name allows.
+
+    :param name: its name
+    :param value: its value, in rad or in another unit
+    :param per_unit: rad per that unit
+    :param unit: part of the names of parameters in that unit
+    """
+    last = name.rpartition("/")[2].lower()
+    if unit in last:
+        return (per_unit * value,)
+    return (value,) if "rad" in last else (value, per_unit * value)
 
 
 def is_number(value: object) -> bool:

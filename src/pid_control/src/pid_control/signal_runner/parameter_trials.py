@@ -295,7 +295,7 @@ class ParameterTrials:
         for node, parts in ((PROCESS, ("proc",)), (GENERATOR, ("gen", "sig", "sin"))):
             if any(part in last.lower() for part in parts):
                 return node, role_of(last, _roles(node))
-        if role_of(last, {"frequency": GENERATOR_ROLES["frequency"]}):
+        if role_of(last, {"frequency": GENERATOR_ROLES["frequency"]}) == "frequency":
             return GENERATOR, "frequency"
         shift = role_of(last, {"phase_shift": PROCESS_ROLES["phase_shift"]})
         return (PROCESS, shift) if shift else ("", "")

@@ -99,6 +99,23 @@ def test_limits_name_only_metrics() -> None:
 
 
 @pytest.mark.parametrize(
+    ("interval", "says"),
+    [
+        (lambda index: 0.3 + 0.01 * (index % 2), "too seldom: its loop is slower than 10 Hz"),
+        (lambda index: (0.05, 0.1, 0.9)[index % 3], "one of: only if a value has changed"),
+    ],
+)
+def test_seldom_messages_are_a_slow_loop_only_at_regular_times(interval: Any, says: str) -> None:
+    times = [sum(interval(index) for index in range(count)) for count in range(40)]
+    output = Channel("/y", "data", times, [math.sin(2.0 * time + 1.0) + 1.0 for time in times])
+    found = evidence()
+    assert found.baseline is not None
+    found.baseline = found.baseline._replace(output=output)
+    [failure] = judged(found).failures
+    assert failure.cause.flaw == "too seldom" and says in failure.cause.sentence
+
+
+@pytest.mark.parametrize(
     ("changes", "says"),
     [
         ({"signal": lambda time: 1.0}, "/signal/data does not oscillate"),

@@ -8,6 +8,9 @@ from pid_control.signal_judging.sine_fit import is_constant
 #: Parts of names of a signal, the most specific first.
 _NAMES = ("signal", "proc", "sin", "output", "value", "data", "y")
 
+#: Share of the intervals of a loop that are equal, and how much longer than the median they may be.
+_MOST, _LONGER = 0.9, 1.5
+
 
 class Channel(NamedTuple):
     """A numeric field of the messages of a topic, over time.
@@ -45,6 +48,13 @@ class Channel(NamedTuple):
         if len(self.times) < 3 or self.times[-1] <= self.times[0]:
             return None
         return (len(self.times) - 1) / (self.times[-1] - self.times[0])
+
+    def is_regular(self) -> bool:
+        """Return True if nearly all messages come at the same interval."""
+        steps = sorted(after - before for before, after in zip(self.times, self.times[1:]))
+        if not steps:
+            return True
+        return steps[int(_MOST * len(steps))] <= _LONGER * steps[len(steps) // 2]
 
 
 class AmbiguousChannelsError(Exception):

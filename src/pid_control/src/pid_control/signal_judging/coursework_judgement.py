@@ -1,9 +1,9 @@
 """Judgement of a coursework by its evidence: the failures, and the cause of each."""
 
 import math
-from typing import Callable, Dict, List, Mapping, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, Mapping, Sequence, Tuple
 
-from pid_control.signal_judging.channels import oscillates
+from pid_control.signal_judging.channels import Channel, oscillates
 from pid_control.signal_judging.evidence import GENERATOR, PROCESS, Baseline, Broken, Evidence
 from pid_control.signal_judging.figures import Figures, figures_of, frequencies_of, is_known
 from pid_control.signal_judging.scenarios import METRICS
@@ -115,10 +115,17 @@ def _launch(evidence: Evidence, figures: Figures) -> Cause:
     return Cause("launch", f"no launch file starts both nodes: {evidence.missing}")
 
 
-def _rate(node: str, rate_of: Callable[[Baseline], Optional[float]]) -> "_Explain":
+def _rate(node: str, channel_of: Callable[[Baseline], Channel]) -> "_Explain":
     def explain(evidence: Evidence, figures: Figures) -> Cause:
-        if not rate_of(_baseline(evidence)):
+        channel = channel_of(_baseline(evidence))
+        if not channel.rate():
             return Cause("silent", f"the {node} sends nothing")
+        if not channel.is_regular():
+            return Cause(
+                "too seldom",
+                f"the {node} sends too seldom, at irregular times: one of: only if a value has"
+                " changed, or an iteration of its loop sometimes takes long",
+            )
         return Cause("too seldom", f"the {node} sends too seldom: its loop is slower than 10 Hz")
 
     return explain
@@ -308,13 +315,13 @@ def _namespace(evidence: Evidence, figures: Figures) -> Cause:
 _Explain = Callable[[Evidence, Figures], Cause]
 _CAUSES: Dict[Tuple[str, str], _Explain] = {
     ("launch", "missing_nodes"): _launch,
-    ("signal", "rate"): _rate(GENERATOR, lambda baseline: baseline.features.signal.rate),
+    ("signal", "rate"): _rate(GENERATOR, lambda baseline: baseline.signal),
     ("signal", "distortion"): _distorted_signal,
     ("signal", "not_finite"): _nan(GENERATOR),
     ("signal", "amplitude_error"): _amplitude,
     ("signal", "frequency_error"): _frequency,
     ("signal", "field_error"): _fields,
-    ("process", "rate"): _rate(PROCESS, lambda baseline: baseline.output.rate()),
+    ("process", "rate"): _rate(PROCESS, lambda baseline: baseline.output),
     ("process", "distortion"): _distorted_output,
     ("process", "not_finite"): _nan(PROCESS),
     ("process", "gain_change"): _unchanged_gain,

@@ -90,6 +90,19 @@ def test_parameter_without_effect_is_tried_by_other_names() -> None:
     assert (unread.name, list(unread.other_names)) == ("/signal_omega", ["/process/signal_omega"])
 
 
+def test_output_that_does_not_follow_other_numbers_is_noted() -> None:
+    def law(parameters: Mapping[str, Any]) -> Features:
+        found = wave_loops(parameters)
+        assert found.process is not None
+        distortion = 0.0 if parameters["/signal_omega"] == 3 else 1.0
+        return found._replace(process=found.process._replace(distortion=distortion))
+
+    found, trials, _ = tried(COURSEWORKS / "wave_loops", law)
+    assert found.unread() == []
+    [note] = trials.notes
+    assert "the process node has an amplitude or a frequency of its own" in note
+
+
 def test_parameter_that_ends_a_node_is_read() -> None:
     def law(parameters: Mapping[str, Any]) -> Features:
         if parameters["/process_offset"] != 1.5:

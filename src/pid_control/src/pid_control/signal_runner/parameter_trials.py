@@ -34,6 +34,8 @@ from pid_control.signal_runner.trial import NotConnectedError, Pair, TrialError
 
 #: Most parameters that are tried one by one.
 _MOST = 8
+#: Distortion from which an output is not a sine.
+_DISTORTED = 0.1
 
 
 class ParameterTrials:
@@ -196,6 +198,12 @@ class ParameterTrials:
             after = self._features(copy._replace(parameters=parameters))
         except (TrialError, NotConnectedError):
             return set()  # found later, one by one
+        if _is_distorted(after) and not _is_distorted(self._before):
+            self.notes.append(
+                "with other numbers the output is no longer a sine of the signal's frequency: one"
+                " of: the process node has an amplitude or a frequency of its own, in its code or"
+                " as a parameter, or the numbers do not fit together"
+            )
         roles = [self._role(name) for name in numbers]
         return {
             name
@@ -303,6 +311,12 @@ class ParameterTrials:
 
 def _roles(node: str) -> Dict[str, Tuple[str, ...]]:
     return GENERATOR_ROLES if node == GENERATOR else PROCESS_ROLES
+
+
+def _is_distorted(features: Features) -> bool:
+    """Return True if the signal is a sine, but not the output."""
+    process = features.process
+    return process is not None and process.distortion > _DISTORTED
 
 
 def _names_of_numbers(content: Any, name: str = "") -> Set[str]:

@@ -248,3 +248,15 @@ def test_trial_in_a_namespace_keeps_global_names_of_parameters(
     monkeypatch.setattr("rospy.set_param", server.__setitem__)
     with Trial(mock.Mock(), mock.Mock(), [], {"/a/gain": 2.0}, 0.0, group=group):
         assert server == {**dict.fromkeys(names, 2.0), "/use_sim_time": True}
+
+
+@pytest.mark.parametrize(("is_simulated", "passed"), [(True, 0.0), (False, 0.5)])
+def test_trial_by_the_machine_clock_is_not_late_after_a_node_has_ended(
+    is_simulated: bool, passed: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    trial = Trial(mock.Mock(), mock.Mock(), [], {}, 0.0, is_simulated)
+    trial._running["/a"] = mock.Mock()
+    begin = trial.now
+    monkeypatch.setattr("time.monotonic", iter([7.0, 7.5]).__next__)
+    trial.stop_node(mock.Mock(global_name="/a"))
+    assert trial.now - begin == pytest.approx(passed)

@@ -174,9 +174,11 @@ class Trial:
 
     def stop_node(self, node: StudentNode) -> None:
         """End a node as Ctrl-C does, or kill it. Nodes started later end with it."""
-        process = self._running.pop(node.global_name)
+        begin, process = time.monotonic(), self._running.pop(node.global_name)
         process.interrupt()
         process.end()
+        if not self._is_simulated:  # that clock continues meanwhile
+            self.now += time.monotonic() - begin
 
     def find_pair(self) -> Pair:
         """Run until one node receives another's topic, and return both.

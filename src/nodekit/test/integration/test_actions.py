@@ -429,17 +429,13 @@ class Client(Actions):
         self.client: ActionClient = self.node.create_action_client("test", TestAction)
 
     def test_every_end(self) -> None:
-        fed: List[int] = []
         ends = {
-            number: self.client.send_goal(
-                TestGoal(number), TIMEOUT_S, lambda message: fed.append(message.feedback)
-            )
+            number: self.client.send_goal(TestGoal(number), TIMEOUT_S)
             for number in (SUCCEED, ABORT, REJECT)
         }
         self.assertEqual(ends[SUCCEED], (GoalState.SUCCEEDED, "there", TestResult(SUCCEED)))
         self.assertEqual(ends[ABORT], (GoalState.ABORTED, "no way", TestResult(ABORT)))
         self.assertEqual(ends[REJECT], (GoalState.REJECTED, "not this one", TestResult(REJECT)))
-        wait_until(lambda: fed == [SUCCEED, ABORT], lambda: str(fed))
 
     def test_handles_of_simultaneous_goals(self) -> None:
         first, second = (self.client.send_goal_async(TestGoal(RUN)).result() for _ in range(2))
@@ -505,11 +501,16 @@ class Client(Actions):
         client = self.node.create_action_client("test", TestAction, group=group)
         inside: List[Any] = []
         with group:  # as a callback of that group that waits for a result
-            end = client.send_goal(
-                TestGoal(SUCCEED), TIMEOUT_S, lambda message: inside.append(group.is_mine)
-            )
-            self.assertEqual((end.status, inside), (GoalState.SUCCEEDED, []))
+            end = client.send_goal(TestGoal(SUCCEED), TIMEOUT_S)
+            self.assertEqual(end.status, GoalState.SUCCEEDED)
+            # One that runs on: feedback that arrives after the result is dropped.
+            running = client.send_goal_async(
+                TestGoal(RUN),
+                lambda message: inside.append(group.is_mine and message.feedback == RUN),
+            ).result()
+            self.assertEqual(inside, [])
         wait_until(lambda: inside == [True], lambda: str(inside))
+        running.cancel_goal_async()
         future = client.send_goal_async(TestGoal(SUCCEED))
         future.add_done_callback(lambda done: inside.append(done.result().accepted))
         wait_until(lambda: inside == [True, True], lambda: str(inside))

@@ -123,7 +123,7 @@ class ActionClient:
 
         :param goal: of the action's goal class
         :param timeout: longest time to the result [s]
-        :param feedback_callback: called with each feedback of the goal
+        :param feedback_callback: called with each feedback that arrives before the result
         :returns: the goal's end
         :raises GoalTimeout: if there is no server, or no result in time
         :raises GoalError: if the server has gone, or waits for the calling thread
@@ -148,7 +148,7 @@ class ActionClient:
         """Send a goal without waiting; it is sent as soon as a server is ready.
 
         :param goal: of the action's goal class
-        :param feedback_callback: called with each feedback of the goal
+        :param feedback_callback: called with each feedback that arrives before the result
         :param timeout: longest time until the server has accepted or rejected it [s]; it is
             cancelled then
         :returns: the future :class:`.ClientGoalHandle`

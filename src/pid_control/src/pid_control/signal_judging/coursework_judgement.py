@@ -232,7 +232,7 @@ def _negative(evidence: Evidence, figures: Figures) -> Cause:
     features = _baseline(evidence).features
     process, sine = features.process, features.signal.sine
     assert process is not None and sine is not None
-    # A record of a few periods seldom has the trough itself.
+    # A record of a few periods seldom has a sample at the lowest point.
     needed = max(process.gain * sine.amplitude, process.offset - process.lowest)
     return Cause(
         "negative",

@@ -195,14 +195,6 @@ FLAWED = (
         "/signal_omega has no effect: one of: it is not read, or read and not used",
     ),
     Case(
-        "read_elsewhere",
-        "magnitude_vectors",
-        [("scripts/rectify_proc.py", '"~gain"', '"/gain", 0.6')],
-        ["parameters"],
-        ["unread"],
-        "/rectifier/gain has no effect, but /gain has",
-    ),
-    Case(
         "yaml_not_loaded",
         "wave_loops",
         [("launch/cw1.launch", 'params.yaml" command="load"', 'params.yaml" if="0"')],

@@ -1,1 +1,1 @@
-"""The commands ``rosrun pid_control judge``, ``identify`` and ``tune``."""
+"""The commands ``rosrun pid_control judge``, ``judge_signals``, ``identify`` and ``tune``."""

@@ -20,7 +20,9 @@ from pid_control.signal_runner.coursework import (
 )
 from pid_control.signal_runner.coursework_wanted import CourseworkWanted
 from pid_control.signal_runner.message_numbers import numbers_in
-from pid_control.signal_runner.trial import Trial, _description, _pair
+from pid_control.judging.record import Pause
+from pid_control.signal_runner.node_pair import choose_pair, describe_topics
+from pid_control.signal_runner.trial import Trial
 
 COURSEWORKS = pathlib.Path(__file__).resolve().parents[1] / "courseworks"
 ENVIRONMENT = {"PATH": "/usr/bin:/bin"}
@@ -218,7 +220,7 @@ def test_pair_is_found_by_topics_and_types_not_by_names() -> None:
     one, other = good("included_arguments").nodes
     a = topics({"/s": "F", "/t": "F", "/z": "F"}, {})
     b = topics({"/p": "F"}, {"/s": "F", "/t": "F"})
-    found = _pair([one, other], {one.global_name: a, other.global_name: b})
+    found = choose_pair([one, other], {one.global_name: a, other.global_name: b})
     assert found is not None and (found.generator, found.process) == (one, other)
     assert (dict(found.inputs), dict(found.outputs)) == ({"/s": "F", "/t": "F"}, {"/p": "F"})
     assert dict(found.others) == {"/z": "F"}
@@ -228,8 +230,8 @@ def test_pair_of_other_types_or_without_an_output_is_not_found() -> None:
     one, other = good("included_arguments").nodes
     a = topics({"/s": "F"}, {})
     for b in (topics({"/p": "F"}, {"/s": "D"}), topics({}, {"/s": "F"})):
-        assert _pair([one, other], {one.global_name: a, other.global_name: b}) is None
-    text = _description([one, other], {one.global_name: a})
+        assert choose_pair([one, other], {one.global_name: a, other.global_name: b}) is None
+    text = describe_topics([one, other], {one.global_name: a})
     assert text == (
         "process_node.py publishes /s (F) and subscribes to nothing; sig_gen.py does not answer"
     )
@@ -260,3 +262,17 @@ def test_trial_by_the_machine_clock_is_not_late_after_a_node_has_ended(
     monkeypatch.setattr("time.monotonic", iter([7.0, 7.5]).__next__)
     trial.stop_node(mock.Mock(global_name="/a"))
     assert trial.now - begin == pytest.approx(passed)
+
+
+@pytest.mark.parametrize(
+    ("answers", "publishes"),
+    [([0], False), ([9, 0], False), ([9, 9, 5, 1], False), ([2, 4, 8, 16], True)],
+)
+def test_late_messages_are_no_evidence_of_the_machine_clock(
+    answers: List[int], publishes: bool
+) -> None:
+    trial = Trial(mock.Mock(), mock.Mock(), [], {}, 0.0)
+    trial._clock = mock.Mock(
+        pause=mock.Mock(side_effect=[Pause(1.0, 1.0, 1.0, n) for n in answers])
+    )
+    assert trial.publishes_while_paused() is publishes

@@ -13,7 +13,8 @@ from pid_control.signal_judging.features import SINE, ProcessFeatures, SignalFea
 from pid_control.signal_judging.sine_fit import SineFit
 from pid_control.signal_runner.coursework import Coursework, find_coursework
 from pid_control.signal_runner.parameter_trials import ParameterTrials
-from pid_control.signal_runner.trial import Pair, TrialError
+from pid_control.signal_runner.node_pair import Pair
+from pid_control.signal_runner.trial import TrialError
 
 COURSEWORKS = pathlib.Path(__file__).resolve().parents[1] / "courseworks"
 NOTHING = Channel("/x", "", [], [])

@@ -8,6 +8,8 @@ from pid_control.signal_judging.features import ProcessFeatures, SignalFeatures
 #: Roles of parameters that every signal and output has.
 _ALWAYS = ("amplitude", "frequency", "gain", "phase_shift")
 GENERATOR, PROCESS = "signal generator", "process node"
+#: Distortion from which a signal is not a sine, and a trial is repeated by the machine's clock.
+DISTORTED = 0.05
 
 
 class Broken(NamedTuple):
@@ -32,6 +34,14 @@ class Features(NamedTuple):
 
     signal: SignalFeatures
     process: Optional[ProcessFeatures]
+
+    @property
+    def distortion(self) -> float:
+        """Distortion of the signal, or of the output if that is larger; at most 1."""
+        sine, process = self.signal.sine, self.process
+        if sine is None or sine.distortion > DISTORTED:
+            return 1.0 if sine is None else min(1.0, sine.distortion)
+        return 1.0 if process is None else min(1.0, process.distortion)
 
 
 class Baseline(NamedTuple):

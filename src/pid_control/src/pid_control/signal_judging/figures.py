@@ -3,7 +3,7 @@
 import math
 from typing import Dict, Optional, Sequence, Tuple
 
-from pid_control.signal_judging.evidence import GENERATOR, PROCESS, Evidence, Features
+from pid_control.signal_judging.evidence import DISTORTED, GENERATOR, PROCESS, Evidence, Features
 from pid_control.signal_judging.features import ProcessFeatures
 from pid_control.signal_judging.parameter_roles import GENERATOR_ROLES, role_of, values_in_rad
 
@@ -11,8 +11,6 @@ from pid_control.signal_judging.parameter_roles import GENERATOR_ROLES, role_of,
 Figures = Dict[Tuple[str, str], Optional[float]]
 #: Fewest periods by which a sine is known.
 _FEWEST_PERIODS = 1.2
-#: Distortion from which a signal is not a sine; then its process node cannot be judged.
-_DISTORTED = 0.05
 
 
 def figures_of(evidence: Evidence) -> Figures:
@@ -58,7 +56,7 @@ def _of_signal(evidence: Evidence) -> Dict[str, Optional[float]]:
         found["distortion"] = 1.0 if sine is None else None
         return found
     found["distortion"] = sine.distortion
-    if sine.distortion > _DISTORTED:
+    if sine.distortion > DISTORTED:
         return found
     found["amplitude"], found["frequency"] = sine.amplitude, sine.frequency
     errors = []
@@ -88,13 +86,13 @@ def _of_process(evidence: Evidence) -> Dict[str, Optional[float]]:
         "not_finite": float(len(output.values) - len(output.finite().values)),
     }
     sine = baseline.features.signal.sine
-    if sine is None or sine.distortion > _DISTORTED or not is_known(baseline.features):
+    if sine is None or sine.distortion > DISTORTED or not is_known(baseline.features):
         return found  # the input of the shift is unknown
     if process is None:
         found["distortion"] = 1.0
         return found
     found["distortion"] = process.distortion
-    if process.distortion > 2.0 * _DISTORTED:
+    if process.distortion > 2.0 * DISTORTED:
         return found
     found["gain"], found["offset"] = process.gain, process.offset
     found["gain_change"] = abs(process.gain - 1.0)

@@ -30,7 +30,8 @@ from pid_control.signal_runner.coursework import (
     launch_files,
     yaml_files,
 )
-from pid_control.signal_runner.trial import NotConnectedError, Pair, TrialError
+from pid_control.signal_runner.node_pair import Pair
+from pid_control.signal_runner.trial import NotConnectedError, TrialError
 
 #: Most parameters that are tried one by one.
 _MOST = 8

@@ -8,6 +8,7 @@ from pid_control.programs.private_master import PrivateMaster
 from pid_control.runner.outcome import BusyMachineError, JudgingError, TimeLimitExceeded
 from pid_control.signal_judging.channels import AmbiguousChannelsError, Channel, signal_of
 from pid_control.signal_judging.evidence import (
+    DISTORTED,
     GENERATOR,
     PROCESS,
     Baseline,
@@ -25,8 +26,9 @@ from pid_control.signal_judging.features import (
 from pid_control.signal_judging.sine_fit import is_constant
 from pid_control.signal_runner.coursework import Coursework
 from pid_control.signal_runner.parameter_trials import ParameterTrials
+from pid_control.signal_runner.node_pair import Pair
 from pid_control.signal_runner.signal_bench import SignalBench
-from pid_control.signal_runner.trial import STEP_S, NotConnectedError, Pair, Trial, TrialError
+from pid_control.signal_runner.trial import STEP_S, NotConnectedError, Trial, TrialError
 
 #: Times by the clock [s]: before a record begins, shortest and longest record, shortest stop.
 _SETTLE_S, _SHORTEST_S, _LONGEST_S, _STOPPED_S = 1.0, 5.0, 30.0, 2.0
@@ -43,13 +45,13 @@ _PERIODS = 2.2
 _GROUP = "/judged_group"
 #: Most trials by the machine's clock, each of which a busy machine may spoil.
 _WALL_TRIALS = 3
-#: Distortion from which a trial is repeated by the machine's clock, and the share of it that
-#: remains there if the simulated clock was the reason.
-_DISTORTED, _GONE = 0.05, 0.3
-
-
-class MachineClockError(JudgingError):
-    """The coursework uses the machine's clock."""
+_MACHINE_CLOCK = (
+    "it uses the machine's clock (time.time(), time.sleep()), not ROS's"
+    " (rospy.get_time(), rospy.Rate): judge it with --real-time"
+)
+#: Shares in a trial by the machine's clock: largest one of a distortion that the simulated clock
+#: causes, and smallest one of the messages.
+_GONE, _COMPLETE = 0.3, 0.8
 
 
 class SignalSession:
@@ -174,7 +176,9 @@ class SignalSession:
         baseline = self.evidence.baseline
         assert baseline is not None
         self.notes.append(f"signal: {baseline.signal.name}; output: {baseline.output.name}")
-        if not self._real_time and _distortion(baseline.features) > _DISTORTED:
+        values = baseline.output.values
+        is_suspect = bool(values) and not is_constant(values) and not self._real_time
+        if is_suspect and baseline.features.distortion > DISTORTED:
             self._check_clock()
 
     def _is_too_fast(self) -> bool:
@@ -199,10 +203,10 @@ class SignalSession:
         trial.run(_SETTLE_S)
         begin = trial.now
         trial.run(_SETTLE_S)
-        answers = trial.answers_while_paused()  # the machine's clock continues meanwhile
+        publishes = trial.publishes_while_paused()  # the machine's clock continues meanwhile
         self._run_periods(trial, pair, begin)
-        if max(answers, trial.answers_while_paused()) > 1:
-            raise MachineClockError(_MACHINE_CLOCK)
+        if publishes or trial.publishes_while_paused():
+            raise JudgingError(_MACHINE_CLOCK)
         self._check_heard()
         signal, output = self._channels(pair, begin)
         end = trial.now
@@ -298,7 +302,7 @@ class SignalSession:
     def _check_clock(self) -> None:
         """Run by the machine's clock; without the distortion there, the nodes use that clock.
 
-        :raises MachineClockError: if they do
+        :raises JudgingError: if they do
         :raises BusyMachineError: if the machine is too busy to decide
         """
         for left in reversed(range(_WALL_TRIALS)):
@@ -321,11 +325,20 @@ class SignalSession:
                 trial.run(min(_LONGEST_S, max(_SHORTEST_S, times[-1] - times[0])))
                 signal, output = self._channels(self._pair, begin)
                 self._check_lateness(trial, _MOST_LATE_S)
+                self._check_counts((baseline.signal, signal), (baseline.output, output))
         except (TrialError, NotConnectedError):
             return
         features = self._features_of(signal, output)
-        if _distortion(features) < _GONE * _distortion(baseline.features):
-            raise MachineClockError(_MACHINE_CLOCK)
+        if features.distortion < _GONE * baseline.features.distortion:
+            raise JudgingError(_MACHINE_CLOCK)
+
+    @staticmethod
+    def _check_counts(*pairs: Tuple[Channel, Channel]) -> None:
+        """Check that a channel has about as many messages as before: a sine fits any few."""
+        for before, after in pairs:
+            if len(after.times) < _COMPLETE * len(before.times):
+                counts = f"{len(after.times)} messages of {after.name} for {len(before.times)}"
+                raise BusyMachineError(f"this machine is too busy: {counts}")
 
     def _check_lateness(self, trial: Trial, most: float = Trial.most_late) -> None:
         if trial.latest > most:
@@ -375,7 +388,7 @@ class SignalSession:
     def _features_of(self, signal: Channel, output: Channel) -> Features:
         found = signal_features(signal)
         process: Optional[ProcessFeatures] = None
-        if found.sine is not None and found.sine.distortion <= _DISTORTED:
+        if found.sine is not None and found.sine.distortion <= DISTORTED:
             process = process_features(output, signal.times, found.sine)
         return Features(found, process)
 
@@ -384,17 +397,3 @@ class SignalSession:
         return {
             one.field: one.values[0] for one in channels if one.values and is_constant(one.values)
         }
-
-
-def _distortion(features: Features) -> float:
-    """Return the distortion of the signal, or of the output if that is larger; at most 1."""
-    sine, process = features.signal.sine, features.process
-    if sine is None or sine.distortion > _DISTORTED:
-        return 1.0 if sine is None else min(1.0, sine.distortion)
-    return 1.0 if process is None else min(1.0, process.distortion)
-
-
-_MACHINE_CLOCK = (
-    "it uses the machine's clock (time.time(), time.sleep()), not ROS's"
-    " (rospy.get_time(), rospy.Rate): judge it with --real-time"
-)

@@ -3,7 +3,7 @@
 import contextlib
 import time
 from types import TracebackType
-from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Sequence, Tuple, Type
+from typing import Any, Dict, List, Mapping, Optional, Sequence, Type
 
 import rospy
 
@@ -15,6 +15,7 @@ from pid_control.programs.program_process import ProgramProcess
 from pid_control.runner.clock import Clock, SimulatedClock, WallClock
 from pid_control.runner.outcome import Restlessness, TimeLimitExceeded, failure_of
 from pid_control.signal_runner.coursework import StudentNode
+from pid_control.signal_runner.node_pair import Pair, choose_pair, describe_topics
 from pid_control.signal_runner.signal_bench import SignalBench
 
 #: Default step of the clock [s]: loops of up to 100 Hz keep their rate.
@@ -34,6 +35,8 @@ _APART_S, _JUMP_S = 0.03, 1.0
 #: Pause between two steps of a wait, and interval of the questions to the nodes [s].
 _STEP_PAUSE_S = 0.005
 _ASK_S = 0.05
+#: Pauses of the clock in which only a loop by the machine's clock publishes.
+_PAUSES = 4
 #: Messages in one step that only a loop without a pause sends.
 _FLOOD = 200
 
@@ -49,23 +52,6 @@ class TrialError(Exception):
     def __init__(self, flaw: str, node: str, words: str = "") -> None:
         super().__init__(f"{node}: {flaw}")
         self.flaw, self.node, self.words = flaw, node, words
-
-
-class Pair(NamedTuple):
-    """The two nodes, and their topics.
-
-    :ivar generator: the signal generator
-    :ivar process: the process node
-    :ivar inputs: type of each topic from the generator to the process node
-    :ivar outputs: type of each topic that only the process node publishes
-    :ivar others: type of each topic that only the generator publishes
-    """
-
-    generator: StudentNode
-    process: StudentNode
-    inputs: Mapping[str, str]
-    outputs: Mapping[str, str]
-    others: Mapping[str, str]
 
 
 class NotConnectedError(Exception):
@@ -198,7 +184,7 @@ class Trial:
                     found[node.global_name] = topics
             if found != before:
                 changed_at = self.now, time.monotonic()
-            return _pair(self._nodes, found) is not None or self._is_over(found, *changed_at)
+            return choose_pair(self._nodes, found) is not None or self._is_over(found, *changed_at)
 
         if self._wait(has_topics):
             published = [one.published.items() for one in found.values()]
@@ -206,9 +192,9 @@ class Trial:
                 self._bench.listen(dict(pair for topics in published for pair in topics))
             self.run(_MORE_S)  # topics may appear one by one
             has_topics()
-        pair = _pair(self._nodes, found)
+        pair = choose_pair(self._nodes, found)
         if pair is None:
-            raise NotConnectedError(_description(self._nodes, found))
+            raise NotConnectedError(describe_topics(self._nodes, found))
         return pair
 
     def _is_over(
@@ -288,10 +274,17 @@ class Trial:
         self._restless.update(is_idle and not is_flood)
         self._check(self._restless.is_its_own())
 
-    def answers_while_paused(self) -> int:
-        """Pause the clock; return the number of messages meanwhile, 0 without a simulated clock."""
-        pause = self._clock.pause(self.now, self._bench.pop_count)
-        return 0 if pause is None else pause.answers
+    def publishes_while_paused(self) -> bool:
+        """Pause the clock; return True if the nodes publish on: they use the machine's clock.
+
+        Late messages of a busy machine arrive in one pause; those of a loop arrive in the next
+        ones too, each twice as long as the one before.
+        """
+        for _ in range(_PAUSES):
+            pause = self._clock.pause(self.now, self._bench.pop_count)
+            if pause is None or pause.answers <= 1:
+                return False
+        return True
 
     def _wait_for_clock(self) -> None:
         """Wait until all nodes have the clock, and are idle; not for long, as it is optional."""
@@ -351,48 +344,3 @@ class Trial:
             if self.now - begin > _PATIENCE_S and now > end:
                 if first.watch.is_idle() or first.watch.busy() > _CONNECT_S:
                     return False
-
-
-def _pair(nodes: Sequence[StudentNode], found: Mapping[str, NodeTopics]) -> Optional[Pair]:
-    """Return two nodes: one subscribes to the other's topic, and publishes another."""
-    pairs: List[Tuple[int, Pair]] = []
-    for process in nodes:
-        for generator in nodes:
-            if generator is process or not {process.global_name, generator.global_name} <= set(
-                found
-            ):
-                continue
-            theirs, own = found[generator.global_name], found[process.global_name]
-            inputs = {
-                topic: type_
-                for topic, type_ in theirs.published.items()
-                if own.subscribed.get(topic) in (type_, "*")
-            }
-            outputs = {t: type_ for t, type_ in own.published.items() if t not in theirs.published}
-            if inputs and outputs:
-                others = {t: type_ for t, type_ in theirs.published.items() if t not in inputs}
-                likely = ("proc" in process.name + process.program) * 2
-                likely += process.namespace == generator.namespace
-                pairs.append((likely, Pair(generator, process, inputs, outputs, others)))
-    return max(pairs, key=lambda one: one[0])[1] if pairs else None
-
-
-def _description(nodes: Sequence[StudentNode], found: Mapping[str, NodeTopics]) -> str:
-    """Return the topics of each node as text."""
-    parts = []
-    for node in nodes:
-        topics = found.get(node.global_name)
-        if topics is None:
-            parts.append(f"{node.program} does not answer")
-            continue
-        published = ", ".join(
-            f"{name} ({type_})" for name, type_ in sorted(topics.published.items())
-        )
-        subscribed = ", ".join(
-            f"{name} ({type_})" for name, type_ in sorted(topics.subscribed.items())
-        )
-        parts.append(
-            f"{node.program} publishes {published or 'nothing'} and subscribes to"
-            f" {subscribed or 'nothing'}"
-        )
-    return "; ".join(parts)

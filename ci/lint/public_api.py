@@ -13,6 +13,7 @@ PUBLIC = (
     "lifecycle_states",
     "master",
     "message_definitions",
+    "package_version",
     "service_hint",
     "testing",
 )

@@ -58,6 +58,7 @@ SIBLINGS: Dict[str, Tuple[str, str]] = {
 SUBJECTS: Dict[str, Dict[str, str]] = {
     "nodekit": {
         "shadowed_modules": "check for files beside a script that hide modules of Python or ROS",
+        "package_version": "version of a package, with its commit",
         "deprecated": "old names of the public API, with warnings",
         "entry_point": "start of a script before rospy is imported, and its end",
         "validation": "checks of arguments of nodekit's methods, at the line of the call",

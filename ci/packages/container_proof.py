@@ -29,6 +29,9 @@ BUILDS = re.compile(r"-dev$|^(binutils|clang|cmake|make)\b|^(cpp|g\+\+|gcc)(-\d+
 #: Attempt to connect to the master at an address.
 REACH = "import socket, sys; socket.create_connection((sys.argv[1], 11311), 3.0)"
 ADDRESS = "{{range .NetworkSettings.Networks}}{{.IPAddress}}{{end}}"
+REVISION = '{{index .Config.Labels "org.opencontainers.image.revision"}}'
+#: Package of the course's nodes.
+NODES = "ros-basic-comms"
 #: Prints whether the oscilloscope treats a page as read-only, once it has found the master.
 IS_READONLY = """
 import asyncio, json
@@ -84,6 +87,12 @@ def check_image(tool: Tool) -> None:
     """Check the size of the image, and that it has no build tools."""
     size = int(tool.output("image", "inspect", "--format", "{{.Size}}", IMAGE)) / 1e6
     require(size <= MOST_MB, f"the image has {size:.0f} MB of at most {MOST_MB}")
+    user = tool.output("image", "inspect", "--format", "{{.Config.User}}", IMAGE)
+    require(re.match("[1-9]", user), f"its user is {user}, a number other than 0")
+    commit = tool.output("image", "inspect", "--format", REVISION, IMAGE)
+    packed = tool.output("run", "--rm", IMAGE, "dpkg-query", "-W", "-f", "${Version}", NODES)
+    is_named = "~git" not in packed or (commit != "" and commit in packed)
+    require(is_named, f"its label {commit} names the commit of version {packed}")
     packages = tool.output("run", "--rm", IMAGE, "dpkg-query", "-W", "-f", "${Package}\n").split()
     found = list(filter(BUILDS.search, packages))
     require(not found, f"of its {len(packages)} packages these are to build with: {found}")

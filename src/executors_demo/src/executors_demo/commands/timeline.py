@@ -6,6 +6,7 @@ import sys
 from typing import Dict, List, NoReturn
 
 from executors_demo.bars import Bar, bars
+from nodekit.package_version import ShowVersion
 from executors_demo.events import read
 
 #: Stands for standard input.
@@ -43,6 +44,7 @@ def _parser() -> argparse.ArgumentParser:
         description="Draw which callback of a demo ran when, and on which thread.",
         epilog="Several logs are drawn one below the other, over the same time.",
     )
+    parser.add_argument("--version", action=ShowVersion, package="executors_demo")
     parser.add_argument(
         "logs",
         metavar="LOG",

@@ -13,6 +13,7 @@ from nodekit.commands.request_errors import exit_on_error
 from nodekit.service_hint import is_running, service_hint
 from nodekit.executors import SERVICE
 from nodekit.master import MasterClient
+from nodekit.package_version import ShowVersion
 from nodekit.node.clients import call_service
 
 #: Keys of times, which the table shows in ms.
@@ -26,6 +27,7 @@ def main() -> None:
         description="List the callbacks of a running node that uses an executor: how much is"
         " waiting and was dropped, and how long calls took and waited, in ms.",
     )
+    parser.add_argument("--version", action=ShowVersion, package="nodekit")
     parser.add_argument("node", metavar="NODE", help="name of the node")
     node = rosgraph.names.make_global_ns(parser.parse_args(rospy.myargv()[1:]).node).rstrip("/")
     with exit_on_error("callbacks", node):

@@ -13,6 +13,7 @@ from nodekit.commands.request_errors import exit_on_error
 from nodekit.service_hint import service_hint
 from nodekit.master import MasterClient
 from nodekit.node.parameter_client import ChangeRefused, ParameterClient
+from nodekit.package_version import ShowVersion
 from nodekit.parameter_server.parameter_services import CHANGE
 
 
@@ -22,6 +23,7 @@ def main() -> None:
         prog="change",
         description="Change parameters of a running node: all, or none if one is rejected.",
     )
+    parser.add_argument("--version", action=ShowVersion, package="nodekit")
     parser.add_argument("namespace", metavar="NAMESPACE", help="the node")
     parser.add_argument(
         "settings",

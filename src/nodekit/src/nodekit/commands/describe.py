@@ -17,6 +17,7 @@ from nodekit.service_hint import service_hint
 from nodekit.master import MasterClient
 from nodekit.node.clients import CallError, call_service
 from nodekit.parameter_server.parameter_services import DESCRIBE
+from nodekit.package_version import ShowVersion
 from nodekit.parameters.schema import DescriptionError, description_in
 
 #: Longest wait for all responses before printing, so that names are in order [s].
@@ -34,6 +35,7 @@ def main() -> None:
         prog="describe",
         description="Describe the parameters of running nodes: value, type, range, unit and help.",
     )
+    parser.add_argument("--version", action=ShowVersion, package="nodekit")
     parser.add_argument("namespace", metavar="NAMESPACE", help="a node or a group; / for all")
     parser.add_argument("--yaml", action="store_true", help="print YAML for programs to read")
     arguments = parser.parse_args(rospy.myargv()[1:])

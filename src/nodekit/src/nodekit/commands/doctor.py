@@ -28,16 +28,19 @@ from nodekit.doctor.machine_checks import (
 from nodekit.doctor.snapshot import Snapshot
 from nodekit.doctor.workspace_checks import check_workspace
 from nodekit.master import MasterClient, MasterUnreachable
+from nodekit.package_version import ShowVersion
 from nodekit.process import own_address
 
 
 def main() -> None:
     """Print the faults of a ROS system, one per line, with cause and remedy."""
-    argparse.ArgumentParser(
+    parser = argparse.ArgumentParser(
         prog="doctor",
         description="Check the workspace here, this machine, the master and all running nodes."
         " Faults are printed last, each with a remedy. The exit status is 1 on faults, else 0.",
-    ).parse_args(rospy.myargv()[1:])
+    )
+    parser.add_argument("--version", action=ShowVersion, package="nodekit")
+    parser.parse_args(rospy.myargv()[1:])
     own_address.default_to_loopback(os.environ, sys.argv)  # as nodekit's nodes do
     try:
         findings = examine()

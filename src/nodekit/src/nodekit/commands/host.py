@@ -6,6 +6,7 @@ import importlib
 import rospy
 
 from nodekit.node.name_rules import IllegalName, check_base_name
+from nodekit.package_version import ShowVersion
 from nodekit.process.host import Member, host
 
 
@@ -16,6 +17,7 @@ def main() -> None:
         description="Run nodes of any packages in one process. Messages between"
         " them need no connection, and no other process has to be woken up.",
     )
+    parser.add_argument("--version", action=ShowVersion, package="nodekit")
     parser.add_argument(
         "members",
         metavar="MEMBER",

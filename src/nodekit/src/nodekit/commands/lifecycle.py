@@ -13,6 +13,7 @@ from nodekit.commands.request_errors import exit_on_error
 from nodekit.service_hint import service_hint
 from nodekit.lifecycle_states import NotAllowed, State, requested
 from nodekit.master import MasterClient
+from nodekit.package_version import ShowVersion
 from nodekit.node.clients import CallError, call_service
 
 #: Service that only managed nodes offer.
@@ -42,6 +43,7 @@ def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog="lifecycle", description="Show managed nodes, and change their states."
     )
+    parser.add_argument("--version", action=ShowVersion, package="nodekit")
     verbs = parser.add_subparsers(metavar="VERB", dest="name", required=True)
     one = verbs.add_parser("nodes", help="list the managed nodes")
     one.set_defaults(verb=_nodes)

@@ -10,6 +10,7 @@ import shutil
 import sys
 from typing import Dict, Optional
 
+from nodekit.package_version import ShowVersion
 import rospkg
 
 #: Placeholder of the package name in the template's texts and paths.
@@ -30,6 +31,7 @@ def main() -> None:
         description="Create a package with a node, its live parameters, its launch file and its"
         " test: it builds, runs and passes its test without changes.",
     )
+    parser.add_argument("--version", action=ShowVersion, package="nodekit")
     parser.add_argument("name", metavar="NAME", help="name of the package")
     where = "folder to create it in; by default the src of the current workspace"
     parser.add_argument("folder", metavar="FOLDER", nargs="?", help=where)

@@ -18,6 +18,7 @@ from pid_control.identification.report import as_picture, as_text
 from pid_control.identification.step_reading import read_step
 from pid_control.recording.bag_record import read_record
 from pid_control.recording.fields import FieldError
+from nodekit.package_version import ShowVersion
 from pid_control.recording.live_experiment import DriveError, DriveSettings, LiveExperiment
 
 #: Exit statuses besides 0.
@@ -97,6 +98,7 @@ def _parser() -> argparse.ArgumentParser:
         epilog="Without a bag the running plant is driven, and stopped at the end. Exit status: 0; "
         "1 if the record is not usable or incomplete; 2 for an error in the command.",
     )
+    parser.add_argument("--version", action=ShowVersion, package="pid_control")
     parser.add_argument("bag", metavar="FILE.bag", nargs="?", help="a bag with both topics")
     parser.add_argument(
         "--input",

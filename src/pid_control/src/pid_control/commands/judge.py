@@ -20,6 +20,7 @@ from pid_control.judging.record import Record
 from pid_control.judging.scenarios import BY_NAME, MOTOR
 from pid_control.runner.outcome import JudgingError
 from pid_control.verdicts.judgement import NOT_JUDGED, Judgement
+from nodekit.package_version import ShowVersion
 from pid_control.verdicts.limits import Limits
 
 #: Default name of the controller in each package of a class.
@@ -63,6 +64,7 @@ def _parser() -> Parser:
         epilog=f"scenarios:\n{scenarios}\n\nexit status: 0 passed, 1 failed, 125 not judged",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    parser.add_argument("--version", action=ShowVersion, package="pid_control")
     parser.add_argument(
         "words",
         metavar="PACKAGE NAME",

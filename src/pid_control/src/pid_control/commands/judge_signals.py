@@ -20,6 +20,7 @@ from pid_control.signal_judging.coursework_picture import as_picture
 from pid_control.signal_judging.evidence import GENERATOR, PROCESS, Evidence
 from pid_control.signal_judging.scenarios import SCENARIO_METRICS, SCENARIOS
 from pid_control.verdicts.judgement import NOT_JUDGED, Judgement
+from nodekit.package_version import ShowVersion
 from pid_control.verdicts.limits import Limits
 
 #: Options that name a channel, by the node that has it.
@@ -48,6 +49,7 @@ def _parser() -> Parser:
         epilog=f"scenarios:\n{scenarios}\n\nexit status: 0 passed, 1 failed, 125 not judged",
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
+    parser.add_argument("--version", action=ShowVersion, package="pid_control")
     parser.add_argument(
         "words",
         metavar="PACKAGE",

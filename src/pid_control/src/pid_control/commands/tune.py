@@ -11,6 +11,7 @@ from pid_control.files import write_file
 from pid_control.identification.model_file import ModelError, read_model
 from pid_control.programs.deferred_signals import exit_on_signals
 from pid_control.tuning.closed_loop import Response, as_picture, as_table, respond
+from nodekit.package_version import ShowVersion
 from pid_control.tuning.rules import METHODS, SIMC, as_yaml, gains_of
 
 #: Exit status besides 0.
@@ -67,6 +68,7 @@ def _parser() -> argparse.ArgumentParser:
         description="Compute the gains of a controller for a model, by several tuning rules.",
         epilog="Exit status: 0; 2 for an error in the command or the model.",
     )
+    parser.add_argument("--version", action=ShowVersion, package="pid_control")
     parser.add_argument("model", metavar="MODEL.yaml", help="a model file written by identify")
     parser.add_argument(
         "--method",

@@ -10,6 +10,7 @@ from std_srvs.srv import Trigger
 
 from nodekit import CallError, MasterUnreachable, call_service
 from nodekit.master import MasterClient
+from nodekit.package_version import ShowVersion
 from nodekit.service_hint import service_hint
 
 #: Base name of the service of a fleet_monitor.
@@ -48,6 +49,7 @@ def _parser() -> argparse.ArgumentParser:
         description="Print the state of the robots of a fleet_monitor.",
         epilog="Exit status: 0 if all is well, 1 if something is wrong, 2 if there is no answer.",
     )
+    parser.add_argument("--version", action=ShowVersion, package="robot_interfaces_demo")
     parser.add_argument(
         "node",
         metavar="NODE",

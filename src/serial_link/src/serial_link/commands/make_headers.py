@@ -13,6 +13,7 @@ from nodekit.message_definitions import constant_in, fields_of, parts_of
 from serial_link.endpoints.types import TypeRefused, message_class, service_class
 from serial_link.headers.arduino_library import NAME, arduino_library
 from serial_link.headers.cpp_class import Class, header
+from nodekit.package_version import ShowVersion
 from serial_link.headers.wire_header import WIRE_HEADER, WIRE_PATH
 
 
@@ -121,6 +122,7 @@ def main() -> None:
         description="Write C++ headers of the messages and services of packages, for a sketch "
         "that uses rosserial's Arduino library.",
     )
+    parser.add_argument("--version", action=ShowVersion, package="serial_link")
     parser.add_argument("packages", nargs="+", metavar="PACKAGE")
     parser.add_argument(
         "--into", default="ros_headers", metavar="FOLDER", help="output folder (ros_headers)"

@@ -3,6 +3,7 @@
 import argparse
 import sys
 
+from nodekit.package_version import ShowVersion
 from topic_scope.bag import rosbags_library
 
 
@@ -12,6 +13,7 @@ def main() -> None:
         prog="fetch_rosbags",
         description="Fetch the library rosbags, which reads ROS 2 recordings, from PyPI.",
     )
+    parser.add_argument("--version", action=ShowVersion, package="topic_scope")
     parser.add_argument("--print", action="store_true", help="print only its path")
     said = "" if parser.parse_args().print else "fetch_rosbags: rosbags is in "
     try:

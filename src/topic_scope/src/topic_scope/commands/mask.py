@@ -21,6 +21,7 @@ from topic_scope.masks.limits import Mask, MaskCheck, MaskResult
 from topic_scope.messages.fields import FieldError
 from topic_scope.messages.layouts import Layouts
 from topic_scope.sampling.raw_subscriptions import RawSubscriptions, SteadyClock
+from nodekit.package_version import ShowVersion
 from topic_scope.sampling.recorder import Recorder
 
 #: Exit status: a sample was outside; no sample could be checked, or the command is invalid.
@@ -244,6 +245,7 @@ def _parser() -> argparse.ArgumentParser:
         epilog="Exit status: 0 if all samples are inside, 1 if one is outside, 2 if none could be "
         "checked or too few were, the reference ended early, or the command is invalid.",
     )
+    parser.add_argument("--version", action=ShowVersion, package="topic_scope")
     parser.add_argument("field", metavar="FIELD", help="trace to check: a field or a formula")
     parser.add_argument(
         "--around", metavar="REFERENCE", required=True, help="trace at the centre of the limits"

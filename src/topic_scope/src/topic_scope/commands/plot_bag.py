@@ -15,6 +15,7 @@ from topic_scope.bag.message_slices import Slice, first_messages, slices
 from topic_scope.bag.series import Series, crossing, moved
 from topic_scope.bag.column_reader import ColumnReader, write_csv
 from topic_scope.bag.computed_csv import write_computed_csv
+from nodekit.package_version import ShowVersion
 from topic_scope.messages.fields import FieldError
 
 #: Number of lines that :mod:`.plot` has styles and colours for.
@@ -71,6 +72,7 @@ def _parser() -> argparse.ArgumentParser:
         "all its numbers, or '=/topic/x - 2*/other/y' for a formula. Exit status: 1 "
         "if something was left out that cannot be read, 2 if nothing was written.",
     )
+    parser.add_argument("--version", action=ShowVersion, package="topic_scope")
     parser.add_argument("bag", metavar="FILE.bag", help="bag to read")
     parser.add_argument("fields", metavar="FIELD", nargs="+", help="what to plot")
     parser.add_argument(

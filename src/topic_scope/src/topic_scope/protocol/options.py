@@ -17,6 +17,7 @@ from rosgraph.names import get_ros_namespace, ns_join
 from topic_scope.formulas.names import expand, is_formula
 from topic_scope.messages.fields import FieldError
 from topic_scope.protocol.overlay_request import FARTHEST_S
+from nodekit.package_version import ShowVersion
 from topic_scope.protocol.checks import RequestError, check_count, fields_of
 
 #: Addresses that denote all interfaces of a machine.
@@ -159,6 +160,7 @@ def _parser() -> argparse.ArgumentParser:
         prog="scope.py",
         description="An oscilloscope in the browser for any numeric field on the ROS graph.",
     )
+    parser.add_argument("--version", action=ShowVersion, package="topic_scope")
     parser.add_argument(
         "fields",
         nargs="*",

@@ -57,6 +57,7 @@ SIBLINGS: Dict[str, Tuple[str, str]] = {
 #: The subject of each folder of a package with many.
 SUBJECTS: Dict[str, Dict[str, str]] = {
     "nodekit": {
+        "process_context": "state of the process that its nodes share",
         "shadowed_modules": "check for files beside a script that hide modules of Python or ROS",
         "package_version": "version of a package, with its commit",
         "deprecated": "old names of the public API, with warnings",

@@ -4,10 +4,14 @@
 import warnings
 from typing import Any, Callable, Dict, Set
 
+from nodekit.process_context import PROCESS
+
 #: Names that the package itself had, and the new ones.
 OLD_NAMES: Dict[str, str] = {"give_up": "abort", "Latest": "LatestMessage"}
 
-_warned: Set[str] = set()
+
+class WarnedNames(Set[str]):
+    """Old names about which the process has warned."""
 
 
 def warn_once(old: str, new: str) -> None:
@@ -16,8 +20,9 @@ def warn_once(old: str, new: str) -> None:
     :param old: the name
     :param new: what to use instead
     """
-    if old not in _warned:
-        _warned.add(old)
+    warned = PROCESS.get(WarnedNames)
+    if old not in warned:
+        warned.add(old)
         text = f"{old}: deprecated name; use {new}"
         warnings.warn(text, DeprecationWarning, stacklevel=3)
 

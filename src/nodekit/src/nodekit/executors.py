@@ -7,10 +7,8 @@ dropped, the oldest first, as in ROS 2.
 """
 
 import contextlib
-import itertools
 import os
 import threading
-import weakref
 from typing import Any, Dict, Optional
 
 import yaml
@@ -23,13 +21,12 @@ from nodekit.node.ros_node import Node
 from nodekit.node.node_scope import NodeScope
 from nodekit.node.resource_owner import Closed
 from nodekit.node.timers import NodeTimer
+from nodekit.process_context import PROCESS
 from nodekit.rospy_internals.shutdown import ShutdownPhase, at_end
 from nodekit.validation import LONGEST_S, check_wait
 
 #: Base name of the service that reports a node's callbacks.
 SERVICE = "executor"
-
-_numbers = itertools.count(1)
 
 
 class _Executor:
@@ -44,13 +41,13 @@ class _Executor:
             raise ValueError(f"threads: refused {threads!r}: must be a whole number of at least 1")
         self._ready = ReadyQueue()
         self._reports: Dict[Node, NodeScope] = {}
-        number = next(_numbers)
+        number = PROCESS.next_number(_Executor)
         for count in range(1, threads + 1):
             name = f"executor-{number}-{count}"
             self._ready.workers.add(threading.Thread(target=self._work, name=name, daemon=True))
         for worker in self._ready.workers:
             worker.start()
-        _executors.add(self)
+        PROCESS.instances(_Executor).add(self)
 
     def add_node(self, node: Node) -> None:
         """Make the calls of a node from now on: its timers, subscriptions, services, changes.
@@ -144,11 +141,8 @@ def _entry(callback: Callback) -> Optional[Dict[str, Any]]:
     }
 
 
-_executors: "weakref.WeakSet[_Executor]" = weakref.WeakSet()
-
-
 def _shut_down_all() -> None:
-    for executor in list(_executors):
+    for executor in list(PROCESS.instances(_Executor)):
         executor.shutdown(0.0)
 
 

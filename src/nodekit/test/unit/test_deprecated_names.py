@@ -20,6 +20,7 @@ from nodekit import (
 )
 from nodekit.node.names import Names
 from nodekit.node.old_methods import OldMethods
+from nodekit.process_context import ProcessContext
 from nodekit.testing.graph import Graph
 
 
@@ -46,7 +47,7 @@ METHODS: Dict[str, Any] = {
 
 @pytest.fixture(autouse=True)
 def nothing_warned(monkeypatch: Any) -> None:
-    monkeypatch.setattr(deprecated, "_warned", set())
+    monkeypatch.setattr(deprecated, "PROCESS", ProcessContext())
 
 
 @pytest.fixture

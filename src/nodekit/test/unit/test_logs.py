@@ -10,7 +10,7 @@ import sys
 import pytest
 from rosgraph import roslogging
 
-from nodekit import Throttle
+from nodekit.process_context import ProcessContext
 from nodekit.rospy_internals import logs, startup
 from nodekit.testing.waiting import TIMEOUT_S
 
@@ -19,8 +19,8 @@ startup.apply_patches()
 
 @pytest.fixture(autouse=True)
 def notices_are_due(monkeypatch):
-    """Have the first lost line of each test reported."""
-    monkeypatch.setattr(logs, "_notices", Throttle(60.0))
+    """Report the first lost line of each test."""
+    monkeypatch.setattr(logs, "PROCESS", ProcessContext())
 
 
 @pytest.fixture

@@ -10,6 +10,7 @@ from rospy.impl.registration import Registration, RegManager, get_registration_l
 from std_msgs.msg import String
 
 from nodekit.messaging.publisher import Publisher
+from nodekit.process_context import ProcessContext
 from nodekit.rospy_internals import registrar
 from nodekit.testing.waiting import in_thread, wait_until
 
@@ -130,10 +131,10 @@ def test_master_that_does_not_answer_holds_no_node_up_that_ends(ending, warnings
 
 @pytest.fixture
 def asked(ending, monkeypatch):
-    """Have all that is made registered with requests that are kept."""
+    """Register all topics and services by requests that are recorded."""
     ask = Asked()
-    tested = registrar._Registrar(None, ask)
-    monkeypatch.setattr(registrar, "_registrar", tested)
+    monkeypatch.setattr(registrar, "PROCESS", ProcessContext())
+    tested = registrar.PROCESS.get(registrar._Registrar, lambda: registrar._Registrar(None, ask))
     monkeypatch.setattr(get_registration_listeners(), "listeners", [tested])
     return ask
 
@@ -161,7 +162,7 @@ def test_topic_closed_while_it_is_registered_is_unregistered(asked):
 def test_service_closed_while_it_is_registered_again_is_unregistered(asked, monkeypatch):
     offered = {"/closed": mock.Mock(), "/open": mock.Mock()}
     entries = [(SRV, name, "rosrpc://here:2") for name in offered]
-    registrar._registrar.add(entries)
+    registrar.PROCESS.find(registrar._Registrar).add(entries)
     manager = mock.Mock(get_service=offered.get)
     monkeypatch.setattr(registrar, "get_service_manager", lambda: manager)
     asked.meanwhile = lambda calls: offered.pop("/closed", None)

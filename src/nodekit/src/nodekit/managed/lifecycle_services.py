@@ -1,9 +1,7 @@
 """Services and topics of a managed node, as in ROS 2's lifecycle."""
 
-import functools
 import threading
 import time
-import weakref
 from typing import Any, Callable, Mapping, Union
 
 import rospy
@@ -23,6 +21,7 @@ from nodekit.managed.lifecycle import Lifecycle, Result
 from nodekit.node.callbacks import ServiceCallback
 from nodekit.node.ros_node import Node
 from nodekit.node.node_scope import NodeScope
+from nodekit.process_context import PROCESS
 from nodekit.rospy_internals.shutdown import ShutdownPhase, at_end
 from nodekit.timing.clocks import MonotonicClock
 from nodekit.timing.scheduler import Scheduler, Timer
@@ -62,7 +61,7 @@ class LifecycleServices:
         self._performing = node.own(
             ServiceCallback(node.default_group, self.lifecycle.perform, change)
         )
-        _all.add(self)
+        PROCESS.instances(LifecycleServices).add(self)
 
     @property
     def state(self) -> State:
@@ -116,10 +115,9 @@ class Heartbeat:
         self._timer.close()
 
 
-@functools.lru_cache(maxsize=None)
 def _scheduler() -> Scheduler:
     """Return the scheduler of all heartbeats of this process, which calls no timers of nodes."""
-    return Scheduler(MonotonicClock())
+    return PROCESS.get(Scheduler, lambda: Scheduler(MonotonicClock()), "heartbeats")
 
 
 def _message(state: State) -> msg.State:
@@ -142,13 +140,11 @@ def _description(transition: Transition) -> msg.TransitionDescription:
 _STATES = [_message(state) for state in STATES]
 _GRAPH = [_description(transition) for transition in TRANSITIONS]
 
-_all: "weakref.WeakSet[LifecycleServices]" = weakref.WeakSet()
-
 
 def _end_all() -> None:
     """Shut down all started managed nodes; abandon those that do not finish in time."""
     ending, lent = {}, []
-    for managed in list(_all):
+    for managed in list(PROCESS.instances(LifecycleServices)):
         if not managed.node.is_up:
             continue
         work, group = managed.lifecycle.shut_down, managed.node.default_group

@@ -72,12 +72,11 @@ class Publisher:
         "_lifespan",
         "_depth",
         "_first",
+        "_lock",
         "_publisher",
         "_topic",
         "_is_closed",
     )
-    #: Held briefly while messages are kept or first sent; shared by all publishers.
-    _lock = threading.Lock()
 
     def __init__(
         self,
@@ -94,6 +93,7 @@ class Publisher:
         self._lifespan = lifespan
         self._depth = None if queue_size is None else _depth(queue_size, name)
         self._first: Any = None
+        self._lock = threading.Lock()  # held only to keep the first message, or take it
         self._publisher: Optional[rospy.Publisher] = None
         self._topic: Optional[outgoing_topic.OutgoingTopic] = None
         self._is_closed = False

@@ -1,6 +1,5 @@
 """Client of an action: actionlib's protocol, with time-outs, and without deadlocks."""
 
-import itertools
 import math
 import threading
 import time
@@ -24,6 +23,7 @@ from nodekit.node.action_types import (
 )
 from nodekit.node.callbacks import Callback
 from nodekit.node.client_goal import ClientGoalHandle, GoalFuture, GoalResult
+from nodekit.process_context import PROCESS
 from nodekit.validation import check_function, check_timeout, check_wait
 
 #: Default time-out of an immediate answer of a server [s].
@@ -48,8 +48,6 @@ class ActionClient:
     :param messages: message classes of the action
     :param group: group of feedback and done callbacks
     """
-
-    _numbers = itertools.count(1)
 
     def __init__(
         self, scope: Any, name: str, messages: ActionMessages, group: CallbackGroup
@@ -162,7 +160,7 @@ class ActionClient:
             check_function(feedback_callback, f"{self}: feedback_callback", 1)
         if self._is_closed or rospy.is_shutdown():
             raise GoalError(f"{self}: no goal is sent: its client is closed")
-        id = f"{self._node}-{next(self._numbers)}-{uuid.uuid4().hex[:12]}"
+        id = f"{self._node}-{PROCESS.next_number(ActionClient)}-{uuid.uuid4().hex[:12]}"
         handle = ClientGoalHandle(self, id, goal, feedback_callback, timeout)
         with self._lock:
             self._goals[id] = handle
@@ -192,7 +190,7 @@ class ActionClient:
 
         :raises GoalError: if it does
         """
-        server = ActionServer.offered.get(self.name)
+        server = PROCESS.by_name(ActionServer).get(self.name)
         if server is not None and server.waits_for_caller():
             raise GoalError(
                 f"{self}: its server decides in the callback group or by the thread that would"

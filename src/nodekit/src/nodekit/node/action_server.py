@@ -1,11 +1,9 @@
 """Server of an action: actionlib's protocol, on a node's publishers and subscriptions."""
 
-import itertools
 import threading
 import time
 from functools import partial
 from typing import Any, Callable, Dict, List, Optional, Set
-from weakref import WeakValueDictionary
 
 import rospy
 import rospy.core
@@ -20,6 +18,7 @@ from nodekit.node.action_topics import ServerTopics
 from nodekit.node.action_types import ActionMessages, GoalError, GoalRejected, check_message
 from nodekit.node.callbacks import Callback
 from nodekit.node.goal_handle import ServerGoalHandle
+from nodekit.process_context import PROCESS
 
 #: How often the states of all goals are published, as by actionlib [Hz].
 STATUS_HZ = 5.0
@@ -55,10 +54,6 @@ class ActionServer:
     :param execute_callback, goal_callback, handle_accepted_callback, cancel_callback: as there
     :param newest_only: whether an accepted goal replaces the earlier ones
     """
-
-    #: The servers of this process by the name of their action.
-    offered: "WeakValueDictionary[str, ActionServer]" = WeakValueDictionary()
-    _numbers = itertools.count(1)
 
     def __init__(
         self,
@@ -104,7 +99,7 @@ class ActionServer:
         scope.create_subscription(f"{name}/cancel", GoalID, self._on_cancel, group=NoGroup())
         goal = messages.action_goal
         scope.create_subscription(f"{name}/goal", goal, self._on_goal, group=NoGroup())
-        self.offered[name] = self
+        PROCESS.by_name(ActionServer)[name] = self
 
     def __str__(self) -> str:
         return f"action {self.name}"
@@ -130,7 +125,7 @@ class ActionServer:
 
     def _on_goal(self, message: Any) -> None:
         ros_time, now = rospy.Time.now().to_nsec(), time.monotonic()
-        id = message.goal_id.id or f"{self.name}-{next(self._numbers)}-{ros_time}"
+        id = message.goal_id.id or f"{self.name}-{PROCESS.next_number(ActionServer)}-{ros_time}"
         with self._lock:
             arrival = self._goals.add(id, message.goal_id.stamp.to_nsec(), ros_time, now)
             handle = ServerGoalHandle(self, arrival.goal, message.goal)

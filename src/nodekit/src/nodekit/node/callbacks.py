@@ -4,7 +4,6 @@ import threading
 import time
 from concurrent.futures import Future
 from typing import Any, Callable, List, Optional, Tuple
-from weakref import WeakValueDictionary
 
 import rospy
 
@@ -14,6 +13,7 @@ from nodekit.messaging.callback_errors import CallbackErrors
 from nodekit.messaging.finite import is_finite
 from nodekit.messaging.rate_limited_log import shortened
 from nodekit.node import fork_guard
+from nodekit.process_context import PROCESS
 from nodekit.throttle import Throttle
 from nodekit.validation import check_function
 
@@ -146,12 +146,10 @@ class ServiceCallback(Callback):
 
     kind = "service"
     takes = 1
-    #: The callbacks of this process by the name of their service.
-    offered: "WeakValueDictionary[str, ServiceCallback]" = WeakValueDictionary()
 
     def __init__(self, group: CallbackGroup, function: Callable[[Any], Any], what: str) -> None:
         super().__init__(group, function, what)
-        self.offered[what] = self
+        PROCESS.by_name(ServiceCallback)[what] = self
 
     def waits_for_caller(self) -> bool:
         """Return whether a call made now would wait for the calling thread."""
@@ -234,7 +232,6 @@ class SubscriptionCallback(Callback):
 
     kind = "subscription"
     takes = 1
-    _keeping = threading.Lock()  # shared by all, held only to add or take messages
 
     def __init__(
         self,
@@ -249,6 +246,7 @@ class SubscriptionCallback(Callback):
         #: Whether only the newest messages are to wait, without an executor too.
         self.newest_only = queue_size is not None and queue_size > 0
         self._depth = queue_size if queue_size is not None and queue_size > 0 else MOST_KEPT
+        self._keeping = threading.Lock()  # held only to add or take messages
         self._kept: List[Any] = []  # mostly empty: a list takes a tenth of a deque's memory then
         self._kept_at: List[float] = []  # monotonic time of the arrival of each [s]
         self._has_thread = self._is_late_reported = False

@@ -7,7 +7,6 @@ import math
 import socket
 import threading
 import time
-import weakref
 from functools import partial
 from typing import Any, Callable, Dict, NoReturn, Optional, Set, Tuple
 
@@ -18,6 +17,7 @@ from rosgraph.network import parse_http_host_and_port as host_and_port
 from nodekit.groups.callback_groups import NoGroup
 from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.node.callbacks import Callback, ServiceCallback
+from nodekit.process_context import PROCESS
 from nodekit.rospy_internals.shutdown import ShutdownPhase, at_end
 from nodekit.transport.service_call import CallFailed, ServiceCall
 from nodekit.validation import (
@@ -205,7 +205,7 @@ class CallFuture(concurrent.futures.Future):
 
 def client_names() -> Set[str]:
     """Return the names of the services that this process has clients of."""
-    return {client.name for client in list(_clients)}
+    return {client.name for client in list(PROCESS.instances(Client))}
 
 
 class Client:
@@ -223,7 +223,7 @@ class Client:
         self.server = _Server(name, service_class)
         self.running_calls: Set[CallFuture] = set()
         self._is_closed = False
-        _clients.add(self)
+        PROCESS.instances(Client).add(self)
 
     def call(self, request: Any, timeout: float = TIMEOUT_S) -> Any:
         """Call the service, and wait for the response.
@@ -292,7 +292,7 @@ class Client:
 
         :raises NestedCall: if the service does
         """
-        callback = ServiceCallback.offered.get(self.name)
+        callback = PROCESS.by_name(ServiceCallback).get(self.name)
         if callback is not None and callback.waits_for_caller():
             raise NestedCall(
                 f"{self.name} is not called: it is answered in the callback group or by the thread"
@@ -333,11 +333,8 @@ def probe_service(name: str, timeout: float = ANSWER_S) -> Dict[str, str]:
     return _Server(name, None).probe(ServiceCall(timeout))
 
 
-_clients: "weakref.WeakSet[Client]" = weakref.WeakSet()
-
-
 def _close_all() -> None:
-    for client in list(_clients):
+    for client in list(PROCESS.instances(Client)):
         client.close()
 
 

@@ -10,8 +10,7 @@ import sys
 import traceback
 from typing import Any, Callable, NoReturn, Optional
 
-#: Number of forks between the start of the program and this process.
-_count = 0
+from nodekit.process_context import PROCESS
 
 
 def call(function: Callable[..., Any], *arguments: Any) -> Any:
@@ -22,14 +21,14 @@ def call(function: Callable[..., Any], *arguments: Any) -> Any:
     :returns: its result
     :raises BaseException: its exception
     """
-    count = _count
+    forks = PROCESS.forks
     try:
         result = function(*arguments)
     except BaseException as error:
-        if count != _count:
+        if forks != PROCESS.forks:
             _end_child(error)
         raise
-    if count != _count:
+    if forks != PROCESS.forks:
         _end_child()
     return result
 
@@ -52,9 +51,8 @@ def _end_child(error: Optional[BaseException] = None) -> NoReturn:
     os._exit(status & 0xFF)
 
 
-def _increment() -> None:
-    global _count
-    _count += 1
+def _count_fork() -> None:
+    PROCESS.forks += 1
 
 
-os.register_at_fork(after_in_child=_increment)
+os.register_at_fork(after_in_child=_count_fork)

@@ -32,10 +32,6 @@ class NodeTimer(Callback):
 
     kind = "timer"
     takes = 1
-    #: Shared by all, held only to set a rate.
-    _lock = threading.Lock()
-    #: Numbers of the calls of rate functions, in order.
-    _queries = itertools.count(1)
 
     def __init__(
         self,
@@ -52,6 +48,9 @@ class NodeTimer(Callback):
         self._scheduler = scheduler
         self._rate = rate
         self._is_started = False
+        self._lock = threading.Lock()  # held only to set a rate
+        #: Numbers of the calls of the rate function, in order.
+        self._queries = itertools.count(1)
         #: Number of the latest query whose rate is set.
         self._answered = 0
 

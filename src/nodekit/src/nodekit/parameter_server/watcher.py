@@ -17,6 +17,7 @@ import rospy
 from nodekit.master import MasterClient, MasterUnreachable, Reading
 from nodekit.parameter_server.watched_key import WatchedKey
 from nodekit.parameters.parameter_types import MISSING, is_same
+from nodekit.process_context import PROCESS
 from nodekit.rospy_internals import parameter_cache, shutdown
 from nodekit.rospy_internals.master_registrations import MasterRegistrations
 from nodekit.round_robin import RoundRobin
@@ -295,18 +296,14 @@ class Watcher:
             rospy.logerr("%s:\n%s", what, traceback.format_exc())
 
 
-_watcher: Optional[Watcher] = None
-_watcher_lock = threading.Lock()
-
-
 def get_watcher() -> Watcher:
     """Return this process's watcher, created at the first call.
 
     :returns: the watcher; requires an initialised node
     :raises MasterUnreachable: if the master does not answer
     """
-    global _watcher
-    with _watcher_lock:
-        if _watcher is None:
-            _watcher = Watcher(MasterClient(rospy.get_name(), rospy.get_node_uri()))
-        return _watcher
+
+    def create() -> Watcher:
+        return Watcher(MasterClient(rospy.get_name(), rospy.get_node_uri()))
+
+    return PROCESS.get(Watcher, create)

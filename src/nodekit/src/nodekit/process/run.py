@@ -19,6 +19,7 @@ from nodekit.parameters.declaration import OwnParameters
 from nodekit.parameters.parameter_types import ParameterError
 from nodekit.process import arguments, launch_arguments, own_address
 from nodekit.process.constructor_watch import ConstructorWatch
+from nodekit.process_context import PROCESS
 from nodekit.rospy_internals import registrar, shared_memory_offers, startup
 from nodekit.rospy_internals.registry import NameTaken, all_entries
 from nodekit.validation import check_function, check_name
@@ -26,9 +27,8 @@ from nodekit.validation import check_function, check_name
 #: A node's class, or a function that returns its object.
 NodeClass = Callable[[Node], object]
 
-EXIT_OK, EXIT_REFUSED = 0, 1
-#: Exit status of the process, unless its start is refused.
-_status = EXIT_OK
+#: Exit status of a process whose start is refused, or that aborts.
+EXIT_REFUSED = 1
 
 #: Errors that end the start in one sentence.
 _REFUSALS = (
@@ -75,7 +75,7 @@ def run(name: str, cls: NodeClass) -> None:
         end(EXIT_REFUSED)
     except KeyboardInterrupt:
         pass  # Ctrl-C before rospy took over the signal
-    end(_status)
+    end(PROCESS.exit_status)
 
 
 def abort(why: object) -> None:
@@ -83,8 +83,7 @@ def abort(why: object) -> None:
 
     :param why: the reason in one sentence, which is logged
     """
-    global _status
-    _status = EXIT_REFUSED
+    PROCESS.exit_status = EXIT_REFUSED
     rospy.logfatal("%s", why)
     rospy.signal_shutdown(str(why))
 

@@ -2,7 +2,7 @@
 
 import contextlib
 import socket
-from typing import Any, Dict, List, Tuple
+from typing import Any, Dict, List
 
 import rospy
 from rospy.impl.registration import get_service_manager
@@ -16,10 +16,8 @@ class ClosableService(rospy.Service):
     :raises NameTaken: if this process offers a service of that name already
     """
 
-    #: Services and their persistent connections, of all services: few processes have any.
-    _persistent: List[Tuple["ClosableService", Any]] = []
-
     def __init__(self, name: str, *args: Any, **kwds: Any) -> None:
+        self._persistent: List[Any] = []  # connections; rospy serves some before its method ends
         try:
             super().__init__(name, *args, **kwds)
         except rospy.ServiceException:
@@ -34,11 +32,11 @@ class ClosableService(rospy.Service):
         if header.get("persistent", "").lower() not in ("1", "true"):
             super().handle(transport, header)  # ends after one call
             return
-        self._persistent.append((self, transport))
+        self._persistent.append(transport)
         try:
             super().handle(transport, header)
         finally:
-            self._persistent.remove((self, transport))
+            self._persistent.remove(transport)
 
     def shutdown(self, reason: str = "") -> None:
         """End the service; a running call still gets its response.
@@ -48,7 +46,6 @@ class ClosableService(rospy.Service):
         self.done = True
         with contextlib.suppress(KeyError):  # rospy's shutdown empties the table without its lock
             get_service_manager().unregister(self.resolved_name, self)
-        for service, transport in list(self._persistent):
-            if service is self:
-                with contextlib.suppress(OSError, AttributeError):  # it has just been closed
-                    transport.socket.shutdown(socket.SHUT_RD)
+        for transport in list(self._persistent):
+            with contextlib.suppress(OSError, AttributeError):  # it has just been closed
+                transport.socket.shutdown(socket.SHUT_RD)

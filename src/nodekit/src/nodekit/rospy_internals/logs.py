@@ -1,6 +1,7 @@
 """rospy's log handlers: console, file and ``/rosout``."""
 
 import atexit
+import contextlib
 import logging
 import os
 import sys
@@ -12,12 +13,11 @@ import rospy.core
 import rospy.impl.rosout
 from rosgraph.roslogging import RosStreamHandler
 
+from nodekit.process_context import PROCESS
 from nodekit.throttle import Throttle
 
 #: Shortest time between two notices that lines are lost [s].
 _NOTICE_PERIOD_S = 60.0
-
-_notices = Throttle(_NOTICE_PERIOD_S)
 
 
 def patch_logs() -> None:
@@ -114,11 +114,9 @@ def _escape_from_now_on(handler: logging.Handler) -> bool:
 
 def _notice(error: OSError) -> None:
     """Print on stderr, rate-limited, that log lines are lost."""
-    if _notices.is_due():
-        try:
+    if PROCESS.get(Throttle, lambda: Throttle(_NOTICE_PERIOD_S), "lost log lines").is_due():
+        with contextlib.suppress(OSError):  # stderr cannot be written either
             sys.stderr.write(f"WARNING: log lines are lost: {error}\n")
-        except OSError:
-            pass  # stderr cannot be written either
 
 
 def _close_output() -> None:

@@ -21,6 +21,7 @@ from rospy.impl.registration import (
 )
 
 from nodekit.master import MasterClient
+from nodekit.process_context import PROCESS
 from nodekit.rospy_internals.connection_watch import ConnectionWatch
 from nodekit.rospy_internals.registry import Entry, all_entries
 
@@ -198,9 +199,6 @@ class _OwnServer:
             server.request([("publisherUpdate", name, publishers)])
 
 
-_registrar: Optional[_Registrar] = None
-
-
 def _listeners() -> List[Any]:
     """Return rospy's registration listeners; exactly one in a known rospy."""
     return list(getattr(get_registration_listeners(), "listeners", ()))
@@ -211,21 +209,21 @@ def install(request: Request) -> None:
 
     :param request: sends calls to the master, with a time-out
     """
-    global _registrar
     listeners = get_registration_listeners()
     with listeners.lock:
         found = _listeners()
-        if _registrar is None and len(found) == 1:
-            _registrar = _Registrar(found[0], request)
-            listeners.listeners = [_registrar]
-    if _registrar is None:
+        if PROCESS.find(_Registrar) is None and len(found) == 1:
+            registrar = PROCESS.get(_Registrar, lambda: _Registrar(found[0], request))
+            listeners.listeners = [registrar]
+    if PROCESS.find(_Registrar) is None:
         rospy.logwarn("unsupported rospy version: topics and services are registered one by one")
 
 
 def connect(name: str, publisher: str) -> None:
     """Connect a subscribed topic to a publisher, given by its URI, unless it is connected."""
-    if _registrar is not None:
-        _registrar.connect(name, [publisher])
+    registrar = PROCESS.find(_Registrar)
+    if registrar is not None:
+        registrar.connect(name, [publisher])
 
 
 def connection_failed(name: str, publisher: str, error: object) -> None:
@@ -235,8 +233,9 @@ def connection_failed(name: str, publisher: str, error: object) -> None:
     :param publisher: URI of the publisher
     :param error: the reason
     """
-    if _registrar is not None:
-        _registrar.watch.fail(name, publisher, error)
+    registrar = PROCESS.find(_Registrar)
+    if registrar is not None:
+        registrar.watch.fail(name, publisher, error)
 
 
 @contextlib.contextmanager
@@ -245,7 +244,7 @@ def together() -> Iterator[None]:
 
     Single requests would take most of the start of a node with thousands of topics and services.
     """
-    registrar = _registrar
+    registrar = PROCESS.find(_Registrar)
     if registrar is None or getattr(registrar.local, "batch", None) is not None:
         yield
         return
@@ -272,7 +271,7 @@ def reregister_all(request: Request) -> bool:
     :returns: whether the master has accepted any of them
     :raises ConnectionError: if the request fails
     """
-    registrar = _registrar or _Registrar((_listeners() or [_OwnServer])[0], request)
+    registrar = PROCESS.find(_Registrar) or _Registrar((_listeners() or [_OwnServer])[0], request)
     return registrar.add(all_entries(), request)
 
 
@@ -281,7 +280,8 @@ def services() -> Dict[str, str]:
 
     In the order of registration, without the node's private services.
     """
-    return dict(_registrar.services) if _registrar is not None else {}
+    registrar = PROCESS.find(_Registrar)
+    return dict(registrar.services) if registrar is not None else {}
 
 
 def register_services(names: List[str], request: Request) -> None:
@@ -291,12 +291,12 @@ def register_services(names: List[str], request: Request) -> None:
     :param request: sends calls to the master
     :raises ConnectionError: if the request fails
     """
-    registered = services()
+    registrar, registered = PROCESS.find(_Registrar), services()
     entries = [(Registration.SRV, name, registered[name]) for name in names if name in registered]
-    if _registrar is not None:
-        _registrar.add(entries, request)
+    if registrar is not None:
+        registrar.add(entries, request)
         manager = get_service_manager()
-        _registrar.remove([entry for entry in entries if manager.get_service(entry[1]) is None])
+        registrar.remove([entry for entry in entries if manager.get_service(entry[1]) is None])
 
 
 # The master knows one node for each service: the latest that registered it.

@@ -6,36 +6,37 @@ without shared memory.
 """
 
 import contextlib
-import functools
 import weakref
 from typing import Any, Dict, Optional
 
+from nodekit.process_context import PROCESS
 from nodekit.shared_memory.channel import FIELD, ChannelListener, Offer, parse_offer
 
 #: Name of the transport in ``getBusInfo``.
 TRANSPORT = "SHAREDMEM"
 
-_is_enabled = True
-#: Offers of subscribers, by the sockets of their connections.
-_offers: "weakref.WeakKeyDictionary[Any, Offer]" = weakref.WeakKeyDictionary()
+
+class _State:
+    """Shared memory of this process.
+
+    :ivar offers: offers of subscribers, by the sockets of their connections
+    """
+
+    def __init__(self) -> None:
+        self.is_enabled = True
+        self.offers: "weakref.WeakKeyDictionary[Any, Offer]" = weakref.WeakKeyDictionary()
 
 
 def disable() -> None:
     """Send and receive by TCP only, over connections that are opened from now on."""
-    global _is_enabled
-    _is_enabled = False
-
-
-@functools.lru_cache(maxsize=None)
-def _listener() -> ChannelListener:
-    return ChannelListener()
+    PROCESS.get(_State).is_enabled = False
 
 
 def listener() -> Optional[ChannelListener]:
     """Return the socket on which publishers open channels; None without shared memory."""
-    if _is_enabled:
+    if PROCESS.get(_State).is_enabled:
         with contextlib.suppress(OSError):
-            return _listener()
+            return PROCESS.get(ChannelListener)
     return None
 
 
@@ -45,9 +46,10 @@ def remember(sock: Any, header: Dict[str, str]) -> None:
     :param sock: socket of its connection
     :param header: header of its connection
     """
-    offer = parse_offer(header.get(FIELD, "")) if _is_enabled else None
+    state = PROCESS.get(_State)
+    offer = parse_offer(header.get(FIELD, "")) if state.is_enabled else None
     if offer is not None:
-        _offers[sock] = offer
+        state.offers[sock] = offer
 
 
 def offer_of(sock: Any) -> Optional[Offer]:
@@ -55,7 +57,7 @@ def offer_of(sock: Any) -> Optional[Offer]:
 
     :param sock: socket of its connection
     """
-    return _offers.pop(sock, None)
+    return PROCESS.get(_State).offers.pop(sock, None)
 
 
 def name_transport(connection: Any) -> None:

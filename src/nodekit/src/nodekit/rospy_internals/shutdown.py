@@ -10,6 +10,8 @@ import rospy.core
 from rospy.impl import tcpros_service
 from rospy.impl.tcpros_base import TCPServer
 
+from nodekit.process_context import PROCESS
+
 #: Start of rospy's message about a client that disconnects before its request is read.
 _HUNG_UP = "incoming connection failed"
 
@@ -32,7 +34,7 @@ def patch_shutdown() -> None:
 
     TCPServer.run = serve_until_shutdown
     tcpros_service.logerr = partial(log_service_error, log_error)
-    if _hooks is None:
+    if _ROSPY_HOOKS is None:
         rospy.logwarn(
             "unsupported rospy version: nodes end after the functions of rospy.on_shutdown"
         )
@@ -59,9 +61,14 @@ class ShutdownPhase(enum.IntEnum):
     TOOLKIT = 2
 
 
-#: Functions by phase, the latest first. Lists are changed and copied atomically, because a signal
-#: handler may interrupt.
-_functions: Dict[ShutdownPhase, List[Callable[[], object]]] = {phase: [] for phase in ShutdownPhase}
+class _Hooks(Dict[ShutdownPhase, List[Callable[[], object]]]):
+    """Functions by phase, the latest first.
+
+    Lists are changed and copied atomically, because a signal handler may interrupt.
+    """
+
+    def __init__(self) -> None:
+        super().__init__((phase, []) for phase in ShutdownPhase)
 
 
 def at_end(phase: ShutdownPhase, function: Callable[[], object]) -> Callable[[], None]:
@@ -73,14 +80,15 @@ def at_end(phase: ShutdownPhase, function: Callable[[], object]) -> Callable[[],
     :param function: the function, called before those added earlier for the phase
     :returns: a function that removes it
     """
-    _functions[phase].insert(0, function)
+    functions = PROCESS.get(_Hooks)[phase]
+    functions.insert(0, function)
     if phase is ShutdownPhase.TOOLKIT and rospy.core.is_shutdown_requested():
         function()
-    return partial(_functions[phase].remove, function)
+    return partial(functions.remove, function)
 
 
 def _call_all() -> None:
-    for functions in _functions.values():
+    for functions in PROCESS.get(_Hooks).values():
         for function in list(functions):
             try:
                 function()
@@ -89,8 +97,8 @@ def _call_all() -> None:
 
 
 # First, even before functions that were passed to rospy.on_shutdown() before this import.
-_hooks: Optional[List[Any]] = getattr(rospy.core, "_client_shutdown_hooks", None)
-if _hooks is not None:
-    _hooks.insert(0, _call_all)
+_ROSPY_HOOKS: Optional[List[Any]] = getattr(rospy.core, "_client_shutdown_hooks", None)
+if _ROSPY_HOOKS is not None:
+    _ROSPY_HOOKS.insert(0, _call_all)
 else:
     rospy.on_shutdown(_call_all)

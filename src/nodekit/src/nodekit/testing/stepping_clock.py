@@ -11,20 +11,28 @@ import time
 
 HOUR = 3600.0
 
-_right_time = time.time
-_offset = 0.0
 
+class SteppingClock:
+    """Wall clock that signals set an hour back or ahead."""
 
-def set_wall_clock(number: int, _frame: object) -> None:
-    """Handle a signal."""
-    global _offset
-    _offset += -HOUR if number == signal.SIGUSR1 else HOUR
+    def __init__(self) -> None:
+        self._right_time = time.time
+        self._offset = 0.0
+
+    def time(self) -> float:
+        """Return the time, as ``time.time`` does [s]."""
+        return self._right_time() + self._offset
+
+    def step(self, number: int, _frame: object) -> None:
+        """Set the clock, as a signal handler."""
+        self._offset += -HOUR if number == signal.SIGUSR1 else HOUR
 
 
 if __name__ == "__main__":
-    time.time = lambda: _right_time() + _offset
+    clock = SteppingClock()
+    time.time = clock.time
     for each in (signal.SIGUSR1, signal.SIGUSR2):
-        signal.signal(each, set_wall_clock)
+        signal.signal(each, clock.step)
     from nodekit.entry_point import main
 
     main(sys.argv[1])

@@ -11,10 +11,11 @@ import math
 import numbers
 import threading
 import traceback
-from typing import Callable, Dict, Iterable, List, Optional, Set, Tuple, Union
+from typing import Callable, Iterable, List, Optional, Set, Tuple, Union
 
 import rospy
 
+from nodekit.process_context import PROCESS
 from nodekit.rospy_internals.shutdown import ShutdownPhase, at_end
 from nodekit.throttle import Throttle
 from nodekit.timing.clocks import MonotonicClock, SimulatedClock
@@ -237,19 +238,12 @@ class Scheduler:
             self._plan(timer)
 
 
-_schedulers: Dict[bool, Scheduler] = {}
-_schedulers_lock = threading.Lock()
-
-
 def get_scheduler(steady: bool = False) -> Scheduler:
     """Return one of this process's schedulers, created at the first call.
 
     :param steady: whether to use the monotonic clock also in simulated time, as for time-outs
     :returns: the scheduler; requires an initialised node
     """
-    with _schedulers_lock:
-        is_simulated = not (steady or rospy.rostime.is_wallclock())
-        if is_simulated not in _schedulers:
-            clock: AnyClock = SimulatedClock() if is_simulated else MonotonicClock()
-            _schedulers[is_simulated] = Scheduler(clock)
-        return _schedulers[is_simulated]
+    if steady or rospy.rostime.is_wallclock():
+        return PROCESS.get(Scheduler, lambda: Scheduler(MonotonicClock()), "monotonic")
+    return PROCESS.get(Scheduler, lambda: Scheduler(SimulatedClock()), "simulated")

@@ -20,8 +20,8 @@ _MOST = 1000
 _KINDS = ("subscription", "client", "service")
 #: Pause after a failed wait [s].
 _PAUSE_S = 0.2
-#: Limits the log of exceptions, per function.
-_THROTTLE = Throttle(1.0)
+#: Shortest time between two log lines about exceptions of one function [s].
+_LOG_PERIOD_S = 1.0
 
 
 class Waitable(NamedTuple):
@@ -50,6 +50,7 @@ class WaitLoop:
         self._waitables: Dict[int, Waitable] = {}
         self._pending_calls: List[Callable[[], None]] = []
         self._changed, self._ended = True, False
+        self._throttle = Throttle(_LOG_PERIOD_S)
         with context.handle:
             self._wake_up = _rclpy.GuardCondition(context.handle)
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
@@ -91,7 +92,7 @@ class WaitLoop:
 
     def _run(self) -> None:
         while not self._ended:
-            if not _guarded(self._wait_until_changed) and not self._ended:
+            if not self._guarded(self._wait_until_changed) and not self._ended:
                 time.sleep(_PAUSE_S)
 
     def _wait_until_changed(self) -> None:
@@ -100,7 +101,7 @@ class WaitLoop:
             between, self._pending_calls = self._pending_calls, []
             self._changed = False
         for function in between:
-            _guarded(function)
+            self._guarded(function)
         with contextlib.ExitStack() as held:
             wait_set, by_kind = self._fill(waitables, held)
             while not (self._changed or self._ended):
@@ -144,20 +145,19 @@ class WaitLoop:
         for kind, _, mine in by_kind:
             if mine:
                 for pointer in wait_set.get_ready_entities(kind):
-                    _guarded(mine[pointer].receive, _MOST)
+                    self._guarded(mine[pointer].receive, _MOST)
 
+    def _guarded(self, function: Callable[..., None], *arguments: Any) -> bool:
+        """Call a function; log its exceptions.
 
-def _guarded(function: Callable[..., None], *arguments: Any) -> bool:
-    """Call a function; log its exceptions.
-
-    :returns: whether it raised none
-    """
-    try:
-        function(*arguments)
-    except Exception:
-        if not rospy.is_shutdown():
-            name = getattr(function, "__qualname__", repr(function))
-            if _THROTTLE.is_due(name):
-                rospy.logerr(traceback.format_exc())
-        return False
-    return True
+        :returns: whether it raised none
+        """
+        try:
+            function(*arguments)
+        except Exception:
+            if not rospy.is_shutdown():
+                name = getattr(function, "__qualname__", repr(function))
+                if self._throttle.is_due(name):
+                    rospy.logerr(traceback.format_exc())
+            return False
+        return True

@@ -3,7 +3,7 @@
 import ipaddress
 
 from nodekit import FloatParameter, IntParameter, ParameterSet, StringParameter, read_once, rule
-from serial_link.hardware.tcp_seats import parse_seats
+from serial_link.hardware.tcp_slots import parse_slots
 
 #: Value of ``port`` for boards that connect by Wi-Fi.
 TCP = "tcp"
@@ -45,22 +45,22 @@ class SerialParameters(ParameterSet):
     )
 
     @rule("tcp_boards", "port")
-    def _has_seats(self) -> None:
+    def _has_slots(self) -> None:
         try:
-            seats = parse_seats(self.tcp_boards)
+            slots = parse_slots(self.tcp_boards)
         except ValueError as error:
             raise ValueError(f"tcp_boards: {error}") from None
-        if seats[0].name and self.port != TCP:
+        if slots[0].name and self.port != TCP:
             raise ValueError("tcp_boards needs port: tcp; a serial port has one board")
 
     @rule("tcp_boards", "tcp_address")
     def _can_connect(self) -> None:
         if not _is_this_machine(self.tcp_address):
             return
-        for seat in parse_seats(self.tcp_boards):
-            if seat.address and not _is_this_machine(seat.address):
+        for slot in parse_slots(self.tcp_boards):
+            if slot.address and not _is_this_machine(slot.address):
                 raise ValueError(
-                    f"tcp_boards: {seat.name}@{seat.address} cannot connect while tcp_address is "
+                    f"tcp_boards: {slot.name}@{slot.address} cannot connect while tcp_address is "
                     f"{self.tcp_address}, this machine alone: set tcp_address to 0.0.0.0, or to "
                     "this machine's address in that network"
                 )

@@ -19,7 +19,7 @@ from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from serial_link.board.simulation import Faults
 from serial_link.endpoints.types import encode
 from serial_link.framing.frames import OLD_REQUEST, PROBE
-from serial_link.negotiation.payloads import ERROR, Values
+from serial_link.negotiation.payloads import ERROR, ParameterValues
 
 
 class AnySketch(BoardRig):
@@ -95,7 +95,9 @@ class AnySketch(BoardRig):
         for name in ("long", "huge"):
             self.do(lambda device, name=name: device.request_parameter(name))  # type: ignore[misc]
         wait_until(lambda: len(self.sketch.parameters) == 2, lambda: str(self.sketch.parameters))
-        self.assertEqual(self.sketch.parameters, [Values((), (), ()), Values((), (), ())])
+        self.assertEqual(
+            self.sketch.parameters, [ParameterValues((), (), ()), ParameterValues((), (), ())]
+        )
         for name, size in (("long", 116), ("huge", 40016)):
             node.wait_for_log(f"asks for {name}: an answer of {size} bytes", "buffer has 100")
         self.assertEqual(self.board.device.receiver.too_long, 0)
@@ -136,11 +138,11 @@ class AnySketch(BoardRig):
         self.assertEqual(
             self.sketch.parameters,
             [
-                Values((), (1.0, 2.5), ()),
-                Values((), (), ("robot",)),
-                Values((115200,), (115200.0,), ()),
-                Values((), (), ()),
-                Values((), (), ()),
+                ParameterValues((), (1.0, 2.5), ()),
+                ParameterValues((), (), ("robot",)),
+                ParameterValues((115200,), (115200.0,), ()),
+                ParameterValues((), (), ()),
+                ParameterValues((), (), ()),
             ],
         )
         node.wait_for_log("~tree: it must be a number")

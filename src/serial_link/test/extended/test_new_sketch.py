@@ -6,7 +6,7 @@ from typing import Any, List
 from xmlrpc.client import ServerProxy
 
 import rospy
-from helpers.board_rig import BUFFER, BoardRig, TestSketch, declared
+from helpers.board_rig import BUFFER, BoardRig, TestSketch, endpoint
 from std_msgs.msg import Bool, String
 from std_srvs.srv import SetBool
 
@@ -104,7 +104,7 @@ class NewSketch(BoardRig):
         self.assertEqual(len(node.logged("the board no longer")), 1)
 
     def test_nothing_is_heard_under_the_name_that_its_id_had_in_the_sketch_before(self) -> None:
-        told, other = (declared(SUBSCRIBER, name, String) for name in ("told", "other"))
+        told, other = (endpoint(SUBSCRIBER, name, String) for name in ("told", "other"))
         self.sketch.topics = (told, other)
         node = self.start()
         publisher, is_over = self.publisher(), threading.Event()
@@ -131,7 +131,7 @@ class NewSketch(BoardRig):
     def test_a_topic_has_the_type_that_the_new_sketch_gives_it(self) -> None:
         node = self.start()
         node.wait_for_log("the board publishes said (std_msgs/String)")
-        self.sketch.topics = (declared(PUBLISHER, "said", Bool), *self.sketch.topics[1:])
+        self.sketch.topics = (endpoint(PUBLISHER, "said", Bool), *self.sketch.topics[1:])
         # Published at once, before the node knows that these are all topics.
         self.sketch.loop = self.publish  # type: ignore[assignment]
         self.board.reset()
@@ -165,7 +165,7 @@ class NewSketch(BoardRig):
         node.wait_for_log("/told: a message of 100 bytes is not sent", "the board's buffer has 70")
 
     def test_a_restarted_board_gets_what_is_latched_by_publishers_that_live(self) -> None:
-        self.sketch.topics = (*self.sketch.topics, declared(SUBSCRIBER, "last", String))
+        self.sketch.topics = (*self.sketch.topics, endpoint(SUBSCRIBER, "last", String))
         living = rospy.Publisher(self.space + "/last", String, queue_size=1, latch=True)
         self.addCleanup(living.unregister)
         living.publish("still here")

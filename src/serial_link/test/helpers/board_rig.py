@@ -16,14 +16,14 @@ from nodekit.testing.processes import Process
 from nodekit.testing.waiting import wait_until
 from serial_link.board.transports import PtyTransport
 from serial_link.board.simulation import SimulatedBoard
-from serial_link.device.rosserial_device import Declared, Device
+from serial_link.device.rosserial_device import Device, Endpoint
 from serial_link.endpoints.types import encode
 from serial_link.negotiation.payloads import (
     PUBLISHER,
     SERVICE_CLIENT,
     SERVICE_SERVER,
     SUBSCRIBER,
-    Values,
+    ParameterValues,
 )
 
 SCRIPTS = os.path.join(rospkg.RosPack().get_path("serial_link"), "scripts")
@@ -31,28 +31,28 @@ BUFFER = 100
 REQUEST, RESPONSE = SetBool._request_class, SetBool._response_class
 
 
-def declared(kind: int, name: str, data_class: Any) -> Declared:
+def endpoint(kind: int, name: str, data_class: Any) -> Endpoint:
     if kind in (SERVICE_SERVER, SERVICE_CLIENT):
         sums = data_class._request_class._md5sum, data_class._response_class._md5sum
-        return Declared(kind, name, data_class._type, *sums)
-    return Declared(kind, name, data_class._type, data_class._md5sum)
+        return Endpoint(kind, name, data_class._type, *sums)
+    return Endpoint(kind, name, data_class._type, data_class._md5sum)
 
 
 class TestSketch:
     """Sketch that records its messages, and executes the test's queue."""
 
-    topics: Sequence[Declared] = (
-        declared(PUBLISHER, "said", String),
-        declared(SUBSCRIBER, "told", String),
-        declared(SERVICE_SERVER, "offered", SetBool),
-        declared(SERVICE_CLIENT, "called", SetBool),
-        Declared(PUBLISHER, "strange", "no_such_msgs/Thing", "0" * 32),
-        Declared(SUBSCRIBER, "stranger", "std_msgs/NoSuchThing", "0" * 32),
+    topics: Sequence[Endpoint] = (
+        endpoint(PUBLISHER, "said", String),
+        endpoint(SUBSCRIBER, "told", String),
+        endpoint(SERVICE_SERVER, "offered", SetBool),
+        endpoint(SERVICE_CLIENT, "called", SetBool),
+        Endpoint(PUBLISHER, "strange", "no_such_msgs/Thing", "0" * 32),
+        Endpoint(SUBSCRIBER, "stranger", "std_msgs/NoSuchThing", "0" * 32),
     )
 
     def __init__(self) -> None:
         self.heard: List[Tuple[str, bytes]] = []
-        self.parameters: List[Values] = []
+        self.parameters: List[ParameterValues] = []
         self.todo: "queue.Queue[Callable[[Device], None]]" = queue.Queue()
         self.answers = True
 
@@ -62,7 +62,7 @@ class TestSketch:
             wanted = REQUEST().deserialize(payload).data
             device.publish(name, encode(RESPONSE(wanted, "from the board")))
 
-    def on_parameter(self, device: Device, now: float, values: Values) -> None:
+    def on_parameter(self, device: Device, now: float, values: ParameterValues) -> None:
         self.parameters.append(values)
 
     def loop(self, device: Device, now: float) -> None:

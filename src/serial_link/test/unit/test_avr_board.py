@@ -8,7 +8,7 @@ from typing import List
 import pytest
 
 from nodekit.testing.waiting import wait_until
-from serial_link.board.avr_board import AvrBoard, AvrBuilder, BuildError, Size
+from serial_link.board.avr_board import AvrBoard, AvrBuilder, BuildError, MemoryUse
 from serial_link.board.transports import PtyTransport
 from serial_link.port_mark import is_left_behind
 
@@ -91,8 +91,10 @@ def test_failed_start_of_simulator_is_reported(tmp_path: pathlib.Path) -> None:
     assert not board.is_running and entries(tmp_path) == []
 
 
-@pytest.mark.parametrize("size", [Size(32257, 100), Size(100, 2048), Size(100, 3000)])
-def test_sketch_that_does_not_fit_is_refused_with_its_size(size: Size) -> None:
+@pytest.mark.parametrize(
+    "size", [MemoryUse(32257, 100), MemoryUse(100, 2048), MemoryUse(100, 3000)]
+)
+def test_sketch_that_does_not_fit_is_refused_with_its_size(size: MemoryUse) -> None:
     with pytest.raises(BuildError, match=f"needs {size.flash} of 32256 .* {size.ram} of 2048"):
         size.check()
-    Size(32256, 2047).check()
+    MemoryUse(32256, 2047).check()

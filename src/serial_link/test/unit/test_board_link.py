@@ -11,11 +11,11 @@ from nodekit.testing.processes import free_port
 from nodekit.testing.waiting import wait_until
 from serial_link.board.transports import PtyTransport
 from serial_link.board.simulation import Faults, SimulatedBoard
-from serial_link.device.rosserial_device import Declared, Device
+from serial_link.device.rosserial_device import Device, Endpoint
 from serial_link.framing.frames import encode
 from serial_link.hardware.serial_port import SerialPort
 from serial_link.hardware.tcp_port import TcpServer
-from serial_link.hardware.tcp_seats import parse_seats
+from serial_link.hardware.tcp_slots import parse_slots
 from serial_link.host.counters import Counters
 from serial_link.host.sync_monitor import OVERDUE_S
 from serial_link.host.sync_states import ASKED, OPENED, TOPIC
@@ -28,7 +28,7 @@ from serial_link.negotiation.payloads import (
     PUBLISHER,
     SUBSCRIBER,
     TIME,
-    Values,
+    ParameterValues,
     encode_log,
     encode_time,
 )
@@ -39,8 +39,8 @@ BAUD = 115200
 class Talker:
     """Sketch with many topics, which publishes on one of them continuously."""
 
-    topics: Sequence[Declared] = tuple(
-        Declared(kind, f"topic_{kind}_{number}", "std_msgs/Empty", "d" * 32)
+    topics: Sequence[Endpoint] = tuple(
+        Endpoint(kind, f"topic_{kind}_{number}", "std_msgs/Empty", "d" * 32)
         for kind in (PUBLISHER, SUBSCRIBER)
         for number in range(8)
     )
@@ -56,7 +56,7 @@ class Talker:
     def on_message(self, device: Device, now: float, name: str, payload: bytes) -> None:
         self.heard.append(payload)
 
-    def on_parameter(self, device: Device, now: float, values: Values) -> None:
+    def on_parameter(self, device: Device, now: float, values: ParameterValues) -> None:
         pass
 
     def loop(self, device: Device, now: float) -> None:
@@ -133,7 +133,7 @@ def test_topics_are_requested_over_bad_cable_until_all_are_known(
 ) -> None:
     rig.board.faults = Faults(noise=0.01)
     rig.start()
-    wanted = {declared.name for declared in Talker.topics}
+    wanted = {endpoint.name for endpoint in Talker.topics}
 
     def is_all() -> bool:
         topics = rig.fetch_until(Topics)
@@ -276,10 +276,10 @@ def test_board_is_stopped_at_shutdown(rig: Rig) -> None:
 
 
 def test_address_of_a_connection_is_kept_from_its_first_frame_on() -> None:
-    number, seats = free_port(), parse_seats("left,right")
+    number, slots = free_port(), parse_slots("left,right")
     links = [
         BoardLink(port, Counters(), lambda: (0, 0))
-        for port in TcpServer("localhost", number, seats).ports
+        for port in TcpServer("localhost", number, slots).ports
     ]
     left = links[0]
     left.start()
@@ -287,8 +287,8 @@ def test_address_of_a_connection_is_kept_from_its_first_frame_on() -> None:
     with socket.create_connection(("localhost", number)) as client:
         client.sendall(b"GET / HTTP/1.0\r\n\r\n")
         wait_until(lambda: left.all_counters().get("received bytes"), lambda: "nothing came")
-        assert seats[0].peer == ""
+        assert slots[0].peer == ""
         client.sendall(encode(TIME, b""))
-        wait_until(lambda: seats[0].peer == "127.0.0.1", lambda: "it is not kept")
+        wait_until(lambda: slots[0].peer == "127.0.0.1", lambda: "it is not kept")
     for link in links:
         link.close()

@@ -16,8 +16,8 @@ from serial_link.device.device_states import (
     TIME_DUE,
     WAITING,
     TOPICS_REQUESTED,
-    Move,
-    move,
+    Transition,
+    find_transition,
 )
 
 
@@ -30,10 +30,16 @@ def test_the_table_has_known_names_only() -> None:
 
 def test_it_is_as_the_library_for_boards_does_it() -> None:
     for state in STATES:
-        assert move(state, TOPICS_REQUESTED) == Move(CONFIGURED, (ASK_TIME, NEGOTIATE))
-        assert move(state, MESSAGE) == Move(state, (DELIVER,))
-    assert move(WAITING, OTHER_VERSION) == Move(WAITING, (ASK_TIME,))
-    assert move(CONFIGURED, OTHER_VERSION) == Move(CONFIGURED)
-    assert move(CONFIGURED, TIME_DUE) == Move(CONFIGURED, (ASK_TIME,))
-    assert move(WAITING, TIME_DUE) == Move(WAITING)
-    assert move(CONFIGURED, HOST_LOST) == move(CONFIGURED, STOP_RECEIVED) == Move(WAITING)
+        assert find_transition(state, TOPICS_REQUESTED) == Transition(
+            CONFIGURED, (ASK_TIME, NEGOTIATE)
+        )
+        assert find_transition(state, MESSAGE) == Transition(state, (DELIVER,))
+    assert find_transition(WAITING, OTHER_VERSION) == Transition(WAITING, (ASK_TIME,))
+    assert find_transition(CONFIGURED, OTHER_VERSION) == Transition(CONFIGURED)
+    assert find_transition(CONFIGURED, TIME_DUE) == Transition(CONFIGURED, (ASK_TIME,))
+    assert find_transition(WAITING, TIME_DUE) == Transition(WAITING)
+    assert (
+        find_transition(CONFIGURED, HOST_LOST)
+        == find_transition(CONFIGURED, STOP_RECEIVED)
+        == Transition(WAITING)
+    )

@@ -26,7 +26,7 @@ from nodekit.message_definitions import (
     parts_of,
 )
 from serial_link.commands import make_headers
-from serial_link.headers.cpp_class import Class, header, member
+from serial_link.headers.cpp_class import CppClass, header, member
 from serial_link.headers.wire_header import WIRE_HEADER, WIRE_PATH
 
 HERE = pathlib.Path(__file__).resolve().parents[1]
@@ -317,7 +317,7 @@ def test_64_bits_are_kept_on_capable_board(tmp_path: pathlib.Path) -> None:
 
 
 def test_headers_yield_to_rosserial_include_guards() -> None:
-    one = Class("Odd", "odd/Odd", "0", (), ())
+    one = CppClass("Odd", "odd/Odd", "0", (), ())
     assert "#ifndef _ROS_odd_Odd_h" in header("odd", "Odd", [one])
     service = header("odd", "Odd", [one], service=True)
     assert "#if !defined(_ROS_SERVICE_Odd_h) ||" in service
@@ -342,7 +342,7 @@ int main() {
 def test_services_of_same_name_in_two_packages_coexist(tmp_path: pathlib.Path) -> None:
     headers = {WIRE_PATH: WIRE_HEADER}
     for package, name in (("first", "Empty"), ("second", "Empty"), ("first", "Odd")):
-        parts = [Class(name + end, f"{package}/{name}", "0", (), ()) for end in ENDS[1:]]
+        parts = [CppClass(name + end, f"{package}/{name}", "0", (), ()) for end in ENDS[1:]]
         headers[f"{package}/{name}.h"] = header(package, name, parts, service=True)
     make_headers.write(headers, tmp_path)
     (tmp_path / "program.cpp").write_text(SERVICES)
@@ -352,13 +352,13 @@ def test_services_of_same_name_in_two_packages_coexist(tmp_path: pathlib.Path) -
 
 
 def test_names_that_cpp_keeps_for_itself_get_an_underscore() -> None:
-    text = Class("Odd", "odd/Odd", "0", (), (Field("bool", False, None, "new"),))
+    text = CppClass("Odd", "odd/Odd", "0", (), (Field("bool", False, None, "new"),))
     assert "  _new_type new_;" in header("odd", "Odd", [text]).splitlines()
 
 
 def test_text_constants_are_functions() -> None:
     constant = Constant("string", "GREETING", 'say "hi" \\ # all of it')
-    text = header("odd", "Odd", [Class("Odd", "odd/Odd", "0", (constant,), ())])
+    text = header("odd", "Odd", [CppClass("Odd", "odd/Odd", "0", (constant,), ())])
     assert 'static const char *GREETING() { return "say \\"hi\\" \\\\ # all of it"; }' in text
 
 

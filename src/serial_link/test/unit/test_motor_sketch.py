@@ -58,12 +58,12 @@ def outputs(frames: List[Any]) -> List[Any]:
 
 def test_its_md5sums_are_those_of_the_messages() -> None:
     assert TOPICS
-    for declared in TOPICS:
-        if declared.type == "std_srvs/Trigger":
-            assert declared.md5sum == Trigger._request_class._md5sum
-            assert declared.answer_md5sum == Trigger._response_class._md5sum
+    for endpoint in TOPICS:
+        if endpoint.type == "std_srvs/Trigger":
+            assert endpoint.md5sum == Trigger._request_class._md5sum
+            assert endpoint.answer_md5sum == Trigger._response_class._md5sum
         else:
-            assert declared.md5sum == CLASSES[declared.type]._md5sum
+            assert endpoint.md5sum == CLASSES[endpoint.type]._md5sum
 
 
 def test_speed_is_published_at_rate_with_board_time() -> None:

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from serial_link.negotiation import payloads
-from serial_link.negotiation.payloads import PayloadError, TopicInfo, Values
+from serial_link.negotiation.payloads import PayloadError, TopicInfo, ParameterValues
 
 names = st.from_regex(r"[~/]?[A-Za-z][A-Za-z0-9_]{0,9}(/[A-Za-z0-9_]{1,9}){0,3}", fullmatch=True)
 types = st.from_regex(r"[a-z][a-z0-9_]{0,9}/[A-Z][A-Za-z0-9]{0,9}", fullmatch=True)
@@ -41,7 +41,7 @@ def test_log_line_survives_round_trip(level: int, text: str) -> None:
     st.lists(st.text(st.characters(blacklist_categories=["Cs"])), max_size=4),
 )
 def test_parameter_values_survive_round_trip(ints: Any, floats: Any, texts: Any) -> None:
-    found = payloads.decode_values(payloads.encode_values(Values(ints, floats, texts)))
+    found = payloads.decode_values(payloads.encode_values(ParameterValues(ints, floats, texts)))
     assert found == (tuple(ints), tuple(floats), tuple(texts))
 
 
@@ -160,7 +160,7 @@ def test_the_bytes_are_those_of_the_published_definitions() -> None:
     assert payloads.encode_topic(TopicInfo(0x0102, "a", "b/C", "*", 512)) == (
         b"\x02\x01\x01\0\0\0a\x03\0\0\0b/C\x01\0\0\0*\0\x02\0\0"
     )
-    assert payloads.encode_values(Values([1], [1.0], ["a"])) == (
+    assert payloads.encode_values(ParameterValues([1], [1.0], ["a"])) == (
         b"\x01\0\0\0\x01\0\0\0\x01\0\0\0\0\0\x80?\x01\0\0\0\x01\0\0\0a"
     )
     assert list(payloads.TOPICS) == [0, 1, 2, 3, 4, 5]

@@ -5,7 +5,7 @@ from typing import Any, List, Tuple
 import pytest
 
 from serial_link.device.device_states import CONFIGURED, WAITING
-from serial_link.device.rosserial_device import HOST_LOST_S, TIME_EVERY_S, Declared, Device
+from serial_link.device.rosserial_device import HOST_LOST_S, TIME_EVERY_S, Device, Endpoint
 from serial_link.framing.decoder import Decoder
 from serial_link.framing.frames import PROBE, Frame, encode
 from serial_link.negotiation import payloads
@@ -18,7 +18,7 @@ from serial_link.negotiation.payloads import (
     STOP,
     SUBSCRIBER,
     TIME,
-    Values,
+    ParameterValues,
 )
 
 
@@ -26,10 +26,10 @@ class Notes:
     """Sketch that records its messages."""
 
     topics = (
-        Declared(PUBLISHER, "out", "std_msgs/Bool", "a" * 32),
-        Declared(SUBSCRIBER, "in", "std_msgs/Bool", "b" * 31 + "c"),
-        Declared(SERVICE_SERVER, "offered", "std_srvs/Trigger", "c" * 32, "d" * 32),
-        Declared(SERVICE_CLIENT, "called", "std_srvs/Trigger", "e" * 32, "f" * 32),
+        Endpoint(PUBLISHER, "out", "std_msgs/Bool", "a" * 32),
+        Endpoint(SUBSCRIBER, "in", "std_msgs/Bool", "b" * 31 + "c"),
+        Endpoint(SERVICE_SERVER, "offered", "std_srvs/Trigger", "c" * 32, "d" * 32),
+        Endpoint(SERVICE_CLIENT, "called", "std_srvs/Trigger", "e" * 32, "f" * 32),
     )
 
     def __init__(self) -> None:
@@ -38,7 +38,7 @@ class Notes:
     def on_message(self, device: Device, now: float, name: str, payload: bytes) -> None:
         self.heard.append((name, payload))
 
-    def on_parameter(self, device: Device, now: float, values: Values) -> None:
+    def on_parameter(self, device: Device, now: float, values: ParameterValues) -> None:
         self.heard.append(("parameter", values))
 
     def loop(self, device: Device, now: float) -> None:
@@ -95,7 +95,9 @@ def test_messages_go_both_ways_under_their_ids() -> None:
     for name in ("out", "offered", "called"):
         device.publish(name, name.encode())
     assert sent(device) == [(125, b"out"), (126, b"offered"), (127, b"called")]
-    device.receive(1.0, encode(PARAMETER, payloads.encode_values(Values([1], [1.0], ["a"]))))
+    device.receive(
+        1.0, encode(PARAMETER, payloads.encode_values(ParameterValues([1], [1.0], ["a"])))
+    )
     assert notes.heard[-1] == ("parameter", ((1,), (1.0,), ("a",)))
     device.request_parameter("~gain")
     assert sent(device) == [(PARAMETER, payloads.encode_name("~gain"))]

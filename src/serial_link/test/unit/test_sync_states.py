@@ -25,8 +25,8 @@ from serial_link.host.sync_states import (
     TIME,
     TOPIC,
     UNKNOWN,
-    Move,
-    move,
+    Transition,
+    find_transition,
 )
 
 
@@ -41,7 +41,7 @@ def test_a_lost_port_closes_whatever_was() -> None:
     others = set(STATES) - {CLOSED}
     assert others
     for state in others:
-        assert move(state, LOST) == Move(CLOSED, RESTART)
+        assert find_transition(state, LOST) == Transition(CLOSED, RESTART)
 
 
 def test_every_state_is_reached_and_left() -> None:
@@ -57,30 +57,30 @@ def test_every_state_is_reached_and_left() -> None:
 
 
 def test_missing_row_keeps_state() -> None:
-    assert move(CLOSED, TOPIC) == Move(CLOSED, "")
-    assert move(ASKED, MESSAGE) == Move(ASKED, "")
+    assert find_transition(CLOSED, TOPIC) == Transition(CLOSED, "")
+    assert find_transition(ASKED, MESSAGE) == Transition(ASKED, "")
 
 
 def test_notice_only_explains_a_time_request() -> None:
     others = set(STATES) - {HEARD}
-    assert others and all(move(state, NOTICE) == Move(state) for state in others)
+    assert others and all(find_transition(state, NOTICE) == Transition(state) for state in others)
 
 
 def test_a_silent_board_is_restarted_only_if_it_answers_two_probes() -> None:
     state = SYNCED
     for event, expected in ((DUE, (SILENT, PROBE)), (TIME, (PROBING, PROBE))):
-        state, action = move(state, event)
+        state, action = find_transition(state, event)
         assert (state, action) == expected
-    assert move(PROBING, TIME) == Move(ASKED, RESTART)
-    assert move(PROBING, DUE) == Move(SILENT, PROBE)
-    assert move(sync_states.CLOSED, OPENED) == Move(ASKED, ASK)
+    assert find_transition(PROBING, TIME) == Transition(ASKED, RESTART)
+    assert find_transition(PROBING, DUE) == Transition(SILENT, PROBE)
+    assert find_transition(sync_states.CLOSED, OPENED) == Transition(ASKED, ASK)
 
 
 def test_next_frame_decides_what_a_time_request_answered() -> None:
-    assert move(SEEKING, TIME) == Move(HEARD)
-    assert move(HEARD, TOPIC) == Move(SYNCED)
+    assert find_transition(SEEKING, TIME) == Transition(HEARD)
+    assert find_transition(HEARD, TOPIC) == Transition(SYNCED)
     others = (TIME, NOTICE, UNKNOWN, DUE)
-    assert {move(HEARD, event) for event in others} == {Move(ASKED, ASK)}
+    assert {find_transition(HEARD, event) for event in others} == {Transition(ASKED, ASK)}
 
 
 def test_pending_request_is_not_followed_by_another() -> None:

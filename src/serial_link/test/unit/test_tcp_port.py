@@ -12,7 +12,7 @@ from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from serial_link.board.transports import TcpTransport
 from serial_link.hardware.ports import PortLost, PortStuck, PortUnavailable
 from serial_link.hardware.tcp_port import TcpPort, TcpServer
-from serial_link.hardware.tcp_seats import SAME_BOARD_S, parse_seats
+from serial_link.hardware.tcp_slots import SAME_BOARD_S, parse_slots
 
 
 def only_port(number: int) -> TcpPort:
@@ -50,9 +50,9 @@ def test_new_connection_replaces_only_a_silent_one() -> None:
     second.plug()
     first.write(b"alive")
     assert port.read(TIMEOUT_S) == b"alive" and port.read(0.1) == b""
-    seat = server._seats[0]
-    assert seat.heard_at is not None
-    seat.heard_at -= SAME_BOARD_S
+    slot = server._slots[0]
+    assert slot.heard_at is not None
+    slot.heard_at -= SAME_BOARD_S
     with pytest.raises(PortLost, match="replaced by a new connection"):
         port.read(TIMEOUT_S)
     port.close()
@@ -97,14 +97,14 @@ def test_occupied_port_is_reported() -> None:
             only_port(number).open(0.0)
 
 
-def test_boards_have_seats_and_surplus_board_is_refused(
+def test_boards_have_slots_and_surplus_board_is_refused(
     monkeypatch: "pytest.MonkeyPatch",
 ) -> None:
-    monkeypatch.setattr("serial_link.hardware.tcp_port._SEAT_S", 0.2)
+    monkeypatch.setattr("serial_link.hardware.tcp_port._SLOT_S", 0.2)
     # All have the same address here: none may replace a silent one on a slow machine.
-    monkeypatch.setattr("serial_link.hardware.tcp_seats.SAME_BOARD_S", TIMEOUT_S)
+    monkeypatch.setattr("serial_link.hardware.tcp_slots.SAME_BOARD_S", TIMEOUT_S)
     number, refused = free_port(), []
-    server = TcpServer("localhost", number, parse_seats("left,right"), refused.append)
+    server = TcpServer("localhost", number, parse_slots("left,right"), refused.append)
     boards = [TcpTransport("localhost", number) for _ in range(3)]
     assert not server.ports[0].open(0.0)
     for port, board in zip(server.ports, boards):
@@ -136,7 +136,7 @@ def test_boards_have_seats_and_surplus_board_is_refused(
 
 def test_port_probe_takes_no_board_its_namespace() -> None:
     number = free_port()
-    server = TcpServer("localhost", number, parse_seats("left,right"))
+    server = TcpServer("localhost", number, parse_slots("left,right"))
     left, right = server.ports
     assert not left.open(0.0)
     socket.create_connection(("localhost", number)).close()
@@ -158,8 +158,8 @@ def test_port_probe_takes_no_board_its_namespace() -> None:
 
 
 def test_reader_waits_while_maximum_of_boards_waits(monkeypatch: "pytest.MonkeyPatch") -> None:
-    monkeypatch.setattr("serial_link.hardware.tcp_seats.SAME_BOARD_S", TIMEOUT_S)
-    monkeypatch.setattr("serial_link.hardware.tcp_port._SEAT_S", TIMEOUT_S)
+    monkeypatch.setattr("serial_link.hardware.tcp_slots.SAME_BOARD_S", TIMEOUT_S)
+    monkeypatch.setattr("serial_link.hardware.tcp_port._SLOT_S", TIMEOUT_S)
     number = free_port()
     server = TcpServer("localhost", number)
     port = server.ports[0]
@@ -179,8 +179,8 @@ def test_reader_waits_while_maximum_of_boards_waits(monkeypatch: "pytest.MonkeyP
 
 
 def test_boards_continue_while_refusal_is_logged(monkeypatch: "pytest.MonkeyPatch") -> None:
-    monkeypatch.setattr("serial_link.hardware.tcp_seats.SAME_BOARD_S", TIMEOUT_S)
-    monkeypatch.setattr("serial_link.hardware.tcp_port._SEAT_S", 0.0)
+    monkeypatch.setattr("serial_link.hardware.tcp_slots.SAME_BOARD_S", TIMEOUT_S)
+    monkeypatch.setattr("serial_link.hardware.tcp_port._SLOT_S", 0.0)
     number, went_on = free_port(), []
 
     def log(_text: str) -> None:

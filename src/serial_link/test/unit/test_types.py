@@ -10,7 +10,7 @@ from std_srvs.srv import SetBool, Trigger
 from tf2_msgs.msg import TFMessage
 
 from serial_link.endpoints.types import (
-    Malformed,
+    MalformedMessage,
     TypeRefused,
     decode,
     encode,
@@ -70,7 +70,7 @@ def test_any_bytes_are_decoded_or_rejected(payload: bytes) -> None:
     for data_class in (Bool, String, Header, UInt8MultiArray, Float32MultiArray):
         try:
             decode(data_class, payload)
-        except Malformed:
+        except MalformedMessage:
             pass
 
 
@@ -79,7 +79,7 @@ def test_message_of_wrong_length_is_rejected(text: str, data: st.DataObject) -> 
     payload = encode(String(text.encode("utf-8", "replace").decode()))
     cut = data.draw(st.integers(0, len(payload) - 1))
     for wrong in (payload[:cut], payload + b"\0"):
-        with pytest.raises(Malformed):
+        with pytest.raises(MalformedMessage):
             decode(String, wrong)
 
 

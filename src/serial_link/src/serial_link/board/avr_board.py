@@ -34,7 +34,7 @@ class BuildError(RuntimeError):
     """Error of building a sketch or the simulator; the text gives the cause."""
 
 
-class Size(NamedTuple):
+class MemoryUse(NamedTuple):
     """Memory use of a sketch [bytes].
 
     :param flash: of 32 256
@@ -96,7 +96,7 @@ class AvrBuilder:
         self._run([*_LANGUAGES[".cpp"], *_FLAGS, *includes, *source, core, *target])
         return program
 
-    def size(self, program: pathlib.Path) -> Size:
+    def size(self, program: pathlib.Path) -> MemoryUse:
         """Return the memory use of a built sketch.
 
         :param program: from :meth:`sketch`
@@ -104,7 +104,7 @@ class AvrBuilder:
         """
         lines = self._run(["avr-size", str(program)]).splitlines()
         text, data, bss = map(int, lines[1].split()[:3])
-        return Size(text + data, data + bss)
+        return MemoryUse(text + data, data + bss)
 
     def _core(self) -> pathlib.Path:
         """Build the Arduino core as a library, once."""

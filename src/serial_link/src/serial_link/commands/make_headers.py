@@ -10,10 +10,10 @@ import rosmsg
 import rospkg
 
 from nodekit.message_definitions import constant_in, fields_of, parts_of
+from nodekit.package_version import ShowVersion
 from serial_link.endpoints.types import TypeRefused, message_class, service_class
 from serial_link.headers.arduino_library import NAME, arduino_library
-from serial_link.headers.cpp_class import Class, header
-from nodekit.package_version import ShowVersion
+from serial_link.headers.cpp_class import CppClass, header
 from serial_link.headers.wire_header import WIRE_HEADER, WIRE_PATH
 
 
@@ -66,17 +66,17 @@ def _add_service(found: Dict[str, str], datatype: str) -> None:
     _add_parts(found, classes)
 
 
-def _add_parts(found: Dict[str, str], classes: List[Class]) -> None:
+def _add_parts(found: Dict[str, str], classes: List[CppClass]) -> None:
     bases: Set[str] = {field.base for one in classes for field in one.fields if "/" in field.base}
     for base in sorted(bases):
         _add_message(found, base)
 
 
-def _class(name: str, datatype: str, generated: Any) -> Class:
+def _class(name: str, datatype: str, generated: Any) -> CppClass:
     """Convert a generated Python class to a C++ class description."""
     text = parts_of(datatype, generated._full_text)[datatype]
     constants = [constant_in(line) for line in text.splitlines()]
-    return Class(
+    return CppClass(
         name,
         datatype,
         generated._md5sum,

@@ -30,7 +30,7 @@ EVENTS = (
 ASK_TIME, NEGOTIATE, SET_TIME, DELIVER = "ask time", "negotiate", "set time", "deliver"
 
 
-class Move(NamedTuple):
+class Transition(NamedTuple):
     """Reaction to an event.
 
     :param state: the next state
@@ -41,20 +41,20 @@ class Move(NamedTuple):
     actions: Tuple[str, ...] = ()
 
 
-TABLE: Dict[Tuple[str, str], Move] = {
-    (WAITING, TOPICS_REQUESTED): Move(CONFIGURED, (ASK_TIME, NEGOTIATE)),
-    (WAITING, OTHER_VERSION): Move(WAITING, (ASK_TIME,)),
-    (WAITING, TIME_RECEIVED): Move(WAITING, (SET_TIME,)),
-    (WAITING, MESSAGE): Move(WAITING, (DELIVER,)),
-    (CONFIGURED, TOPICS_REQUESTED): Move(CONFIGURED, (ASK_TIME, NEGOTIATE)),
-    (CONFIGURED, TIME_RECEIVED): Move(CONFIGURED, (SET_TIME,)),
-    (CONFIGURED, MESSAGE): Move(CONFIGURED, (DELIVER,)),
-    (CONFIGURED, STOP_RECEIVED): Move(WAITING),
-    (CONFIGURED, TIME_DUE): Move(CONFIGURED, (ASK_TIME,)),
-    (CONFIGURED, HOST_LOST): Move(WAITING),
+TABLE: Dict[Tuple[str, str], Transition] = {
+    (WAITING, TOPICS_REQUESTED): Transition(CONFIGURED, (ASK_TIME, NEGOTIATE)),
+    (WAITING, OTHER_VERSION): Transition(WAITING, (ASK_TIME,)),
+    (WAITING, TIME_RECEIVED): Transition(WAITING, (SET_TIME,)),
+    (WAITING, MESSAGE): Transition(WAITING, (DELIVER,)),
+    (CONFIGURED, TOPICS_REQUESTED): Transition(CONFIGURED, (ASK_TIME, NEGOTIATE)),
+    (CONFIGURED, TIME_RECEIVED): Transition(CONFIGURED, (SET_TIME,)),
+    (CONFIGURED, MESSAGE): Transition(CONFIGURED, (DELIVER,)),
+    (CONFIGURED, STOP_RECEIVED): Transition(WAITING),
+    (CONFIGURED, TIME_DUE): Transition(CONFIGURED, (ASK_TIME,)),
+    (CONFIGURED, HOST_LOST): Transition(WAITING),
 }
 
 
-def move(state: str, event: str) -> Move:
+def find_transition(state: str, event: str) -> Transition:
     """Return the transition of an event in a state; the same state if the table has no row."""
-    return TABLE.get((state, event), Move(state))
+    return TABLE.get((state, event), Transition(state))

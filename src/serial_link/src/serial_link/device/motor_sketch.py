@@ -5,14 +5,14 @@ import struct
 from typing import Optional
 
 from first_order_sys_sim.first_order_plant import PlantSettings
-from serial_link.device.rosserial_device import Declared, Device
+from serial_link.device.rosserial_device import Device, Endpoint
 from serial_link.device.motor import PWM_STEPS, Motor
 from serial_link.negotiation.payloads import (
     INFO,
     PUBLISHER,
     SERVICE_SERVER,
     SUBSCRIBER,
-    Values,
+    ParameterValues,
 )
 
 #: The motor is stopped after this long without input [s]: the host may be gone.
@@ -27,16 +27,16 @@ _INPUT, _OUTPUT = struct.Struct("<fd"), struct.Struct("<fdI")
 
 #: The md5sums are those in the headers of these messages.
 TOPICS = (
-    Declared(
+    Endpoint(
         PUBLISHER, "motor_output", "pid_control/motor_output", "6f371a723b35f6884908910ed6144b2d"
     ),
-    Declared(PUBLISHER, "button", "std_msgs/Bool", "8b94c1b53db61fb6aed406028ad6332a"),
-    Declared(PUBLISHER, "potentiometer", "std_msgs/UInt16", "1df79edf208b629fe6b81923a544552d"),
-    Declared(
+    Endpoint(PUBLISHER, "button", "std_msgs/Bool", "8b94c1b53db61fb6aed406028ad6332a"),
+    Endpoint(PUBLISHER, "potentiometer", "std_msgs/UInt16", "1df79edf208b629fe6b81923a544552d"),
+    Endpoint(
         SUBSCRIBER, "motor_input", "pid_control/motor_input", "68938b46224a92992b7cd8fd6233cc91"
     ),
-    Declared(SUBSCRIBER, "led", "std_msgs/Bool", "8b94c1b53db61fb6aed406028ad6332a"),
-    Declared(
+    Endpoint(SUBSCRIBER, "led", "std_msgs/Bool", "8b94c1b53db61fb6aed406028ad6332a"),
+    Endpoint(
         SERVICE_SERVER,
         "zero_encoder",
         "std_srvs/Trigger",
@@ -105,7 +105,7 @@ class MotorSketch:
             self._counts = 0
             device.publish(name, struct.pack("<BI", 1, len(text)) + text)
 
-    def on_parameter(self, device: Device, now: float, values: Values) -> None:
+    def on_parameter(self, device: Device, now: float, values: ParameterValues) -> None:
         """Ignore parameters: this sketch requests none."""
 
     def loop(self, device: Device, now: float) -> None:

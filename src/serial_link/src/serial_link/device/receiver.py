@@ -12,7 +12,7 @@ TOPIC_LOW, TOPIC_HIGH, MESSAGE, SUM = "topic low", "topic high", "message", "sum
 TIMEOUT_S = 0.02
 
 
-class Expected(NamedTuple):
+class NextStates(NamedTuple):
     """Next states after a byte.
 
     :param if_good: expected next byte if this byte is valid
@@ -23,16 +23,16 @@ class Expected(NamedTuple):
     if_bad: str = SYNC_BYTE
 
 
-TABLE: Dict[str, Expected] = {
-    SYNC_BYTE: Expected(VERSION_BYTE),
-    VERSION_BYTE: Expected(SIZE_LOW),
-    SIZE_LOW: Expected(SIZE_HIGH),
-    SIZE_HIGH: Expected(SIZE_SUM),
-    SIZE_SUM: Expected(TOPIC_LOW),
-    TOPIC_LOW: Expected(TOPIC_HIGH),
-    TOPIC_HIGH: Expected(MESSAGE),
-    MESSAGE: Expected(SUM),
-    SUM: Expected(SYNC_BYTE),
+TABLE: Dict[str, NextStates] = {
+    SYNC_BYTE: NextStates(VERSION_BYTE),
+    VERSION_BYTE: NextStates(SIZE_LOW),
+    SIZE_LOW: NextStates(SIZE_HIGH),
+    SIZE_HIGH: NextStates(SIZE_SUM),
+    SIZE_SUM: NextStates(TOPIC_LOW),
+    TOPIC_LOW: NextStates(TOPIC_HIGH),
+    TOPIC_HIGH: NextStates(MESSAGE),
+    MESSAGE: NextStates(SUM),
+    SUM: NextStates(SYNC_BYTE),
 }
 
 

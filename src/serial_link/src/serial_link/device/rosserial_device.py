@@ -24,7 +24,7 @@ _FIRST_SUBSCRIBER, _FIRST_PUBLISHER = 100, 125
 TIME_EVERY_S, HOST_LOST_S = 2.5, 11.0
 
 
-class Declared(NamedTuple):
+class Endpoint(NamedTuple):
     """A topic or a service of a sketch.
 
     :param kind: PUBLISHER, SUBSCRIBER, SERVICE_SERVER or SERVICE_CLIENT
@@ -45,7 +45,7 @@ class Sketch(Protocol):
     """Sketch that runs on a board. Times are the board's [s]."""
 
     @property
-    def topics(self) -> Sequence[Declared]:
+    def topics(self) -> Sequence[Endpoint]:
         """The sketch's topics and services, in order."""
         ...
 
@@ -53,7 +53,7 @@ class Sketch(Protocol):
         """Handle a message, a request to a service of the board, or a response to its call."""
         ...
 
-    def on_parameter(self, device: "Device", now: float, values: payloads.Values) -> None:
+    def on_parameter(self, device: "Device", now: float, values: payloads.ParameterValues) -> None:
         """Handle a requested parameter."""
         ...
 
@@ -93,8 +93,8 @@ class Device:
         self._announcements: List[Tuple[int, TopicInfo]] = []
         self._outgoing: Dict[str, int] = {}
         self._incoming: Dict[int, str] = {}
-        for declared in sketch.topics:
-            self._add(declared, declared.name == wrong_md5)
+        for endpoint in sketch.topics:
+            self._add(endpoint, endpoint.name == wrong_md5)
 
     @property
     def is_configured(self) -> bool:
@@ -150,8 +150,8 @@ class Device:
         self._output.clear()
         return data
 
-    def _add(self, declared: Declared, is_wrong: bool) -> None:
-        kind, name, datatype, md5sum, answer = declared
+    def _add(self, endpoint: Endpoint, is_wrong: bool) -> None:
+        kind, name, datatype, md5sum, answer = endpoint
         if is_wrong:
             md5sum = md5sum[::-1]
         # md5sum of the messages that the board sends: of its own service, those of the response.
@@ -170,7 +170,7 @@ class Device:
             self._announcements.append((info_id, info))
 
     def _handle(self, now: float, event: str, topic_id: int = 0, payload: bytes = b"") -> None:
-        self.state, actions = device_states.move(self.state, event)
+        self.state, actions = device_states.find_transition(self.state, event)
         if event == device_states.TOPICS_REQUESTED:
             self._host_seen_at = now
         for action in actions:

@@ -17,7 +17,7 @@ class SerialLine:
 
     def __init__(self, baud: int) -> None:
         self._byte = _BITS / baud if baud else 0.0
-        self._parts: Deque["_Part"] = deque()
+        self._chunks: Deque["_Chunk"] = deque()
         self._free_at = 0.0
         #: Number of bytes that have not arrived yet.
         self.waiting = 0
@@ -31,7 +31,7 @@ class SerialLine:
         if data:
             begin = max(now, self._free_at)
             self._free_at = begin + len(data) * self._byte
-            self._parts.append(_Part(data, begin))
+            self._chunks.append(_Chunk(data, begin))
             self.waiting += len(data)
 
     def arrived(self, now: float) -> bytes:
@@ -40,36 +40,36 @@ class SerialLine:
         :param now: the time [s]
         """
         arrived = bytearray()
-        while self._parts:
-            part = self._parts[0]
-            left = len(part.data) - part.taken
+        while self._chunks:
+            chunk = self._chunks[0]
+            left = len(chunk.data) - chunk.taken
             count = left
             if self._byte:
-                count = min(left, int((now - part.begin) / self._byte + 1e-6) - part.taken)
+                count = min(left, int((now - chunk.begin) / self._byte + 1e-6) - chunk.taken)
             if count <= 0:
                 break
-            arrived += part.data[part.taken : part.taken + count]
-            part.taken += count
-            if part.taken < len(part.data):
+            arrived += chunk.data[chunk.taken : chunk.taken + count]
+            chunk.taken += count
+            if chunk.taken < len(chunk.data):
                 break
-            self._parts.popleft()
+            self._chunks.popleft()
         self.waiting -= len(arrived)
         return bytes(arrived)
 
     def next_due(self) -> float:
         """Return when the first chunk in transit has arrived completely [s]."""
-        if not self._parts:
+        if not self._chunks:
             return math.inf
-        part = self._parts[0]
-        return part.begin + len(part.data) * self._byte
+        chunk = self._chunks[0]
+        return chunk.begin + len(chunk.data) * self._byte
 
     def clear(self) -> None:
         """Drop all bytes in transit, as when the cable is unplugged."""
-        self._parts.clear()
+        self._chunks.clear()
         self._free_at, self.waiting = 0.0, 0
 
 
-class _Part:
+class _Chunk:
     """Bytes that were written together.
 
     :ivar taken: number of them already delivered

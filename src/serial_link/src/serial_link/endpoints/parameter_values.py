@@ -5,7 +5,7 @@ import math
 import struct
 from typing import Any, List
 
-from serial_link.negotiation.payloads import Values, encode_values
+from serial_link.negotiation.payloads import ParameterValues, encode_values
 
 _INT32 = range(-(2**31), 2**31)
 
@@ -29,7 +29,7 @@ def encode_answer(raw: Any, size: int) -> bytes:
     return payload
 
 
-def to_values(raw: Any) -> Values:
+def to_values(raw: Any) -> ParameterValues:
     """Return the value of a parameter as an answer to a board.
 
     Integers are also sent as floats: the YAML may give ``1`` for a float that a sketch asks for.
@@ -39,14 +39,14 @@ def to_values(raw: Any) -> Values:
     """
     values: List[Any] = list(raw) if isinstance(raw, (list, tuple)) else [raw]
     if all(isinstance(value, str) for value in values):
-        return Values(texts=values)
+        return ParameterValues(texts=values)
     if not all(isinstance(value, (bool, int, float)) for value in values):
         raise UnsupportedValue("it must be a number, true or false, text, or a list of one type")
     floats = [_as_float32(value) for value in values]
     if not all(math.isfinite(value) for value in floats):
         raise UnsupportedValue("it does not fit into a 32-bit float")
     ints = [int(value) for value in values if not isinstance(value, float) and value in _INT32]
-    return Values(ints if len(ints) == len(values) else (), floats)
+    return ParameterValues(ints if len(ints) == len(values) else (), floats)
 
 
 def _as_float32(value: float) -> float:

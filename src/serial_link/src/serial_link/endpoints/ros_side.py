@@ -13,7 +13,7 @@ from serial_link.endpoints.parameter_values import UnsupportedValue, encode_answ
 from serial_link.endpoints.null_endpoint import NullEndpoint
 from serial_link.endpoints.services import CalledService, OfferedService
 from serial_link.endpoints.topics import PublishedTopic, SubscribedTopic
-from serial_link.endpoints.types import Malformed, TypeRefused
+from serial_link.endpoints.types import MalformedMessage, TypeRefused
 from serial_link.framing.frames import LONGEST
 from serial_link.host.counters import MALFORMED, Counters
 from serial_link.link.events import (
@@ -32,7 +32,7 @@ from serial_link.negotiation.payloads import (
     SERVICE_CLIENT,
     SERVICE_SERVER,
     SUBSCRIBER,
-    Values,
+    ParameterValues,
     encode_values,
     problem_of,
 )
@@ -139,7 +139,7 @@ class RosSide:
         endpoint_in_ros = self._opened(_key(message.endpoint), message.endpoint)
         try:
             endpoint_in_ros.receive(message.payload)
-        except Malformed:
+        except MalformedMessage:
             self._counters.add(MALFORMED)
 
     def _update(self, endpoints: List[Endpoint], is_complete: bool) -> None:
@@ -196,7 +196,7 @@ class RosSide:
 
     def _answer(self, name: str) -> None:
         """Send a parameter to the board, which waits for it: an empty answer if it has no value."""
-        payload = encode_values(Values())
+        payload = encode_values(ParameterValues())
         try:
             resolved = self._scope.resolve(self._placed(name))
             raw = self._find_parameter(resolved)

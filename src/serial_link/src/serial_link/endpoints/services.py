@@ -13,7 +13,7 @@ from nodekit import (
     NodeScope,
     ReentrantCallbackGroup,
 )
-from serial_link.endpoints.types import Malformed, decode, encode, md5sums_of, service_class
+from serial_link.endpoints.types import MalformedMessage, decode, encode, md5sums_of, service_class
 from serial_link.host.counters import TOO_LARGE, Counters
 from serial_link.link.board_link import BoardLink
 from serial_link.link.throttled_log import ThrottledLog
@@ -92,7 +92,7 @@ class OfferedService(_Service):
     def receive(self, payload: bytes) -> None:
         """Pass on the board's response.
 
-        :raises Malformed: if it is malformed
+        :raises MalformedMessage: if it is malformed
         """
         self._response = decode(self.service_class._response_class, payload)
         self._is_done.set()
@@ -142,7 +142,7 @@ class CalledService(_Service):
     def receive(self, payload: bytes) -> None:
         """Call the service for the board.
 
-        :raises Malformed: if the request is malformed
+        :raises MalformedMessage: if the request is malformed
         """
         request = decode(self.service_class._request_class, payload)
         try:
@@ -161,7 +161,7 @@ class CalledService(_Service):
             response: Optional[Any] = future.result()
             if era == self._era:
                 self.send(response)
-        except (CallError, Malformed) as error:
+        except (CallError, MalformedMessage) as error:
             self._warn(error)
 
     def _warn(self, error: Exception) -> None:

@@ -37,7 +37,7 @@ class PublishedTopic:
     def receive(self, payload: bytes) -> None:
         """Publish a message of the board.
 
-        :raises Malformed: if it is malformed
+        :raises MalformedMessage: if it is malformed
         """
         self._publisher.publish(decode(self._class, payload))
 

@@ -16,7 +16,7 @@ class TypeRefused(ValueError):
     """A type that is not installed, or has another md5sum; the text says which."""
 
 
-class Malformed(ValueError):
+class MalformedMessage(ValueError):
     """Bytes with valid checksums that are not a message of their type."""
 
 
@@ -51,15 +51,15 @@ def decode(data_class: Any, payload: bytes) -> Any:
 
     :param data_class: its class
     :param payload: its bytes
-    :raises Malformed: if the bytes are not exactly one message
+    :raises MalformedMessage: if the bytes are not exactly one message
     """
     try:
         message = data_class().deserialize(payload)
         encoded = encode(message)
         if encoded != payload and not _is_whole(data_class, payload, encoded):
-            raise Malformed("not as long as it says")
+            raise MalformedMessage("not as long as it says")
     except (genpy.DeserializationError, genpy.SerializationError, UnicodeError) as error:
-        raise Malformed(str(error)) from None
+        raise MalformedMessage(str(error)) from None
     return message
 
 

@@ -1,4 +1,4 @@
-"""TCP port for boards with Wi-Fi; each board has a seat, which stands for its namespace."""
+"""TCP port for boards with Wi-Fi; each board has a slot, which stands for its namespace."""
 
 import contextlib
 import select
@@ -8,59 +8,59 @@ import time
 from typing import Callable, Dict, List, NamedTuple, Optional, Sequence
 
 from serial_link.hardware.ports import PortLost, PortStuck, PortUnavailable
-from serial_link.hardware.tcp_seats import Seat, choose_seat, explain_refusal
+from serial_link.hardware.tcp_slots import BoardSlot, choose_slot, explain_refusal
 
 _WRITE_S = 0.5
 _READ_AT_ONCE = 4096
 #: Longest pause within a frame [s]: long, because TCP resends lost packets.
 _GAP_S = 5.0
-#: Longest wait of a board for a seat [s]; longer than a silent board keeps its seat.
-_SEAT_S = 12.0
+#: Longest wait of a board for a slot [s]; longer than a silent board keeps its slot.
+_SLOT_S = 12.0
 #: Most waiting boards.
 _MOST_WAITING = 16
 
 
-class _Caller(NamedTuple):
-    """A connected board without a seat yet."""
+class _Connection(NamedTuple):
+    """Connection of a board that its port has not taken yet."""
 
-    connection: socket.socket
+    board: socket.socket
     address: str
     port: int
     came_at: float
 
 
 class TcpServer:
-    """Listener for the boards at one TCP port, each of which has a seat.
+    """Listener for the boards at one TCP port, each of which has a slot.
 
     It has no thread: the ports poll it.
 
     :param address: address to listen on: ``localhost``, or one that other machines can reach
     :param number: TCP port
-    :param seats: of the boards
-    :param on_refused: receives a message about each board that gets no seat
+    :param slots: of the boards
+    :param on_refused: receives a message about each board that gets no slot
 
-    :ivar ports: one for each seat, in the same order
+    :ivar ports: one for each slot, in the same order
     """
 
     def __init__(
         self,
         address: str,
         number: int,
-        seats: Sequence[Seat] = (),
+        slots: Sequence[BoardSlot] = (),
         on_refused: Callable[[str], None] = lambda text: None,
     ) -> None:
         self._address, self._on_refused = (address, number), on_refused
         self.name = f"tcp {address}:{number}"
-        self._seats = list(seats) or [Seat()]
+        self._slots = list(slots) or [BoardSlot()]
         self._lock = threading.Lock()
         self._listener: Optional[socket.socket] = None
-        self._waiting: List[_Caller] = []
-        self._seated: Dict[Seat, _Caller] = {}
-        self.ports = [TcpPort(self, seat) for seat in self._seats]
+        self._waiting: List[_Connection] = []
+        self._assigned: Dict[BoardSlot, _Connection] = {}
+        self.ports = [TcpPort(self, slot) for slot in self._slots]
         self._in_use = len(self.ports)
 
     def listen(self) -> List[socket.socket]:
-        """Return the sockets to wait for; give waiting boards their seats.
+        """Return the sockets to wait for; give waiting boards their slots.
 
         :returns: the listener; empty while the maximum number of boards waits, when the
             listener would be ready all the time
@@ -69,20 +69,20 @@ class TcpServer:
         with self._lock:
             listener = self._listener or self._open()
             self._accept(listener)
-            refused = self._seat(time.monotonic())
+            refused = self._assign_slots(time.monotonic())
             is_full = len(self._waiting) >= _MOST_WAITING
         for text in refused:  # without the lock: logging may be slow
             self._on_refused(text)
         return [] if is_full else [listener]
 
-    def has_caller(self, seat: Seat) -> bool:
+    def has_connection(self, slot: BoardSlot) -> bool:
         """Return whether a board waits for its port."""
-        return seat in self._seated
+        return slot in self._assigned
 
-    def take(self, seat: Seat) -> Optional[_Caller]:
-        """Return the board that was given a seat, once."""
+    def take_connection(self, slot: BoardSlot) -> Optional[_Connection]:
+        """Return the connection of a board that was given a slot, once."""
         with self._lock:
-            return self._seated.pop(seat, None)
+            return self._assigned.pop(slot, None)
 
     def release(self) -> None:
         """Stop listening when the last port is released."""
@@ -91,17 +91,17 @@ class TcpServer:
             if self._in_use:
                 return
             listener, self._listener = self._listener, None
-            callers = [*self._waiting, *self._seated.values()]
+            connections = [*self._waiting, *self._assigned.values()]
             self._waiting.clear()
-            self._seated.clear()
-        for caller in callers:
-            caller.connection.close()
+            self._assigned.clear()
+        for connection in connections:
+            connection.board.close()
         if listener is not None:
             listener.close()
 
     def _open(self) -> socket.socket:
         try:
-            listener = socket.create_server(self._address, backlog=len(self._seats))
+            listener = socket.create_server(self._address, backlog=len(self._slots))
         except OSError as error:
             raise PortUnavailable(f"{self.name} cannot listen: {error}") from None
         listener.setblocking(False)
@@ -111,63 +111,63 @@ class TcpServer:
     def _accept(self, listener: socket.socket) -> None:
         while len(self._waiting) < _MOST_WAITING:
             try:
-                connection, (address, port) = listener.accept()
+                board, (address, port) = listener.accept()
             except OSError:  # no more boards, or already gone
                 return
-            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            connection.settimeout(_WRITE_S)
-            self._waiting.append(_Caller(connection, address, port, time.monotonic()))
+            board.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            board.settimeout(_WRITE_S)
+            self._waiting.append(_Connection(board, address, port, time.monotonic()))
 
-    def _seat(self, now: float) -> List[str]:
-        """Give boards their seats; return a message about each rejected board."""
+    def _assign_slots(self, now: float) -> List[str]:
+        """Give boards their slots; return a message about each rejected board."""
         refused: List[str] = []
-        for caller in list(self._waiting):
-            seat = choose_seat(self._seats, caller.address, now)
-            if seat is not None and seat not in self._seated:
-                seat.connected, seat.heard_at = caller.address, now
-                self._seated[seat] = caller
-            elif _has_left(caller.connection):
-                caller.connection.close()
-            elif now - caller.came_at > _SEAT_S:
-                caller.connection.close()
+        for connection in list(self._waiting):
+            slot = choose_slot(self._slots, connection.address, now)
+            if slot is not None and slot not in self._assigned:
+                slot.connected, slot.heard_at = connection.address, now
+                self._assigned[slot] = connection
+            elif _has_left(connection.board):
+                connection.board.close()
+            elif now - connection.came_at > _SLOT_S:
+                connection.board.close()
                 refused.append(
-                    f"{self.name}: the board at {caller.address} is refused: "
-                    f"{explain_refusal(self._seats)}"
+                    f"{self.name}: the board at {connection.address} is refused: "
+                    f"{explain_refusal(self._slots)}"
                 )
             else:
                 continue
-            self._waiting.remove(caller)
+            self._waiting.remove(connection)
         return refused
 
 
 class TcpPort:
-    """Port of the board in one seat; a new connection replaces a silent one.
+    """Port of the board in one slot; a new connection replaces a silent one.
 
     A board that was reset leaves its old connection open, and connects again.
 
     :param server: shared by all boards
-    :param seat: of this board
+    :param slot: of this board
     """
 
     baud, gap = 0, _GAP_S
 
-    def __init__(self, server: TcpServer, seat: Seat) -> None:
-        self._server, self._seat = server, seat
-        self._own_name = self.name = f"{server.name} {seat.name}".rstrip()
+    def __init__(self, server: TcpServer, slot: BoardSlot) -> None:
+        self._server, self._slot = server, slot
+        self._own_name = self.name = f"{server.name} {slot.name}".rstrip()
         self._board: Optional[socket.socket] = None
         self._address = ""
 
     def open(self, timeout: float) -> bool:
         """Wait for a board; see :class:`.Port`."""
         listeners = self._server.listen()
-        if not self._server.has_caller(self._seat):
+        if not self._server.has_connection(self._slot):
             select.select(listeners, [], [], timeout)
             self._server.listen()
-        caller = self._server.take(self._seat)
-        if caller is None:
+        connection = self._server.take_connection(self._slot)
+        if connection is None:
             return False
-        self._board, self._address = caller.connection, caller.address
-        self.name = f"{self._own_name} from {caller.address}:{caller.port}"
+        self._board, self._address = connection.board, connection.address
+        self.name = f"{self._own_name} from {connection.address}:{connection.port}"
         return True
 
     def read(self, timeout: float) -> bytes:
@@ -175,11 +175,11 @@ class TcpPort:
         board = self._connected()
         try:
             listeners = self._server.listen()
-            if not self._server.has_caller(self._seat):
+            if not self._server.has_connection(self._slot):
                 ready = select.select([board, *listeners], [], [], timeout)[0]
                 if any(listener in ready for listener in listeners):
                     self._server.listen()
-            if self._server.has_caller(self._seat):
+            if self._server.has_connection(self._slot):
                 raise PortLost(f"{self.name}: replaced by a new connection")
             if board not in ready:
                 return b""
@@ -193,8 +193,8 @@ class TcpPort:
         return data
 
     def on_frame(self) -> None:
-        """Reserve the seat for the board's address; see :class:`.Port`."""
-        self._seat.peer, self._seat.heard_at = self._address, time.monotonic()
+        """Reserve the slot for the board's address; see :class:`.Port`."""
+        self._slot.peer, self._slot.heard_at = self._address, time.monotonic()
 
     def write(self, data: bytes) -> None:
         """Send bytes; see :class:`.Port`.
@@ -223,8 +223,8 @@ class TcpPort:
         self.name = self._own_name
         if board is not None:
             board.close()
-        if not self._server.has_caller(self._seat):
-            self._seat.heard_at = None
+        if not self._server.has_connection(self._slot):
+            self._slot.heard_at = None
 
     def release(self) -> None:
         """Close the port permanently; the server continues for the other ports."""
@@ -238,11 +238,11 @@ class TcpPort:
         return board
 
 
-def _has_left(connection: socket.socket) -> bool:
+def _has_left(board: socket.socket) -> bool:
     """Return whether a board has closed its connection."""
-    if not select.select([connection], [], [], 0.0)[0]:
+    if not select.select([board], [], [], 0.0)[0]:
         return False
     try:
-        return not connection.recv(1, socket.MSG_PEEK)
+        return not board.recv(1, socket.MSG_PEEK)
     except OSError:
         return True

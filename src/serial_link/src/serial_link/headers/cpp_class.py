@@ -31,7 +31,7 @@ _WORDS = frozenset(
 )
 
 
-class Class(NamedTuple):
+class CppClass(NamedTuple):
     """Parts of a C++ class.
 
     :param name: of the class
@@ -48,7 +48,7 @@ class Class(NamedTuple):
     fields: Tuple[Field, ...]
 
 
-def header(package: str, name: str, classes: List[Class], service: bool = False) -> str:
+def header(package: str, name: str, classes: List[CppClass], service: bool = False) -> str:
     """Return the C++ header of a message, or of a service.
 
     :param package: of the message or service
@@ -101,7 +101,7 @@ def member(name: str) -> str:
     return name + "_" if name in _WORDS else name
 
 
-def _includes(classes: Iterable[Class]) -> List[str]:
+def _includes(classes: Iterable[CppClass]) -> List[str]:
     bases = {field.base for one in classes for field in one.fields}
     own = [base for base in TIMES if base in bases]
     others = sorted(base for base in bases if "/" in base)
@@ -110,7 +110,7 @@ def _includes(classes: Iterable[Class]) -> List[str]:
     return [f'#include "{path}"' for path in [*library, *made]]
 
 
-def _class(one: Class) -> Iterator[str]:
+def _class(one: CppClass) -> Iterator[str]:
     yield f"class {one.name} : public ros::Msg {{"
     yield " public:"
     for constant in one.constants:
@@ -176,7 +176,7 @@ def _members(field: Field) -> Iterator[str]:
         yield f"  _{field.name}_type *{name};"
 
 
-def _constructor(one: Class) -> Iterator[str]:
+def _constructor(one: CppClass) -> Iterator[str]:
     initial = []
     for field in one.fields:
         name = member(field.name)

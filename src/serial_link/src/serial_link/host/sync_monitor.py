@@ -23,7 +23,7 @@ from serial_link.host.sync_states import (
     TIME,
     TOPIC,
     UNKNOWN,
-    move,
+    find_transition,
 )
 
 #: After this time without proof that it is configured, a quick board counts as silent [s]; a board
@@ -40,7 +40,7 @@ FOLLOWS_S = 0.1
 #: forgets its host [s].
 TIME_EVERY_S, LATE_S, OVERDUE_S = 2.5, 0.2, 11.0
 #: A slow board counts as silent after this many iterations of its loop without a frame.
-TURNS = 1.5
+SILENT_ITERATIONS = 1.5
 #: After this many topic requests answered only by a time request, the sketch has no topics.
 EMPTY_ANSWERS = 2
 #: Events that prove that the board is configured. TIME proves it only outside SYNCED: a board that
@@ -77,7 +77,7 @@ class SyncMonitor:
     @property
     def patience(self) -> float:
         """Longest time the board may take to answer [s]."""
-        return max(QUIET_S, TURNS * self._loop_s) + self._frame_s
+        return max(QUIET_S, SILENT_ITERATIONS * self._loop_s) + self._frame_s
 
     def handle(self, now: float, event: str) -> List[str]:
         """Handle an event.
@@ -97,10 +97,10 @@ class SyncMonitor:
             self._proven_at = now
         if event in _PROOFS or event == TIME:
             self._alive_at = now
-        is_asked = event in (UNKNOWN, DAMAGED) and move(was, event).action == ASK
+        is_asked = event in (UNKNOWN, DAMAGED) and find_transition(was, event).action == ASK
         if is_asked and not self._may_ask(now):
             event = MESSAGE if event == UNKNOWN else ""  # its answer is in transit
-        self.state, action = move(was, event)
+        self.state, action = find_transition(was, event)
         actions = [action] if action else []
         if action == RESTART:
             self.restarts += was == PROBING and event == TIME
@@ -112,7 +112,7 @@ class SyncMonitor:
         if PROBE in actions:
             self._probed_at = now
             is_first = was not in (self.state, PROBING)
-            longer = max(GROWTH * self._pause_s, TURNS * self._loop_s)
+            longer = max(GROWTH * self._pause_s, SILENT_ITERATIONS * self._loop_s)
             self._pause_s = PROBE_EVERY_S + self._frame_s if is_first else longer
         return actions
 

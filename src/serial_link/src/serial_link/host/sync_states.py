@@ -40,7 +40,7 @@ EVENTS = (OPENED, LOST, TOPIC, TIME, MESSAGE, UNKNOWN, NOTICE, DAMAGED, DUE, OVE
 ASK, PROBE, RESTART = "ask", "probe", "restart"
 
 
-class Move(NamedTuple):
+class Transition(NamedTuple):
     """Reaction to an event.
 
     :param state: the next state
@@ -61,43 +61,43 @@ class Move(NamedTuple):
 #: request is pending at a time: a board that missed it proves by its answer to a two-byte probe
 #: that it is listening now. It answers all probes in its buffer together, so two probes per
 #: iteration suffice.
-TABLE: Dict[Tuple[str, str], Move] = {
-    (CLOSED, OPENED): Move(ASKED, ASK),
-    (ASKED, LOST): Move(CLOSED, RESTART),
-    (ASKED, TOPIC): Move(SYNCED),
-    (ASKED, EMPTY): Move(SYNCED),
-    (ASKED, DUE): Move(SEEKING, PROBE),
-    (SEEKING, LOST): Move(CLOSED, RESTART),
-    (SEEKING, TOPIC): Move(SYNCED),
-    (SEEKING, TIME): Move(HEARD),
-    (SEEKING, DAMAGED): Move(ASKED, ASK),
-    (SEEKING, DUE): Move(SEEKING, PROBE),
-    (SEEKING, OVERDUE): Move(ASKED, ASK),
-    (HEARD, LOST): Move(CLOSED, RESTART),
-    (HEARD, TOPIC): Move(SYNCED),
-    (HEARD, TIME): Move(ASKED, ASK),
-    (HEARD, NOTICE): Move(ASKED, ASK),
-    (HEARD, UNKNOWN): Move(ASKED, ASK),
-    (HEARD, DUE): Move(ASKED, ASK),
-    (SYNCED, LOST): Move(CLOSED, RESTART),
-    (SYNCED, UNKNOWN): Move(SYNCED, ASK),
-    (SYNCED, DUE): Move(SILENT, PROBE),
-    (SILENT, LOST): Move(CLOSED, RESTART),
-    (SILENT, TOPIC): Move(SYNCED),
-    (SILENT, TIME): Move(PROBING, PROBE),
-    (SILENT, MESSAGE): Move(SYNCED),
-    (SILENT, UNKNOWN): Move(SYNCED, ASK),
-    (SILENT, DUE): Move(SILENT, PROBE),
-    (SILENT, OVERDUE): Move(ASKED, RESTART),
-    (PROBING, LOST): Move(CLOSED, RESTART),
-    (PROBING, TOPIC): Move(SYNCED),
-    (PROBING, TIME): Move(ASKED, RESTART),
-    (PROBING, MESSAGE): Move(SYNCED),
-    (PROBING, UNKNOWN): Move(SYNCED, ASK),
-    (PROBING, DUE): Move(SILENT, PROBE),
+TABLE: Dict[Tuple[str, str], Transition] = {
+    (CLOSED, OPENED): Transition(ASKED, ASK),
+    (ASKED, LOST): Transition(CLOSED, RESTART),
+    (ASKED, TOPIC): Transition(SYNCED),
+    (ASKED, EMPTY): Transition(SYNCED),
+    (ASKED, DUE): Transition(SEEKING, PROBE),
+    (SEEKING, LOST): Transition(CLOSED, RESTART),
+    (SEEKING, TOPIC): Transition(SYNCED),
+    (SEEKING, TIME): Transition(HEARD),
+    (SEEKING, DAMAGED): Transition(ASKED, ASK),
+    (SEEKING, DUE): Transition(SEEKING, PROBE),
+    (SEEKING, OVERDUE): Transition(ASKED, ASK),
+    (HEARD, LOST): Transition(CLOSED, RESTART),
+    (HEARD, TOPIC): Transition(SYNCED),
+    (HEARD, TIME): Transition(ASKED, ASK),
+    (HEARD, NOTICE): Transition(ASKED, ASK),
+    (HEARD, UNKNOWN): Transition(ASKED, ASK),
+    (HEARD, DUE): Transition(ASKED, ASK),
+    (SYNCED, LOST): Transition(CLOSED, RESTART),
+    (SYNCED, UNKNOWN): Transition(SYNCED, ASK),
+    (SYNCED, DUE): Transition(SILENT, PROBE),
+    (SILENT, LOST): Transition(CLOSED, RESTART),
+    (SILENT, TOPIC): Transition(SYNCED),
+    (SILENT, TIME): Transition(PROBING, PROBE),
+    (SILENT, MESSAGE): Transition(SYNCED),
+    (SILENT, UNKNOWN): Transition(SYNCED, ASK),
+    (SILENT, DUE): Transition(SILENT, PROBE),
+    (SILENT, OVERDUE): Transition(ASKED, RESTART),
+    (PROBING, LOST): Transition(CLOSED, RESTART),
+    (PROBING, TOPIC): Transition(SYNCED),
+    (PROBING, TIME): Transition(ASKED, RESTART),
+    (PROBING, MESSAGE): Transition(SYNCED),
+    (PROBING, UNKNOWN): Transition(SYNCED, ASK),
+    (PROBING, DUE): Transition(SILENT, PROBE),
 }
 
 
-def move(state: str, event: str) -> Move:
+def find_transition(state: str, event: str) -> Transition:
     """Return the transition of an event in a state; no change if the table has no row."""
-    return TABLE.get((state, event), Move(state))
+    return TABLE.get((state, event), Transition(state))

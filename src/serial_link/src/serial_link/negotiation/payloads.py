@@ -139,7 +139,7 @@ def decode_name(payload: bytes) -> str:
     return name
 
 
-class Values(NamedTuple):
+class ParameterValues(NamedTuple):
     """A parameter as a board gets it: it takes the list of the type that it asks for."""
 
     ints: Sequence[int] = ()
@@ -147,7 +147,7 @@ class Values(NamedTuple):
     texts: Sequence[str] = ()
 
 
-def encode_values(values: Values) -> bytes:
+def encode_values(values: ParameterValues) -> bytes:
     """Return the answer to a request for a parameter.
 
     :param values: whole numbers of 32 bits, numbers that 32-bit floats hold, and texts
@@ -164,7 +164,7 @@ def encode_values(values: Values) -> bytes:
     )
 
 
-def decode_values(payload: bytes) -> Values:
+def decode_values(payload: bytes) -> ParameterValues:
     """Read the answer to a request for a parameter.
 
     :param payload: of a frame
@@ -178,7 +178,7 @@ def decode_values(payload: bytes) -> Values:
     for _ in range(count):
         texts.append(reader.text())
     reader.end()
-    return Values(tuple(map(int, ints)), floats, tuple(texts))
+    return ParameterValues(tuple(map(int, ints)), floats, tuple(texts))
 
 
 def encode_time(seconds: int, nanoseconds: int) -> bytes:

@@ -13,7 +13,7 @@ from serial_link.endpoints.ros_side import RosSide
 from serial_link.hardware.ports import Port
 from serial_link.hardware.serial_port import SerialPort
 from serial_link.hardware.tcp_port import TcpServer
-from serial_link.hardware.tcp_seats import parse_seats
+from serial_link.hardware.tcp_slots import parse_slots
 from serial_link.host.counters import Counters
 from serial_link.link.board_link import BoardLink
 from serial_link.serial_parameters import TCP, SerialParameters
@@ -67,9 +67,9 @@ class SerialNode:
         values = self._settings.values
         if values.port != TCP:
             return [("", SerialPort(values.port, values.baud))]
-        seats = parse_seats(values.tcp_boards)
-        server = TcpServer(values.tcp_address, values.tcp_port, seats, _warn)
-        return [(seat.name, port) for seat, port in zip(seats, server.ports)]
+        slots = parse_slots(values.tcp_boards)
+        server = TcpServer(values.tcp_address, values.tcp_port, slots, _warn)
+        return [(slot.name, port) for slot, port in zip(slots, server.ports)]
 
     def _board(self, node: Node, space: str, port: Port) -> "_Board":
         counters = Counters()

@@ -1,4 +1,4 @@
-"""Assignment of boards to seats at one TCP port, across reconnections."""
+"""Assignment of boards to slots at one TCP port, across reconnections."""
 
 import ipaddress
 import re
@@ -12,8 +12,8 @@ OTHER_BOARD_S = 11.0
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 
 
-class Seat:
-    """Seat of one board.
+class BoardSlot:
+    """BoardSlot of one board.
 
     :param name: of the board, a namespace; empty for a single board
     :param address: IP address it is reserved for; empty for any
@@ -29,7 +29,7 @@ class Seat:
         self.heard_at: Optional[float] = None
 
     def is_free(self, peer: str, now: float) -> bool:
-        """Return whether a board may take the seat: it is empty, or its board is silent too long.
+        """Return whether a board may take the slot: it is empty, or its board is silent too long.
 
         :param peer: IP address of the board
         :param now: the time [s]
@@ -39,67 +39,67 @@ class Seat:
         return self.heard_at is None or now - self.heard_at >= patience
 
 
-def parse_seats(text: str) -> List[Seat]:
-    """Return the seats that a parameter lists.
+def parse_slots(text: str) -> List[BoardSlot]:
+    """Return the slots that a parameter lists.
 
-    :param text: ``NAME`` or ``NAME@ADDRESS``, separated by commas; empty for one unnamed seat
+    :param text: ``NAME`` or ``NAME@ADDRESS``, separated by commas; empty for one unnamed slot
     :raises ValueError: with a message about the first invalid entry
     """
     if not text.strip():
-        return [Seat()]
-    seats: List[Seat] = []
+        return [BoardSlot()]
+    slots: List[BoardSlot] = []
     for word in text.split(","):
         name, at, address = word.strip().partition("@")
         if not _NAME.fullmatch(name):
             raise ValueError(f"{name!r} is not a namespace: use letters, digits and _")
-        if name in {seat.name for seat in seats}:
+        if name in {slot.name for slot in slots}:
             raise ValueError(f"{name!r} is listed twice: give each board a different name")
         if at:
             address = _checked(address)
-            if address in {seat.address for seat in seats}:
+            if address in {slot.address for slot in slots}:
                 raise ValueError(f"{address} is listed twice: give each board a different address")
-        seats.append(Seat(name, address))
-    return seats
+        slots.append(BoardSlot(name, address))
+    return slots
 
 
-def choose_seat(seats: Sequence[Seat], peer: str, now: float) -> Optional[Seat]:
-    """Return the seat for a connected board; None while all are taken.
+def choose_slot(slots: Sequence[BoardSlot], peer: str, now: float) -> Optional[BoardSlot]:
+    """Return the slot for a connected board; None while all are taken.
 
-    Preferred is the seat for its address, then its previous seat, then the first seat that had no
-    board yet; a single seat is for any board. A connection without a frame may be a port scan: the
+    Preferred is the slot for its address, then its previous slot, then the first slot that had no
+    board yet; a single slot is for any board. A connection without a frame may be a port scan: the
     next board waits until that connection sends a frame, closes or times out, and then gets the
-    seat.
+    slot.
 
-    :param seats: all
+    :param slots: all
     :param peer: IP address of the board
     :param now: the time [s]
     """
-    own = [seat for seat in seats if seat.address == peer]
-    others = [seat for seat in seats if not seat.address]
-    former = [seat for seat in others if seat.peer == peer]
-    former.sort(key=lambda seat: seat.heard_at is not None)  # empty seats first
-    unused = [seat for seat in others if not seat.peer]
-    candidates = own or [*former, *unused[:1]] or (others if len(seats) == 1 else [])
-    return next((seat for seat in candidates if seat.is_free(peer, now)), None)
+    own = [slot for slot in slots if slot.address == peer]
+    others = [slot for slot in slots if not slot.address]
+    former = [slot for slot in others if slot.peer == peer]
+    former.sort(key=lambda slot: slot.heard_at is not None)  # empty slots first
+    unused = [slot for slot in others if not slot.peer]
+    candidates = own or [*former, *unused[:1]] or (others if len(slots) == 1 else [])
+    return next((slot for slot in candidates if slot.is_free(peer, now)), None)
 
 
-def explain_refusal(seats: Sequence[Seat]) -> str:
-    """Return why a board gets no seat, and what to do.
+def explain_refusal(slots: Sequence[BoardSlot]) -> str:
+    """Return why a board gets no slot, and what to do.
 
-    :param seats: all
+    :param slots: all
     """
-    empty = [seat for seat in seats if seat.heard_at is None]
-    reserved = [seat for seat in empty if seat.address or seat.peer]
+    empty = [slot for slot in slots if slot.heard_at is None]
+    reserved = [slot for slot in empty if slot.address or slot.peer]
     if not empty:
-        return f"all of {len(seats)} are connected; name each board in tcp_boards"
+        return f"all of {len(slots)} are connected; name each board in tcp_boards"
     if not reserved:
-        silent = [seat.connected for seat in seats if seat.heard_at is not None and not seat.peer]
+        silent = [slot.connected for slot in slots if slot.heard_at is not None and not slot.peer]
         return (
             f"connections from {' and '.join(silent)} have sent no rosserial frame, and the next "
             "board waits for them; stop the programs that connect there"
         )
-    names = " and ".join(f"{seat.name} ({seat.address or seat.peer})" for seat in reserved)
-    others = "" if len(reserved) == len(seats) else ", and the others are connected"
+    names = " and ".join(f"{slot.name} ({slot.address or slot.peer})" for slot in reserved)
+    others = "" if len(reserved) == len(slots) else ", and the others are connected"
     one, several = "is reserved for the board that had it", "are reserved for boards that had them"
     return (
         f"{names} {one if len(reserved) == 1 else several}{others}; give each board a fixed "

@@ -13,12 +13,12 @@ from nodekit.master import MISSING, MasterClient
 from ros2_bridge.action_bridge.all_actions import ActionBridge
 from ros2_bridge.node_bridge import NodeBridge
 from ros2_bridge.ros1.graph import Ros1Graph, read_graph
-from ros2_bridge.ros1.nodes import Entry, NodeRegistrar
+from ros2_bridge.ros1.nodes import Registration, NodeRegistrar
 from ros2_bridge.ros2.graph import Ros2Graph, Topic
 from ros2_bridge.ros2.participant import Participant
-from ros2_bridge.rules.selection import ROSOUT, is_never_bridged
+from ros2_bridge.rules.selection import ROSOUT, is_reserved
 from ros2_bridge.rules.active_pairs import PairBridge
-from ros2_bridge.rules.settings import BridgeParameters, Qualities
+from ros2_bridge.rules.settings import BridgeParameters, QosProfiles
 from ros2_bridge.rules.skip_log import SkipLog
 from ros2_bridge.services import ServiceBridge
 from ros2_bridge.topics.all_topics import TopicBridge
@@ -51,7 +51,7 @@ class GraphLoop:
         # A separate client: it caches the latest replies.
         self._poller = MasterClient(node.name, timeout=_MASTER_S)
         qos = self._master.read([node.resolve("~qos")]).values[node.resolve("~qos")]
-        qualities = Qualities(parameters.values.depth, None if qos is MISSING else qos)
+        qualities = QosProfiles(parameters.values.depth, None if qos is MISSING else qos)
         self._renaming = names = parameters.values.names()
         self._participant = participant = Participant(names.in_ros2(node.name) or node.name)
         self._graph, self._skip_log, types = (
@@ -159,25 +159,27 @@ class GraphLoop:
     def _read_ros1(self) -> Ros1Graph:
         return read_graph(self._poller, {self._node.name, *self._nodes_in_ros1.names})
 
-    def _entries(self, nodes: Set[str], topics: Dict[str, Topic]) -> Dict[str, Set[Entry]]:
+    def _entries(self, nodes: Set[str], topics: Dict[str, Topic]) -> Dict[str, Set[Registration]]:
         """Return the ROS 1 registrations of each ROS 2 node, by its ROS 1 name.
 
         :param topics: of ROS 2, by ROS 1 name
         """
-        found: Dict[str, Set[Entry]] = {node: set() for node in nodes}
-        for way, kind in self._topics.types().items():
-            if way.name in topics:
-                topic = topics[way.name]
-                entry = Entry("Subscriber" if way.to_ros2 else "Publisher", way.name, kind)
-                for node in nodes & (topic.subscribers if way.to_ros2 else topic.publishers):
+        found: Dict[str, Set[Registration]] = {node: set() for node in nodes}
+        for route, kind in self._topics.types().items():
+            if route.name in topics:
+                topic = topics[route.name]
+                entry = Registration(
+                    "Subscriber" if route.to_ros2 else "Publisher", route.name, kind
+                )
+                for node in nodes & (topic.subscribers if route.to_ros2 else topic.publishers):
                     found[node].add(entry)
         for name, node in self._services.servers().items():
-            found.setdefault(node, set()).add(Entry("Service", name))
+            found.setdefault(node, set()).add(Registration("Service", name))
         return found
 
     def _report_nameless(self, in_ros1: Set[str]) -> None:
         for name in in_ros1:
-            if self._renaming.in_ros2(name) is None and not is_never_bridged(name):
+            if self._renaming.in_ros2(name) is None and not is_reserved(name):
                 self._skip_log.report(f"{name} of ROS 1: ~remap gives its name in ROS 2 to another")
         for name in self._graph.nameless:
             self._skip_log.report(f"{name} of ROS 2: ~remap gives its name in ROS 1 to another")
@@ -192,8 +194,8 @@ class GraphLoop:
     def statistics(self) -> Dict[str, Any]:
         """Return how many messages each topic pair has passed on, and how many were lost."""
         topics: Dict[str, Any] = {"to_ros1": {}, "to_ros2": {}}
-        for way, count in self._topics.counts().items():
-            topics["to_ros2" if way.to_ros2 else "to_ros1"][way.name] = vars(count)
+        for route, count in self._topics.counts().items():
+            topics["to_ros2" if route.to_ros2 else "to_ros1"][route.name] = vars(count)
         return {"topics": topics}
 
     def close(self) -> None:

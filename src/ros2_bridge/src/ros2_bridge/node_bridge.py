@@ -21,9 +21,9 @@ from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.ros2.rcl_take import ReceivedMessage
 from ros2_bridge.rules.selection import parameter_services, rank_names
-from ros2_bridge.rules.active_pairs import Bridged
+from ros2_bridge.rules.active_pairs import BridgedResources
 from ros2_bridge.rules.renaming import Renaming
-from ros2_bridge.rules.settings import Quality
+from ros2_bridge.rules.settings import QosProfile
 from ros2_bridge.rules.skip_log import SkipLog
 
 try:
@@ -102,18 +102,18 @@ class NodeBridge:
             skip_log,
         )
         self._names, self._is_kind = names, is_kind
-        self._to_ros2: Bridged[str, NodeToRos2] = Bridged()
-        self._to_ros1: Bridged[str, ParametersToRos1] = Bridged()
+        self._to_ros2: BridgedResources[str, NodeToRos2] = BridgedResources()
+        self._to_ros1: BridgedResources[str, ParametersToRos1] = BridgedResources()
         self._own: Optional[ParametersToRos2] = None
         #: Closed nodes, until other nodes have taken their topics and services.
         self._leaving: List[Ros2Node] = []
         #: When each node was first seen, on the monotonic clock [s].
         self._since: Dict[str, float] = {}
         self._events = participant.create_publisher(
-            participant.node, ParameterEvent, _EVENTS, Quality(1000)
+            participant.node, ParameterEvent, _EVENTS, QosProfile(1000)
         )
         participant.create_subscription(
-            ParameterEvent, _EVENTS, Quality(1000), self._forward_events
+            ParameterEvent, _EVENTS, QosProfile(1000), self._forward_events
         )
 
     def update_nodes(

@@ -13,7 +13,13 @@ from nodekit.master import MasterClient
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.client import NoResponse, Ros2Client
 from ros2_bridge.ros2.participant import Participant
-from ros2_bridge.rules.selection import OWN_WAYS, Rules, Way, parameter_services, wanted
+from ros2_bridge.rules.selection import (
+    RESERVED_PACKAGES,
+    Rules,
+    Route,
+    parameter_services,
+    select_routes,
+)
 from ros2_bridge.rules.active_pairs import PairBridge
 from ros2_bridge.rules.skip_log import SkipLog
 from ros2_bridge.types.codec_ops import ConversionError
@@ -180,10 +186,12 @@ class ServiceBridge(PairBridge[_Pair]):
         """
         self._names, self._ros1, self._ros2, self._owners = rules.names, ros1, ros2, owners
         in_ros1 = set(ros1.services) - parameter_services(set(ros1.services))
-        in_ros2 = {name for name, (kind, _) in ros2.items() if not kind.startswith(OWN_WAYS)}
+        in_ros2 = {
+            name for name, (kind, _) in ros2.items() if not kind.startswith(RESERVED_PACKAGES)
+        }
         self._types1.begin_poll(in_ros1)
         # A name with servers in both ROSes is not bridged.
-        self.update_pairs(wanted(rules, in_ros1 - in_ros2, in_ros2 - in_ros1))
+        self.update_pairs(select_routes(rules, in_ros1 - in_ros2, in_ros2 - in_ros1))
 
     def servers(self) -> Dict[str, str]:
         """Return the current or last ROS 2 node of each service that is bridged to ROS 1.
@@ -191,39 +199,39 @@ class ServiceBridge(PairBridge[_Pair]):
         All names are ROS 1 names.
         """
         found = {}
-        for way, pair in self.pairs.items():
+        for route, pair in self.pairs.items():
             if isinstance(pair, ServiceToRos1):
-                if way.name in self._ros2:
-                    pair.server = self._ros2[way.name][1]
-                found[way.name] = pair.server
+                if route.name in self._ros2:
+                    pair.server = self._ros2[route.name][1]
+                found[route.name] = pair.server
         return found
 
-    def _has_same_type(self, way: Way, pair: _Pair) -> bool:
-        return self._type(way) in (None, pair.kind.ros1)
+    def _has_same_type(self, route: Route, pair: _Pair) -> bool:
+        return self._type(route) in (None, pair.kind.ros1)
 
-    def _is_as_begun(self, way: Way, pair: _Pair) -> bool:
+    def _is_as_begun(self, route: Route, pair: _Pair) -> bool:
         """Return whether a pair is offered by the right node, which may have appeared later."""
-        return isinstance(pair, ServiceToRos1) or pair.owner is self._owner(way)
+        return isinstance(pair, ServiceToRos1) or pair.owner is self._owner(route)
 
-    def _begin(self, way: Way) -> Optional[_Pair]:
-        name, other = way.name, self._names.in_ros2(way.name) or way.name
+    def _begin(self, route: Route) -> Optional[_Pair]:
+        name, other = route.name, self._names.in_ros2(route.name) or route.name
         validate_full_topic_name(other, is_service=True)
-        kind = self._type(way)
-        if kind is None or kind.startswith(OWN_WAYS):
+        kind = self._type(route)
+        if kind is None or kind.startswith(RESERVED_PACKAGES):
             return None
         found, node, participant = self._types.service(kind), self._node, self._participant
-        if way.to_ros2:
+        if route.to_ros2:
             return ServiceToRos2(
-                node, participant, self._owner(way), name, other, found, self._timeout
+                node, participant, self._owner(route), name, other, found, self._timeout
             )
         return ServiceToRos1(node, participant, name, other, found, self._timeout)
 
-    def _owner(self, way: Way) -> Ros2Node:
+    def _owner(self, route: Route) -> Ros2Node:
         """Return the node that offers a ROS 1 service in ROS 2."""
-        return self._owners.get(self._ros1.services.get(way.name, ""), self._participant.node)
+        return self._owners.get(self._ros1.services.get(route.name, ""), self._participant.node)
 
-    def _type(self, way: Way) -> Optional[str]:
+    def _type(self, route: Route) -> Optional[str]:
         """Return the ROS 1 name of a service's type; None if it is not known yet."""
-        if way.to_ros2:
-            return self._types1.of(way.name)
-        return self._types.ros1_name(self._ros2[way.name][0])
+        if route.to_ros2:
+            return self._types1.of(route.name)
+        return self._types.ros1_name(self._ros2[route.name][0])

@@ -21,7 +21,7 @@ from ros2_bridge.actions.goal_ids import bytes_of, text_of
 from ros2_bridge.actions.ros2_goal_tracker import GONE, NO_ANSWER
 from ros2_bridge.environment.ros1_messages import GoalID
 from ros2_bridge.ros2.participant import Participant
-from ros2_bridge.rules.selection import Way
+from ros2_bridge.rules.selection import Route
 from ros2_bridge.rules.skip_log import SkipLog
 
 
@@ -71,7 +71,7 @@ def test_action_that_fails_keeps_no_other_from_following() -> None:
     nothing: Any = None
     skip_log, pairs = SkipLog(), [Pair("it is broken"), Pair("")]
     actions = ActionBridge(nothing, nothing, nothing, skip_log, lambda: 1.0)
-    actions.pairs.update({Way(f"/{n}", True): cast(Any, pair) for n, pair in enumerate(pairs)})
+    actions.pairs.update({Route(f"/{n}", True): cast(Any, pair) for n, pair in enumerate(pairs)})
     for _ in range(2):
         actions.follow()
     assert [pair.followed for pair in pairs] == [2, 2]

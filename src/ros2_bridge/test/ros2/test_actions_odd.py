@@ -7,7 +7,7 @@ import both
 import pytest
 import rospy
 from action_msgs.msg import GoalInfo
-from action_msgs.msg import GoalStatus as Status2
+from action_msgs.msg import GoalStatus as Ros2Status
 from action_msgs.msg import GoalStatusArray as Statuses2
 from action_msgs.srv import CancelGoal
 from action_parts import Client1, Client2, cancel
@@ -23,7 +23,7 @@ from nodekit.testing.waiting import wait_until
 from ros2_bridge.action_bridge import wire
 from ros2_bridge.actions.goal_ids import text_of
 from ros2_bridge.actions.ros2_goal_tracker import NO_END, NO_RESULT
-from ros2_bridge.actions.states import Status1
+from ros2_bridge.actions.states import Ros1Status
 from ros2_bridge.environment.ros1_messages import GoalID, GoalStatusArray
 
 _UNKNOWN = 42
@@ -49,16 +49,16 @@ class Server1:
     def forget(self) -> None:
         self._goals.clear()
 
-    def _report(self, status: int, content: bytes) -> wire.Reported:
+    def _report(self, status: int, content: bytes) -> wire.GoalReport:
         wait_until(lambda: self._goals, lambda: "no goal")
         text, stamp, _ = wire.read_goal(self._goals[-1]._buff)
-        return wire.Reported(text, stamp, status, "why", content)
+        return wire.GoalReport(text, stamp, status, "why", content)
 
     def list_goal(self, status: int, stamp: int = 0) -> None:
         """List the goal, and another client's, if its start time [ns] is given."""
         listed = [self._report(status, b"")]
         if stamp:
-            listed.append(wire.Reported("theirs", stamp, Status1.ACTIVE, "", b""))
+            listed.append(wire.GoalReport("theirs", stamp, Ros1Status.ACTIVE, "", b""))
         self._status.publish(wire.write_statuses(listed))
 
     def feed(self, status: int, cut: int = 0) -> None:
@@ -102,7 +102,7 @@ def client2(ros: both.Both, made1: Server1) -> Iterator[Client2]:
 def begin(server1: Server1, client2: Client2, key: str) -> None:
     """Send a goal that the server accepts."""
     client2.send(key, 1.0)
-    server1.list_goal(Status1.ACTIVE)
+    server1.list_goal(Ros1Status.ACTIVE)
     assert client2.accepted(key)
 
 
@@ -114,19 +114,19 @@ def test_unknown_ros1_status_is_logged_and_ignored(
     bridge.wait_for_log(f"with the unknown status {_UNKNOWN}")
     server1.feed(_UNKNOWN)
     wait_until(lambda: client2.feedback["listed"], lambda: "no feedback")
-    server1.end(Status1.SUCCEEDED)
+    server1.end(Ros1Status.SUCCEEDED)
     wait_until(lambda: "listed" in client2.results, lambda: "no result")
-    assert client2.results["listed"].status == Status2.STATUS_SUCCEEDED
+    assert client2.results["listed"].status == Ros2Status.STATUS_SUCCEEDED
     assert client2.results["listed"].result.progress.phase == "odd"
 
 
-@pytest.mark.parametrize("status", [_UNKNOWN, Status1.ACTIVE])
+@pytest.mark.parametrize("status", [_UNKNOWN, Ros1Status.ACTIVE])
 def test_result_with_a_status_that_is_no_end_aborts_the_goal(
     bridge: both.Bridge, server1: Server1, client2: Client2, status: int
 ) -> None:
     begin(server1, client2, f"status {status}")
     server1.end(status)
-    assert client2.end(f"status {status}") == Status2.STATUS_ABORTED
+    assert client2.end(f"status {status}") == Ros2Status.STATUS_ABORTED
     bridge.wait_for_log(f"status {int(status)} is not final")
 
 
@@ -136,24 +136,24 @@ def test_invalid_result_aborts_goal(
     begin(server1, client2, "short")
     server1.publish_nonsense()
     bridge.wait_for_log("/odd/arm: a result without a valid goal is ignored")
-    server1.end(Status1.SUCCEEDED, cut=3)
-    assert client2.end("short") == Status2.STATUS_ABORTED
+    server1.end(Ros1Status.SUCCEEDED, cut=3)
+    assert client2.end("short") == Ros2Status.STATUS_ABORTED
     bridge.wait_for_log("is aborted, invalid result")
 
 
 def test_missing_result_is_logged(bridge: both.Bridge, server1: Server1, client2: Client2) -> None:
     begin(server1, client2, "mute")
-    server1.list_goal(Status1.SUCCEEDED)
-    assert client2.end("mute") == Status2.STATUS_SUCCEEDED
+    server1.list_goal(Ros1Status.SUCCEEDED)
+    assert client2.end("mute") == Ros2Status.STATUS_SUCCEEDED
     uuid = bytes(client2.handles["mute"].goal_id.uuid)
     bridge.wait_for_log(f"/odd/arm: no result of {text_of(uuid)}")
 
 
 def test_text_in_other_encoding_keeps_alignment(server1: Server1, client2: Client2) -> None:
     begin(server1, client2, "latin")
-    server1.end(Status1.SUCCEEDED, why="für".encode("latin-1"))
+    server1.end(Ros1Status.SUCCEEDED, why="für".encode("latin-1"))
     wait_until(lambda: "latin" in client2.results, lambda: "no result")
-    assert client2.results["latin"].status == Status2.STATUS_SUCCEEDED
+    assert client2.results["latin"].status == Ros2Status.STATUS_SUCCEEDED
     assert client2.results["latin"].result.progress.phase == "odd"
 
 
@@ -161,11 +161,11 @@ def test_invalid_feedback_is_logged_and_ignored(
     bridge: both.Bridge, server1: Server1, client2: Client2
 ) -> None:
     begin(server1, client2, "fed")
-    server1.feed(Status1.ACTIVE, cut=3)
+    server1.feed(Ros1Status.ACTIVE, cut=3)
     bridge.wait_for_log("/odd/arm: feedback to ROS 2")
-    server1.feed(Status1.ACTIVE)
+    server1.feed(Ros1Status.ACTIVE)
     wait_until(lambda: client2.feedback["fed"], lambda: "no feedback")
-    server1.end(Status1.ABORTED)
+    server1.end(Ros1Status.ABORTED)
     wait_until(lambda: "fed" in client2.results, lambda: "no result")
 
 
@@ -173,14 +173,14 @@ def test_times_outside_other_ros_range(
     ros: both.Both, bridge: both.Bridge, server1: Server1, client2: Client2
 ) -> None:
     begin(server1, client2, "late")
-    server1.list_goal(Status1.PREEMPTING, stamp=_LATE_S * 10**9)
+    server1.list_goal(Ros1Status.PREEMPTING, stamp=_LATE_S * 10**9)
     wait_until(
-        lambda: client2.state("late") == Status2.STATUS_CANCELING,
+        lambda: client2.state("late") == Ros2Status.STATUS_CANCELING,
         lambda: str(client2.state("late")),
     )
     answer = cancel(ros, "/odd/arm", until=Time(sec=-1))  # before all goals
     assert answer.return_code == CancelGoal.Response.ERROR_NONE and not answer.goals_canceling
-    server1.end(Status1.PREEMPTED)
+    server1.end(Ros1Status.PREEMPTED)
     wait_until(lambda: "late" in client2.results, lambda: "no result")
     assert not bridge.logged("Traceback")
 
@@ -219,7 +219,7 @@ class Server2:
     def list_goal(self, status: int, sec: int, uuid: bytes = bytes([7] * 16)) -> None:
         """Publish a goal that began at a time [s]."""
         info = GoalInfo(goal_id=UUID(uuid=list(uuid)), stamp=Time(sec=sec))
-        self._status.publish(Statuses2(status_list=[Status2(goal_info=info, status=status)]))
+        self._status.publish(Statuses2(status_list=[Ros2Status(goal_info=info, status=status)]))
 
 
 @pytest.fixture(scope="module")
@@ -241,7 +241,7 @@ def test_unknown_ros2_status_is_logged_and_result_aborts(
         bridge.wait_for_log(f"/odd/hand: the server in ROS 2 sends the unknown status {_UNKNOWN}")
     server2.list_goal(_UNKNOWN + 1, sec=1)
     bridge.wait_for_log(f"/odd/hand: the server in ROS 2 sends the unknown status {_UNKNOWN + 1}")
-    server2.list_goal(Status2.STATUS_EXECUTING, sec=-1)
+    server2.list_goal(Ros2Status.STATUS_EXECUTING, sec=-1)
     ear = ros.hear1("/odd/hand/status", "actionlib_msgs/GoalStatusArray")
     theirs = struct.pack("<II", 0, 0) + struct.pack("<I", 36) + b"07070707-"
     wait_until(lambda: any(theirs in m._buff for m in ear.heard), lambda: "not listed")
@@ -267,8 +267,8 @@ def test_ended_goal_without_result(ros: both.Both, bridge: both.Bridge) -> None:
     with Client1("/odd/foot") as client:
         client.tell("send one 60.0")
         wait_until(lambda: server.accepted, lambda: "no goal")
-        server.list_goal(Status2.STATUS_EXECUTING, 1, server.accepted[0])
-        server.list_goal(Status2.STATUS_SUCCEEDED, 1, server.accepted[0])
+        server.list_goal(Ros2Status.STATUS_EXECUTING, 1, server.accepted[0])
+        server.list_goal(Ros2Status.STATUS_SUCCEEDED, 1, server.accepted[0])
         assert client.end_of("one") == f"SUCCEEDED - {NO_RESULT}"
         bridge.wait_for_log("/odd/foot: no result of")
     ros.executor.remove_node(node)

@@ -21,7 +21,7 @@ from ros2_bridge import node_bridge
 from ros2_bridge.node_bridge import NodeBridge
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.graph import Ros2Graph
-from ros2_bridge.rules.active_pairs import Bridged
+from ros2_bridge.rules.active_pairs import BridgedResources
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.rules.skip_log import SkipLog
 
@@ -152,7 +152,7 @@ class FewNodes(NodeBridge):
         )
         nothing: Any = None
         super().__init__(nothing, participant, nothing, Renaming(), self.log, bool)
-        self._to_ros2, self._to_ros1 = Bridged(1), Bridged(1)
+        self._to_ros2, self._to_ros1 = BridgedResources(1), BridgedResources(1)
 
     def _parameters(self, name: str, style: str) -> None:
         return None

@@ -21,7 +21,7 @@ from motor_control_msgs.srv import SetProcessBool
 from my_robot_package_interfaces.srv import AddTwoInts
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.ros2.participant import Participant
-from ros2_bridge.rules.selection import Way
+from ros2_bridge.rules.selection import Route
 from ros2_bridge.rules.renaming import Renaming
 from ros2_bridge.services import ServiceBridge
 from ros2_bridge.topics.all_topics import TopicBridge
@@ -253,13 +253,13 @@ def test_own_services_of_each_ros_are_not_bridged() -> None:
     # Of this type is /NODE/set_parameters of many nodes of ROS 1: the very name that ROS 2 uses.
     for kind in ("dynamic_reconfigure/Reconfigure", "roscpp/SetLoggerLevel"):
         services._types1 = SimpleNamespace(of=lambda _, kind=kind: kind)
-        assert services._begin(Way("/camera/set_parameters", True)) is None
+        assert services._begin(Route("/camera/set_parameters", True)) is None
     topics: Any = TopicBridge.__new__(TopicBridge)
     topics._types = SimpleNamespace(message=pytest.fail, ros1_name=str)
-    way = Way("/camera/parameter_updates", True)
-    topics._ros1 = SimpleNamespace(types={way.name: "dynamic_reconfigure/Config"})
+    route = Route("/camera/parameter_updates", True)
+    topics._ros1 = SimpleNamespace(types={route.name: "dynamic_reconfigure/Config"})
     topics._ros2 = {}
-    assert topics._kind(way) is None
+    assert topics._kind(route) is None
 
 
 def test_ros2_failure_does_not_end_loop(ros: both.Both, monkeypatch: "pytest.MonkeyPatch") -> None:

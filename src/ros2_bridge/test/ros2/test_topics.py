@@ -22,13 +22,13 @@ from nodekit.testing.waiting import wait_until
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.ros2.rcl_take import ReceivedMessage
-from ros2_bridge.rules.selection import Rules, Way
-from ros2_bridge.rules.active_pairs import MISSED_POLLS, Bridged
+from ros2_bridge.rules.selection import Rules, Route
+from ros2_bridge.rules.active_pairs import MISSED_POLLS, BridgedResources
 from ros2_bridge.rules.rates import RateLimit
-from ros2_bridge.rules.settings import Qualities, Quality
+from ros2_bridge.rules.settings import QosProfiles, QosProfile
 from ros2_bridge.rules.skip_log import SkipLog
 from ros2_bridge.topics.all_topics import TopicBridge
-from ros2_bridge.topics.one_topic import Count, LatchedMessage, TopicToRos1, TopicToRos2
+from ros2_bridge.topics.one_topic import PairCounters, LatchedMessage, TopicToRos1, TopicToRos2
 from ros2_bridge.topics.publishers import TopicPublishers
 from ros2_bridge.types.codec import Codec
 
@@ -197,7 +197,7 @@ class Keeping:
         self.made: Dict[int, Tuple[bool, str]] = {}
         self.depths: List[int] = []
 
-    def create_publisher(self, owner: str, _: Any, __: str, quality: Quality) -> Any:
+    def create_publisher(self, owner: str, _: Any, __: str, quality: QosProfile) -> Any:
         made = SimpleNamespace()
         self.made[id(made)] = quality.latched, owner
         self.depths.append(quality.depth)
@@ -218,7 +218,7 @@ class Keeping:
 def keeping_pair(depth: int = 9, chosen: Any = None) -> Tuple[TopicPublishers, Keeping]:
     participant: Any = Keeping()
     kind: Any = SimpleNamespace(cls=None)
-    qualities = Qualities(depth, chosen)
+    qualities = QosProfiles(depth, chosen)
     pair = TopicToRos2(cast(Any, None), participant, "/map", "/map", kind, qualities)
     return pair.publishers, participant
 
@@ -345,7 +345,7 @@ def test_a_first_latched_message_waits_for_its_publisher_to_be_known(
 
 def test_lost_ros2_messages_are_counted() -> None:
     pair: Any = TopicToRos1.__new__(TopicToRos1)
-    pair.topic, pair.count, pair._seq, pair._last = "/quick", Count(), 0, {}
+    pair.topic, pair.count, pair._seq, pair._last = "/quick", PairCounters(), 0, {}
     pair._throttle = Throttle(1.0)
     pair._found, pair.limit = SimpleNamespace(latched=False), RateLimit()
     pair._participant = SimpleNamespace(is_own=lambda sender: sender == b"ours")
@@ -368,7 +368,7 @@ def test_lost_ros2_messages_are_counted() -> None:
 
 def test_latched_message_of_ended_ros2_node_is_dropped_and_others_kept() -> None:
     pair: Any = TopicToRos1.__new__(TopicToRos1)
-    pair._lock, pair._kept = threading.Lock(), Bridged()
+    pair._lock, pair._kept = threading.Lock(), BridgedResources()
     latched: List[List[str]] = []
     pair._publisher = SimpleNamespace(latch_all=lambda messages: latched.append(list(messages)))
     pair._keep({b"gone": LatchedMessage("one"), b"here": LatchedMessage("two")})
@@ -390,7 +390,7 @@ def test_failing_topic_does_not_affect_others() -> None:
         return made
 
     bridge: Any = TopicBridge(*[cast(Any, None)] * 4, SkipLog())
-    bridge.pairs.update({Way("/a", False): pair(fail), Way("/b", False): pair(followed.append)})
+    bridge.pairs.update({Route("/a", False): pair(fail), Route("/b", False): pair(followed.append)})
     with pytest.raises(RCLError, match="one fails"):
         bridge.follow_subscribers1()
     assert followed == ["wanted"]
@@ -412,7 +412,7 @@ def test_subscriber_with_deadline_and_liveliness_matches_setting(
 ) -> None:
     participant = Participant("/offers")
     offered = {"deadline": 0.5, "liveliness": "manual_by_topic", "liveliness_lease_duration": 1.0}
-    qualities = Qualities(7, [{"topic": "/heartbeat", **offered, "lifespan": 60.0}])
+    qualities = QosProfiles(7, [{"topic": "/heartbeat", **offered, "lifespan": 60.0}])
     quality = qualities.of("/heartbeat")
     publisher = participant.create_publisher(participant.node, Float32, "/heartbeat", quality)
     heard: List[Any] = []

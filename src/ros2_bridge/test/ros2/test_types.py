@@ -17,7 +17,7 @@ from builtin_interfaces.msg import Time
 from rclpy.serialization import deserialize_message, serialize_message
 from unique_identifier_msgs.msg import UUID
 
-from ros2_bridge.actions.status_list import Listed, read_list, write_list
+from ros2_bridge.actions.status_list import ListedGoal, read_list, write_list
 from ros2_bridge.types.type_registry import TypeRegistry, Unbridgeable, package_folder
 
 PACKAGES = (
@@ -131,7 +131,7 @@ def test_ros1_only_type_is_reported_missing_in_ros2(
 
 @pytest.mark.parametrize("count", [0, 1, 2, 50])
 def test_list_of_goals_is_ros2s_own(count: int) -> None:
-    goals = [Listed(bytes([n]) * 16, n * 10**9 + 7, n % 7) for n in range(count)]
+    goals = [ListedGoal(bytes([n]) * 16, n * 10**9 + 7, n % 7) for n in range(count)]
     listed = [
         GoalStatus(
             goal_info=GoalInfo(goal_id=UUID(uuid=list(uuid)), stamp=Time(sec=n, nanosec=7)),

@@ -4,8 +4,8 @@ from typing import List, Optional
 
 import pytest
 
-from ros2_bridge.rules.selection import Rules, Way
-from ros2_bridge.rules.active_pairs import MISSED_POLLS, Bridged, PairBridge
+from ros2_bridge.rules.selection import Rules, Route
+from ros2_bridge.rules.active_pairs import MISSED_POLLS, BridgedResources, PairBridge
 from ros2_bridge.rules.skip_log import SkipLog, Unbridgeable
 
 
@@ -24,7 +24,7 @@ class Pair:
 
 
 def test_pair_missing_for_several_polls_is_closed() -> None:
-    parts: Bridged[str, Pair] = Bridged(3)
+    parts: BridgedResources[str, Pair] = BridgedResources(3)
     kept, gone = parts["a"], parts["b"] = Pair("", 0), Pair("", 0)
     parts.close_missing(["a"])
     parts.close_missing(["a"])
@@ -49,22 +49,22 @@ class Pairs(PairBridge[Pair]):
         self.kind: Optional[str] = "text"
         self.quality, self.problem = 1, ""
 
-    def _has_same_type(self, way: Way, pair: Pair) -> bool:
+    def _has_same_type(self, route: Route, pair: Pair) -> bool:
         return pair.kind == self.kind
 
-    def _is_as_begun(self, way: Way, pair: Pair) -> bool:
+    def _is_as_begun(self, route: Route, pair: Pair) -> bool:
         return pair.quality == self.quality
 
-    def _begin(self, way: Way) -> Optional[Pair]:
+    def _begin(self, route: Route) -> Optional[Pair]:
         if self.problem:
             raise Unbridgeable(self.problem)
         return Pair(self.kind, self.quality) if self.kind else None
 
     def polled(self, *names: str) -> List[Optional[Pair]]:
         """Return the pairs of some names after a poll in which these are to be bridged."""
-        ways = [Way(name, True) for name in names]
-        self.update_pairs(ways)
-        return [self.pairs.get(way) for way in ways]
+        routes = [Route(name, True) for name in names]
+        self.update_pairs(routes)
+        return [self.pairs.get(route) for route in routes]
 
 
 def test_pair_is_kept_while_nothing_changes() -> None:
@@ -122,7 +122,7 @@ def test_failure_for_one_item_does_not_stop_others() -> None:
     with pytest.raises(RuntimeError, match="it does not close"):
         pairs.polled("/a", "/b", "/c", "/d")
     assert all(pair and pair.is_closed for pair in before)
-    assert [way.name for way in pairs.pairs] == ["/c", "/d"]
+    assert [route.name for route in pairs.pairs] == ["/c", "/d"]
     assert None not in pairs.polled("/a", "/b")  # created again
     for pair in pairs.pairs.values():
         pair.fails = True
@@ -132,4 +132,4 @@ def test_failure_for_one_item_does_not_stop_others() -> None:
         pairs.polled("/e", "/f")
     with pytest.raises(RuntimeError, match="it does not close"):
         pairs.polled("/e", "/f")
-    assert [way.name for way in pairs.pairs] == ["/e", "/f"]
+    assert [route.name for route in pairs.pairs] == ["/e", "/f"]

@@ -18,7 +18,13 @@ from ros2_bridge.actions.ros1_goal_tracker import (
     Goal,
     Ros1GoalTracker,
 )
-from ros2_bridge.actions.states import OVER1, STEPS2, Status1, Status2, nearest
+from ros2_bridge.actions.states import (
+    ROS1_TERMINAL,
+    ROS2_TRANSITIONS,
+    Ros1Status,
+    Ros2Status,
+    nearest,
+)
 
 ONE, TWO = bytes([1]) * 16, bytes([2]) * 16
 PATIENCE_S = 5.0
@@ -32,17 +38,20 @@ class Clients:
         self.patience = PATIENCE_S
         self.goals = Ros1GoalTracker(lambda: self.patience, self._publish)
         self.accepted: Dict[bytes, List[bool]] = {}
-        self.results: Dict[bytes, List[Tuple[Status2, bytes]]] = {}
+        self.results: Dict[bytes, List[Tuple[Ros2Status, bytes]]] = {}
         self.cancelled: List[Tuple[int, List[bytes]]] = []
-        self.status: Dict[bytes, Status2] = {}
+        self.status: Dict[bytes, Ros2Status] = {}
 
     def _publish(self, goals: Sequence[Goal]) -> None:
         self.status, before = {}, self.status
         for goal in goals:
             assert goal.status is not None
             self.status[goal.uuid] = goal.status
-            first = before.get(goal.uuid, Status2.ACCEPTED)
-            assert nearest(STEPS2, first, [goal.status]) == goal.status, (first, goal.status)
+            first = before.get(goal.uuid, Ros2Status.ACCEPTED)
+            assert nearest(ROS2_TRANSITIONS, first, [goal.status]) == goal.status, (
+                first,
+                goal.status,
+            )
 
     def send(self, uuid: bytes, stamp: int = 1, now: float = 0.0) -> str:
         answers = self.accepted.setdefault(uuid, [])
@@ -58,12 +67,12 @@ class Clients:
 
         return self.goals.request_cancel(uuid, until, now, hear)
 
-    def list_goals(self, now: float = 0.0, **status: Status1) -> None:
+    def list_goals(self, now: float = 0.0, **status: Ros1Status) -> None:
         uuids = {"one": ONE, "two": TWO}
         listed = [(text_of(uuids[name]), 1, one) for name, one in status.items()]
         self.goals.on_status(listed, now)
 
-    def end(self, uuid: bytes, status: Status1, result: bytes = b"", now: float = 0.0) -> None:
+    def end(self, uuid: bytes, status: Ros1Status, result: bytes = b"", now: float = 0.0) -> None:
         self.goals.on_result(text_of(uuid), 1, status, result, now)
 
 
@@ -73,63 +82,63 @@ def clients() -> Clients:
 
 
 def test_result_before_the_first_list_with_its_goal_counts(clients: Clients) -> None:
-    clients.end(ONE, Status1.SUCCEEDED, b"there")  # of a quick goal of a client of ROS 1
-    clients.list_goals(one=Status1.ACTIVE)  # delayed on a slower connection
-    assert clients.status == {ONE: Status2.SUCCEEDED}
-    clients.list_goals(one=Status1.SUCCEEDED)
+    clients.end(ONE, Ros1Status.SUCCEEDED, b"there")  # of a quick goal of a client of ROS 1
+    clients.list_goals(one=Ros1Status.ACTIVE)  # delayed on a slower connection
+    assert clients.status == {ONE: Ros2Status.SUCCEEDED}
+    clients.list_goals(one=Ros1Status.SUCCEEDED)
     assert clients.goals.end_timeouts(10.0 * PATIENCE_S) == NOTHING
     clients.ask(ONE)
-    assert clients.results == {ONE: [(Status2.SUCCEEDED, b"there")]}
-    clients.end(TWO, Status1.REJECTED)
-    clients.end(NO_GOAL, Status1.SUCCEEDED)
+    assert clients.results == {ONE: [(Ros2Status.SUCCEEDED, b"there")]}
+    clients.end(TWO, Ros1Status.REJECTED)
+    clients.end(NO_GOAL, Ros1Status.SUCCEEDED)
     assert list(clients.status) == [ONE]
 
 
 def test_goal_goes_from_sending_to_its_result(clients: Clients) -> None:
     assert clients.send(ONE) == text_of(ONE)
-    clients.list_goals(one=Status1.PENDING)
+    clients.list_goals(one=Ros1Status.PENDING)
     assert clients.accepted == {ONE: []} and not clients.status
-    clients.list_goals(one=Status1.ACTIVE)
-    assert clients.accepted == {ONE: [True]} and clients.status == {ONE: Status2.EXECUTING}
+    clients.list_goals(one=Ros1Status.ACTIVE)
+    assert clients.accepted == {ONE: [True]} and clients.status == {ONE: Ros2Status.EXECUTING}
     clients.ask(ONE)
-    clients.list_goals(one=Status1.SUCCEEDED)
-    assert clients.results == {ONE: []} and clients.status == {ONE: Status2.EXECUTING}
-    clients.end(ONE, Status1.SUCCEEDED, b"far")
-    assert clients.results == {ONE: [(Status2.SUCCEEDED, b"far")]}
-    assert clients.status == {ONE: Status2.SUCCEEDED}
-    clients.list_goals(one=Status1.ACTIVE)  # older than the result
+    clients.list_goals(one=Ros1Status.SUCCEEDED)
+    assert clients.results == {ONE: []} and clients.status == {ONE: Ros2Status.EXECUTING}
+    clients.end(ONE, Ros1Status.SUCCEEDED, b"far")
+    assert clients.results == {ONE: [(Ros2Status.SUCCEEDED, b"far")]}
+    assert clients.status == {ONE: Ros2Status.SUCCEEDED}
+    clients.list_goals(one=Ros1Status.ACTIVE)  # older than the result
     clients.ask(ONE)
-    assert clients.results[ONE] == 2 * [(Status2.SUCCEEDED, b"far")]
+    assert clients.results[ONE] == 2 * [(Ros2Status.SUCCEEDED, b"far")]
 
 
 def test_result_before_status_ends_goal(clients: Clients) -> None:
     clients.send(ONE)
-    clients.end(ONE, Status1.ABORTED, b"near")
+    clients.end(ONE, Ros1Status.ABORTED, b"near")
     clients.ask(ONE)
     assert clients.accepted == {ONE: [True]}
-    assert clients.results == {ONE: [(Status2.ABORTED, b"near")]}
+    assert clients.results == {ONE: [(Ros2Status.ABORTED, b"near")]}
 
 
 def test_rejected_goal_has_no_state(clients: Clients) -> None:
     clients.send(ONE)
     clients.send(TWO)
-    clients.list_goals(one=Status1.REJECTED)
-    clients.end(TWO, Status1.REJECTED)
-    clients.list_goals(one=Status1.REJECTED, two=Status1.REJECTED)
+    clients.list_goals(one=Ros1Status.REJECTED)
+    clients.end(TWO, Ros1Status.REJECTED)
+    clients.list_goals(one=Ros1Status.REJECTED, two=Ros1Status.REJECTED)
     assert clients.accepted == {ONE: [False], TWO: [False]}
     assert not clients.status
     clients.ask(ONE)
-    assert clients.results == {ONE: [(Status2.UNKNOWN, b"")]}
+    assert clients.results == {ONE: [(Ros2Status.UNKNOWN, b"")]}
 
 
 def test_undecided_goal_is_accepted_in_time_and_may_still_be_rejected(clients: Clients) -> None:
     clients.send(ONE)
-    clients.list_goals(one=Status1.PENDING)
+    clients.list_goals(one=Ros1Status.PENDING)
     assert clients.goals.end_timeouts(PATIENCE_S) == NOTHING and clients.accepted == {ONE: []}
     assert clients.goals.end_timeouts(PATIENCE_S + 0.1) == NOTHING
-    assert clients.accepted == {ONE: [True]} and clients.status == {ONE: Status2.ACCEPTED}
-    clients.end(ONE, Status1.REJECTED)
-    assert clients.status == {ONE: Status2.ABORTED}
+    assert clients.accepted == {ONE: [True]} and clients.status == {ONE: Ros2Status.ACCEPTED}
+    clients.end(ONE, Ros1Status.REJECTED)
+    assert clients.status == {ONE: Ros2Status.ABORTED}
 
 
 def test_goal_that_the_server_never_lists_is_given_up(clients: Clients) -> None:
@@ -137,40 +146,40 @@ def test_goal_that_the_server_never_lists_is_given_up(clients: Clients) -> None:
     clients.list_goals()
     assert clients.goals.end_timeouts(PATIENCE_S + 0.1) == TimedOutGoals([text_of(ONE)], [])
     assert clients.accepted == {ONE: [False]}
-    clients.list_goals(one=Status1.RECALLING)
-    clients.list_goals(one=Status1.RECALLED)
+    clients.list_goals(one=Ros1Status.RECALLING)
+    clients.list_goals(one=Ros1Status.RECALLED)
     assert not clients.status
 
 
 def test_goal_that_is_listed_no_longer_is_lost(clients: Clients) -> None:
     clients.send(ONE)
-    clients.list_goals(one=Status1.ACTIVE)
+    clients.list_goals(one=Ros1Status.ACTIVE)
     clients.ask(ONE)
     clients.list_goals()
-    assert clients.results == {ONE: [(Status2.ABORTED, b"")]}
+    assert clients.results == {ONE: [(Ros2Status.ABORTED, b"")]}
 
 
 @pytest.mark.parametrize("patience, longest", [(PATIENCE_S, PATIENCE_S), (0.1, RESULT_S)])
 def test_missing_result_is_empty(clients: Clients, patience: float, longest: float) -> None:
     clients.patience = patience
     clients.send(ONE)
-    clients.list_goals(one=Status1.SUCCEEDED, now=1.0)
+    clients.list_goals(one=Ros1Status.SUCCEEDED, now=1.0)
     clients.ask(ONE)
     clients.list_goals(now=1.5)
     assert clients.goals.end_timeouts(1.0 + longest) == NOTHING
     assert clients.results == {ONE: []}
     assert clients.goals.end_timeouts(1.1 + longest) == TimedOutGoals([], [text_of(ONE)])
-    assert clients.results == {ONE: [(Status2.SUCCEEDED, b"")]}
+    assert clients.results == {ONE: [(Ros2Status.SUCCEEDED, b"")]}
 
 
 def test_result_is_kept_for_a_time(clients: Clients) -> None:
     clients.send(ONE)
-    clients.end(ONE, Status1.SUCCEEDED, b"far", now=10.0)
+    clients.end(ONE, Ros1Status.SUCCEEDED, b"far", now=10.0)
     clients.goals.end_timeouts(10.0 + KEPT_S)
     assert clients.status
     clients.goals.end_timeouts(10.1 + KEPT_S)
     clients.ask(ONE)
-    assert clients.results == {ONE: [(Status2.UNKNOWN, b"")]} and not clients.status
+    assert clients.results == {ONE: [(Ros2Status.UNKNOWN, b"")]} and not clients.status
 
 
 def test_id_that_is_taken_is_rejected(clients: Clients) -> None:
@@ -180,32 +189,32 @@ def test_id_that_is_taken_is_rejected(clients: Clients) -> None:
 
 
 def test_ros1_goals_are_tracked(clients: Clients) -> None:
-    clients.goals.on_status([("/node-1-7.5", 7, Status1.ACTIVE)], 0.0)
+    clients.goals.on_status([("/node-1-7.5", 7, Ros1Status.ACTIVE)], 0.0)
     uuid = bytes_of("/node-1-7.5")
-    assert clients.status == {uuid: Status2.EXECUTING}
+    assert clients.status == {uuid: Ros2Status.EXECUTING}
     assert clients.cancel(uuid) == "/node-1-7.5"
     clients.ask(uuid)
-    clients.goals.on_result("/node-1-7.5", 7, Status1.PREEMPTED, b"far", 0.0)
-    assert clients.results == {uuid: [(Status2.CANCELED, b"far")]}
+    clients.goals.on_result("/node-1-7.5", 7, Ros1Status.PREEMPTED, b"far", 0.0)
+    assert clients.results == {uuid: [(Ros2Status.CANCELED, b"far")]}
     assert clients.cancelled == [(DONE, [uuid])]
 
 
 def test_cancellation_is_answered_when_all_goals_react(clients: Clients) -> None:
     clients.send(ONE, 1)
     clients.send(TWO, 2)
-    clients.list_goals(one=Status1.ACTIVE, two=Status1.ACTIVE)
+    clients.list_goals(one=Ros1Status.ACTIVE, two=Ros1Status.ACTIVE)
     assert clients.cancel(NO_GOAL, 1) == ""
     assert clients.cancel(NO_GOAL) == ""
     assert clients.cancelled == []
-    clients.list_goals(one=Status1.PREEMPTING, two=Status1.ACTIVE)
+    clients.list_goals(one=Ros1Status.PREEMPTING, two=Ros1Status.ACTIVE)
     assert clients.cancelled == [(DONE, [ONE])]
-    clients.end(TWO, Status1.SUCCEEDED)
+    clients.end(TWO, Ros1Status.SUCCEEDED)
     assert clients.cancelled[1:] == [(DONE, [ONE])]
 
 
 def test_cancellation_that_nobody_follows_is_rejected(clients: Clients) -> None:
     clients.send(ONE)
-    clients.list_goals(one=Status1.ACTIVE)
+    clients.list_goals(one=Ros1Status.ACTIVE)
     assert clients.cancel(ONE, now=1.0) == text_of(ONE)
     clients.goals.end_timeouts(1.0 + PATIENCE_S)
     assert clients.cancelled == []
@@ -216,7 +225,7 @@ def test_cancellation_that_nobody_follows_is_rejected(clients: Clients) -> None:
 def test_cancellation_of_unknown_goal_is_not_sent(clients: Clients) -> None:
     assert clients.cancel(ONE) is None
     clients.send(ONE)
-    clients.end(ONE, Status1.SUCCEEDED)
+    clients.end(ONE, Ros1Status.SUCCEEDED)
     assert clients.cancel(ONE) is None
     assert clients.cancelled == [(UNKNOWN_GOAL, []), (GOAL_IS_OVER, [])]
     assert clients.cancel(TWO, 5) == text_of(TWO)  # those until then, and this one if it comes
@@ -225,12 +234,12 @@ def test_cancellation_of_unknown_goal_is_not_sent(clients: Clients) -> None:
 
 def test_server_that_goes_takes_all_goals_with_it(clients: Clients) -> None:
     clients.send(ONE)
-    clients.list_goals(one=Status1.ACTIVE)
+    clients.list_goals(one=Ros1Status.ACTIVE)
     clients.ask(ONE)
     clients.cancel(ONE)
     clients.send(TWO)
     clients.goals.abort_all(3.0)
-    assert clients.results == {ONE: [(Status2.ABORTED, b"")]}
+    assert clients.results == {ONE: [(Ros2Status.ABORTED, b"")]}
     assert clients.accepted == {ONE: [True], TWO: [False]}
     assert clients.cancelled == [(REJECTED, [])]
 
@@ -239,7 +248,7 @@ EVENTS = st.lists(
     st.tuples(
         st.sampled_from(["send", "ask", "cancel", "status", "end", "wait"]),
         st.sampled_from([ONE, TWO]),
-        st.lists(st.sampled_from(Status1), min_size=2, max_size=2),
+        st.lists(st.sampled_from(Ros1Status), min_size=2, max_size=2),
         st.floats(0.0, 2.0),
     ),
     max_size=30,
@@ -264,7 +273,7 @@ def test_each_request_has_one_answer(events: List[Any]) -> None:
             clients.cancel(uuid, 0, now)
         elif what == "status":
             clients.list_goals(now, one=one, two=two)
-        elif what == "end" and one in OVER1:
+        elif what == "end" and one in ROS1_TERMINAL:
             clients.end(uuid, one, b"far", now)
         else:
             clients.goals.end_timeouts(now)
@@ -274,5 +283,5 @@ def test_each_request_has_one_answer(events: List[Any]) -> None:
     assert sum(map(len, clients.results.values())) == asked
     assert len(clients.cancelled) == cancelled
     for uuid, answers in clients.results.items():
-        known = {status for status, _ in answers if status != Status2.UNKNOWN}
-        assert len(known) <= 1 and not known.intersection(STEPS2)
+        known = {status for status, _ in answers if status != Ros2Status.UNKNOWN}
+        assert len(known) <= 1 and not known.intersection(ROS2_TRANSITIONS)

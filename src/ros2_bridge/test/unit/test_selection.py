@@ -1,24 +1,24 @@
 """Selection of pairs, and their directions."""
 
-from ros2_bridge.rules.selection import Rules, Way, parameter_services, rank_names, wanted
+from ros2_bridge.rules.selection import Rules, Route, parameter_services, rank_names, select_routes
 from ros2_bridge.rules.renaming import Renaming
 
 ALL = Rules(True, True, ["*"], [])
 
 
 def test_names_of_each_side_are_bridged_to_the_other() -> None:
-    ways = wanted(ALL, {"/b", "/both"}, {"/a", "/both"})
-    assert ways == [
-        Way("/a", False),
-        Way("/b", True),
-        Way("/both", False),
-        Way("/both", True),
+    routes = select_routes(ALL, {"/b", "/both"}, {"/a", "/both"})
+    assert routes == [
+        Route("/a", False),
+        Route("/b", True),
+        Route("/both", False),
+        Route("/both", True),
     ]
 
 
 def test_direction_can_be_disabled() -> None:
-    assert wanted(ALL._replace(to_ros1=False), {"/b"}, {"/a"}) == [Way("/b", True)]
-    assert wanted(ALL._replace(to_ros2=False), {"/b"}, {"/a"}) == [Way("/a", False)]
+    assert select_routes(ALL._replace(to_ros1=False), {"/b"}, {"/a"}) == [Route("/b", True)]
+    assert select_routes(ALL._replace(to_ros2=False), {"/b"}, {"/a"}) == [Route("/a", False)]
 
 
 def test_patterns() -> None:

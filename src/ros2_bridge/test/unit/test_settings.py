@@ -11,7 +11,7 @@ from nodekit import ParameterError, describe
 from ros2_bridge.environment.start import find, python_path
 from ros2_bridge.rules.selection import Rules
 from ros2_bridge.rules.renaming import Renaming
-from ros2_bridge.rules.settings import BridgeParameters, Qualities, Quality
+from ros2_bridge.rules.settings import BridgeParameters, QosProfiles, QosProfile
 
 PYTHON = f"lib/python{sys.version_info[0]}.{sys.version_info[1]}"
 
@@ -20,13 +20,13 @@ def test_quality_is_the_user_s_or_fits_the_publishers() -> None:
     camera = {"topic": "/camera/*", "reliability": "best_effort", "depth": 2}
     later = {"topic": "/camera/left", "depth": 7}  # the first that fits is taken
     map_ = {"topic": "/map", "durability": "transient_local"}
-    qualities = Qualities(1000, [camera, later, map_])
-    assert qualities.of("/signal") == Quality(1000)
-    assert qualities.of("/signal", latched=True, best_effort=True) == Quality(1000, True, True)
-    assert qualities.of("/signal", latched=True, at_least=3) == Quality(3, True)
-    assert qualities.of("/camera/left") == Quality(2, False, True)
-    assert qualities.of("/camera/left", latched=True, at_least=9) == Quality(2, True, True)
-    assert qualities.of("/map") == Quality(1000, True)
+    qualities = QosProfiles(1000, [camera, later, map_])
+    assert qualities.of("/signal") == QosProfile(1000)
+    assert qualities.of("/signal", latched=True, best_effort=True) == QosProfile(1000, True, True)
+    assert qualities.of("/signal", latched=True, at_least=3) == QosProfile(3, True)
+    assert qualities.of("/camera/left") == QosProfile(2, False, True)
+    assert qualities.of("/camera/left", latched=True, at_least=9) == QosProfile(2, True, True)
+    assert qualities.of("/map") == QosProfile(1000, True)
 
 
 @pytest.mark.parametrize(
@@ -43,13 +43,13 @@ def test_quality_is_the_user_s_or_fits_the_publishers() -> None:
 )
 def test_nonsense_is_refused(chosen: Any, words: str) -> None:
     with pytest.raises(ParameterError, match=words):
-        Qualities(10, chosen)
+        QosProfiles(10, chosen)
 
 
 @pytest.mark.parametrize("depth", [1, 100_000])
 def test_depths_that_can_be_chosen(depth: int) -> None:
-    qualities = Qualities(10, [{"topic": "/a", "depth": depth}])
-    assert qualities.of("/a") == Quality(depth)
+    qualities = QosProfiles(10, [{"topic": "/a", "depth": depth}])
+    assert qualities.of("/a") == QosProfile(depth)
 
 
 @pytest.mark.parametrize(
@@ -125,7 +125,7 @@ def test_only_ros1_s_packages_go_along() -> None:
 
 def test_qualities_that_a_publisher_offers_are_the_users() -> None:
     chosen = {"topic": "/heart*", "deadline": 0.5, "lifespan": 2, "liveliness": "manual_by_topic"}
-    qualities = Qualities(7, [{**chosen, "liveliness_lease_duration": 1.0}])
+    qualities = QosProfiles(7, [{**chosen, "liveliness_lease_duration": 1.0}])
     assert dict(qualities.of("/heartbeat").offered) == {
         "deadline": 0.5,
         "lifespan": 2,
@@ -138,6 +138,6 @@ def test_qualities_that_a_publisher_offers_are_the_users() -> None:
         ("liveliness", "manual"),
     ):
         with pytest.raises(ParameterError, match=f"qos of /a, {name}"):
-            Qualities(7, [{"topic": "/a", name: value}])
+            QosProfiles(7, [{"topic": "/a", name: value}])
     with pytest.raises(ParameterError, match="made of topic, depth, .*liveliness_lease_duration"):
-        Qualities(7, [{"topic": "/a", "lease": 1.0}])
+        QosProfiles(7, [{"topic": "/a", "lease": 1.0}])

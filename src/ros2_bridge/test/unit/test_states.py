@@ -5,85 +5,88 @@ from typing import List, Set
 import pytest
 
 from ros2_bridge.actions.states import (
-    OVER1,
-    OVER2,
-    STEPS1,
-    STEPS2,
+    ROS1_TERMINAL,
+    ROS2_TERMINAL,
+    ROS1_TRANSITIONS,
+    ROS2_TRANSITIONS,
     TO_ROS1,
     TO_ROS2,
-    Status1,
-    Status2,
+    Ros1Status,
+    Ros2Status,
     matches_cancel_request,
     nearest,
 )
 
-P, A, R = Status1.PENDING, Status1.ACTIVE, Status1.RECALLING
+P, A, R = Ros1Status.PENDING, Ros1Status.ACTIVE, Ros1Status.RECALLING
 
 
 def test_each_state_is_translated() -> None:
-    assert set(TO_ROS2) == set(Status1)
-    assert set(TO_ROS1) == set(Status2)
-    assert {one for many in TO_ROS1.values() for one in many} == set(Status1) - {
-        Status1.REJECTED,  # is the answer to a goal in ROS 2
-        Status1.LOST,  # is what a client of ROS 1 finds by itself
+    assert set(TO_ROS2) == set(Ros1Status)
+    assert set(TO_ROS1) == set(Ros2Status)
+    assert {one for many in TO_ROS1.values() for one in many} == set(Ros1Status) - {
+        Ros1Status.REJECTED,  # is the answer to a goal in ROS 2
+        Ros1Status.LOST,  # is what a client of ROS 1 finds by itself
     }
 
 
-@pytest.mark.parametrize("status", sorted(Status1))
-def test_final_states_are_final_in_both(status: Status1) -> None:
-    assert (status in OVER1) == (TO_ROS2[status] in OVER2)
-    if status not in (Status1.REJECTED, Status1.LOST):
+@pytest.mark.parametrize("status", sorted(Ros1Status))
+def test_final_states_are_final_in_both(status: Ros1Status) -> None:
+    assert (status in ROS1_TERMINAL) == (TO_ROS2[status] in ROS2_TERMINAL)
+    if status not in (Ros1Status.REJECTED, Ros1Status.LOST):
         assert status in TO_ROS1[TO_ROS2[status]]
 
 
 def test_ros1_transitions_are_valid_in_ros2() -> None:
-    assert STEPS1 and STEPS2
-    for before, afters in STEPS1.items():
+    assert ROS1_TRANSITIONS and ROS2_TRANSITIONS
+    for before, afters in ROS1_TRANSITIONS.items():
         for after in afters:
             wanted = [TO_ROS2[after]]
-            assert nearest(STEPS2, TO_ROS2[before], wanted) in wanted, (before, after)
+            assert nearest(ROS2_TRANSITIONS, TO_ROS2[before], wanted) in wanted, (before, after)
 
 
 def test_ros2_transitions_are_valid_in_ros1() -> None:
-    assert STEPS2
-    for before, afters in STEPS2.items():
+    assert ROS2_TRANSITIONS
+    for before, afters in ROS2_TRANSITIONS.items():
         for now in TO_ROS1[before]:
             for after in afters:
-                assert nearest(STEPS1, now, TO_ROS1[after]) in TO_ROS1[after], (now, after)
+                assert nearest(ROS1_TRANSITIONS, now, TO_ROS1[after]) in TO_ROS1[after], (
+                    now,
+                    after,
+                )
 
 
 @pytest.mark.parametrize(
     "news, from_pending, from_active, from_recalling",
     [
-        (Status2.ACCEPTED, P, A, R),
-        (Status2.EXECUTING, A, A, R),
-        (Status2.CANCELING, R, Status1.PREEMPTING, R),
-        (Status2.SUCCEEDED, Status1.SUCCEEDED, Status1.SUCCEEDED, Status1.SUCCEEDED),
-        (Status2.CANCELED, Status1.RECALLED, Status1.PREEMPTED, Status1.RECALLED),
-        (Status2.ABORTED, Status1.ABORTED, Status1.ABORTED, Status1.ABORTED),
-        (Status2.UNKNOWN, Status1.ABORTED, Status1.ABORTED, Status1.ABORTED),
+        (Ros2Status.ACCEPTED, P, A, R),
+        (Ros2Status.EXECUTING, A, A, R),
+        (Ros2Status.CANCELING, R, Ros1Status.PREEMPTING, R),
+        (Ros2Status.SUCCEEDED, Ros1Status.SUCCEEDED, Ros1Status.SUCCEEDED, Ros1Status.SUCCEEDED),
+        (Ros2Status.CANCELED, Ros1Status.RECALLED, Ros1Status.PREEMPTED, Ros1Status.RECALLED),
+        (Ros2Status.ABORTED, Ros1Status.ABORTED, Ros1Status.ABORTED, Ros1Status.ABORTED),
+        (Ros2Status.UNKNOWN, Ros1Status.ABORTED, Ros1Status.ABORTED, Ros1Status.ABORTED),
     ],
 )
 def test_ros2_update_depends_on_previous_state(
-    news: Status2, from_pending: Status1, from_active: Status1, from_recalling: Status1
+    news: Ros2Status, from_pending: Ros1Status, from_active: Ros1Status, from_recalling: Ros1Status
 ) -> None:
-    found = [nearest(STEPS1, now, TO_ROS1[news]) for now in (P, A, R)]
+    found = [nearest(ROS1_TRANSITIONS, now, TO_ROS1[news]) for now in (P, A, R)]
     assert found == [from_pending, from_active, from_recalling]
 
 
-@pytest.mark.parametrize("last", sorted(OVER2))
-def test_final_states_have_no_transitions(last: Status2) -> None:
-    assert {nearest(STEPS2, last, [news]) for news in Status2} == {last}
+@pytest.mark.parametrize("last", sorted(ROS2_TERMINAL))
+def test_final_states_have_no_transitions(last: Ros2Status) -> None:
+    assert {nearest(ROS2_TRANSITIONS, last, [news]) for news in Ros2Status} == {last}
 
 
 def test_states_have_the_numbers_of_the_messages() -> None:
     def names(status: type) -> List[str]:
         return [one.name for one in sorted(status)]  # type: ignore[call-overload]
 
-    numbers: Set[int] = {int(one) for one in Status1}
+    numbers: Set[int] = {int(one) for one in Ros1Status}
     assert numbers == set(range(10))
-    assert names(Status1)[2:6] == ["PREEMPTED", "SUCCEEDED", "ABORTED", "REJECTED"]
-    assert names(Status2)[1:6] == ["ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANCELED"]
+    assert names(Ros1Status)[2:6] == ["PREEMPTED", "SUCCEEDED", "ABORTED", "REJECTED"]
+    assert names(Ros2Status)[1:6] == ["ACCEPTED", "EXECUTING", "CANCELING", "SUCCEEDED", "CANCELED"]
 
 
 @pytest.mark.parametrize(

@@ -11,7 +11,7 @@ from ros2_bridge.action_bridge.ros1_server_in_ros2 import Ros1ServerInRos2
 from ros2_bridge.actions.discovery import Server, servers_in_ros1, servers_in_ros2
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.participant import Participant
-from ros2_bridge.rules.selection import Rules, Way, wanted
+from ros2_bridge.rules.selection import Rules, Route, select_routes
 from ros2_bridge.rules.active_pairs import PairBridge
 from ros2_bridge.rules.skip_log import SkipLog
 from ros2_bridge.types.type_registry import TypeRegistry
@@ -67,13 +67,13 @@ class ActionBridge(PairBridge[_Pair]):
                 f"{name}: both ROSes list a server of this action; if one was killed, ROS 2 drops"
                 " it within 20 s, and ROS 1 after `rosnode cleanup`"
             )
-        self.update_pairs(wanted(rules, in_ros1 - in_ros2, in_ros2 - in_ros1))
+        self.update_pairs(select_routes(rules, in_ros1 - in_ros2, in_ros2 - in_ros1))
         self.follow()
 
     def follow(self) -> None:
         """Update each pair from its server's state."""
-        for way, pair in list(self.pairs.items()):
-            with self._skip_log.catching(way.name):
+        for route, pair in list(self.pairs.items()):
+            with self._skip_log.catching(route.name):
                 pair.follow()
 
     def end_goals(self) -> None:
@@ -81,29 +81,29 @@ class ActionBridge(PairBridge[_Pair]):
         for pair in list(self.pairs.values()):
             pair.end_goals()
 
-    def _has_same_type(self, way: Way, pair: _Pair) -> bool:
-        return self._type(way) == pair.kind.ros1
+    def _has_same_type(self, route: Route, pair: _Pair) -> bool:
+        return self._type(route) == pair.kind.ros1
 
-    def _is_as_begun(self, way: Way, pair: _Pair) -> bool:
-        return isinstance(pair, Ros2ServerInRos1) or pair.owner is self._owner(way)
+    def _is_as_begun(self, route: Route, pair: _Pair) -> bool:
+        return isinstance(pair, Ros2ServerInRos1) or pair.owner is self._owner(route)
 
-    def _begin(self, way: Way) -> Optional[_Pair]:
-        name, other = way.name, self._names.in_ros2(way.name) or way.name
+    def _begin(self, route: Route) -> Optional[_Pair]:
+        name, other = route.name, self._names.in_ros2(route.name) or route.name
         validate_full_topic_name(f"{other}/_action/cancel_goal")  # the longest of its names
-        kind = self._types.action(self._type(way))
-        if way.to_ros2:
-            owner = self._owner(way)
+        kind = self._types.action(self._type(route))
+        if route.to_ros2:
+            owner = self._owner(route)
             return Ros1ServerInRos2(
                 self._node, self._participant, owner, name, other, kind, self._timeout
             )
         return Ros2ServerInRos1(self._node, self._participant, name, other, kind, self._timeout)
 
-    def _owner(self, way: Way) -> Ros2Node:
+    def _owner(self, route: Route) -> Ros2Node:
         """Return the node that offers a ROS 1 action in ROS 2."""
-        return self._owners.get(self._ros1[way.name].node, self._participant.node)
+        return self._owners.get(self._ros1[route.name].node, self._participant.node)
 
-    def _type(self, way: Way) -> str:
+    def _type(self, route: Route) -> str:
         """Return the ROS 1 name of an action's type."""
-        if way.to_ros2:
-            return self._ros1[way.name].kind
-        return self._types.ros1_name(self._ros2[way.name].kind)
+        if route.to_ros2:
+            return self._ros1[route.name].kind
+        return self._types.ros1_name(self._ros2[route.name].kind)

@@ -17,11 +17,11 @@ from nodekit import Node, ReentrantCallbackGroup, Throttle
 from ros2_bridge.action_bridge import wire
 from ros2_bridge.actions.goal_ids import bytes_of
 from ros2_bridge.actions.ros1_goal_tracker import Goal, Ros1GoalTracker
-from ros2_bridge.actions.states import NUMBERED1, OVER1, Status1, Status2
-from ros2_bridge.actions.status_list import Listed, seconds_of, write_list
+from ros2_bridge.actions.states import ROS1_BY_NUMBER, ROS1_TERMINAL, Ros1Status, Ros2Status
+from ros2_bridge.actions.status_list import ListedGoal, seconds_of, write_list
 from ros2_bridge.environment.ros1_messages import GoalID, GoalStatusArray
 from ros2_bridge.ros2.participant import Participant
-from ros2_bridge.rules.settings import Quality
+from ros2_bridge.rules.settings import QosProfile
 from ros2_bridge.types.codec import ConversionError
 from ros2_bridge.types.type_registry import ActionType
 
@@ -103,14 +103,14 @@ class Ros1ServerInRos2:
 
     def _offer(self) -> None:
         participant, owner, impl = self._participant, self.owner, self.kind.cls.Impl
-        path, quality = f"{self._other}/_action", Quality(1, latched=True)
+        path, quality = f"{self._other}/_action", QosProfile(1, latched=True)
         with contextlib.ExitStack() as ends:  # all, or nothing
             self._status2 = participant.create_publisher(
                 owner, GoalStatusArray2, f"{path}/status", quality
             )
             ends.callback(participant.destroy_publisher, owner, self._status2)
             self._feedback2 = participant.create_publisher(
-                owner, impl.FeedbackMessage, f"{path}/feedback", Quality(DEPTH)
+                owner, impl.FeedbackMessage, f"{path}/feedback", QosProfile(DEPTH)
             )
             ends.callback(participant.destroy_publisher, owner, self._feedback2)
             for cls, name, answer in (
@@ -150,7 +150,7 @@ class Ros1ServerInRos2:
             self._goal.publish(wire.write_goal(self.kind.raw_goal, text, stamp, content))
 
     def _answer_result(self, request: Any, send: Callable[[Any], None]) -> None:
-        def answer(status: Status2, content: bytes) -> None:
+        def answer(status: Ros2Status, content: bytes) -> None:
             response = self.kind.cls.Impl.GetResultService.Response(status=int(status))
             if content:
                 cdr = self.kind.result.to_cdr(content)
@@ -185,12 +185,12 @@ class Ros1ServerInRos2:
         with self._lock:
             self._goals.on_status(listed, time.monotonic())
 
-    def _known(self, text: str, number: int) -> Optional[Status1]:
+    def _known(self, text: str, number: int) -> Optional[Ros1Status]:
         """Return the status of a number; None if it is unknown, with a warning."""
-        if number not in NUMBERED1 and number not in self._unknown:
+        if number not in ROS1_BY_NUMBER and number not in self._unknown:
             self._unknown.add(number)
             rospy.logwarn(f"{self._name} lists {text} with the unknown status {number}")
-        return NUMBERED1.get(number)
+        return ROS1_BY_NUMBER.get(number)
 
     def _on_result(self, message: Any) -> None:
         try:
@@ -198,14 +198,14 @@ class Ros1ServerInRos2:
         except ConversionError as error:
             rospy.logwarn(f"{self._name}: a result without a valid goal is ignored: {error}")
             return
-        status, content = NUMBERED1.get(report.status), report.content
+        status, content = ROS1_BY_NUMBER.get(report.status), report.content
         try:
             self.kind.result.to_cdr(content)
-            if status not in OVER1:
+            if status not in ROS1_TERMINAL:
                 raise ConversionError(f"status {report.status} is not final")
         except ConversionError as error:
             rospy.logwarn(f"{self._name}: {report.text} is aborted, invalid result: {error}")
-            status, content = Status1.LOST, b""
+            status, content = Ros1Status.LOST, b""
         with self._lock:
             self._goals.on_result(report.text, report.stamp, status, content, time.monotonic())
 
@@ -224,7 +224,7 @@ class Ros1ServerInRos2:
 
     def _publish_status(self, goals: Sequence[Goal]) -> None:
         if self._offered is not None:
-            listed = (Listed(goal.uuid, goal.stamp, goal.status or 0) for goal in goals)
+            listed = (ListedGoal(goal.uuid, goal.stamp, goal.status or 0) for goal in goals)
             self._status2.publish(write_list(listed))
 
     def end_goals(self) -> None:

@@ -19,13 +19,13 @@ from nodekit import Node, ReentrantCallbackGroup, Throttle
 from ros2_bridge.action_bridge import wire
 from ros2_bridge.actions.goal_ids import NO_GOAL, text_of
 from ros2_bridge.actions.ros2_goal_tracker import Goal, Ros2GoalTracker
-from ros2_bridge.actions.states import NUMBERED2, Status2
+from ros2_bridge.actions.states import ROS2_BY_NUMBER, Ros2Status
 from ros2_bridge.actions.status_list import read_list
 from ros2_bridge.environment.ros1_messages import GoalID, GoalStatusArray
 from ros2_bridge.ros2.client import NoResponse, Ros2Client
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.ros2.rcl_take import ReceivedMessage
-from ros2_bridge.rules.settings import Quality
+from ros2_bridge.rules.settings import QosProfile
 from ros2_bridge.types.codec import ConversionError
 from ros2_bridge.types.type_registry import ActionType
 
@@ -74,13 +74,13 @@ class Ros2ServerInRos1:
         self._clients = (self._send, self._get, self._cancel)
         self._nothing = kind.result.to_ros1(serialize_message(kind.cls.Result()))
         self._status2 = f"{path}/status"
-        quality = Quality(1, latched=True)
+        quality = QosProfile(1, latched=True)
         self._ends = [
             participant.create_subscription(
                 GoalStatusArray2, self._status2, quality, self._on_status
             ),
             participant.create_subscription(
-                impl.FeedbackMessage, f"{path}/feedback", Quality(DEPTH), self._on_feedback
+                impl.FeedbackMessage, f"{path}/feedback", QosProfile(DEPTH), self._on_feedback
             ),
         ]
 
@@ -167,12 +167,12 @@ class Ros2ServerInRos1:
         with self._lock:
             self._goals.on_result(uuid, self._known(response.status), content, time.monotonic())
 
-    def _known(self, number: int) -> Status2:
+    def _known(self, number: int) -> Ros2Status:
         """Return the status of a number; UNKNOWN if it is not defined, with a warning."""
-        if number not in NUMBERED2 and number not in self._unknown:
+        if number not in ROS2_BY_NUMBER and number not in self._unknown:
             self._unknown.add(number)
             rospy.logwarn(f"{self._name}: the server in ROS 2 sends the unknown status {number}")
-        return NUMBERED2.get(number, Status2.UNKNOWN)
+        return ROS2_BY_NUMBER.get(number, Ros2Status.UNKNOWN)
 
     def _on_cancel(self, message: Any) -> None:
         until = message.stamp.to_nsec()
@@ -247,5 +247,5 @@ class Ros2ServerInRos1:
             end()
 
 
-def _report(goal: Goal, content: bytes) -> wire.Reported:
-    return wire.Reported(goal.text, goal.stamp, goal.status, goal.why, content)
+def _report(goal: Goal, content: bytes) -> wire.GoalReport:
+    return wire.GoalReport(goal.text, goal.stamp, goal.status, goal.why, content)

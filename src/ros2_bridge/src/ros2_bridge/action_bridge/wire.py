@@ -14,7 +14,7 @@ _STAMP, _LENGTH = struct.Struct("<II"), struct.Struct("<I")
 _HEADER = 12
 
 
-class Reported(NamedTuple):
+class GoalReport(NamedTuple):
     """Feedback or result of a goal.
 
     :param text: the goal's id
@@ -56,7 +56,7 @@ def write_goal(raw: Any, text: str, stamp: int, content: bytes) -> Any:
     return _joined(raw, goal_id(text, stamp), content)
 
 
-def read_report(data: bytes) -> Reported:
+def read_report(data: bytes) -> GoalReport:
     """Parse a feedback or result message.
 
     :raises ConversionError: if it is invalid
@@ -66,10 +66,10 @@ def read_report(data: bytes) -> Reported:
         why, end = _text(data, at + 1)
     except struct.error as error:
         raise ConversionError(str(error)) from None
-    return Reported(text, stamp, data[at], why, data[end:])
+    return GoalReport(text, stamp, data[at], why, data[end:])
 
 
-def write_report(raw: Any, report: Reported) -> Any:
+def write_report(raw: Any, report: GoalReport) -> Any:
     """Return a feedback or result message.
 
     :param raw: class of the message
@@ -84,13 +84,13 @@ def read_statuses(message: Any) -> List[Tuple[str, int, int]]:
     ]
 
 
-def write_statuses(reports: List[Reported]) -> Any:
+def write_statuses(reports: List[GoalReport]) -> Any:
     """Return the status list of these goals."""
     header = Header(stamp=rospy.Time.now())
     return GoalStatusArray(header, [_status(report) for report in reports])
 
 
-def _status(report: Reported) -> Any:
+def _status(report: GoalReport) -> Any:
     return GoalStatus(goal_id(report.text, report.stamp), report.status, report.why)
 
 

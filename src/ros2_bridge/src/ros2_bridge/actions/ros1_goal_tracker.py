@@ -4,12 +4,12 @@ from typing import Callable, Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from ros2_bridge.actions.goal_ids import NO_GOAL, bytes_of, text_of
 from ros2_bridge.actions.states import (
-    OVER2,
+    ROS2_TERMINAL,
     RESULT_S,
-    STEPS2,
+    ROS2_TRANSITIONS,
     TO_ROS2,
-    Status1,
-    Status2,
+    Ros1Status,
+    Ros2Status,
     nearest,
     matches_cancel_request,
 )
@@ -19,10 +19,10 @@ KEPT_S = 900.0
 #: Return codes of action_msgs/CancelGoal.
 DONE, REJECTED, UNKNOWN_GOAL, GOAL_IS_OVER = range(4)
 #: States in which a goal unknown to ROS 2 is tracked.
-_OPEN = (Status1.PENDING, Status1.ACTIVE, Status1.PREEMPTING)
+_OPEN = (Ros1Status.PENDING, Ros1Status.ACTIVE, Ros1Status.PREEMPTING)
 
 AnswerGoal = Callable[[bool], None]
-AnswerResult = Callable[[Status2, bytes], None]
+AnswerResult = Callable[[Ros2Status, bytes], None]
 
 
 class Goal:
@@ -39,23 +39,23 @@ class Goal:
 
     def __init__(self, text: str, stamp: int, now: float, answer: Optional[AnswerGoal]) -> None:
         self.text, self.uuid, self.stamp, self.answer = text, bytes_of(text), stamp, answer
-        self.status: Optional[Status2] = None
+        self.status: Optional[Ros2Status] = None
         self.since = now
         #: Whether the server's status has listed it; once listed, a goal that is missing is lost.
         self.is_listed = False
-        self.awaiting_result: Optional[Tuple[Status1, float]] = None
+        self.awaiting_result: Optional[Tuple[Ros1Status, float]] = None
         self.result = b""
         self.waiting: List[AnswerResult] = []
 
     @property
     def is_under_way(self) -> bool:
         """Whether it was accepted, and has not ended."""
-        return self.status in STEPS2
+        return self.status in ROS2_TRANSITIONS
 
     @property
     def is_over(self) -> bool:
         """Whether it has a result."""
-        return self.status in OVER2
+        return self.status in ROS2_TERMINAL
 
 
 AnswerCancel = Callable[[int, Sequence[Goal]], None]
@@ -112,7 +112,7 @@ class Ros1GoalTracker:
         """Answer with the result once it exists; with UNKNOWN if there is no such goal."""
         goal = self._find(uuid)
         if goal is None or goal.status is None:
-            answer(Status2.UNKNOWN, b"")
+            answer(Ros2Status.UNKNOWN, b"")
         elif goal.is_over:
             answer(goal.status, goal.result)
         else:
@@ -148,7 +148,9 @@ class Ros1GoalTracker:
             found = next((one for one in self._goals.values() if one.uuid == uuid), None)
         return found
 
-    def on_status(self, listed: Sequence[Tuple[str, int, Optional[Status1]]], now: float) -> None:
+    def on_status(
+        self, listed: Sequence[Tuple[str, int, Optional[Ros1Status]]], now: float
+    ) -> None:
         """Handle the server's status list.
 
         :param listed: id, stamp [ns], and status of each goal; None for an unknown status, which
@@ -163,7 +165,10 @@ class Ros1GoalTracker:
             goal.is_listed = True
             if status is None:
                 continue
-            if TO_ROS2[status] not in OVER2 or (goal.status, status) == (None, Status1.REJECTED):
+            if TO_ROS2[status] not in ROS2_TERMINAL or (goal.status, status) == (
+                None,
+                Ros1Status.REJECTED,
+            ):
                 self._move(goal, status, now)
                 continue
             if goal.status is None:
@@ -174,10 +179,12 @@ class Ros1GoalTracker:
         for goal in list(self._goals.values()):
             is_waiting = goal.awaiting_result is not None
             if goal.is_listed and goal.text not in texts and not (goal.is_over or is_waiting):
-                self._move(goal, Status1.LOST, now)
+                self._move(goal, Ros1Status.LOST, now)
         self._report(now)
 
-    def on_result(self, text: str, stamp: int, status: Status1, result: bytes, now: float) -> None:
+    def on_result(
+        self, text: str, stamp: int, status: Ros1Status, result: bytes, now: float
+    ) -> None:
         """End a goal, even a ROS 1 goal whose result arrives before a status list contains it.
 
         The list uses another connection; a late one would make the goal look active.
@@ -190,14 +197,14 @@ class Ros1GoalTracker:
             return  # no goal id
         if goal is None:
             goal = self._goals[text] = Goal(text, stamp, now, None)
-        is_last = TO_ROS2[status] in OVER2
-        self._move(goal, status if is_last else Status1.LOST, now, result)
+        is_last = TO_ROS2[status] in ROS2_TERMINAL
+        self._move(goal, status if is_last else Ros1Status.LOST, now, result)
         self._report(now)
 
     def abort_all(self, now: float) -> None:
         """Abort all goals, because the server is gone."""
         for goal in list(self._goals.values()):
-            self._move(goal, Status1.LOST, now)
+            self._move(goal, Ros1Status.LOST, now)
         self._report(now)
 
     def end_timeouts(self, now: float) -> TimedOutGoals:
@@ -209,7 +216,7 @@ class Ros1GoalTracker:
                     self._accept(goal)
                 else:
                     unheard.append(goal.text)
-                    self._move(goal, Status1.LOST, now)
+                    self._move(goal, Ros1Status.LOST, now)
             elif goal.awaiting_result is not None:
                 status, since = goal.awaiting_result
                 if now > since + max(RESULT_S, patience):
@@ -225,20 +232,20 @@ class Ros1GoalTracker:
         """Publish the goals known to ROS 2."""
         self._publish_status([one for one in self._goals.values() if one.status is not None])
 
-    def _move(self, goal: Goal, status: Status1, now: float, result: bytes = b"") -> None:
+    def _move(self, goal: Goal, status: Ros1Status, now: float, result: bytes = b"") -> None:
         """Move a goal to the state reported by the server, which may be outdated."""
         if goal.is_over:
             return
         if goal.status is None:
-            if status in (Status1.REJECTED, Status1.LOST):
+            if status in (Ros1Status.REJECTED, Ros1Status.LOST):
                 del self._goals[goal.text]
                 self._answer_goal(goal, False)
                 return
-            if goal.answer is not None and status == Status1.PENDING:
+            if goal.answer is not None and status == Ros1Status.PENDING:
                 return  # not accepted yet
             self._accept(goal)
-        before = goal.status or Status2.ACCEPTED
-        goal.status = nearest(STEPS2, before, [TO_ROS2[status]])
+        before = goal.status or Ros2Status.ACCEPTED
+        goal.status = nearest(ROS2_TRANSITIONS, before, [TO_ROS2[status]])
         if goal.is_over:
             goal.result, goal.since, goal.awaiting_result = result, now, None
             waiting, goal.waiting = goal.waiting, []
@@ -247,7 +254,7 @@ class Ros1GoalTracker:
         self._is_changed = self._is_changed or goal.status != before
 
     def _accept(self, goal: Goal) -> None:
-        goal.status, self._is_changed = Status2.ACCEPTED, True
+        goal.status, self._is_changed = Ros2Status.ACCEPTED, True
         self._answer_goal(goal, True)
 
     def _answer_goal(self, goal: Goal, is_accepted: bool) -> None:
@@ -266,9 +273,11 @@ class Ros1GoalTracker:
         """Answer the cancel requests whose goals have all reacted or timed out."""
         kept = []
         for one in self._cancellations:
-            follow = [g for g in one.goals if g.status in (Status2.CANCELING, Status2.CANCELED)]
+            follow = [
+                g for g in one.goals if g.status in (Ros2Status.CANCELING, Ros2Status.CANCELED)
+            ]
             if now <= one.since + self._patience() and any(
-                goal.is_under_way and goal.status != Status2.CANCELING for goal in one.goals
+                goal.is_under_way and goal.status != Ros2Status.CANCELING for goal in one.goals
             ):
                 kept.append(one)
             else:

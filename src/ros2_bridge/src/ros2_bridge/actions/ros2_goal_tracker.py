@@ -4,13 +4,13 @@ from typing import Callable, Collection, Dict, List, NamedTuple, Optional, Seque
 
 from ros2_bridge.actions.goal_ids import NO_GOAL, bytes_of, text_of
 from ros2_bridge.actions.states import (
-    OVER2,
+    ROS2_TERMINAL,
     RESULT_S,
-    STEPS1,
-    STEPS2,
+    ROS1_TRANSITIONS,
+    ROS2_TRANSITIONS,
     TO_ROS1,
-    Status1,
-    Status2,
+    Ros1Status,
+    Ros2Status,
     nearest,
     matches_cancel_request,
 )
@@ -41,7 +41,7 @@ class Goal:
     def __init__(self, text: str, uuid: bytes, stamp: int, now: float, is_own: bool) -> None:
         self.text, self.uuid, self.stamp, self.is_own = text, uuid, stamp, is_own
         self.since = now
-        self.status, self.why = Status1.PENDING, ""
+        self.status, self.why = Ros1Status.PENDING, ""
         #: Whether the server has accepted it, and whether to cancel it once accepted.
         self.is_accepted, self.is_to_be_cancelled = not is_own, False
         #: Whether the server has listed it.
@@ -50,7 +50,7 @@ class Goal:
         #: are gone, so is its server, even if another server of that name has started.
         self.senders: Set[bytes] = set()
         #: Final status according to the server's list, and when that arrived.
-        self.awaiting_result: Optional[Tuple[Status2, float]] = None
+        self.awaiting_result: Optional[Tuple[Ros2Status, float]] = None
         #: Whether only a cancellation of it has arrived, not the goal itself.
         self.is_awaited = False
         self.ended: Optional[float] = None
@@ -58,7 +58,7 @@ class Goal:
     @property
     def is_under_way(self) -> bool:
         """Whether it has arrived, and has not ended."""
-        return self.status in STEPS1 and not self.is_awaited
+        return self.status in ROS1_TRANSITIONS and not self.is_awaited
 
 
 class TimedOutGoals(NamedTuple):
@@ -108,7 +108,7 @@ class Ros2GoalTracker:
         is_cancelled = goal is not None or 0 < stamp <= self._cancelled_until
         goal = self._goals[uuid] = Goal(text, uuid, stamp, now, True)
         if is_cancelled:
-            self._end(goal, [Status1.RECALLED], now, RECALLED)
+            self._end(goal, [Ros1Status.RECALLED], now, RECALLED)
             return None
         self._publish()
         return uuid
@@ -127,11 +127,11 @@ class Ros2GoalTracker:
         goal.is_accepted = is_accepted
         if not is_accepted:
             # The server may have listed it before.
-            self._end(goal, [Status1.REJECTED, Status1.ABORTED], now, why)
+            self._end(goal, [Ros1Status.REJECTED, Ros1Status.ABORTED], now, why)
         return is_accepted and goal.is_to_be_cancelled
 
     def on_status(
-        self, listed: Sequence[Tuple[bytes, int, Status2]], sender: bytes, now: float
+        self, listed: Sequence[Tuple[bytes, int, Ros2Status]], sender: bytes, now: float
     ) -> List[bytes]:
         """Handle the server's status list.
 
@@ -142,33 +142,37 @@ class Ros2GoalTracker:
         cancelled = []
         for uuid, stamp, status in listed:
             goal = self._goals.get(uuid)
-            if goal is None and status in STEPS2:
+            if goal is None and status in ROS2_TRANSITIONS:
                 goal = self._goals[uuid] = Goal(text_of(uuid), uuid, stamp, now, False)
-            elif goal is not None and goal.is_awaited and status in STEPS2:
+            elif goal is not None and goal.is_awaited and status in ROS2_TRANSITIONS:
                 goal = self._goals[uuid] = Goal(goal.text, uuid, stamp, now, False)
-                goal.status = Status1.RECALLING
+                goal.status = Ros1Status.RECALLING
                 cancelled.append(uuid)
             if goal is None or not goal.is_under_way:
                 continue
             goal.senders, goal.is_listed = {sender}, True
-            if status in STEPS2:
-                goal.status = nearest(STEPS1, goal.status, TO_ROS1[status])
-            elif status in OVER2 and not goal.is_own:
+            if status in ROS2_TRANSITIONS:
+                goal.status = nearest(ROS1_TRANSITIONS, goal.status, TO_ROS1[status])
+            elif status in ROS2_TERMINAL and not goal.is_own:
                 self._end(goal, TO_ROS1[status], now)
-            elif status in OVER2 and goal.awaiting_result is None:  # own goals await a result
+            elif (
+                status in ROS2_TERMINAL and goal.awaiting_result is None
+            ):  # own goals await a result
                 goal.awaiting_result = (status, now)
         self._publish()
         return cancelled
 
-    def on_result(self, uuid: bytes, status: Status2, result: Optional[bytes], now: float) -> None:
+    def on_result(
+        self, uuid: bytes, status: Ros2Status, result: Optional[bytes], now: float
+    ) -> None:
         """End a ROS 1 goal.
 
         :param result: passed on
         """
         goal = self._goals.get(uuid)
         if goal is not None and goal.is_under_way:
-            is_end = status in OVER2
-            wanted = TO_ROS1[status if is_end else Status2.UNKNOWN]
+            is_end = status in ROS2_TERMINAL
+            wanted = TO_ROS1[status if is_end else Ros2Status.UNKNOWN]
             self._end(goal, wanted, now, "" if is_end else NO_END, result)
 
     def request_cancel(self, wanted: str, until: int, now: float) -> List[bytes]:
@@ -180,7 +184,7 @@ class Ros2GoalTracker:
         uuid = bytes_of(wanted)
         if wanted and uuid not in self._goals:  # the request has overtaken its goal
             early = self._goals[uuid] = Goal(wanted, uuid, until, now, False)
-            early.status, early.is_awaited, early.ended = Status1.RECALLING, True, now
+            early.status, early.is_awaited, early.ended = Ros1Status.RECALLING, True, now
             self._publish()
         meant = []
         for goal in self._goals.values():
@@ -206,7 +210,7 @@ class Ros2GoalTracker:
             if not goal.senders:
                 goal.senders = set(senders)
             if goal.is_under_way and not goal.senders.intersection(senders):
-                self._end(goal, TO_ROS1[Status2.ABORTED], now, GONE)
+                self._end(goal, TO_ROS1[Ros2Status.ABORTED], now, GONE)
 
     def end_timeouts(self, now: float) -> TimedOutGoals:
         """End the goals that the server has not answered in time."""
@@ -224,7 +228,7 @@ class Ros2GoalTracker:
                     goal.is_accepted = True
                     accepted.append(goal)
                 else:
-                    self._end(goal, [Status1.REJECTED], now, NO_ANSWER)
+                    self._end(goal, [Ros1Status.REJECTED], now, NO_ANSWER)
         return TimedOutGoals(accepted, without_result)
 
     def is_any_under_way(self) -> bool:
@@ -245,12 +249,12 @@ class Ros2GoalTracker:
     def _end(
         self,
         goal: Goal,
-        wanted: Collection[Status1],
+        wanted: Collection[Ros1Status],
         now: float,
         why: str = "",
         result: Optional[bytes] = None,
     ) -> None:
-        goal.status, goal.why = nearest(STEPS1, goal.status, wanted), why
+        goal.status, goal.why = nearest(ROS1_TRANSITIONS, goal.status, wanted), why
         goal.ended = now
         if goal.is_own:
             self._publish_result(goal, result)

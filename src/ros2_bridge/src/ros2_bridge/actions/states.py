@@ -4,7 +4,7 @@ import enum
 from typing import AbstractSet, Collection, FrozenSet, Mapping, Sequence, TypeVar
 
 
-class Status1(enum.IntEnum):
+class Ros1Status(enum.IntEnum):
     """Goal states of ROS 1, numbered as in actionlib_msgs/GoalStatus."""
 
     PENDING = 0
@@ -19,7 +19,7 @@ class Status1(enum.IntEnum):
     LOST = 9
 
 
-class Status2(enum.IntEnum):
+class Ros2Status(enum.IntEnum):
     """Goal states of ROS 2, numbered as in action_msgs/GoalStatus."""
 
     UNKNOWN = 0
@@ -36,63 +36,65 @@ class Status2(enum.IntEnum):
 RESULT_S = 2.0
 
 #: Transitions of a goal, as in actionlib's server and rcl. LOST is determined by the ROS 1 client.
-STEPS1: Mapping[Status1, AbstractSet[Status1]] = {
-    Status1.PENDING: {
-        Status1.ACTIVE,
-        Status1.RECALLING,
-        Status1.RECALLED,
-        Status1.REJECTED,
+ROS1_TRANSITIONS: Mapping[Ros1Status, AbstractSet[Ros1Status]] = {
+    Ros1Status.PENDING: {
+        Ros1Status.ACTIVE,
+        Ros1Status.RECALLING,
+        Ros1Status.RECALLED,
+        Ros1Status.REJECTED,
     },
-    Status1.RECALLING: {Status1.PREEMPTING, Status1.RECALLED, Status1.REJECTED},
-    Status1.ACTIVE: {
-        Status1.PREEMPTING,
-        Status1.PREEMPTED,
-        Status1.SUCCEEDED,
-        Status1.ABORTED,
+    Ros1Status.RECALLING: {Ros1Status.PREEMPTING, Ros1Status.RECALLED, Ros1Status.REJECTED},
+    Ros1Status.ACTIVE: {
+        Ros1Status.PREEMPTING,
+        Ros1Status.PREEMPTED,
+        Ros1Status.SUCCEEDED,
+        Ros1Status.ABORTED,
     },
-    Status1.PREEMPTING: {Status1.PREEMPTED, Status1.SUCCEEDED, Status1.ABORTED},
+    Ros1Status.PREEMPTING: {Ros1Status.PREEMPTED, Ros1Status.SUCCEEDED, Ros1Status.ABORTED},
 }
-STEPS2: Mapping[Status2, AbstractSet[Status2]] = {
-    Status2.ACCEPTED: {Status2.EXECUTING, Status2.CANCELING},
-    Status2.EXECUTING: {Status2.CANCELING, Status2.SUCCEEDED, Status2.ABORTED},
-    Status2.CANCELING: {Status2.CANCELED, Status2.SUCCEEDED, Status2.ABORTED},
+ROS2_TRANSITIONS: Mapping[Ros2Status, AbstractSet[Ros2Status]] = {
+    Ros2Status.ACCEPTED: {Ros2Status.EXECUTING, Ros2Status.CANCELING},
+    Ros2Status.EXECUTING: {Ros2Status.CANCELING, Ros2Status.SUCCEEDED, Ros2Status.ABORTED},
+    Ros2Status.CANCELING: {Ros2Status.CANCELED, Ros2Status.SUCCEEDED, Ros2Status.ABORTED},
 }
 
 #: States in the other ROS. ROS 2 rejects a goal before it has a state; a ROS 1 goal that is
 #: rejected after ROS 2 has accepted it becomes aborted.
-TO_ROS2: Mapping[Status1, Status2] = {
-    Status1.PENDING: Status2.ACCEPTED,
-    Status1.ACTIVE: Status2.EXECUTING,
-    Status1.PREEMPTED: Status2.CANCELED,
-    Status1.SUCCEEDED: Status2.SUCCEEDED,
-    Status1.ABORTED: Status2.ABORTED,
-    Status1.REJECTED: Status2.ABORTED,
-    Status1.PREEMPTING: Status2.CANCELING,
-    Status1.RECALLING: Status2.CANCELING,
-    Status1.RECALLED: Status2.CANCELED,
-    Status1.LOST: Status2.ABORTED,
+TO_ROS2: Mapping[Ros1Status, Ros2Status] = {
+    Ros1Status.PENDING: Ros2Status.ACCEPTED,
+    Ros1Status.ACTIVE: Ros2Status.EXECUTING,
+    Ros1Status.PREEMPTED: Ros2Status.CANCELED,
+    Ros1Status.SUCCEEDED: Ros2Status.SUCCEEDED,
+    Ros1Status.ABORTED: Ros2Status.ABORTED,
+    Ros1Status.REJECTED: Ros2Status.ABORTED,
+    Ros1Status.PREEMPTING: Ros2Status.CANCELING,
+    Ros1Status.RECALLING: Ros2Status.CANCELING,
+    Ros1Status.RECALLED: Ros2Status.CANCELED,
+    Ros1Status.LOST: Ros2Status.ABORTED,
 }
 #: Of two ROS 1 states, the nearer one is taken: goals that were never active are recalled, the
 #: others preempted.
-TO_ROS1: Mapping[Status2, Sequence[Status1]] = {
-    Status2.UNKNOWN: (Status1.ABORTED,),
-    Status2.ACCEPTED: (Status1.PENDING,),
-    Status2.EXECUTING: (Status1.ACTIVE,),
-    Status2.CANCELING: (Status1.RECALLING, Status1.PREEMPTING),
-    Status2.SUCCEEDED: (Status1.SUCCEEDED,),
-    Status2.CANCELED: (Status1.RECALLED, Status1.PREEMPTED),
-    Status2.ABORTED: (Status1.ABORTED,),
+TO_ROS1: Mapping[Ros2Status, Sequence[Ros1Status]] = {
+    Ros2Status.UNKNOWN: (Ros1Status.ABORTED,),
+    Ros2Status.ACCEPTED: (Ros1Status.PENDING,),
+    Ros2Status.EXECUTING: (Ros1Status.ACTIVE,),
+    Ros2Status.CANCELING: (Ros1Status.RECALLING, Ros1Status.PREEMPTING),
+    Ros2Status.SUCCEEDED: (Ros1Status.SUCCEEDED,),
+    Ros2Status.CANCELED: (Ros1Status.RECALLED, Ros1Status.PREEMPTED),
+    Ros2Status.ABORTED: (Ros1Status.ABORTED,),
 }
 
 #: States by number; a server may send other numbers.
-NUMBERED1: Mapping[int, Status1] = {int(one): one for one in Status1}
-NUMBERED2: Mapping[int, Status2] = {int(one): one for one in Status2}
+ROS1_BY_NUMBER: Mapping[int, Ros1Status] = {int(one): one for one in Ros1Status}
+ROS2_BY_NUMBER: Mapping[int, Ros2Status] = {int(one): one for one in Ros2Status}
 
 #: Final states; the others have transitions.
-OVER1: FrozenSet[Status1] = frozenset(set(Status1).difference(STEPS1))
-OVER2: FrozenSet[Status2] = frozenset(set(Status2).difference(STEPS2, {Status2.UNKNOWN}))
+ROS1_TERMINAL: FrozenSet[Ros1Status] = frozenset(set(Ros1Status).difference(ROS1_TRANSITIONS))
+ROS2_TERMINAL: FrozenSet[Ros2Status] = frozenset(
+    set(Ros2Status).difference(ROS2_TRANSITIONS, {Ros2Status.UNKNOWN})
+)
 
-_Status = TypeVar("_Status", Status1, Status2)
+_Status = TypeVar("_Status", Ros1Status, Ros2Status)
 
 
 def nearest(

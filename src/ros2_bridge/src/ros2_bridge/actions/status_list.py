@@ -18,7 +18,7 @@ _AT, _BYTES = 16, 3
 _LAST_S = 2**31 - 1
 
 
-class Listed(NamedTuple):
+class ListedGoal(NamedTuple):
     """A goal of the list.
 
     :param uuid: its id in ROS 2
@@ -31,14 +31,14 @@ class Listed(NamedTuple):
     status: int
 
 
-def write_list(goals: Iterable[Listed]) -> bytes:
+def write_list(goals: Iterable[ListedGoal]) -> bytes:
     """Return the message with these goals."""
     rows = [_GOAL.pack(uuid, *seconds_of(stamp), status) for uuid, stamp, status in goals]
     joined = b"".join(rows)
     return _CDR + _COUNT.pack(len(rows)) + joined[:_AT] + joined[_AT + _BYTES :]
 
 
-def read_list(data: bytes) -> List[Listed]:
+def read_list(data: bytes) -> List[ListedGoal]:
     """Return the goals in a message.
 
     :raises ValueError: if it is malformed
@@ -53,7 +53,7 @@ def read_list(data: bytes) -> List[Listed]:
         raise ValueError(f"{count} goals announced in {len(data)} bytes")
     rows = data[at : at + _AT] + bytes(_BYTES) + data[at + _AT : end] if count else b""
     return [
-        Listed(uuid, seconds * 10**9 + rest, status)
+        ListedGoal(uuid, seconds * 10**9 + rest, status)
         for uuid, seconds, rest, status in _GOAL.iter_unpack(rows)
     ]
 

@@ -1,4 +1,4 @@
-"""Builder of the ROS 2 twins of message packages, all in one process.
+"""Builder of twins: ROS 2 packages with the types of ROS 1 packages, for the bridge's environment.
 
 Run with the environment's Python: ``twin_builder.py TWINS PACKAGE[:NEEDED,…]…``. The definitions
 are in TWINS/PACKAGE/source; a package follows its dependencies. It calls ROS 2's generators and
@@ -138,7 +138,7 @@ def units(package: Package) -> List[pathlib.Path]:
     return found
 
 
-def build(packages: List[Package], includes: List[pathlib.Path], attempt: "Attempt") -> None:
+def build(packages: List[Package], includes: List[pathlib.Path], run_step: "StepRunner") -> None:
     """Compile the generated code on all processors, and link it."""
     options = [f"-I{path}" for path in includes]
 
@@ -151,7 +151,7 @@ def build(packages: List[Package], includes: List[pathlib.Path], attempt: "Attem
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         jobs = [[pool.submit(compiled, unit) for unit in units(package)] for package in packages]
     for package, parts in zip(packages, jobs):
-        attempt(package, lambda: link_package(package, [job.result() for job in parts]))
+        run_step(package, lambda: link_package(package, [job.result() for job in parts]))
 
 
 def link_package(package: Package, parts: List[pathlib.Path]) -> None:
@@ -184,8 +184,8 @@ def run(*command: object) -> None:
         raise RuntimeError(errors[0] if errors else f"{command[0]} ended with {done.returncode}")
 
 
-class Attempt:
-    """Build attempts: a package that fails is skipped, and so are its dependents."""
+class StepRunner:
+    """Runner of build steps: a package that fails is skipped, and so are its dependents."""
 
     def __init__(self) -> None:
         self._failed: Dict[str, str] = {}
@@ -215,12 +215,12 @@ def main(twins: pathlib.Path, given: List[str]) -> None:
     """Build packages, given as on the command line."""
     # Without a cache, each generator would parse all files again, which takes most of the time.
     parser.get_ast_from_idl_string = functools.lru_cache(None)(parser.get_ast_from_idl_string)
-    packages, attempt = [], Attempt()
+    packages, run_step = [], StepRunner()
     for name, _, needed in (one.partition(":") for one in given):
         needs = [*ALWAYS, *needed.split(",")] if needed else ALWAYS
         package = Package(name, twins / name, needs)
         (package.place / "error").unlink(missing_ok=True)
-        if attempt(package, functools.partial(generate, package)):
+        if run_step(package, functools.partial(generate, package)):
             packages.append(package)
     headers = ENVIRONMENT / "include"
     includes = [
@@ -231,7 +231,7 @@ def main(twins: pathlib.Path, given: List[str]) -> None:
         pathlib.Path(sysconfig.get_path("include")),
         pathlib.Path(numpy.get_include()),
     ]
-    build(packages, includes, attempt)
+    build(packages, includes, run_step)
     for package in packages:
         for path in package.place.rglob("*.o"):
             path.unlink()

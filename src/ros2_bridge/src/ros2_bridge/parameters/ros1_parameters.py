@@ -30,7 +30,7 @@ class Parameter(NamedTuple):
     entry: Optional[Mapping[str, Any]]
 
 
-class Unreadable(Exception):
+class UnreadableParameters(Exception):
     """Parameters that cannot be read; the text gives the cause."""
 
 
@@ -47,13 +47,13 @@ class Ros1Parameters:
     def read(self) -> Dict[str, Parameter]:
         """Return the current parameters, by ROS 2 name.
 
-        :raises Unreadable: if the node or the master does not answer
+        :raises UnreadableParameters: if the node or the master does not answer
         """
         try:
             found = self._read()
             value = self._client.read([_SIM_TIME_IN_ROS1]).values[_SIM_TIME_IN_ROS1]
         except (CallError, DescriptionError, MasterUnreachable) as error:
-            raise Unreadable(str(error)) from None
+            raise UnreadableParameters(str(error)) from None
         found[_SIM_TIME] = Parameter(value is True, BOOL, None)
         return found
 
@@ -96,7 +96,7 @@ class DescribedParameters(Ros1Parameters):
                 for name, entry in entries.items()
             }
         except (KeyError, TypeError) as error:
-            raise Unreadable(f"malformed description of {self.name}: {error!r}") from None
+            raise UnreadableParameters(f"malformed description of {self.name}: {error!r}") from None
 
     def _change(self, values: Mapping[str, Any]) -> str:
         ParameterClient(self.name, TIMEOUT_S).change(values)

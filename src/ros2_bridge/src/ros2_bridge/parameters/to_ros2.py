@@ -24,7 +24,7 @@ from rclpy.parameter import Parameter as Ros2Parameter
 
 from nodekit import NodeScope, ReentrantCallbackGroup, Throttle
 from ros2_bridge.parameters import messages
-from ros2_bridge.parameters.ros1_parameters import Parameter, Ros1Parameters, Unreadable
+from ros2_bridge.parameters.ros1_parameters import Parameter, Ros1Parameters, UnreadableParameters
 from ros2_bridge.parameters.values import DOUBLE_FOR, changes, differs, flat, listed, unfit
 from ros2_bridge.ros2.participant import Participant
 
@@ -90,7 +90,9 @@ class ParametersToRos2:
         def work(request: Any, send: Callable[[Any], None]) -> None:
             try:
                 send(answer(request))
-            except Unreadable as error:  # a ROS 2 service cannot report an error: no response
+            except (
+                UnreadableParameters
+            ) as error:  # a ROS 2 service cannot report an error: no response
                 if self._throttle.is_due():
                     rospy.logwarn(f"cannot read the parameters of {self._parameters.name}: {error}")
 
@@ -148,7 +150,7 @@ class ParametersToRos2:
             return []
         try:
             known = self._parameters.read()
-        except Unreadable as error:
+        except UnreadableParameters as error:
             return [str(error)]
         return [
             f"Wrong parameter type, expected '{Type(known[name].kind)}' got '{Type(kind)}'"
@@ -198,7 +200,7 @@ class ParametersToRos2:
         with self._turn:
             try:
                 read = self._parameters.read()
-            except Unreadable:
+            except UnreadableParameters:
                 return {}  # the node has ended, or is ending
             now = {name: messages.to_message(one.value, one.kind) for name, one in read.items()}
             parts = changes(self._known, now)

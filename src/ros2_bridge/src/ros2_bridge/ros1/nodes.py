@@ -26,7 +26,7 @@ from ros2_bridge.ros1.graph import Ros1Graph
 _TIMEOUT_S = 1.0
 
 
-class Entry(NamedTuple):
+class Registration(NamedTuple):
     """A registration of a node with the master.
 
     :param kind: Publisher, Subscriber or Service
@@ -40,7 +40,7 @@ class Entry(NamedTuple):
 
 
 #: Registration of every ROS 2 node.
-_EVENTS = Entry("Subscriber", "/parameter_events", "rcl_interfaces/ParameterEvent")
+_EVENTS = Registration("Subscriber", "/parameter_events", "rcl_interfaces/ParameterEvent")
 
 
 class NodeRegistrar:
@@ -53,13 +53,13 @@ class NodeRegistrar:
 
     def __init__(self, bridge: str) -> None:
         self._bridge = bridge
-        self._registered: Dict[str, Set[Entry]] = {}
+        self._registered: Dict[str, Set[Registration]] = {}
         #: Nodes of another running bridge, for example to another domain.
         self._others: Set[str] = set()
         self._calls_to = ""
         #: Held during calls of the master, which stop as soon as the registrar is closed.
         self._lock, self._is_closed = threading.Lock(), False
-        self._address = _Address()
+        self._address = _SlaveApi()
         self._server = rosgraph.xmlrpc.XmlRpcNode(rpc_handler=self._address)
         self._server.start()
 
@@ -91,7 +91,7 @@ class NodeRegistrar:
         return found
 
     def register(
-        self, nodes: Mapping[str, AbstractSet[Entry]], in_ros1: Set[str], is_restarted: bool
+        self, nodes: Mapping[str, AbstractSet[Registration]], in_ros1: Set[str], is_restarted: bool
     ) -> None:
         """Register new nodes with their entries, and unregister those that have disappeared.
 
@@ -125,7 +125,7 @@ class NodeRegistrar:
         self._change(name, set())
         del self._registered[name]
 
-    def _change(self, name: str, wanted: Set[Entry]) -> None:
+    def _change(self, name: str, wanted: Set[Registration]) -> None:
         """Register new entries of a node, and unregister old ones."""
         known = self._registered.setdefault(name, set())
         if known == wanted:
@@ -180,7 +180,7 @@ def _refuses(address: str) -> bool:
         return False
 
 
-class _Address(rosgraph.xmlrpc.XmlRpcHandler):
+class _SlaveApi(rosgraph.xmlrpc.XmlRpcHandler):
     """XML-RPC handler that answers ROS 1's requests to all these nodes.
 
     :ivar is_taken: set when the master has shut down a node because another took its name

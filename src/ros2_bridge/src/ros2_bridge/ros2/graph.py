@@ -7,7 +7,7 @@ from rclpy.qos import ReliabilityPolicy
 
 from nodekit import RoundRobin
 from ros2_bridge.ros2.participant import Participant, keeps
-from ros2_bridge.rules.selection import ROSOUT, is_never_bridged
+from ros2_bridge.rules.selection import ROSOUT, is_reserved
 from ros2_bridge.rules.renaming import Renaming
 
 #: Most of the bridge's own topics for which one poll searches other users.
@@ -61,7 +61,7 @@ class Ros2Graph:
 
     def _named(self, name: str) -> Optional[str]:
         """Return the ROS 1 name; names that each side uses for itself are unchanged."""
-        if is_never_bridged(name):
+        if is_reserved(name):
             return name
         found = self._names.in_ros1(name)
         if found is None:
@@ -171,7 +171,7 @@ def _asked(ask: Callable[[str, str], Any], node: str) -> List[Any]:
 
 def _is_of_use(topic: str) -> bool:
     """Return whether the users of a topic matter."""
-    return topic == ROSOUT or not is_never_bridged(topic)
+    return topic == ROSOUT or not is_reserved(topic)
 
 
 def _is_hidden(name: str) -> bool:

@@ -21,7 +21,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from ros2_bridge.ros2.rcl_take import ReceivedMessage, MessageTaker
 from ros2_bridge.ros2.wait_loop import Waitable, WaitLoop
-from ros2_bridge.rules.settings import Quality
+from ros2_bridge.rules.settings import QosProfile
 
 #: Number of the 16 bytes of an endpoint's id that identify its participant.
 _GUID_PREFIX_SIZE = 12
@@ -37,7 +37,7 @@ _LAST_NODE = "/_ros2_bridge_ends"
 _reset_error = ctypes.CDLL("librcutils.so").rcutils_reset_error
 
 
-def _profile(quality: Quality, publishes: bool) -> QoSProfile:
+def _profile(quality: QosProfile, publishes: bool) -> QoSProfile:
     """Return a quality of service as rclpy's class.
 
     :param publishes: whether it is for a publisher
@@ -118,7 +118,7 @@ class Participant:
 
         self.calls.call_between_waits(destroy)
 
-    def create_publisher(self, node: Node, cls: Any, topic: str, quality: Quality) -> Any:
+    def create_publisher(self, node: Node, cls: Any, topic: str, quality: QosProfile) -> Any:
         """Create a publisher, whose ``publish`` takes bytes.
 
         :param node: publishing node
@@ -139,7 +139,7 @@ class Participant:
         self,
         cls: Any,
         topic: str,
-        quality: Quality,
+        quality: QosProfile,
         receive: Callable[[List[ReceivedMessage]], None],
     ) -> Callable[[], None]:
         """Subscribe to a topic.

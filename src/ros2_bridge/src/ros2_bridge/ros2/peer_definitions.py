@@ -35,7 +35,7 @@ _KINDS = {
 _UNKNOWN_HASH = "INVALID"
 
 
-class _Question:
+class _DefinitionRequest:
     """A request for a node's definition.
 
     :param client: client of the node's service
@@ -80,7 +80,7 @@ class PeerDefinitions:
     def __init__(self, participant: Participant) -> None:
         self._participant = participant
         self._own: Dict[str, Tuple[str, List[Field]]] = {}
-        self._questions: Dict[Tuple[str, str, str], _Question] = {}
+        self._questions: Dict[Tuple[str, str, str], _DefinitionRequest] = {}
         self._warned: Set[str] = set()
 
     def are_known_to_fit(self, topic: str, type_name: str, type_hash: str, node: str) -> bool:
@@ -102,7 +102,7 @@ class PeerDefinitions:
             name = f"{node}/get_type_description"
             client = Ros2Client(self._participant, GetTypeDescription, name)
             request = GetTypeDescription.Request(type_name=type_name, type_hash=type_hash)
-            question = self._questions[key] = _Question(client, request)
+            question = self._questions[key] = _DefinitionRequest(client, request)
         theirs = question.fields
         if theirs is None and time.monotonic() < question.deadline:
             question.send_once_ready()

@@ -14,7 +14,7 @@ from typing import (
     TypeVar,
 )
 
-from ros2_bridge.rules.selection import Rules, Way
+from ros2_bridge.rules.selection import Rules, Route
 from ros2_bridge.rules.skip_log import SkipLog
 
 #: A pair is closed after it has been missing in this many consecutive polls: after a restart, the
@@ -48,8 +48,8 @@ def for_all(items: Iterable[Any], function: Callable[[Any], None]) -> None:
         raise failed
 
 
-class Bridged(Dict[Key, Part]):
-    """Active pairs by key; each is closed once it has been missing for several polls.
+class BridgedResources(Dict[Key, Part]):
+    """Bridged resources by key; each is closed once it has been missing for several polls.
 
     :param polls: number of consecutive polls without a pair after which it is closed
     """
@@ -83,46 +83,46 @@ class PairBridge(Generic[Part]):
 
     def __init__(self, skip_log: SkipLog) -> None:
         self._skip_log = skip_log
-        self.pairs: Bridged[Way, Part] = Bridged()
+        self.pairs: BridgedResources[Route, Part] = BridgedResources()
 
-    def update_pairs(self, ways: Sequence[Way]) -> None:
+    def update_pairs(self, routes: Sequence[Route]) -> None:
         """Create and close pairs after a poll of both graphs.
 
-        :param ways: names and directions to bridge
+        :param routes: names and directions to bridge
         """
         try:
-            self.pairs.close_missing(ways)
+            self.pairs.close_missing(routes)
         finally:
-            for_all(ways, self._update_pair)
+            for_all(routes, self._update_pair)
 
-    def _update_pair(self, way: Way) -> None:
-        pair = self.pairs.get(way)
-        if pair is not None and not self._has_same_type(way, pair):
-            self.pairs.close_one(way)
+    def _update_pair(self, route: Route) -> None:
+        pair = self.pairs.get(route)
+        if pair is not None and not self._has_same_type(route, pair):
+            self.pairs.close_one(route)
             return  # create it in the next poll: ROS 2 still has the old type
-        if pair is not None and not self._is_as_begun(way, pair):
-            self.pairs.close_one(way)
-        if way not in self.pairs:
-            with self._skip_log.catching(way.name):
-                begun = self._begin(way)
+        if pair is not None and not self._is_as_begun(route, pair):
+            self.pairs.close_one(route)
+        if route not in self.pairs:
+            with self._skip_log.catching(route.name):
+                begun = self._begin(route)
                 if begun is not None:
-                    self.pairs[way] = begun
+                    self.pairs[route] = begun
 
     def close_denied(self, rules: Rules) -> None:
         """Close pairs immediately that the rules no longer allow.
 
         :param rules: the user's rules
         """
-        for_all([way for way in self.pairs if not rules.opens(way)], self.pairs.close_one)
+        for_all([route for route in self.pairs if not rules.enables(route)], self.pairs.close_one)
 
-    def _has_same_type(self, way: Way, pair: Part) -> bool:
+    def _has_same_type(self, route: Route, pair: Part) -> bool:
         """Return whether a topic or service still has the type of its pair."""
         raise NotImplementedError
 
-    def _is_as_begun(self, way: Way, pair: Part) -> bool:
+    def _is_as_begun(self, route: Route, pair: Part) -> bool:
         """Return whether a new pair would be created in the same way."""
         raise NotImplementedError
 
-    def _begin(self, way: Way) -> Optional[Part]:
+    def _begin(self, route: Route) -> Optional[Part]:
         """Return a new pair; None if its type is not known yet, or differs between the ROSes."""
         raise NotImplementedError

@@ -11,7 +11,7 @@ from ros2_bridge.rules.renaming import Renaming
 #: Log topic, bridged in one direction, with the names of the nodes.
 ROSOUT = "/rosout"
 #: Names that each side uses for itself, or that are bridged specially.
-NEVER = (
+RESERVED_NAMES = (
     ROSOUT,
     "/rosout_agg",
     "/parameter_events",
@@ -24,7 +24,12 @@ NEVER = (
 )
 #: Packages whose types each ROS uses for itself, or that are bridged specially: the name of
 #: dynamic_reconfigure's service ``set_parameters`` also exists in ROS 2.
-OWN_WAYS = ("dynamic_reconfigure/", "roscpp/", "rcl_interfaces/", "type_description_interfaces/")
+RESERVED_PACKAGES = (
+    "dynamic_reconfigure/",
+    "roscpp/",
+    "rcl_interfaces/",
+    "type_description_interfaces/",
+)
 
 
 class Rules(NamedTuple):
@@ -43,22 +48,22 @@ class Rules(NamedTuple):
     names: Renaming = Renaming()
     max_rates: MaxRates = MaxRates()
 
-    def opens(self, way: "Way") -> bool:
+    def enables(self, route: "Route") -> bool:
         """Return whether the direction of this pair is enabled."""
-        return (self.to_ros2 if way.to_ros2 else self.to_ros1) and self.allows(way.name)
+        return (self.to_ros2 if route.to_ros2 else self.to_ros1) and self.allows(route.name)
 
     def allows(self, name: str) -> bool:
         """Return whether a topic or service with this ROS 1 name may be bridged."""
         denied, allowed = _compiled(tuple(self.deny)), _compiled(tuple(self.allow))
-        if is_never_bridged(name) or denied.match(name) or not allowed.match(name):
+        if is_reserved(name) or denied.match(name) or not allowed.match(name):
             return False
         other = self.names.in_ros2(name)
-        return other is not None and not is_never_bridged(other)
+        return other is not None and not is_reserved(other)
 
 
-def is_never_bridged(name: str) -> bool:
+def is_reserved(name: str) -> bool:
     """Return whether a name is reserved: used by each ROS for itself, or bridged specially."""
-    return _compiled(NEVER).match(name) is not None
+    return _compiled(RESERVED_NAMES).match(name) is not None
 
 
 @functools.lru_cache(maxsize=16)
@@ -67,7 +72,7 @@ def _compiled(patterns: Tuple[str, ...]) -> "re.Pattern[str]":
     return re.compile("|".join(map(fnmatch.translate, patterns)) or r"(?!)")
 
 
-class Way(NamedTuple):
+class Route(NamedTuple):
     """Topic, service or action to bridge, with its direction.
 
     :param name: its name in ROS 1
@@ -78,15 +83,15 @@ class Way(NamedTuple):
     to_ros2: bool
 
 
-def wanted(rules: Rules, in_ros1: Set[str], in_ros2: Set[str]) -> List[Way]:
+def select_routes(rules: Rules, in_ros1: Set[str], in_ros2: Set[str]) -> List[Route]:
     """Return the pairs to bridge, sorted by name.
 
     :param rules: the user's rules
     :param in_ros1: topics or services that others offer in ROS 1
     :param in_ros2: the same in ROS 2, by ROS 1 name
     """
-    ways = [*(Way(name, True) for name in in_ros1), *(Way(name, False) for name in in_ros2)]
-    return sorted(filter(rules.opens, ways))
+    routes = [*(Route(name, True) for name in in_ros1), *(Route(name, False) for name in in_ros2)]
+    return sorted(filter(rules.enables, routes))
 
 
 def rank_names(there: Iterable[str], *kinds: Set[str]) -> List[str]:

@@ -109,8 +109,8 @@ class BridgeParameters(ParameterSet):
 HELD_BYTES = 2**26
 
 
-class Quality(NamedTuple):
-    """Quality of service of a ROS 2 topic.
+class QosProfile(NamedTuple):
+    """Quality of service (QoS) of a ROS 2 topic.
 
     :param depth: history depth
     :param latched: whether it is transient-local
@@ -126,8 +126,8 @@ class Quality(NamedTuple):
     offered: Tuple[Tuple[str, Any], ...] = ()
 
 
-class Qualities:
-    """Quality of service of each topic: set by the user, or derived from other publishers.
+class QosProfiles:
+    """QosProfile of service of each topic: set by the user, or derived from other publishers.
 
     :param depth: default history depth
     :param chosen: list of mappings, each with a pattern of topics, ``topic``, and some of
@@ -165,7 +165,7 @@ class Qualities:
         best_effort: bool = False,
         at_least: int = 0,
         size: int = 0,
-    ) -> Quality:
+    ) -> QosProfile:
         """Return the quality of a topic.
 
         :param latched: whether it is transient-local, unless the user sets it
@@ -184,7 +184,7 @@ class Qualities:
         if size:
             depth = max(1, min(depth, HELD_BYTES // size))
         offered = (*self.DURATIONS, "liveliness")
-        return Quality(
+        return QosProfile(
             int(choice.get("depth", depth)),
             latched,
             best_effort,
@@ -193,16 +193,16 @@ class Qualities:
 
 
 def _validate(topic: str, name: str, value: Any) -> None:
-    allowed = Qualities.ALLOWED.get(name)
+    allowed = QosProfiles.ALLOWED.get(name)
     if allowed is not None:
         is_good, words = value in allowed, f"one of {', '.join(allowed)}"
     elif name == "depth":
         is_good, words = type(value) is int and 1 <= value <= 100_000, "1 to 100000"
-    elif name in Qualities.DURATIONS:
+    elif name in QosProfiles.DURATIONS:
         is_good = type(value) in (int, float) and 0.0 < value <= _LONGEST_S
         words = f"a number of seconds above 0, at most {_LONGEST_S:g}"
     else:
-        names = ("depth", *Qualities.ALLOWED, *Qualities.DURATIONS)
+        names = ("depth", *QosProfiles.ALLOWED, *QosProfiles.DURATIONS)
         is_good, words = name == "topic", f"made of topic, {', '.join(names)}"
     if not is_good:
         raise ParameterError(f"qos of {topic}, {name}", value, words)

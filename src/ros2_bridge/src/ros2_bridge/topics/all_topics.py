@@ -12,11 +12,11 @@ from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.graph import Topic
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.ros2.peer_definitions import PeerDefinitions
-from ros2_bridge.rules.selection import OWN_WAYS, Rules, Way, wanted
+from ros2_bridge.rules.selection import RESERVED_PACKAGES, Rules, Route, select_routes
 from ros2_bridge.rules.active_pairs import PairBridge, for_all
-from ros2_bridge.rules.settings import Qualities
+from ros2_bridge.rules.settings import QosProfiles
 from ros2_bridge.rules.skip_log import SkipLog, Unbridgeable
-from ros2_bridge.topics.one_topic import Count, TopicToRos1, TopicToRos2
+from ros2_bridge.topics.one_topic import PairCounters, TopicToRos1, TopicToRos2
 from ros2_bridge.types.type_registry import MessageType, TypeRegistry
 
 _Pair = Union[TopicToRos1, TopicToRos2]
@@ -34,7 +34,7 @@ class TopicBridge(PairBridge[_Pair]):
         node: Node,
         participant: Participant,
         types: TypeRegistry,
-        qualities: Qualities,
+        qualities: QosProfiles,
         skip_log: SkipLog,
     ) -> None:
         super().__init__(skip_log)
@@ -63,19 +63,19 @@ class TopicBridge(PairBridge[_Pair]):
         published1 = set(ros1.publishers) - of_actions
         published2 = {name for name, topic in ros2.items() if topic.publishers}
         try:
-            self.update_pairs(wanted(rules, published1, published2))
+            self.update_pairs(select_routes(rules, published1, published2))
         finally:
             for_all(self.pairs, self._follow)
 
-    def _follow(self, way: Way) -> None:
-        pair = self.pairs[way]
-        pair.limit.set_rate(self._rules.max_rates.of(way.name))
+    def _follow(self, route: Route) -> None:
+        pair = self.pairs[route]
+        pair.limit.set_rate(self._rules.max_rates.of(route.name))
         if isinstance(pair, TopicToRos2):
             self._update_publishers(pair)
-            pair.forward_while(self._is_heard(way.name))
+            pair.forward_while(self._is_heard(route.name))
             return
-        if way.name in self._ros2:
-            pair.follow_publishers(self._ros2[way.name])
+        if route.name in self._ros2:
+            pair.follow_publishers(self._ros2[route.name])
         pair.forward_if_heard()
 
     def follow_subscribers1(self) -> None:
@@ -83,42 +83,42 @@ class TopicBridge(PairBridge[_Pair]):
         pairs = (pair for pair in self.pairs.values() if isinstance(pair, TopicToRos1))
         for_all(pairs, TopicToRos1.forward_if_heard)
 
-    def _has_same_type(self, way: Way, pair: _Pair) -> bool:
+    def _has_same_type(self, route: Route, pair: _Pair) -> bool:
         if isinstance(pair, TopicToRos2):
-            return self._type1(way) in (None, pair.kind.ros1)
-        types = self._types2(way)
+            return self._type1(route) in (None, pair.kind.ros1)
+        types = self._types2(route)
         return not types or pair.kind.ros1 in map(self._types.ros1_name, types)
 
-    def _has_known_definitions(self, way: Way) -> bool:
+    def _has_known_definitions(self, route: Route) -> bool:
         """Return whether the endpoint in ROS 2 uses the bridge's definition of the type.
 
         :returns: False if it is not known yet
         :raises Unbridgeable: if the definitions differ
         """
-        found = self._ros2[way.name].definitions if way.name in self._ros2 else set()
+        found = self._ros2[route.name].definitions if route.name in self._ros2 else set()
         return all(
-            self._definitions.are_known_to_fit(way.name, type_name, type_hash, node)
+            self._definitions.are_known_to_fit(route.name, type_name, type_hash, node)
             for publishes, type_name, type_hash, node in sorted(found)
-            if publishes != way.to_ros2
+            if publishes != route.to_ros2
         )
 
-    def _is_as_begun(self, way: Way, pair: _Pair) -> bool:
-        found = self._ros2.get(way.name)
+    def _is_as_begun(self, route: Route, pair: _Pair) -> bool:
+        found = self._ros2.get(route.name)
         try:
-            if not self._has_known_definitions(way):
+            if not self._has_known_definitions(route):
                 return False
         except Unbridgeable:
             return False  # creating it again reports the reason
         return found is None or isinstance(pair, TopicToRos2) or pair.fits(found)
 
-    def _begin(self, way: Way) -> Optional[_Pair]:
-        kind = self._kind(way)
-        if kind is None or not self._has_known_definitions(way):
+    def _begin(self, route: Route) -> Optional[_Pair]:
+        kind = self._kind(route)
+        if kind is None or not self._has_known_definitions(route):
             return None
-        name, other = way.name, self._rules.names.in_ros2(way.name) or way.name
+        name, other = route.name, self._rules.names.in_ros2(route.name) or route.name
         validate_full_topic_name(other)  # /robot/1 is legal in ROS 1 only
         node, participant, qualities = self._node, self._participant, self._qualities
-        if way.to_ros2:
+        if route.to_ros2:
             pair = TopicToRos2(node, participant, name, other, kind, qualities)
             self._update_publishers(pair)
             return pair
@@ -132,24 +132,24 @@ class TopicBridge(PairBridge[_Pair]):
         """Return whether a topic has subscribers in ROS 2."""
         return name in self._ros2 and bool(self._ros2[name].subscribers)
 
-    def _type1(self, way: Way) -> Optional[str]:
+    def _type1(self, route: Route) -> Optional[str]:
         """Return the type of a topic in ROS 1; None if no publisher announces it."""
-        found = self._ros1.types.get(way.name)
+        found = self._ros1.types.get(route.name)
         return None if found == "*" else found
 
-    def _types2(self, way: Way) -> Set[str]:
+    def _types2(self, route: Route) -> Set[str]:
         """Return the types of a topic in ROS 2."""
-        return self._ros2[way.name].types if way.name in self._ros2 else set()
+        return self._ros2[route.name].types if route.name in self._ros2 else set()
 
-    def _kind(self, way: Way) -> Optional[MessageType]:
+    def _kind(self, route: Route) -> Optional[MessageType]:
         """Return the type of a topic; None if it is not known yet, or differs between the ROSes.
 
         :raises Unbridgeable: if there is no common type
         """
-        type1, types2 = self._type1(way), self._types2(way)
-        if way.to_ros2 and type1 is None:
+        type1, types2 = self._type1(route), self._types2(route)
+        if route.to_ros2 and type1 is None:
             return None
-        if any(name.startswith(OWN_WAYS) for name in (type1 or "", *types2)):
+        if any(name.startswith(RESERVED_PACKAGES) for name in (type1 or "", *types2)):
             return None
         names = {self._types.ros1_name(name) for name in types2}
         used: List[str] = sorted(types2)
@@ -157,24 +157,24 @@ class TopicBridge(PairBridge[_Pair]):
             names.add(type1)
             used.insert(0, f"{type1} in ROS 1")
         if len(names) > 1:
-            here, there = ("ROS 2", "ROS 1") if way.to_ros2 else ("ROS 1", "ROS 2")
-            other = self.pairs.get(Way(way.name, not way.to_ros2))
+            here, there = ("ROS 2", "ROS 1") if route.to_ros2 else ("ROS 1", "ROS 2")
+            other = self.pairs.get(Route(route.name, not route.to_ros2))
             kept = f" (to {there} it is bridged as {other.kind.ros1})" if other else ""
             raise Unbridgeable(
-                f"{way.name} to {here}, as it has several types: {', '.join(used)}{kept}"
+                f"{route.name} to {here}, as it has several types: {', '.join(used)}{kept}"
             )
         return self._types.message(names.pop())
 
-    def types(self) -> Dict[Way, str]:
+    def types(self) -> Dict[Route, str]:
         """Return the ROS 1 type name of each pair, including topics without messages so far."""
-        found = {way: pair.kind.ros1 for way, pair in self.pairs.items()}
+        found = {route: pair.kind.ros1 for route, pair in self.pairs.items()}
         subscribed = {name for name, topic in self._ros2.items() if topic.subscribers}
-        for way in wanted(self._rules, subscribed, set()):
+        for route in select_routes(self._rules, subscribed, set()):
             with contextlib.suppress(Unbridgeable):
-                kind = self._types.message(self._types.ros1_name(min(self._ros2[way.name].types)))
-                found.setdefault(way, kind.ros1)
+                kind = self._types.message(self._types.ros1_name(min(self._ros2[route.name].types)))
+                found.setdefault(route, kind.ros1)
         return found
 
-    def counts(self) -> Dict[Way, Count]:
+    def counts(self) -> Dict[Route, PairCounters]:
         """Return the message counts of each pair."""
-        return {way: pair.count for way, pair in list(self.pairs.items())}
+        return {route: pair.count for route, pair in list(self.pairs.items())}

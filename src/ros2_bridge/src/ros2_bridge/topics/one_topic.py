@@ -14,9 +14,9 @@ from nodekit import Node, ReentrantCallbackGroup, Throttle
 from ros2_bridge.ros2.graph import Topic
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.ros2.rcl_take import ReceivedMessage
-from ros2_bridge.rules.active_pairs import Bridged
+from ros2_bridge.rules.active_pairs import BridgedResources
 from ros2_bridge.rules.rates import RateLimit
-from ros2_bridge.rules.settings import Qualities, Quality
+from ros2_bridge.rules.settings import QosProfiles, QosProfile
 from ros2_bridge.topics.publishers import TopicPublishers
 from ros2_bridge.types.codec import ConversionError
 from ros2_bridge.types.type_registry import MessageType
@@ -41,7 +41,7 @@ def serialized(message: Any) -> bytes:
     return raw
 
 
-class Count:
+class PairCounters:
     """Counters of a pair: messages passed, lost, rejected, and dropped by the maximum rate."""
 
     def __init__(self) -> None:
@@ -96,20 +96,20 @@ class TopicToRos2:
         topic: str,
         other: str,
         kind: MessageType,
-        qualities: Qualities,
+        qualities: QosProfiles,
     ) -> None:
         self._throttle = Throttle(_LOG_PERIOD_S)
         self._node, self._participant, self.topic, self.kind = node, participant, topic, kind
         self._other, self._qualities = other, qualities
-        self.count, self.limit = Count(), RateLimit()
+        self.count, self.limit = PairCounters(), RateLimit()
         self._subscription = OnDemandSubscription(self._subscribe)
         self.publishers = TopicPublishers(participant, self._make_publisher, self._quality)
 
-    def _quality(self, latched: bool, size: int) -> Quality:
+    def _quality(self, latched: bool, size: int) -> QosProfile:
         # ROS 1 latches a single message.
         return self._qualities.of(self.topic, latched, at_least=1 if latched else 0, size=size)
 
-    def _make_publisher(self, owner: Ros2Node, quality: Quality) -> Any:
+    def _make_publisher(self, owner: Ros2Node, quality: QosProfile) -> Any:
         return self._participant.create_publisher(owner, self.kind.cls, self._other, quality)
 
     def _subscribe(self) -> Callable[[], None]:
@@ -177,22 +177,22 @@ class TopicToRos1:
         topic: str,
         other: str,
         kind: MessageType,
-        qualities: Qualities,
+        qualities: QosProfiles,
         found: Topic,
     ) -> None:
         self._throttle = Throttle(_LOG_PERIOD_S)
         self._participant, self.topic, self._other, self.kind = participant, topic, other, kind
         self._qualities, self._found = qualities, found
         self._wanted = self._wanted_qualities()
-        self.count, self.limit = Count(), RateLimit()
+        self.count, self.limit = PairCounters(), RateLimit()
         self._seq = 0
         self._last: Dict[bytes, int] = {}
         self._lock = threading.Lock()
-        self._kept: Bridged[bytes, LatchedMessage] = Bridged()
+        self._kept: BridgedResources[bytes, LatchedMessage] = BridgedResources()
         self._scope = node.create_scope()
         self._publisher = self._scope.create_publisher(topic, kind.raw, latch=found.latched)
         #: Existing subscriptions by transient-local, each with a function that ends it.
-        self._subscriptions: Dict[bool, Tuple[Quality, Callable[[], None]]] = {}
+        self._subscriptions: Dict[bool, Tuple[QosProfile, Callable[[], None]]] = {}
         #: Whether each publisher is transient-local, if known.
         self._latching: Dict[bytes, bool] = {}
         try:
@@ -201,9 +201,9 @@ class TopicToRos1:
             self.close()
             raise
 
-    def _wanted_qualities(self) -> Dict[bool, Quality]:
+    def _wanted_qualities(self) -> Dict[bool, QosProfile]:
         """Return the needed subscriptions, by whether they are transient-local."""
-        wanted: Dict[bool, Quality] = {}
+        wanted: Dict[bool, QosProfile] = {}
         for latched, may_lose in self._found.offers.items():
             quality = self._qualities.of(self.topic, latched, may_lose)
             other = wanted.get(quality.latched, quality)  # if the user set it
@@ -216,7 +216,7 @@ class TopicToRos1:
         is_heard = self._found.latched or self._publisher.get_num_connections(in_process=False) > 0
         self._switch(self._wanted if is_heard else {})
 
-    def _switch(self, wanted: Mapping[bool, Quality]) -> None:
+    def _switch(self, wanted: Mapping[bool, QosProfile]) -> None:
         for kept, (quality, end) in list(self._subscriptions.items()):
             if wanted.get(kept) != quality:
                 del self._subscriptions[kept]

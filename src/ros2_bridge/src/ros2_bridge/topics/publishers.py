@@ -7,11 +7,11 @@ from typing import Any, Callable, Mapping, Optional, Set
 from rclpy.node import Node as Ros2Node
 
 from ros2_bridge.ros2.participant import Participant
-from ros2_bridge.rules.active_pairs import Bridged
-from ros2_bridge.rules.settings import Quality
+from ros2_bridge.rules.active_pairs import BridgedResources
+from ros2_bridge.rules.settings import QosProfile
 
-MakePublisher = Callable[[Ros2Node, Quality], Any]
-QualityOf = Callable[[bool, int], Quality]
+MakePublisher = Callable[[Ros2Node, QosProfile], Any]
+QualityOf = Callable[[bool, int], QosProfile]
 
 #: Time until all subscribers have discovered a new publisher [s].
 _KNOWN_S = 0.1
@@ -95,7 +95,7 @@ class TopicPublishers:
     def __init__(self, participant: Participant, make: MakePublisher, quality: QualityOf) -> None:
         self._participant, self._make, self._quality_of = participant, make, quality
         self._lock = threading.Lock()
-        self._by_caller: Bridged[str, NodePublisher] = Bridged()
+        self._by_caller: BridgedResources[str, NodePublisher] = BridgedResources()
         self._is_closed = False
 
     def update_publishers(

@@ -7,8 +7,8 @@ from nodekit import Node, ReentrantCallbackGroup
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.graph import Topic
 from ros2_bridge.ros2.participant import Participant
-from ros2_bridge.rules.selection import Rules, Way
-from ros2_bridge.rules.settings import Quality
+from ros2_bridge.rules.selection import Rules, Route
+from ros2_bridge.rules.settings import QosProfile
 from ros2_bridge.rules.skip_log import SkipLog
 from ros2_bridge.types.type_registry import TypeRegistry
 
@@ -44,7 +44,7 @@ class RobotDescription:
         """
         value = self._value
         is_others = NAME in ros1.publishers or (NAME in ros2 and bool(ros2[NAME].publishers))
-        if is_others or not rules.opens(Way(NAME, True)):
+        if is_others or not rules.enables(Route(NAME, True)):
             value = None
         elif value is not None and not isinstance(value, str):
             self._skip_log.report(f"the parameter {NAME} of ROS 1: not a text")
@@ -61,7 +61,7 @@ class RobotDescription:
     def _publish(self, text: str, topic: str) -> None:
         kind = self._types.message("std_msgs/String")
         if self._publisher is None:
-            quality = Quality(1, latched=True)
+            quality = QosProfile(1, latched=True)
             node = self._participant.node
             self._publisher = self._participant.create_publisher(node, kind.cls, topic, quality)
         data = text.encode()

@@ -9,9 +9,9 @@ from nodekit import Node, ReentrantCallbackGroup
 from ros2_bridge.environment.ros1_messages import Log as Ros1Log
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.rules.selection import ROSOUT
-from ros2_bridge.rules.active_pairs import Bridged
+from ros2_bridge.rules.active_pairs import BridgedResources
 from ros2_bridge.rules.renaming import Renaming
-from ros2_bridge.rules.settings import Quality
+from ros2_bridge.rules.settings import QosProfile
 from ros2_bridge.topics.one_topic import OnDemandSubscription
 
 #: ROS 2 log levels by ROS 1 level.
@@ -46,12 +46,12 @@ class Rosout:
 
     def __init__(self, node: Node, participant: Participant, names: Renaming) -> None:
         self._node, self._participant, self._names = node, participant, names
-        self._logs: Bridged[str, NodeLog] = Bridged(1)
+        self._logs: BridgedResources[str, NodeLog] = BridgedResources(1)
         self._of_others = self._create_log(participant.node)
         self.subscription = OnDemandSubscription(self._subscribe)
 
     def _create_log(self, owner: Ros2Node) -> NodeLog:
-        quality = Quality(1000, latched=True)
+        quality = QosProfile(1000, latched=True)
         return NodeLog(
             self._participant,
             owner,

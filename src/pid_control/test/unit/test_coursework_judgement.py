@@ -14,12 +14,12 @@ from pid_control.signal_judging.evidence import (
     GENERATOR,
     PROCESS,
     Baseline,
-    Broken,
+    FailedTrial,
     Evidence,
     Features,
     Parameters,
     Restart,
-    Tried,
+    ParameterEffect,
 )
 from pid_control.signal_judging.features import process_features, signal_features
 from pid_control.signal_judging.figures import frequency_error
@@ -49,7 +49,7 @@ def evidence(
     output: Any = lambda time: math.sin(2.0 * time + 1.0) + 1.0,
     constants: Optional[Dict[str, float]] = None,
     duration: float = 10.0,
-    tried: Optional[List[Tried]] = None,
+    tried: Optional[List[ParameterEffect]] = None,
 ) -> Evidence:
     """Return the evidence of a good coursework, with given changes."""
     found = Evidence()
@@ -59,10 +59,10 @@ def evidence(
     found.restart = Restart(False, found.baseline.features.process, one, other)
     if tried is None:
         tried = [
-            Tried("/amplitude", 2.0, "amplitude", {GENERATOR}, is_predicted=True),
-            Tried("/omega", 2.0, "frequency", {GENERATOR}, is_predicted=True),
-            Tried("/gain", 0.5, "gain", {PROCESS}, is_predicted=True),
-            Tried("/angle", 1.0, "phase_shift", {PROCESS}, is_predicted=True),
+            ParameterEffect("/amplitude", 2.0, "amplitude", {GENERATOR}, is_predicted=True),
+            ParameterEffect("/omega", 2.0, "frequency", {GENERATOR}, is_predicted=True),
+            ParameterEffect("/gain", 0.5, "gain", {PROCESS}, is_predicted=True),
+            ParameterEffect("/angle", 1.0, "phase_shift", {PROCESS}, is_predicted=True),
         ]
     found.parameters = Parameters(tried, set(), {}, True)
     found.outside = []
@@ -156,55 +156,57 @@ def test_flaw_of_the_messages_is_the_first_cause(changes: Dict[str, Any], says: 
     ("tried", "says"),
     [
         (
-            Tried("/amplitude", 3.0, "amplitude", {GENERATOR}, is_predicted=True),
+            ParameterEffect("/amplitude", 3.0, "amplitude", {GENERATOR}, is_predicted=True),
             "the amplitude is 2, where /amplitude is 3",
         ),
         (
-            Tried("/omega", 3.0, "frequency", {GENERATOR}, is_predicted=True),
+            ParameterEffect("/omega", 3.0, "frequency", {GENERATOR}, is_predicted=True),
             "the frequency is 2 rad/s, where /omega is 3, in rad/s or Hz",
         ),
         (
-            Tried("/hz", 9.681690113816209, "frequency", {GENERATOR}, is_predicted=True),
+            ParameterEffect("/hz", 9.681690113816209, "frequency", {GENERATOR}, is_predicted=True),
             "10 messages per second are too few for /hz: 9.68169: they show a sine of 2 rad/s",
         ),
         (
-            Tried("/f_hz", 2.0, "frequency", {GENERATOR}, is_predicted=True),
+            ParameterEffect("/f_hz", 2.0, "frequency", {GENERATOR}, is_predicted=True),
             "the frequency is 2 rad/s, where /f_hz is 2",
         ),
         (
-            Tried("/hz/rad_s", 1.0 / math.pi, "frequency", {GENERATOR}, is_predicted=True),
+            ParameterEffect(
+                "/hz/rad_s", 1.0 / math.pi, "frequency", {GENERATOR}, is_predicted=True
+            ),
             "the frequency is 2 rad/s, where /hz/rad_s is 0.31831",
         ),
         (
-            Tried("/gain", 0.9, "gain", {PROCESS}, is_predicted=True),
+            ParameterEffect("/gain", 0.9, "gain", {PROCESS}, is_predicted=True),
             "the output has 0.5 of the amplitude, where /gain is 0.9",
         ),
         (
-            Tried("/angle", 2.0, "phase_shift", {PROCESS}, is_predicted=True),
+            ParameterEffect("/angle", 2.0, "phase_shift", {PROCESS}, is_predicted=True),
             "the phase shift is 1 rad, where /angle is 2",
         ),
         (
-            Tried("/angle_deg", 1.0, "phase_shift", {PROCESS}, is_predicted=True),
+            ParameterEffect("/angle_deg", 1.0, "phase_shift", {PROCESS}, is_predicted=True),
             "the phase shift is 1 rad, where /angle_deg is 1",
         ),
         (
-            Tried("/angle_rad", 417.2957795, "phase_shift", {PROCESS}, is_predicted=True),
+            ParameterEffect("/angle_rad", 417.2957795, "phase_shift", {PROCESS}, is_predicted=True),
             "the phase shift is 1 rad, where /angle_rad is 417.296",
         ),
         (
-            Tried("/a/b", 2.0, "", set(), is_mentioned=False),
+            ParameterEffect("/a/b", 2.0, "", set(), is_mentioned=False),
             "/a/b has no effect: no source mentions it",
         ),
-        (Tried("/a/b", 2.0, "", set(), ["/b"]), "/a/b has no effect, but /b has"),
+        (ParameterEffect("/a/b", 2.0, "", set(), ["/b"]), "/a/b has no effect, but /b has"),
         (
-            Tried("/a/frequency", 2.0, "frequency", set()),
+            ParameterEffect("/a/frequency", 2.0, "frequency", set()),
             "/a/frequency has no effect: one of: it is not read, or read and not used",
         ),
     ],
 )
-def test_flaw_of_a_parameter_is_named(tried: Tried, says: str) -> None:
+def test_flaw_of_a_parameter_is_named(tried: ParameterEffect, says: str) -> None:
     others = [
-        Tried("/x", 1.0, "", {GENERATOR, PROCESS}),
+        ParameterEffect("/x", 1.0, "", {GENERATOR, PROCESS}),
     ]
     assert cause(evidence(tried=[*others, tried])) == says
 
@@ -213,25 +215,27 @@ def test_flaw_of_a_parameter_is_named(tried: Tried, says: str) -> None:
     "tried",
     [
         # In Hz, in degrees, a lag, of another unit, not the only one, maybe used in another case.
-        Tried("/hz", 2.0 / (2.0 * math.pi), "frequency", {GENERATOR}, is_predicted=True),
-        Tried("/angle", math.degrees(1.0), "phase_shift", {PROCESS}, is_predicted=True),
-        Tried("/f_hz", 1.0 / math.pi, "frequency", {GENERATOR}, is_predicted=True),
-        Tried("/angle_deg", math.degrees(1.0), "phase_shift", {PROCESS}, is_predicted=True),
-        Tried("/angle", -1.0, "phase_shift", {PROCESS}, is_predicted=True),
-        Tried("/phase_samples", 10.0, "phase_shift", {PROCESS}),
-        Tried("/gain", 1.0, "gain", {PROCESS}, is_predicted=True),
-        Tried("/offset", 1.0, "offset", set()),
-        Tried("/chirp_duration", 1.0, "", set()),
+        ParameterEffect("/hz", 2.0 / (2.0 * math.pi), "frequency", {GENERATOR}, is_predicted=True),
+        ParameterEffect("/angle", math.degrees(1.0), "phase_shift", {PROCESS}, is_predicted=True),
+        ParameterEffect("/f_hz", 1.0 / math.pi, "frequency", {GENERATOR}, is_predicted=True),
+        ParameterEffect(
+            "/angle_deg", math.degrees(1.0), "phase_shift", {PROCESS}, is_predicted=True
+        ),
+        ParameterEffect("/angle", -1.0, "phase_shift", {PROCESS}, is_predicted=True),
+        ParameterEffect("/phase_samples", 10.0, "phase_shift", {PROCESS}),
+        ParameterEffect("/gain", 1.0, "gain", {PROCESS}, is_predicted=True),
+        ParameterEffect("/offset", 1.0, "offset", set()),
+        ParameterEffect("/chirp_duration", 1.0, "", set()),
     ],
 )
-def test_parameter_of_another_unit_or_case_is_not_blamed(tried: Tried) -> None:
-    both = Tried("/x", 1.0, "", {GENERATOR, PROCESS})
+def test_parameter_of_another_unit_or_case_is_not_blamed(tried: ParameterEffect) -> None:
+    both = ParameterEffect("/x", 1.0, "", {GENERATOR, PROCESS})
     assert judged(evidence(tried=[both, tried])).verdict == PASSED
 
 
 def test_unread_parameter_beside_one_of_its_role_is_not_blamed() -> None:
-    unread = Tried("/prbs_amplitude", 1.0, "amplitude", set())
-    read = Tried("/amplitude", 2.0, "amplitude", {GENERATOR, PROCESS})
+    unread = ParameterEffect("/prbs_amplitude", 1.0, "amplitude", set())
+    read = ParameterEffect("/amplitude", 2.0, "amplitude", {GENERATOR, PROCESS})
     assert judged(evidence(tried=[unread, read])).verdict == PASSED
 
 
@@ -270,13 +274,16 @@ def test_yaml_namespace_and_launch_name_the_source() -> None:
 @pytest.mark.parametrize(
     ("broken", "says"),
     [
-        (Broken("ended", "/process", "NameError: x"), "/process ended by itself: NameError: x"),
-        (Broken("flood", "/process"), "/process computes without a pause"),
-        (Broken("writes without end", "/process"), "/process writes to its log without end"),
-        (Broken("not connected", "", "a; b"), "neither node receives the other's topic: a; b"),
+        (
+            FailedTrial("ended", "/process", "NameError: x"),
+            "/process ended by itself: NameError: x",
+        ),
+        (FailedTrial("flood", "/process"), "/process computes without a pause"),
+        (FailedTrial("writes without end", "/process"), "/process writes to its log without end"),
+        (FailedTrial("not connected", "", "a; b"), "neither node receives the other's topic: a; b"),
     ],
 )
-def test_broken_trial_is_a_failure(broken: Broken, says: str) -> None:
+def test_broken_trial_is_a_failure(broken: FailedTrial, says: str) -> None:
     found = Evidence()
     found.broken["signal"] = broken
     judgement = judge(found, LIMITS, ["signal", "process"])

@@ -8,7 +8,7 @@ import pytest
 from scipy.signal import lfilter
 
 from pid_control.identification.excitation import excitation
-from pid_control.identification.fit import Identified, identify
+from pid_control.identification.fit import Identification, identify
 from pid_control.identification.model_file import as_yaml, read_model
 from pid_control.identification.record import Record, record_of
 from pid_control.identification.report import as_picture, as_text
@@ -53,7 +53,9 @@ def rubbing(friction: float, seed: int, noise: float = 0.05, breakaway: float = 
     return record_of(given, inputs, times[::10], measured)
 
 
-def assert_within(found: Identified, name: str, value: float, most: Optional[float] = None) -> None:
+def assert_within(
+    found: Identification, name: str, value: float, most: Optional[float] = None
+) -> None:
     """Check that a value lies in three times its ±, which is at most this wide."""
     off = abs(getattr(found.model, name) - value)
     assert off <= 3.0 * getattr(found.uncertainty, name), (name, found)

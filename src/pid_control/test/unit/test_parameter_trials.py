@@ -13,7 +13,7 @@ from pid_control.signal_judging.features import SINE, ProcessFeatures, SignalFea
 from pid_control.signal_judging.sine_fit import SineFit
 from pid_control.signal_runner.coursework import Coursework, find_coursework
 from pid_control.signal_runner.parameter_trials import ParameterTrials
-from pid_control.signal_runner.node_pair import Pair
+from pid_control.signal_runner.node_pair import NodePair
 from pid_control.signal_runner.trial import TrialError
 
 COURSEWORKS = pathlib.Path(__file__).resolve().parents[1] / "courseworks"
@@ -48,7 +48,7 @@ def tried(folder: pathlib.Path, law: Law) -> Tuple[Parameters, ParameterTrials, 
         ran.append(one)
         return law(one.parameters)
 
-    pair = Pair(generator, process, {}, {}, {})
+    pair = NodePair(generator, process, {}, {}, {})
     baseline = Baseline(law(coursework.parameters), NOTHING, NOTHING, {})
     trials = ParameterTrials(coursework, pair, baseline, run)
     return trials.run(), trials, ran

@@ -143,7 +143,7 @@ def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, Li
 
 def _judge_class(arguments: argparse.Namespace) -> int:
     from pid_control.programs.batch import Batch
-    from pid_control.programs.wanted import ProgramWanted
+    from pid_control.programs.judged_part import JudgedProgram
 
     parser = _parser()
     check_class(parser, arguments, ("node", "workspace", "launch", "picture", "csv"))
@@ -159,5 +159,5 @@ def _judge_class(arguments: argparse.Namespace) -> int:
     output = os.path.abspath(arguments.output)
     folder, limit = arguments.class_folder, arguments.time_limit
     name, *rest = arguments.words or [_NAME]
-    wanted = ProgramWanted(name, rest, SCENARIO_METRICS)
-    return Batch(folder, wanted, options, output, limit, roster).run()
+    part = JudgedProgram(name, rest, SCENARIO_METRICS)
+    return Batch(folder, part, options, output, limit, roster).run()

@@ -24,7 +24,7 @@ from pid_control.identification.term_selection import best_fit
 _LEAST_EXPLAINED, _MAX_UNCERTAINTY = 0.5, 0.5
 
 
-class Identified(NamedTuple):
+class Identification(NamedTuple):
     """Result of an identification.
 
     :ivar model: the plant
@@ -44,7 +44,7 @@ class Identified(NamedTuple):
     test: ResidualTest
 
 
-def identify(record: Record) -> Identified:
+def identify(record: Record) -> Identification:
     """Identify K, T and dead time, and dead zone, limit, offset and friction if present.
 
     Those four are part of the model only if they improve the Bayesian information criterion, see
@@ -70,7 +70,7 @@ def identify(record: Record) -> Identified:
     _check_uncertainty(record, model, uncertainty)
     residual = math.sqrt(float(numpy.mean(errors**2)))
     test = examine(fit.record, fit.errors, model)
-    return Identified(model, uncertainty, fitted, residual, explained, test)
+    return Identification(model, uncertainty, fitted, residual, explained, test)
 
 
 def _check_uncertainty(record: Record, model: Model, uncertainty: Model) -> None:

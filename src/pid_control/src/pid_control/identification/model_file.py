@@ -5,7 +5,7 @@ from typing import Any, Dict
 
 import yaml
 
-from pid_control.identification.fit import Identified
+from pid_control.identification.fit import Identification
 from pid_control.identification.report import trust_in
 from pid_control.identification.response import Model
 
@@ -30,7 +30,7 @@ class ModelError(ValueError):
     """The text is not a valid model; the message says why."""
 
 
-def as_yaml(found: Identified, origin: str) -> str:
+def as_yaml(found: Identification, origin: str) -> str:
     """Return a model as YAML.
 
     :param found: the result of the identification

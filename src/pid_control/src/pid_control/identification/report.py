@@ -4,7 +4,7 @@ import math
 from typing import List, Optional
 
 from pid_control.charts.chart import Curve, Panel, as_svg
-from pid_control.identification.fit import Identified
+from pid_control.identification.fit import Identification
 from pid_control.identification.record import Record
 from pid_control.identification.step_reading import StepReading, why_they_differ
 
@@ -12,7 +12,7 @@ from pid_control.identification.step_reading import StepReading, why_they_differ
 _RECORD, _MODEL, _INPUT = "#999999", "#0072b2", "#d55e00"
 
 
-def as_text(record: Record, found: Identified, reading: Optional[StepReading]) -> str:
+def as_text(record: Record, found: Identification, reading: Optional[StepReading]) -> str:
     """Return the table of results.
 
     :param record: a record of the plant
@@ -62,7 +62,7 @@ def as_text(record: Record, found: Identified, reading: Optional[StepReading]) -
     return "\n".join(lines)
 
 
-def trust_in(found: Identified) -> List[str]:
+def trust_in(found: Identification) -> List[str]:
     """Return sentences on whether the uncertainty holds, each to follow its sign.
 
     :param found: the least-squares fit
@@ -91,7 +91,7 @@ def _line(name: str, value: float, uncertainty: float, unit: str, read: object =
     return f"{name:12}{text:28}{shown}".rstrip()
 
 
-def as_picture(record: Record, found: Identified) -> str:
+def as_picture(record: Record, found: Identification) -> str:
     """Return an SVG picture of record and fit, the residual and the input.
 
     :param record: a record of the plant

@@ -4,7 +4,7 @@ from typing import List, NamedTuple, Optional
 
 import numpy
 
-from pid_control.identification.fit import Identified
+from pid_control.identification.fit import Identification
 from pid_control.identification.record import Record
 
 #: Share of a step response that is complete after one time constant.
@@ -73,7 +73,7 @@ def _between(record: Record, begin: float, end: float) -> numpy.ndarray:
     return is_between
 
 
-def why_they_differ(record: Record, found: Identified, reading: StepReading) -> List[str]:
+def why_they_differ(record: Record, found: Identification, reading: StepReading) -> List[str]:
     """Return a sentence for each reason why a step reading differs from the least-squares fit.
 
     :param record: a record of the plant

@@ -29,7 +29,7 @@ class Output(NamedTuple):
     status: str
 
 
-class Outgoing(NamedTuple):
+class OutgoingMessages(NamedTuple):
     """Messages to the controller at one time; None for no message."""
 
     set_point: Optional[float]
@@ -79,7 +79,7 @@ class Experiment:
         """
         return round(clock - self._zero, 9)
 
-    def send(self, clock: float) -> Outgoing:
+    def send(self, clock: float) -> OutgoingMessages:
         """Return the messages that are due.
 
         :param clock: time of the clock, never decreasing [s]
@@ -95,14 +95,14 @@ class Experiment:
         begin, end = scenario.silence
         if begin - _EDGE_S <= time < end - _EDGE_S:
             self._was_silent = True
-            return Outgoing(set_point, None)
+            return OutgoingMessages(set_point, None)
         if self._was_silent and scenario.restarts:
             self._plant_start, self._was_silent = clock, False
         speed += self._noise.gauss(0.0, scenario.noise) if time >= 0.0 else 0.0
         status = status_of(speed, scenario.motor.max_output)
         if self._is_nan(OUTPUT, time):
             speed = math.nan
-        return Outgoing(set_point, Output(speed, clock - self._plant_start, status))
+        return OutgoingMessages(set_point, Output(speed, clock - self._plant_start, status))
 
     def step_after(self, clock: float) -> float:
         """Return the time until the next step [s]."""

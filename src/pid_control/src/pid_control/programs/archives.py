@@ -70,7 +70,7 @@ def unpack(path: str, target: str) -> None:
         raise ArchiveError(f"it cannot be unpacked: {error}") from None
 
 
-class _Bounded:
+class _SizeLimitedFile:
     """Unpacked content of a tar file; raises an error if it becomes too large.
 
     :param file: the content
@@ -105,7 +105,7 @@ def _files(path: str) -> Iterator[Tuple[str, int, Optional[IO[bytes]]]]:
     opener = next((_OPENERS[one] for one in _OPENERS if start.startswith(one)), open)
     with opener(path, "rb") as unpacked:
         # As a stream, which is read in small parts: a header may claim any size.
-        content: Any = _Bounded(unpacked)
+        content: Any = _SizeLimitedFile(unpacked)
         with tarfile.open(fileobj=content, mode="r|") as packed:
             for member in packed:
                 source = packed.extractfile(member) if member.isfile() else None

@@ -9,7 +9,7 @@ from typing import Dict, List, NamedTuple, Sequence, Tuple
 from xml.etree import ElementTree
 
 from pid_control.programs.archives import ArchiveError, is_archive, stem_of, unpack
-from pid_control.programs.wanted import Wanted
+from pid_control.programs.judged_part import JudgedPart
 
 #: Deepest level of a package below a folder, and below a submission.
 _DEEPEST, _DEEPEST_OF_ENTRY = 3, 5
@@ -57,11 +57,11 @@ def packages_in(folder: str, deepest: int = _DEEPEST) -> List[str]:
     return sorted(found)
 
 
-def submissions_in(folder: str, wanted: Wanted, scratch: str) -> List[Submission]:
+def submissions_in(folder: str, part: JudgedPart, scratch: str) -> List[Submission]:
     """Return at least one submission for each entry of a folder that is not hidden.
 
     :param folder: absolute path of the folder of the class
-    :param wanted: the judged part of each package
+    :param part: the judged part of each package
     :param scratch: folder for unpacked archives
     """
     if os.path.isfile(os.path.join(folder, "package.xml")):
@@ -70,11 +70,11 @@ def submissions_in(folder: str, wanted: Wanted, scratch: str) -> List[Submission
     for index, entry in enumerate(sorted(os.listdir(folder))):
         if entry[0] != ".":
             place = os.path.join(folder, entry)
-            found += _of_entry(entry, place, wanted, os.path.join(scratch, str(index)))
+            found += _of_entry(entry, place, part, os.path.join(scratch, str(index)))
     return found
 
 
-def _of_entry(entry: str, place: str, wanted: Wanted, scratch: str) -> List[Submission]:
+def _of_entry(entry: str, place: str, part: JudgedPart, scratch: str) -> List[Submission]:
     if is_archive(place):
         try:
             unpack(place, scratch)
@@ -90,7 +90,7 @@ def _of_entry(entry: str, place: str, wanted: Wanted, scratch: str) -> List[Subm
             found: List[Submission] = []
             for name in inner:
                 path = os.path.join(place, name)
-                found += _of_entry(name, path, wanted, f"{scratch}-{len(found)}")
+                found += _of_entry(name, path, part, f"{scratch}-{len(found)}")
             return [one._replace(name=f"{entry}/{one.name}", entry=entry) for one in found]
     if not packages:
         return [
@@ -98,12 +98,12 @@ def _of_entry(entry: str, place: str, wanted: Wanted, scratch: str) -> List[Subm
                 entry,
                 entry,
                 "",
-                f"it has no package.xml: not a ROS package{wanted.hint(place)}",
+                f"it has no package.xml: not a ROS package{part.hint(place)}",
             )
         ]
     # Of several packages, those with the judged part count: the others are messages or tools.
-    chosen = [one for one in packages if wanted.is_in(one)]
-    chosen = chosen or [one for one in packages if wanted.is_built_by(one)] or packages[:1]
+    chosen = [one for one in packages if part.is_in(one)]
+    chosen = chosen or [one for one in packages if part.is_built_by(one)] or packages[:1]
     return [
         Submission(
             os.path.normpath(os.path.join(entry, os.path.relpath(one, place))),
@@ -129,18 +129,18 @@ def needed_siblings(package: str, siblings: Sequence[str]) -> List[str]:
     :param package: folder of the package
     :param siblings: folders of the packages beside it; of those with one name, the first counts
     """
-    own, wanted = _name_and_needs(package)
+    own, missing = _name_and_needs(package)
     by_name: Dict[str, Tuple[str, List[str]]] = {}
     for sibling in siblings:
         name, needs = _name_and_needs(sibling)
         by_name.setdefault(name, (sibling, needs))
     by_name.pop(own, None)
     found: List[str] = []
-    while wanted:
-        sibling, needs = by_name.pop(wanted.pop(), ("", []))
+    while missing:
+        sibling, needs = by_name.pop(missing.pop(), ("", []))
         if sibling:
             found.append(sibling)
-            wanted += needs
+            missing += needs
     return sorted(found)
 
 

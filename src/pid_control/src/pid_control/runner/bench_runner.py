@@ -7,7 +7,7 @@ from typing import Any, Dict, List, Optional, Tuple
 
 import rospy
 
-from pid_control.judging.experiment import Experiment, Outgoing, Output
+from pid_control.judging.experiment import Experiment, OutgoingMessages, Output
 from pid_control.judging.record import ENDED, NOT_CONNECTED, Pause, Record
 from pid_control.judging.scenarios import STEP_S, Scenario
 from pid_control.plant.status import NOT_TURNING
@@ -17,7 +17,7 @@ from pid_control.programs.program_process import ProgramProcess
 from pid_control.programs.deferred_signals import deferred_signals
 from pid_control.programs.package_messages import MessageTypeError, class_of
 from pid_control.runner.loop_messages import loop_message
-from pid_control.runner.outcome import Restlessness, TimeLimitExceeded, completed, failure_of
+from pid_control.runner.outcome import BusyDetector, TimeLimitExceeded, completed, failure_of
 from pid_control.runner.student_messages import describe
 from pid_control.runner.test_bench import TestBench
 
@@ -145,7 +145,7 @@ class BenchRunner:
         answers: List[Tuple[float, float]] = []
         pauses: List[Pause] = []
         failure, busy_before = "", watch.busy()
-        restless = Restlessness(watch.busy)
+        restless = BusyDetector(watch.busy)
         clock.start()
         while self._clock < zero + scenario.duration and not failure:
             self._check_time()
@@ -217,7 +217,7 @@ class BenchRunner:
     def _wait_until_alone(self) -> None:
         """Wait until the connections of ended controllers are closed."""
         end = time.monotonic() + _GONE_S
-        nothing = Outgoing(0.0, Output(0.0, 0.0, NOT_TURNING))
+        nothing = OutgoingMessages(0.0, Output(0.0, 0.0, NOT_TURNING))
         while self._bench.is_connected() and time.monotonic() < end:
             self._bench.send(nothing, self._clock)  # only a write detects a dead connection
             time.sleep(STEP_S)

@@ -45,7 +45,7 @@ class Runner(Protocol):
         """
 
 
-class Restlessness:
+class BusyDetector:
     """Detector of a controller that is never idle, or of a machine too busy to run it.
 
     :param processor_time: returns the controller's processor time so far [s]

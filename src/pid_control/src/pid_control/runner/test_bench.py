@@ -10,7 +10,7 @@ import rospy
 from rosgraph_msgs.msg import Clock
 
 from nodekit import init_node
-from pid_control.judging.experiment import Outgoing
+from pid_control.judging.experiment import OutgoingMessages
 from pid_control.programs.node_queries import ask_topics
 from pid_control.runner.loop_messages import LoopMessage, course_messages
 
@@ -141,7 +141,7 @@ class TestBench:
         counts = {name: topic.get_num_connections() for name, topic in topics.items()}
         return {**counts, "motor_input": self._input.get_num_connections()}
 
-    def send(self, outgoing: Outgoing, time: float) -> None:
+    def send(self, outgoing: OutgoingMessages, time: float) -> None:
         """Publish the messages that are due, the clock last.
 
         :param outgoing: messages of the motor and the set point

@@ -4,7 +4,7 @@ import math
 from typing import Callable, Dict, List, Mapping, Sequence, Tuple
 
 from pid_control.signal_judging.channels import Channel, oscillates
-from pid_control.signal_judging.evidence import GENERATOR, PROCESS, Baseline, Broken, Evidence
+from pid_control.signal_judging.evidence import GENERATOR, PROCESS, Baseline, FailedTrial, Evidence
 from pid_control.signal_judging.figures import Figures, figures_of, frequencies_of, is_known
 from pid_control.signal_judging.scenarios import METRICS
 from pid_control.verdicts.judgement import (
@@ -95,7 +95,7 @@ def _unknown(evidence: Evidence, scenarios: Sequence[str]) -> str:
     return "unknown signal: less than 1.2 periods were recorded; judge it with a higher frequency"
 
 
-def _cause_of_broken(broken: Broken) -> Cause:
+def _cause_of_broken(broken: FailedTrial) -> Cause:
     words = f": {broken.words}" if broken.words else ""
     if broken.flaw == "flood":
         return Cause("flood", f"{broken.node} computes without a pause: a loop without rospy.Rate")

@@ -12,7 +12,7 @@ GENERATOR, PROCESS = "signal generator", "process node"
 DISTORTED = 0.05
 
 
-class Broken(NamedTuple):
+class FailedTrial(NamedTuple):
     """A trial that a node ended.
 
     :ivar flaw: how it failed
@@ -74,7 +74,7 @@ class Restart(NamedTuple):
     output: Channel
 
 
-class Tried(NamedTuple):
+class ParameterEffect(NamedTuple):
     """A parameter, and the effect of a change of it.
 
     :ivar name: global name
@@ -105,7 +105,7 @@ class Parameters(NamedTuple):
     :ivar has_files: whether there are YAML files of numbers
     """
 
-    tried: Sequence[Tried]
+    tried: Sequence[ParameterEffect]
     hidden: Set[str]
     unused_files: Mapping[str, str]
     has_files: bool
@@ -114,7 +114,7 @@ class Parameters(NamedTuple):
         """Return the number of parameters that change a node, at least 1 if hidden ones do."""
         return max(sum(node in one.of for one in self.tried), int(node in self.hidden))
 
-    def unread(self) -> List[Tried]:
+    def unread(self) -> List[ParameterEffect]:
         """Return the parameters that are certainly not used.
 
         A parameter without effect that a source mentions may be used in other cases, unless it is
@@ -162,4 +162,4 @@ class Evidence:
         self.restart: Optional[Restart] = None
         self.parameters: Optional[Parameters] = None
         self.outside: Optional[List[str]] = None
-        self.broken: Dict[str, Broken] = {}
+        self.broken: Dict[str, FailedTrial] = {}

@@ -6,7 +6,7 @@ from pid_control.programs.node_queries import NodeTopics
 from pid_control.signal_runner.coursework import StudentNode
 
 
-class Pair(NamedTuple):
+class NodePair(NamedTuple):
     """The two nodes, and their topics.
 
     :ivar generator: the signal generator
@@ -23,9 +23,11 @@ class Pair(NamedTuple):
     others: Mapping[str, str]
 
 
-def choose_pair(nodes: Sequence[StudentNode], found: Mapping[str, NodeTopics]) -> Optional[Pair]:
+def choose_pair(
+    nodes: Sequence[StudentNode], found: Mapping[str, NodeTopics]
+) -> Optional[NodePair]:
     """Return two nodes: one subscribes to the other's topic, and publishes another."""
-    pairs: List[Tuple[int, Pair]] = []
+    pairs: List[Tuple[int, NodePair]] = []
     for process in nodes:
         for generator in nodes:
             if generator is process or not {process.global_name, generator.global_name} <= set(
@@ -43,7 +45,7 @@ def choose_pair(nodes: Sequence[StudentNode], found: Mapping[str, NodeTopics]) -
                 others = {t: type_ for t, type_ in theirs.published.items() if t not in inputs}
                 likely = ("proc" in process.name + process.program) * 2
                 likely += process.namespace == generator.namespace
-                pairs.append((likely, Pair(generator, process, inputs, outputs, others)))
+                pairs.append((likely, NodePair(generator, process, inputs, outputs, others)))
     return max(pairs, key=lambda one: one[0])[1] if pairs else None
 
 

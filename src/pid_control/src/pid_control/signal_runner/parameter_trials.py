@@ -14,7 +14,7 @@ from pid_control.signal_judging.evidence import (
     Baseline,
     Features,
     Parameters,
-    Tried,
+    ParameterEffect,
 )
 from pid_control.signal_judging.parameter_roles import (
     GENERATOR_ROLES,
@@ -30,7 +30,7 @@ from pid_control.signal_runner.coursework import (
     launch_files,
     yaml_files,
 )
-from pid_control.signal_runner.node_pair import Pair
+from pid_control.signal_runner.node_pair import NodePair
 from pid_control.signal_runner.trial import NotConnectedError, TrialError
 
 #: Most parameters that are tried one by one.
@@ -56,7 +56,7 @@ class ParameterTrials:
     def __init__(
         self,
         coursework: Coursework,
-        pair: Pair,
+        pair: NodePair,
         baseline: Baseline,
         features: Callable[[Coursework], Features],
     ) -> None:
@@ -82,7 +82,7 @@ class ParameterTrials:
             )
             as_predicted = self._try_all(copy, wanted) if numbers else set()
         tried = [
-            Tried(
+            ParameterEffect(
                 name,
                 float(numbers[name]),
                 self._role(name)[1],
@@ -219,7 +219,7 @@ class ParameterTrials:
             )
         }
 
-    def _try_one(self, name: str, value: Any) -> Tried:
+    def _try_one(self, name: str, value: Any) -> ParameterEffect:
         node, role = self._role(name)
         found: Set[str] = set()
         is_predicted = False
@@ -239,7 +239,7 @@ class ParameterTrials:
             if self._effect({other: new for other in names}):
                 others = [other for other in names if self._effect({other: new})]
         is_mentioned = self._coursework.mentions(last)
-        return Tried(name, float(value), role, found, others, is_mentioned, is_predicted)
+        return ParameterEffect(name, float(value), role, found, others, is_mentioned, is_predicted)
 
     def _effect(self, values: Mapping[str, Any]) -> Set[str]:
         """Return the nodes that change with parameters; all, if these end a trial."""

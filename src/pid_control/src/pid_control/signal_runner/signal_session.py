@@ -12,7 +12,7 @@ from pid_control.signal_judging.evidence import (
     GENERATOR,
     PROCESS,
     Baseline,
-    Broken,
+    FailedTrial,
     Evidence,
     Features,
     Restart,
@@ -26,7 +26,7 @@ from pid_control.signal_judging.features import (
 from pid_control.signal_judging.sine_fit import is_constant
 from pid_control.signal_runner.coursework import Coursework
 from pid_control.signal_runner.parameter_trials import ParameterTrials
-from pid_control.signal_runner.node_pair import Pair
+from pid_control.signal_runner.node_pair import NodePair
 from pid_control.signal_runner.signal_bench import SignalBench
 from pid_control.signal_runner.trial import STEP_S, NotConnectedError, Trial, TrialError
 
@@ -86,7 +86,7 @@ class SignalSession:
         self.evidence = Evidence()
         self.evidence.missing = coursework.missing
         self.notes: List[str] = []
-        self._pair: Optional[Pair] = None
+        self._pair: Optional[NodePair] = None
         #: Step of the clock [s].
         self._step = STEP_S
 
@@ -125,9 +125,9 @@ class SignalSession:
             run()
             return True
         except TrialError as error:
-            self.evidence.broken[scenario] = Broken(error.flaw, error.node, error.words)
+            self.evidence.broken[scenario] = FailedTrial(error.flaw, error.node, error.words)
         except NotConnectedError as error:
-            self.evidence.broken[scenario] = Broken("not connected", "", str(error))
+            self.evidence.broken[scenario] = FailedTrial("not connected", "", str(error))
         return False
 
     def _trial(
@@ -198,7 +198,7 @@ class SignalSession:
             )
         return True
 
-    def _record_baseline(self, trial: Trial, pair: Pair) -> None:
+    def _record_baseline(self, trial: Trial, pair: NodePair) -> None:
         trial.connect(pair)
         trial.run(_SETTLE_S)
         begin = trial.now
@@ -227,7 +227,7 @@ class SignalSession:
             names = ", ".join(unheard)
             raise JudgingError(f"{names}: another definition of its type than the judge's")
 
-    def _run_periods(self, trial: Trial, pair: Pair, begin: float) -> None:
+    def _run_periods(self, trial: Trial, pair: NodePair, begin: float) -> None:
         """Run until some periods of the signal are recorded, within bounds."""
         trial.run(begin + _SHORTEST_S - trial.now)
         while trial.now - begin < _LONGEST_S:
@@ -241,7 +241,7 @@ class SignalSession:
                 wanted = (trial.now - begin) * (_PERIODS / sine.periods - 1.0) + 0.2
             trial.run(min(left, max(wanted, 0.5)))
 
-    def _run_restart(self, trial: Trial, pair: Pair, begin: float, end: float) -> None:
+    def _run_restart(self, trial: Trial, pair: NodePair, begin: float, end: float) -> None:
         trial.stop_node(pair.generator)
         stopped = trial.now
         assert self.evidence.baseline is not None
@@ -346,7 +346,7 @@ class SignalSession:
                 f"this machine is too busy: the judge itself was {trial.latest:.3f} s late"
             )
 
-    def _channels(self, pair: Pair, begin: float) -> Tuple[Channel, Channel]:
+    def _channels(self, pair: NodePair, begin: float) -> Tuple[Channel, Channel]:
         """Return the signal and the output from a time on.
 
         :raises JudgingError: if they are ambiguous

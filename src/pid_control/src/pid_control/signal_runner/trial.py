@@ -13,9 +13,9 @@ from pid_control.programs.package_messages import MessageTypeError
 from pid_control.programs.private_master import PrivateMaster
 from pid_control.programs.program_process import ProgramProcess
 from pid_control.runner.clock import Clock, SimulatedClock, WallClock
-from pid_control.runner.outcome import Restlessness, TimeLimitExceeded, failure_of
+from pid_control.runner.outcome import BusyDetector, TimeLimitExceeded, failure_of
 from pid_control.signal_runner.coursework import StudentNode
-from pid_control.signal_runner.node_pair import Pair, choose_pair, describe_topics
+from pid_control.signal_runner.node_pair import NodePair, choose_pair, describe_topics
 from pid_control.signal_runner.signal_bench import SignalBench
 
 #: Default step of the clock [s]: loops of up to 100 Hz keep their rate.
@@ -91,7 +91,7 @@ class Trial:
         self._parameters = {**parameters, **grouped}  # a source may read a global name
         self._deadline, self._is_simulated, self._group = deadline, is_simulated, group
         self._running: Dict[str, ProgramProcess] = {}
-        self._restless: Optional[Restlessness] = None
+        self._restless: Optional[BusyDetector] = None
         self._clock: Clock = WallClock()
         #: Time by the clock, and at its start [s].
         self.now = self._began = _FIRST_CLOCK if is_simulated else time.monotonic()
@@ -131,7 +131,7 @@ class Trial:
             self.start_node(node)
             if self._restless is None:
                 watch = self._running[node.global_name].watch  # of the younger ones too
-                self._restless = Restlessness(watch.busy)
+                self._restless = BusyDetector(watch.busy)
                 if self._is_simulated:
                     self._clock = SimulatedClock(watch)
                 self._clock.start()
@@ -166,7 +166,7 @@ class Trial:
         if not self._is_simulated:  # that clock continues meanwhile
             self.now += time.monotonic() - begin
 
-    def find_pair(self) -> Pair:
+    def find_pair(self) -> NodePair:
         """Run until one node receives another's topic, and return both.
 
         :raises TrialError: if a node ends
@@ -209,7 +209,7 @@ class Trial:
             and watch.is_idle()
         )
 
-    def connect(self, pair: Pair) -> None:
+    def connect(self, pair: NodePair) -> None:
         """Run until the process node receives the generator's topics, and listen to both.
 
         :param pair: both nodes
@@ -219,7 +219,7 @@ class Trial:
         self._bench.listen({**pair.inputs, **pair.outputs, **pair.others})
         self.connect_again(pair)
 
-    def connect_again(self, pair: Pair) -> None:
+    def connect_again(self, pair: NodePair) -> None:
         """Run until the process node receives the generator's topics.
 
         :param pair: both nodes

@@ -7,7 +7,7 @@ from pid_control.signal_runner.coursework import has_coursework
 from pid_control.verdicts.limits import Figures
 
 
-class CourseworkWanted:
+class JudgedCoursework:
     """The first coursework of each package.
 
     :param words: launch file of each package, and its arguments; empty to find it

@@ -14,7 +14,7 @@ class NothingToJudge(Exception):
     """A package has nothing to judge; the message says why."""
 
 
-class Wanted(Protocol):
+class JudgedPart(Protocol):
     """Part of a package that a batch run judges.
 
     :ivar subject: heading of the judged part in tables
@@ -42,7 +42,7 @@ class Wanted(Protocol):
         """Return a hint about a folder that is not a package, or an empty text."""
 
 
-class ProgramWanted:
+class JudgedProgram:
     """Program that a batch run judges, found by its name.
 
     :param name: name of the program in each package

@@ -98,10 +98,10 @@ class Processes:
             remaining = [process for process in processes if process.poll() is None]
             for process in remaining:
                 os.killpg(process.pid, number)
-            give_up = time.monotonic() + PATIENCE_S
+            deadline = time.monotonic() + PATIENCE_S
             for process in remaining:
                 with contextlib.suppress(subprocess.TimeoutExpired):
-                    process.wait(max(0.0, give_up - time.monotonic()))
+                    process.wait(max(0.0, deadline - time.monotonic()))
         for process in processes:
             for pipe in (process.stdin, process.stdout):
                 if pipe is not None:

@@ -85,8 +85,8 @@ class Recorder:
             threading.Thread(target=self._connect, args=(uri,), daemon=True).start()
 
     def _connect(self, uri: str) -> None:
-        give_up = time.monotonic() + CONNECT_LIMIT
-        while time.monotonic() < give_up and not self._is_closed:
+        deadline = time.monotonic() + CONNECT_LIMIT
+        while time.monotonic() < deadline and not self._is_closed:
             with contextlib.suppress(Exception):  # the publisher is starting, ending or broken
                 with xmlrpc.client.ServerProxy(uri) as proxy:
                     answer: Any = proxy.requestTopic(self._name, self._topic, [["TCPROS"]])
@@ -147,8 +147,8 @@ def wait_until(condition: Callable[[], object], limit: float, what: str) -> None
     :param limit: longest wait [s]
     :raises TimeoutError: if the condition does not become true
     """
-    give_up = time.monotonic() + limit
+    deadline = time.monotonic() + limit
     while not condition():
-        if time.monotonic() > give_up:
+        if time.monotonic() > deadline:
             raise TimeoutError(f"no {what} within {limit:g} s")
         time.sleep(0.01)

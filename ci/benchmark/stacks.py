@@ -64,8 +64,8 @@ def watch(pair: Pair, settle: float, seconds: float) -> Run:
 def _wait_for_answers(pair: Pair, since: float, until: float) -> None:
     """Wait for an answer to each sample; not for long, because answers may be lost."""
     due = sum(since <= sample.moment <= until for sample in pair.sent())
-    give_up = time.monotonic() + PATIENCE_S
-    while time.monotonic() < give_up:
+    deadline = time.monotonic() + PATIENCE_S
+    while time.monotonic() < deadline:
         time.sleep(DRAIN_S)
         if sum(answer.moment >= since for answer in pair.received()) >= due:
             return

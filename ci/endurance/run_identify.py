@@ -44,7 +44,7 @@ class Outcome(NamedTuple):
     draw: Draw
     inside: Dict[str, bool]
     wrong_terms: List[str]
-    is_doubted: bool
+    is_withdrawn: bool
 
 
 def run(soak: Soak) -> List[Check]:
@@ -64,12 +64,12 @@ def run(soak: Soak) -> List[Check]:
             shares.setdefault(f"{name} within ±", []).append(is_inside)
             shares.setdefault(f"{plant}: values within ±", []).append(is_inside)
     wrong = [f"{outcome.draw}: {term}" for outcome in outcomes for term in outcome.wrong_terms]
-    doubted = sum(outcome.is_doubted for outcome in outcomes)
+    withdrawn = sum(outcome.is_withdrawn for outcome in outcomes)
     return [
         *(_between(what, inside) for what, inside in sorted(shares.items())),
         reported("first of the wrong terms", "; ".join(wrong[:3]) or "none"),
         at_most("records with a wrong term", 100.0 * len(wrong) / len(draws), 2.0, "%"),
-        at_most("records whose ± is withdrawn", 100.0 * doubted / len(draws), 2.0, "%"),
+        at_most("records whose ± is withdrawn", 100.0 * withdrawn / len(draws), 2.0, "%"),
     ]
 
 

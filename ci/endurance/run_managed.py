@@ -12,10 +12,10 @@ from ..benchmark.peer_programs import executable
 from ..benchmark.recorder import wait_until
 from .checks import Check, at_most, none_of, reported
 from .context import Soak
-from .diary import Entry, Story, entries
+from .transition_log import Entry, NodeStates, entries
 
 ORDER = ("/first", "/second", "/third")
-NODE = pathlib.Path(__file__).with_name("diary_node.py")
+NODE = pathlib.Path(__file__).with_name("logging_node.py")
 #: Longest time until all are active after the return of a node [s].
 ACTIVE_WITHIN = 3.0
 #: Longest time until the first of the others is brought down after a loss [s].
@@ -37,9 +37,9 @@ class System:
 
     def __init__(self, soak: Soak) -> None:
         self._session = soak.session
-        self._diary = soak.session.directory / "diary"
-        self._diary.touch()
-        soak.session.environment["DIARY"] = str(self._diary)
+        self._log = soak.session.directory / "transitions.log"
+        self._log.touch()
+        soak.session.environment["TRANSITION_LOG"] = str(self._log)
         self.nodes: Dict[str, "subprocess.Popen[bytes]"] = {}
         for name in ORDER:
             self.start(name)
@@ -54,25 +54,25 @@ class System:
     def write_down(self, name: str, what: str) -> float:
         """Log what is done to a node; return the time [s]."""
         now = time.monotonic()
-        with self._diary.open("ab", buffering=0) as diary:
-            diary.write(f"{now} {name} {what}\n".encode())
+        with self._log.open("ab", buffering=0) as log:
+            log.write(f"{now} {name} {what}\n".encode())
         return now
 
     def entries(self, what: str, since: float) -> List[Entry]:
         """Return the events of one type since a time."""
-        found = entries(self._diary.read_text())
+        found = entries(self._log.read_text())
         return [one for one in found if one.moment > since and one.what == what]
 
-    def story(self) -> Story:
+    def node_states(self) -> NodeStates:
         """Return the state of the nodes now."""
-        story = Story(ORDER)
-        for entry in entries(self._diary.read_text()):
-            story.read(entry)
-        return story
+        node_states = NodeStates(ORDER)
+        for entry in entries(self._log.read_text()):
+            node_states.read(entry)
+        return node_states
 
     def wait_until_active(self) -> None:
         """Wait until all nodes are active."""
-        wait_until(lambda: self.story().all_active(), 30.0, "system that is active")
+        wait_until(lambda: self.node_states().all_active(), 30.0, "system that is active")
 
     def lose(self, name: str, chance: random.Random) -> Loss:
         """Kill or stop a node, bring it back, and wait until all are active."""
@@ -103,12 +103,14 @@ def run(soak: Soak) -> List[Check]:
     for _ in range(soak.times):
         time.sleep(chance.uniform(0.0, 0.5))
         losses.append(system.lose(chance.choice(ORDER), chance))
-    story, resumed = system.story(), [loss.resumed for loss in losses]
+    node_states, resumed = system.node_states(), [loss.resumed for loss in losses]
     checks = [
         reported("active again after the return, median", f"{statistics.median(resumed):.2f} s"),
         at_most("the longest", round(max(resumed), 3), ACTIVE_WITHIN, "s"),
-        none_of("activated while one before it is not configured", story.rash),
-        at_most("active while one before it is lost", round(story.longest, 3), NOTICED_WITHIN, "s"),
+        none_of("activated while one before it is not configured", node_states.rash),
+        at_most(
+            "active while one before it is lost", round(node_states.longest, 3), NOTICED_WITHIN, "s"
+        ),
     ]
     for kind in ("killed", "stopped"):
         noticed = [loss.noticed or 0.0 for loss in losses if loss.kind == kind]

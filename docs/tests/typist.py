@@ -138,9 +138,9 @@ class Typist:
         else:
             self._run(command)
             if command.startswith("rosparam set"):
-                self.judge(command)
+                self.check_parameter(command)
 
-    def judge(self, command: str) -> None:
+    def check_parameter(self, command: str) -> None:
         """Wait until a node follows what rosparam has set or, where that is said, refuses it.
 
         :param command: the line, which has been typed
@@ -151,13 +151,13 @@ class Typist:
         node, _, leaf = (name, "", "") if isinstance(value, dict) else name.rpartition("/")
         wanted = value if isinstance(value, dict) else {leaf: value}
 
-        def judged() -> bool:
+        def is_in_force() -> bool:
             in_force = self._values(node)
             there = {key: self._graph.parameter(f"{node}/{key}") for key in wanted}
             used = {key: in_force.get(key) for key in wanted}
             return there == used and (used == wanted) != (_REFUSED in command)
 
-        self._wait(judged, lambda: f"in force is {self._values(node)}")
+        self._wait(is_in_force, lambda: f"in force is {self._values(node)}")
 
     def _run(self, command: str) -> None:
         """Run a command that ends."""

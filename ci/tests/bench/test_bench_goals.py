@@ -9,7 +9,7 @@ from ci.benchmark.results import Results
 HOP = ("latency-1khz", "p50, against roscpp")  # 0.75 x at most
 
 
-def judged(results, row, what):
+def check(results, row, what):
     (goal,) = [goal for goal in GOALS if (goal.measurement, goal.what) == (row, what)]
     value = goal.estimate(results)
     return value, goal.outcome(value)
@@ -30,7 +30,7 @@ def test_ratio_compares_turns_of_the_same_round():
     hops(results, 0, basic_comms=50.0, roscpp=100.0)
     hops(results, 1, basic_comms=500.0, roscpp=1000.0)
     hops(results, 2, basic_comms=60.0)  # its peer failed
-    value, _ = judged(results, *HOP)
+    value, _ = check(results, *HOP)
     assert (value.median, value.turns) == (0.5, 2)
 
 
@@ -46,7 +46,7 @@ def test_goal_is_decided_only_by_the_whole_interval(ratios, outcome):
     results = Results()
     for number, ratio in enumerate(ratios):
         hops(results, number, basic_comms=100.0 * ratio, roscpp=100.0)
-    value, found = judged(results, *HOP)
+    value, found = check(results, *HOP)
     assert found is outcome and value.turns == 5
 
 
@@ -57,7 +57,7 @@ def test_bridge_is_compared_with_both_hops_of_its_round(missing):
         for subject, p50 in (("rospy", rospy), ("rclpy", rclpy), ("to_ros2", (rospy + rclpy) / 2)):
             if (subject, number) != missing:
                 results.add("bridge", subject, number, {"p50_us": p50})
-    value, _ = judged(results, "bridge", "p50 to ROS 2, against a hop of each")
+    value, _ = check(results, "bridge", "p50 to ROS 2, against a hop of each")
     assert value == pytest.approx((0.5, 0.5, 0.5, 3 - bool(missing)))
 
 

@@ -89,8 +89,8 @@ def test_interrupted_build_starts_over(workspace: Workspace) -> None:
     workspace.fakes["catkin_make"] = f"""mkdir devel; : > devel/setup.bash
         sh -c ': > "$0"; exec sleep 60' '{begun}'"""
     process = workspace.start("echo", "not reached")
-    give_up = time.monotonic() + 60.0
-    while not begun.exists() and time.monotonic() < give_up:
+    deadline = time.monotonic() + 60.0
+    while not begun.exists() and time.monotonic() < deadline:
         assert process.poll() is None
         time.sleep(0.01)  # poll
     os.killpg(process.pid, signal.SIGINT)

@@ -66,8 +66,8 @@ def test_ctrl_c_ends_rosrun_while_it_searches(built: Workspace, tmp_path: pathli
         # the end of a command that has just begun.
         built.fakes["catkin_find"] = f"exec /usr/bin/python3 -c '{ENDS_BY_ITSELF}' '{begun}'"
         process = built.start("rosrun", "tiny", "node")
-        give_up = time.monotonic() + 60.0
-        while not begun.exists() and time.monotonic() < give_up:
+        deadline = time.monotonic() + 60.0
+        while not begun.exists() and time.monotonic() < deadline:
             assert process.poll() is None
             time.sleep(0.01)  # poll
         os.killpg(process.pid, signal.SIGINT)

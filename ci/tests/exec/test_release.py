@@ -215,8 +215,8 @@ def test_a_check_cleans_up_at_ctrl_c(copy: Copy) -> None:
         universal_newlines=True,
         start_new_session=True,
     )
-    give_up = time.monotonic() + 60.0
-    while not begun.exists() and time.monotonic() < give_up:
+    deadline = time.monotonic() + 60.0
+    while not begun.exists() and time.monotonic() < deadline:
         assert process.poll() is None
         time.sleep(0.01)  # poll
     os.killpg(process.pid, signal.SIGINT)

@@ -14,7 +14,7 @@ def rooms(monkeypatch: "pytest.MonkeyPatch") -> None:
     monkeypatch.setitem(code_rules.INDEPENDENT, "house", [{"kitchen", "parlour"}])
 
 
-def judged(room: str, *imported: str) -> List[str]:
+def check(room: str, *imported: str) -> List[str]:
     """Return the messages about a module's imports."""
     text = "".join(f"from house.{name} import thing\n" for name in imported)
     found = code_rules.breaches(f"house.{room}.module", ast.parse(text))
@@ -22,17 +22,15 @@ def judged(room: str, *imported: str) -> List[str]:
 
 
 def test_a_room_imports_from_itself_and_from_those_before_it() -> None:
-    assert not judged("attic.corner", "attic.other", "parlour.table", "kitchen", "cellar")
-    assert judged("cellar", "attic.corner") == [
-        "1: cellar stands below attic and may not import it"
-    ]
+    assert not check("attic.corner", "attic.other", "parlour.table", "kitchen", "cellar")
+    assert check("cellar", "attic.corner") == ["1: cellar stands below attic and may not import it"]
 
 
 def test_independent_rooms_do_not_import_each_other() -> None:
     told = "kitchen and parlour are independent: neither may import the other"
-    assert judged("kitchen", "kitchen.stove", "parlour.table") == [f"2: {told}"]
+    assert check("kitchen", "kitchen.stove", "parlour.table") == [f"2: {told}"]
     told = "parlour and kitchen are independent: neither may import the other"
-    assert judged("parlour", "cellar", "kitchen") == [f"2: {told}"]
+    assert check("parlour", "cellar", "kitchen") == [f"2: {told}"]
 
 
 def test_independent_rooms_are_rooms() -> None:

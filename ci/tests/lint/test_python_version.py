@@ -20,7 +20,7 @@ NEWER = {
 }
 
 
-def judge(tmp_path: pathlib.Path, text: str) -> List[str]:
+def check(tmp_path: pathlib.Path, text: str) -> List[str]:
     """Return mypy's errors for a module, with the settings of the project."""
     module = tmp_path / "module.py"
     module.write_text(text)
@@ -34,8 +34,8 @@ def judge(tmp_path: pathlib.Path, text: str) -> List[str]:
 
 @pytest.mark.parametrize("what", sorted(NEWER))
 def test_newer_python_is_refused(tmp_path: pathlib.Path, what: str) -> None:
-    assert judge(tmp_path, NEWER[what])
+    assert check(tmp_path, NEWER[what])
 
 
 def test_features_of_its_python_are_accepted(tmp_path: pathlib.Path) -> None:
-    assert judge(tmp_path, "import math\n\nif (whole := math.prod([2, 3])) > 5:\n    pass\n") == []
+    assert check(tmp_path, "import math\n\nif (whole := math.prod([2, 3])) > 5:\n    pass\n") == []

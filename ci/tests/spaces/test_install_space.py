@@ -84,8 +84,8 @@ def test_launch_files_find_their_nodes_and_includes(
 def test_the_course_runs(install_space: pathlib.Path, start: Start) -> None:
     launch = start("roslaunch", "basic_comms", "cw1.launch")
     try:
-        give_up = time.monotonic() + 60.0
-        while start("rosnode", "list").wait(timeout=60) != 0 and time.monotonic() < give_up:
+        deadline = time.monotonic() + 60.0
+        while start("rosnode", "list").wait(timeout=60) != 0 and time.monotonic() < deadline:
             assert launch.poll() is None
         assert output(start("rostopic", "echo", "-n", "1", "/proc_signal")).startswith("data: ")
         code = "import basic_comms; print(basic_comms.__file__)"

@@ -29,13 +29,13 @@ class LaunchMessages(unittest.TestCase):
     """Four talkers that differ in message_scope only, and the texts at each level."""
 
     graph: Graph
-    ears: Dict[str, MessageRecorder]
+    recorders: Dict[str, MessageRecorder]
 
     @classmethod
     def setUpClass(cls) -> None:
         rospy.init_node("launch_messages")
         cls.graph = Graph()
-        cls.ears = {scope: MessageRecorder("/lab/heard/" + scope, String) for scope in SCOPES}
+        cls.recorders = {scope: MessageRecorder("/lab/heard/" + scope, String) for scope in SCOPES}
 
     def setUp(self) -> None:
         for name, text in TEXTS.items():
@@ -47,8 +47,8 @@ class LaunchMessages(unittest.TestCase):
 
     def assert_says(self, scope: str, text: str) -> None:
         """Wait until a talker says a text, followed by the time, from now on."""
-        self.ears[scope].clear()
-        message = self.ears[scope].wait_for(lambda heard: heard.data.startswith(text + " "))
+        self.recorders[scope].clear()
+        message = self.recorders[scope].wait_for(lambda heard: heard.data.startswith(text + " "))
         self.assertRegex(message.data[len(text) :], r"^ \d+\.\d+$")
 
     def test_each_scope_finds_its_text(self) -> None:
@@ -62,7 +62,7 @@ class LaunchMessages(unittest.TestCase):
             return float(message.data.split()[-1])
 
         before = rospy.get_time()
-        message = self.ears["global"].wait_for(lambda heard: number(heard) >= before)
+        message = self.recorders["global"].wait_for(lambda heard: number(heard) >= before)
         self.assertLessEqual(number(message), rospy.get_time())
 
     def test_closest_walks_outwards_as_texts_are_deleted(self) -> None:
@@ -116,7 +116,7 @@ class LaunchMessages(unittest.TestCase):
             self.assertEqual(launch.graph.parameter("/outlive/talker/rate"), 10.0)
 
     def test_a_node_that_starts_again_finds_what_was_set_before(self) -> None:
-        ear = MessageRecorder("/again/chatter", String)
+        recorder = MessageRecorder("/again/chatter", String)
         with launched("basic_comms features/respawn.launch __ns:=again delay:=0.1") as launch:
             # Written by the node: a value that it may yet write over is put back, but only by a
             # node that lives, and this one is ended at once.
@@ -128,10 +128,10 @@ class LaunchMessages(unittest.TestCase):
             launch.graph.kill("/again/talker")
             launch.wait_for_new_process("/again/talker", first)
             launch.graph.wait_for_nodes("/again/talker", under="/again/")
-            ear.clear()
-            ear.wait_for(lambda heard: heard.data.startswith("from the first life "))
+            recorder.clear()
+            recorder.wait_for(lambda heard: heard.data.startswith("from the first life "))
             self.assertEqual(launch.graph.parameter("/again/talker/rate"), 25.0)
-        ear.close()
+        recorder.close()
 
 
 if __name__ == "__main__":

@@ -43,13 +43,13 @@ class Respawn(unittest.TestCase):
 
     def stream(self, topic: str) -> Stream:
         """Count messages on a topic from now on."""
-        return self.ear(topic, rospy.AnyMsg).count
+        return self.recorder(topic, rospy.AnyMsg).count
 
-    def ear(self, topic: str, kind: type) -> MessageRecorder:
-        ear = MessageRecorder(topic, kind)
-        self.addCleanup(ear.close)
-        ear.wait_for(lambda message: True)
-        return ear
+    def recorder(self, topic: str, kind: type) -> MessageRecorder:
+        recorder = MessageRecorder(topic, kind)
+        self.addCleanup(recorder.close)
+        recorder.wait_for(lambda message: True)
+        return recorder
 
     def kill(self, node: str, *streams: Stream) -> None:
         with measured_lag() as lag:
@@ -72,7 +72,7 @@ class Respawn(unittest.TestCase):
         self.kill("/listener", chatter, self.heard_by_the_listener())
 
     def heard_by_the_listener(self) -> Stream:
-        log = self.ear("/rosout", Log)
+        log = self.recorder("/rosout", Log)
 
         def count() -> int:
             return sum("I heard" in line.msg for line in log.messages())
@@ -83,12 +83,12 @@ class Respawn(unittest.TestCase):
         self.kill("/signal_generator", self.stream("signal"), self.stream("proc_signal"))
 
     def test_process(self) -> None:
-        signal = self.ear("signal", signal_msg)
+        signal = self.recorder("signal", signal_msg)
         self.kill("/process", self.stream("proc_signal"))
         self.assert_no_sample_lost(signal.messages())
 
     def test_fleet(self) -> None:
-        signal = self.ear("signal", signal_msg)
+        signal = self.recorder("signal", signal_msg)
         groups = [self.stream(f"Group{number}/proc_signal") for number in (1, 2)]
         self.kill("/fleet", *groups)
         self.assert_no_sample_lost(signal.messages())

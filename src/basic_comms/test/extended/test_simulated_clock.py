@@ -41,19 +41,19 @@ class OnSimulatedClock(unittest.TestCase):
         cls.pids = {node: cls.graph.pid(node) for node in NODES}
 
     def setUp(self) -> None:
-        self.signal = self.ear("/signal", signal_msg)
-        self.answers = self.ear("/proc_signal", Float32)
-        self.chatter = self.ear("/chatter", String)
-        self.log = self.ear("/rosout", Log)
+        self.signal = self.recorder("/signal", signal_msg)
+        self.answers = self.recorder("/proc_signal", Float32)
+        self.chatter = self.recorder("/chatter", String)
+        self.log = self.recorder("/rosout", Log)
 
     def tearDown(self) -> None:
         self.assertEqual({node: self.graph.pid(node) for node in NODES}, self.pids)
         self.assertEqual([line.msg for line in self.log.messages() if "raceback" in line.msg], [])
 
-    def ear(self, topic: str, kind: type) -> MessageRecorder:
-        ear = MessageRecorder(topic, kind)
-        self.addCleanup(ear.close)
-        return ear
+    def recorder(self, topic: str, kind: type) -> MessageRecorder:
+        recorder = MessageRecorder(topic, kind)
+        self.addCleanup(recorder.close)
+        return recorder
 
     def steps(self) -> List[float]:
         """Return the intervals between samples, in periods."""
@@ -104,7 +104,7 @@ class OnSimulatedClock(unittest.TestCase):
         self.assertEqual([line.msg for line in self.log.messages() if "s late" in line.msg], [])
 
     def test_bag_that_plays_tenfold_and_in_a_loop(self) -> None:
-        recorded = self.ear("/recorded/proc_signal", Float32)
+        recorded = self.recorder("/recorded/proc_signal", Float32)
         with tempfile.TemporaryDirectory() as place:
             path = os.path.join(place, "signal.bag")
             write_bag(path)

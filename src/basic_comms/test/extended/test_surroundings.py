@@ -73,15 +73,15 @@ class Surroundings(unittest.TestCase):
             self.assertNotIn("Traceback", texts[-1])
         return texts
 
-    def ear(self, topic: str, kind: Any) -> MessageRecorder:
-        ear = MessageRecorder(topic, kind)
-        self.addCleanup(ear.close)
-        return ear
+    def recorder(self, topic: str, kind: Any) -> MessageRecorder:
+        recorder = MessageRecorder(topic, kind)
+        self.addCleanup(recorder.close)
+        return recorder
 
-    def hear(self, ear: MessageRecorder, count: int) -> None:
+    def hear(self, recorder: MessageRecorder, count: int) -> None:
         """Wait for some more messages."""
-        last = ear.count() + count
-        wait_until(lambda: ear.count() >= last, lambda: f"heard {ear.count()} of {last}")
+        last = recorder.count() + count
+        wait_until(lambda: recorder.count() >= last, lambda: f"heard {recorder.count()} of {last}")
 
     def test_full_disk_below_every_log(self) -> None:
         with tempfile.TemporaryDirectory() as logs, open("/dev/full", "w") as full:
@@ -92,9 +92,9 @@ class Surroundings(unittest.TestCase):
                 for program, _, _ in NODES.values()
             ]
             self.graph.wait_for_nodes(*NODES)
-            ears = [self.ear(topic, kind) for _, topic, kind in NODES.values() if topic]
-            for ear in ears:
-                self.hear(ear, 10)
+            recorders = [self.recorder(topic, kind) for _, topic, kind in NODES.values() if topic]
+            for recorder in recorders:
+                self.hear(recorder, 10)
             for errors in self.end(*nodes):
                 self.assertEqual(errors.count("log lines are lost"), 1)
 
@@ -102,7 +102,7 @@ class Surroundings(unittest.TestCase):
         for place in ({"ROS_LOG_DIR": "/proc"}, {"ROS_LOG_DIR": None, "ROS_HOME": "/proc"}):
             with self.subTest(place=place):
                 node = self.start(find_node("basic_comms", "talker.py")[0], **place)
-                chatter = self.ear("/chatter", String)
+                chatter = self.recorder("/chatter", String)
                 self.hear(chatter, 3)
                 self.line_with(node[0], b"hello world")
                 (errors,) = self.end(node)
@@ -110,7 +110,7 @@ class Surroundings(unittest.TestCase):
 
     def test_console_that_is_closed(self) -> None:
         node = self.start(find_node("basic_comms", "talker.py")[0])
-        chatter = self.ear("/chatter", String)
+        chatter = self.recorder("/chatter", String)
         self.hear(chatter, 3)
         node[0].stdout.close()
         self.hear(chatter, 10)
@@ -129,7 +129,7 @@ class Surroundings(unittest.TestCase):
                     self.start(find_node("basic_comms", program)[0], **nowhere, **settings)
                     for program in ("listener.py", "talker.py")
                 ]
-                chatter = self.ear("/chatter", String)
+                chatter = self.recorder("/chatter", String)
                 chatter.wait_for(lambda message: message.data.startswith(GREETING))
                 line = self.line_with(nodes[0][0], b"I heard")
                 self.assertIn(b"'%s " % seen, line)
@@ -152,7 +152,7 @@ class Surroundings(unittest.TestCase):
             )
             for name in ("talker", "signal_generator")
         )
-        chatter, samples = self.ear("/chatter", String), self.ear("/signal", signal_msg)
+        chatter, samples = self.recorder("/chatter", String), self.recorder("/signal", signal_msg)
         self.hear(chatter, 3)
         self.hear(samples, 3)
         back, ahead = signal.SIGUSR1, signal.SIGUSR2

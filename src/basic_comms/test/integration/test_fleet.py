@@ -50,9 +50,9 @@ class FleetOfThree(unittest.TestCase):
             self.assertEqual(set(process), set(ProcessParameters.declared))
 
     def test_members_hear_each_other_without_connections(self) -> None:
-        ear = MessageRecorder("/Robot1/proc_signal", Float32)
-        ear.wait_for(lambda answer: True)
-        ear.close()
+        recorder = MessageRecorder("/Robot1/proc_signal", Float32)
+        recorder.wait_for(lambda answer: True)
+        recorder.close()
         with xmlrpc.client.ServerProxy(rosgraph.Master("/test_fleet").lookupNode("/fleet")) as node:
             connections = node.getBusInfo("/test_fleet")[2]
         incoming = [
@@ -68,26 +68,26 @@ class FleetOfThree(unittest.TestCase):
         self.assertNotIn("/Robot2/proc_signal", self.graph.topics())
         self.assertIn("/Robot2/signal", self.graph.topics())
         for group in ("/Robot1", "/Robot3"):
-            ear = MessageRecorder(group + "/proc_signal", Float32)
-            ear.wait_for(lambda answer: True)
-            ear.close()
+            recorder = MessageRecorder(group + "/proc_signal", Float32)
+            recorder.wait_for(lambda answer: True)
+            recorder.close()
 
     def test_each_member_has_parameters_of_its_own(self) -> None:
-        ears = {
+        recorders = {
             name: MessageRecorder(f"/{name}/signal", signal_msg) for name in ("Robot1", "Robot3")
         }
-        ears["Robot3"].wait_for(lambda sample: sample.amplitude == 3.0)
+        recorders["Robot3"].wait_for(lambda sample: sample.amplitude == 3.0)
         self.graph.set_parameter("/Robot1/signal_generator/amplitude", 7.0)
-        ears["Robot1"].wait_for(lambda sample: sample.amplitude == 7.0)
-        ears["Robot3"].clear()
-        ears["Robot3"].wait_for(lambda sample: sample.amplitude == 3.0)
+        recorders["Robot1"].wait_for(lambda sample: sample.amplitude == 7.0)
+        recorders["Robot3"].clear()
+        recorders["Robot3"].wait_for(lambda sample: sample.amplitude == 3.0)
         self.graph.set_parameter("/Robot1/signal_generator/amplitude", -1.0)
         wait_until(
             lambda: self.graph.parameter("/Robot1/signal_generator/amplitude") == 7.0,
             lambda: "the bad value was not put back",
         )
-        for ear in ears.values():
-            ear.close()
+        for recorder in recorders.values():
+            recorder.close()
 
     def test_lines_of_the_log_do_not_carry_the_names_of_all_topics(self) -> None:
         log = MessageRecorder("/rosout", Log)

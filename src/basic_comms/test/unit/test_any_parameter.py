@@ -40,13 +40,13 @@ def is_finite(value):
 def test_any_value_is_accepted_or_rejected_with_message(kind, name, raw):
     parameters = OfflineParameters(kind)
     defaults = parameters.values
-    refusals = parameters.set({name: raw})
+    errors = parameters.set({name: raw})
     value = getattr(parameters.values, name)
     assert is_finite(value)
     assert isinstance(value, type(getattr(defaults, name)))
     others = {key: item for key, item in parameters.values.as_dict().items() if key != name}
     assert others == {key: item for key, item in defaults.as_dict().items() if key != name}
-    for error in refusals:
+    for error in errors:
         assert name in error.names
         assert ": refused " in str(error) and " must " in str(error)
         assert value == getattr(defaults, name)

@@ -32,15 +32,15 @@ class ManagedRobot(unittest.TestCase):
     def setUp(self) -> None:
         # A busy machine may hold the simulator up for longer than the manager waits as a rule.
         rospy.set_param("/manager/heartbeat_timeout", 3.0)
-        self.state = self.ear(CONTROLLER + "/state", State)
-        self.odometry = self.ear("/odom", Odometry)
-        self.commands = self.ear("/cmd_vel", Twist)
-        self.status = self.ear("/go_to/status", GoalStatusArray)
-        self.results = self.ear("/go_to/result", GoToActionResult)
+        self.state = self.recorder(CONTROLLER + "/state", State)
+        self.odometry = self.recorder("/odom", Odometry)
+        self.commands = self.recorder("/cmd_vel", Twist)
+        self.status = self.recorder("/go_to/status", GoalStatusArray)
+        self.results = self.recorder("/go_to/result", GoToActionResult)
         self.goals = rospy.Publisher("/go_to/goal", GoToActionGoal, queue_size=1)
         self.addCleanup(self.goals.unregister)
 
-    def ear(self, topic: str, kind: type) -> MessageRecorder:
+    def recorder(self, topic: str, kind: type) -> MessageRecorder:
         made = MessageRecorder(topic, kind)
         self.addCleanup(made.close)
         return made
@@ -59,8 +59,8 @@ class ManagedRobot(unittest.TestCase):
         self.odometry.wait_for(lambda message: message.twist.twist.linear.x > 0.0)
         self.commands.clear()
         self.commands.wait_for(lambda command: command.linear.x > 0.0)
-        for ear in (self.state, self.commands):
-            ear.clear()
+        for recorder in (self.state, self.commands):
+            recorder.clear()
 
     def wait_until_it_is_down(self) -> None:
         """Wait until the controller has been cleaned up, and has stopped the robot before."""

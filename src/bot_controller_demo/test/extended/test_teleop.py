@@ -84,25 +84,25 @@ class Teleop(unittest.TestCase):
         self.addCleanup(terminal.close)
         return terminal
 
-    def wait_for_ear(self, namespace: str) -> None:
+    def wait_for_recorder(self, namespace: str) -> None:
         """Wait until the test is connected to a node's topic."""
         node, topic = namespace + "/teleop_keyboard", namespace + "/cmd_vel"
         self.graph.wait_until_heard(node, topic, rospy.get_name())
 
     def test_keys_drive_within_limits_and_each_release_is_one_zero(self) -> None:
         """Course 001-robot-7."""
-        ear = MessageRecorder("/one/cmd_vel", Twist)
+        recorder = MessageRecorder("/one/cmd_vel", Twist)
         terminal = self.terminal("__ns:=one", "_speed:=0.22", "_first_timeout:=1.0")
 
         def heard() -> List[Any]:
-            return [(twist.linear.x, twist.angular.z) for twist in ear.messages()]
+            return [(twist.linear.x, twist.angular.z) for twist in recorder.messages()]
 
         def released() -> bool:
             return heard()[-1:] == [(0.0, 0.0)]
 
         terminal.wait_for("speed 0.22 m/s, turn 1 rad/s")
         terminal.wait_for("first_timeout=1")  # the settings: from here on it repeats commands
-        self.wait_for_ear("/one")
+        self.wait_for_recorder("/one")
         self.assertEqual(heard(), [])
         terminal.type("i")
         wait_until(released, lambda: str(heard()))
@@ -130,7 +130,7 @@ class Teleop(unittest.TestCase):
         self.assertEqual([mode[6][key] for key in (termios.VQUIT, termios.VSUSP)], [b"\0"] * 2)
         self.assertEqual(mode[0] & termios.IXON, 0)
         for key in ("\x1a", "\x13", "\x1c"):
-            ear.clear()
+            recorder.clear()
             terminal.type("i")
             wait_until(heard, lambda: "it stays")
             terminal.type(key)
@@ -174,16 +174,16 @@ class Teleop(unittest.TestCase):
             )
 
     def test_terminal_that_is_closed_stops_the_robot_and_ends_the_node(self) -> None:
-        ear = MessageRecorder("/two/cmd_vel", Twist)
+        recorder = MessageRecorder("/two/cmd_vel", Twist)
         terminal = self.terminal("__ns:=two", "_first_timeout:=10.0", "_controller_type:=rviz")
         terminal.wait_for("turn 1 rad/s")
-        self.wait_for_ear("/two")
+        self.wait_for_recorder("/two")
         terminal.type("i")
-        ear.wait_for(lambda twist: twist.linear.x == 0.2)
+        recorder.wait_for(lambda twist: twist.linear.x == 0.2)
         os.close(terminal.screen)
         os.close(terminal.keyboard)
         self.assertEqual(terminal.popen.wait(TIMEOUT_S), 0)
-        wait_until(lambda: ear.messages()[-1] == Twist(), lambda: "it drives on")
+        wait_until(lambda: recorder.messages()[-1] == Twist(), lambda: "it drives on")
 
     def test_without_a_terminal_it_says_so(self) -> None:
         process = Process(SCRIPT)

@@ -88,8 +88,8 @@ class Robots(unittest.TestCase):
         wait_until(
             lambda: all(one.get_num_connections() for one in publishers), lambda: "not connected"
         )
-        ears = [f"/lab/go_to/{name}" for name in ("result", "feedback")]
-        for topic in (*ears, CONTROLLER + "/arrived", "/rosout"):
+        recorders = [f"/lab/go_to/{name}" for name in ("result", "feedback")]
+        for topic in (*recorders, CONTROLLER + "/arrived", "/rosout"):
             cls.graph.wait_until_heard(CONTROLLER, topic, rospy.get_name())
 
     def setUp(self) -> None:
@@ -97,8 +97,8 @@ class Robots(unittest.TestCase):
         self.reset()  # or it would drive there
         self.until(self.is_at_home, "not at home", 10.0, PROGRESS)
         self.clock.forget()
-        for ear in (self.log, self.result, self.feedback, self.arrived):
-            ear.clear()
+        for recorder in (self.log, self.result, self.feedback, self.arrived):
+            recorder.clear()
 
     def is_at_home(self) -> bool:
         """Return whether the last message, the only one kept, is from a robot at rest."""

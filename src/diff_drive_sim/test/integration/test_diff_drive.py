@@ -59,11 +59,11 @@ class DiffDrive(unittest.TestCase):
         robots = [node_of(robot) for robot in ROBOTS]
         cls.graph.wait_until_heard(rospy.get_name(), "/clock", *robots)
         for robot in ROBOTS:
-            cls.wait_for_ear(robot, "/odom")
-            cls.wait_for_ear(robot, "/rosout")
+            cls.wait_for_recorder(robot, "/odom")
+            cls.wait_for_recorder(robot, "/rosout")
 
     @classmethod
-    def wait_for_ear(cls, robot: str, topic: str) -> None:
+    def wait_for_recorder(cls, robot: str, topic: str) -> None:
         """Wait until a subscriber of this test is connected.
 
         :param robot: its namespace
@@ -88,11 +88,11 @@ class DiffDrive(unittest.TestCase):
         """Let the clock jump, and wait until each robot has published its pose."""
         DiffDrive.now += seconds
         stamp = rospy.Time.from_sec(self.now)
-        for ear in self.odometry.values():
-            ear.clear()
+        for recorder in self.odometry.values():
+            recorder.clear()
         self.clock.publish(Clock(stamp))
-        for ear in self.odometry.values():
-            ear.wait_for(lambda message: message.header.stamp == stamp)
+        for recorder in self.odometry.values():
+            recorder.wait_for(lambda message: message.header.stamp == stamp)
 
     def at(self, robot: str = "") -> Pose:
         """Return a robot's estimated pose."""
@@ -157,9 +157,9 @@ class DiffDrive(unittest.TestCase):
             MessageRecorder("/tf", TFMessage),
             MessageRecorder("/joint_states", JointState),
         )
-        self.wait_for_ear("", "/joint_states")
+        self.wait_for_recorder("", "/joint_states")
         for robot in ROBOTS:
-            self.wait_for_ear(robot, "/tf")
+            self.wait_for_recorder(robot, "/tf")
         self.drive(0.0, 1.0)
         message = self.odometry[""].messages()[-1]
         self.assertEqual(message.header.frame_id, "odom")
@@ -191,8 +191,8 @@ class DiffDrive(unittest.TestCase):
         transforms.wait_for(
             lambda heard: heard.transforms[0].child_frame_id == "robot3/base_footprint"
         )
-        for ear in (transforms, joints):
-            ear.close()
+        for recorder in (transforms, joints):
+            recorder.close()
 
     def test_a_command_acts_for_a_second_on_the_exact_arc(self) -> None:
         """The pose is on odom. Course 001-robot-4, err-1."""
@@ -258,7 +258,7 @@ class DiffDrive(unittest.TestCase):
         transforms = MessageRecorder("/tf", TFMessage)
         self.addCleanup(transforms.close)
         for robot in ROBOTS:
-            self.wait_for_ear(robot, "/tf")
+            self.wait_for_recorder(robot, "/tf")
         self.addCleanup(change, "/diff_drive", publish_tf=True)
         change("/diff_drive", publish_tf=False)
         transforms.clear()
@@ -304,7 +304,7 @@ class DiffDrive(unittest.TestCase):
 
     def test_odometry_with_noise_says_how_far_it_may_be_off(self) -> None:
         truth = MessageRecorder("/lab/ground_truth", Odometry)
-        self.wait_for_ear("/lab", "/ground_truth")
+        self.wait_for_recorder("/lab", "/ground_truth")
         self.drive(0.2, 0.3, "/lab", TwistStamped)
         self.advance(2.0)
         message = self.odometry["/lab"].messages()[-1]
@@ -351,9 +351,9 @@ class DiffDrive(unittest.TestCase):
             MessageRecorder(robot + "/scan", LaserScan),
             MessageRecorder("/tf", TFMessage),
         )
-        for ear, topic in ((scans, "/scan"), (transforms, "/tf")):
-            self.addCleanup(ear.close)
-            self.wait_for_ear(robot, topic)
+        for recorder, topic in ((scans, "/scan"), (transforms, "/tf")):
+            self.addCleanup(recorder.close)
+            self.wait_for_recorder(robot, topic)
         self.addCleanup(change, robot + "/diff_drive", scan_rate=0.0)
         change(robot + "/diff_drive", scan_rate=10.0)
         self.advance(0.2)
@@ -372,7 +372,7 @@ class DiffDrive(unittest.TestCase):
 
     def test_a_wall_stops_it_where_it_touches(self) -> None:
         contact = MessageRecorder("/contact", Bool)
-        self.wait_for_ear("", "/contact")
+        self.wait_for_recorder("", "/contact")
         change("/diff_drive", command_timeout=0.0)
         self.drive(0.2, 0.0)
         self.advance(60.0)
@@ -391,7 +391,7 @@ class DiffDrive(unittest.TestCase):
 
     def test_the_laser_sees_the_walls_where_they_are(self) -> None:
         scans = MessageRecorder("/scan", LaserScan)
-        self.wait_for_ear("", "/scan")
+        self.wait_for_recorder("", "/scan")
         self.advance(0.2)
         scan = scans.wait_for(lambda heard: heard.header.stamp.to_sec() >= self.now - 1e-6)
         scans.close()
@@ -406,7 +406,7 @@ class DiffDrive(unittest.TestCase):
 
     def test_what_the_laser_is_like_can_be_changed_while_it_scans(self) -> None:
         scans = MessageRecorder("/scan", LaserScan)
-        self.wait_for_ear("", "/scan")
+        self.wait_for_recorder("", "/scan")
         self.addCleanup(scans.close)
         self.addCleanup(change, "/diff_drive", scan_rays=360, scan_range=3.5, laser_x=-0.032)
         change("/diff_drive", scan_rays=4, scan_range=2.9, laser_x=0.5)

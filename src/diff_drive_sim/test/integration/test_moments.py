@@ -65,9 +65,9 @@ class Moments(unittest.TestCase):
         self.clock.publish(Clock(stamp))
         wait_until(lambda: rospy.get_rostime() == stamp, lambda: f"{rospy.get_rostime()}")
 
-    def told_now(self, ear: MessageRecorder) -> Any:
+    def told_now(self, recorder: MessageRecorder) -> Any:
         """Return the message of this moment."""
-        return ear.wait_for(lambda heard: abs(heard.header.stamp.to_sec() - self.now) < 1e-6)
+        return recorder.wait_for(lambda heard: abs(heard.header.stamp.to_sec() - self.now) < 1e-6)
 
     def x(self) -> float:
         return float(self.told_now(self.odometry).pose.pose.position.x)

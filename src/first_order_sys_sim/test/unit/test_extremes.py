@@ -25,10 +25,10 @@ INPUTS = st.floats(-LARGEST_FLOAT32, LARGEST_FLOAT32, width=32)
 def test_any_value_is_accepted_or_rejected_with_message(name: str, raw: Any) -> None:
     parameters = OfflineParameters(SystemParameters)
     defaults = parameters.values
-    refusals = parameters.set({name: raw})
+    errors = parameters.set({name: raw})
     value = getattr(parameters.values, name)
     assert isinstance(value, str) or math.isfinite(value)
-    for error in refusals:
+    for error in errors:
         assert ": refused " in str(error) and ": must be " in str(error)
         assert parameters.values == defaults
 

@@ -39,9 +39,9 @@ class LaunchFilesDemo(unittest.TestCase):
         cls.stack.close()
 
     def message(self, topic: str, kind: type) -> Any:
-        ear = MessageRecorder(topic, kind)
-        self.addCleanup(ear.close)
-        return ear.wait_for(lambda one: True)
+        recorder = MessageRecorder(topic, kind)
+        self.addCleanup(recorder.close)
+        return recorder.wait_for(lambda one: True)
 
     def wait_for_log(self, node: str, pattern: str) -> None:
         self.log.wait_for(lambda one: one.name == node and re.search(pattern, one.msg))

@@ -56,7 +56,7 @@ class ManagedNodes(unittest.TestCase):
             f"lifecycle_demo example_node.launch rate:=5 __ns:={SPACE}",
         ) as launch:
             self.graph = launch.graph
-            self.ears = {
+            self.recorders = {
                 node: MessageRecorder(f"{SPACE}/{topic}", kind)
                 for node, (topic, kind) in OUTPUTS.items()
             }
@@ -105,7 +105,7 @@ class ManagedNodes(unittest.TestCase):
 
     def assert_silent(self) -> None:
         self.assertEqual(
-            {node: ear.messages()[:1] for node, ear in self.ears.items()},
+            {node: recorder.messages()[:1] for node, recorder in self.recorders.items()},
             dict.fromkeys(OUTPUTS, []),
         )
 
@@ -115,7 +115,7 @@ class ManagedNodes(unittest.TestCase):
 
         def is_silent() -> bool:
             nonlocal counts, since
-            before, counts = counts, [ear.count() for ear in self.ears.values()]
+            before, counts = counts, [recorder.count() for recorder in self.recorders.values()]
             if counts != before:
                 since = time.monotonic()
             return time.monotonic() - since > SILENCE_S
@@ -124,21 +124,21 @@ class ManagedNodes(unittest.TestCase):
 
     def check_activate(self) -> None:
         self.change_all("activate")
-        first = self.ears["signal_generator"].wait_for(lambda sample: True)
+        first = self.recorders["signal_generator"].wait_for(lambda sample: True)
         self.assertEqual((first.time_x, first.amplitude), (0.0, 3.0))
-        for ear in self.ears.values():  # of the motor when its set point has enabled it
-            ear.wait_for(lambda message: True)
+        for recorder in self.recorders.values():  # of the motor when its set point has enabled it
+            recorder.wait_for(lambda message: True)
         # Latched, and told before: the set point may have enabled the motor when it was inactive.
         self.motor_state.wait_for(lambda state: state.data == "enabled")
 
     def check_deactivate_and_cleanup(self) -> None:
         self.change_all("deactivate")
         self.wait_until_silent()
-        for ear in self.ears.values():
-            ear.clear()
+        for recorder in self.recorders.values():
+            recorder.clear()
         self.change_all("cleanup")
         wait_until(
-            lambda: not any(ear.publishers() for ear in self.ears.values()),
+            lambda: not any(recorder.publishers() for recorder in self.recorders.values()),
             lambda: "a node that is cleaned up is still connected",
         )
         self.assert_silent()
@@ -147,7 +147,7 @@ class ManagedNodes(unittest.TestCase):
         self.assertTrue(self.change("signal_generator", "configure"))
         self.wait_until_heard("signal_generator")
         self.assertTrue(self.change("signal_generator", "activate"))
-        again = self.ears["signal_generator"].wait_for(lambda sample: True)
+        again = self.recorders["signal_generator"].wait_for(lambda sample: True)
         self.assertEqual((again.time_x, again.amplitude), (0.0, 5.0))
         self.graph.kill(f"{SPACE}/process")
         wait_until(lambda: not Server().knows(f"{SPACE}/process"), lambda: "process does not end")

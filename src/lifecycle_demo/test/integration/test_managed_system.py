@@ -33,8 +33,8 @@ class ManagedSystem(unittest.TestCase):
 
     def test_survives_kill_9_of_any(self) -> None:
         """Each node and the manager is killed in turn."""
-        ear = MessageRecorder("/proc_signal", Float32)
-        self.addCleanup(ear.close)
+        recorder = MessageRecorder("/proc_signal", Float32)
+        self.addCleanup(recorder.close)
         with launched("lifecycle_demo managed_system.launch autostart:=ON") as launch:
             for node in NODES:
                 wait_until(lambda: self.is_up(node), lambda: f"{node} is not up")
@@ -45,8 +45,8 @@ class ManagedSystem(unittest.TestCase):
                     launch.wait_for_new_process(node, before)
                     told = NODES[0] if node == "/manager" else node
                     wait_until(lambda: self.is_up(told), lambda: f"{node} is not back")
-                    ear.clear()
-                    ear.wait_for(lambda message: True)
+                    recorder.clear()
+                    recorder.wait_for(lambda message: True)
 
 
 if __name__ == "__main__":

@@ -44,15 +44,15 @@ CLEANED = [f"{name} cleanup" for name in reversed(ABC)]
 
 
 class Driver(ManagedNode):
-    """Keeps a diary with the others of its system, and fails as a test plans."""
+    """Logs its transitions with the other nodes of its system, and fails as a test plans."""
 
-    def __init__(self, node: Node, diary: List[str], plan: Dict[str, Callable[[], Any]]) -> None:
+    def __init__(self, node: Node, log: List[str], plan: Dict[str, Callable[[], Any]]) -> None:
         super().__init__(node)
-        self.plan, self._diary = plan, diary
+        self.plan, self._log = plan, log
 
     def do(self, label: str) -> Any:
         what = f"{self.node.name.rpartition('/')[2]} {label}"
-        self._diary.append(what)
+        self._log.append(what)
         return self.plan.get(what, lambda: None)()
 
     def on_configure(self, made: Any) -> Any:
@@ -78,7 +78,7 @@ class Managing(unittest.TestCase):
 
     def setUp(self) -> None:
         self.space = f"/system{next(self.numbers)}"
-        self.diary: List[str] = []
+        self.log: List[str] = []
         self.plan: Dict[str, Callable[[], Any]] = {}
 
     def set_parameters(self, name: str = "manager", **values: Any) -> None:
@@ -124,7 +124,7 @@ class Here(Managing):
     def drivers(self, *names: str) -> Dict[str, Node]:
         nodes = {name: self.node(name) for name in names}
         for node in nodes.values():
-            Driver(node, self.diary, self.plan)
+            Driver(node, self.log, self.plan)
             node.start()
         return nodes
 
@@ -138,11 +138,11 @@ class Here(Managing):
     def test_commands(self) -> None:
         """All are configured in order, then activated; down in reverse."""
         self.drivers(*ABC)
-        ear = MessageRecorder("/diagnostics", DiagnosticArray)
-        self.addCleanup(ear.close)
+        recorder = MessageRecorder("/diagnostics", DiagnosticArray)
+        self.addCleanup(recorder.close)
         self.manager()
-        ear.wait_for(lambda message: True)
-        began, before = time.monotonic(), ear.count()
+        recorder.wait_for(lambda message: True)
+        began, before = time.monotonic(), recorder.count()
         on, off = UP, DEACTIVATED
         for command, success, text, expected in (
             ("PAUSE", False, "PAUSE is refused while all are to be unconfigured", []),
@@ -159,15 +159,15 @@ class Here(Managing):
             ("STARTUP", True, "all are active", on),
             ("SHUTDOWN", True, "all are finalized", [*off, *CLEANED, *"c b a".split()]),
         ):
-            del self.diary[:]
+            del self.log[:]
             with self.subTest(command=command, text=text):
                 answer = self.command(getattr(ManageNodesRequest, command))
                 self.assertEqual(answer.success, success, answer)
                 self.assertIn(text, answer.message)
-                self.assertEqual([each.replace(" shutdown", "") for each in self.diary], expected)
+                self.assertEqual([each.replace(" shutdown", "") for each in self.log], expected)
                 self.assertEqual(self.is_active().success, self.states() == ["active"] * 3)
         # Each change was reported, not only the state once a second.
-        self.assertGreater(ear.count() - before, time.monotonic() - began + 2.0)
+        self.assertGreater(recorder.count() - before, time.monotonic() - began + 2.0)
         answer = self.command(7)
         self.assertFalse(answer.success)
         self.assertIn("refused 7: must be one of 0 STARTUP, 1 PAUSE", answer.message)
@@ -175,23 +175,23 @@ class Here(Managing):
     def test_what_fails_comes_down_in_order(self) -> None:
         self.drivers(*ABC)
         self.plan["c activate"] = lambda: False
-        ear = MessageRecorder("/diagnostics", DiagnosticArray)
-        self.addCleanup(ear.close)
+        recorder = MessageRecorder("/diagnostics", DiagnosticArray)
+        self.addCleanup(recorder.close)
         self.manager()
         failure = f"{self.space}/c: activate failed: it is inactive; its log says why"
         answer = self.command(ManageNodesRequest.STARTUP)
         self.assertEqual((answer.success, answer.message), (False, failure))
-        self.assertEqual(self.diary, UP + DEACTIVATED[1:] + CLEANED)
+        self.assertEqual(self.log, UP + DEACTIVATED[1:] + CLEANED)
         self.assertEqual(self.states(), ["unconfigured"] * 3)
         manager = f"{self.space}/manager".lstrip("/")
         whole = f"{manager}: system"
-        ear.wait_for(lambda message: told(message, whole) == (DiagnosticStatus.ERROR, failure))
+        recorder.wait_for(lambda message: told(message, whole) == (DiagnosticStatus.ERROR, failure))
         self.plan.clear()
         self.assertTrue(self.command(ManageNodesRequest.STARTUP).success)
-        ear.wait_for(lambda message: told(message, whole) == (0, "all are active"))
-        ear.wait_for(lambda message: told(message, f"{manager}: {self.space}/c")[0] == 0)
-        count = ear.count()
-        wait_until(lambda: ear.count() > count, lambda: "reports without a change")
+        recorder.wait_for(lambda message: told(message, whole) == (0, "all are active"))
+        recorder.wait_for(lambda message: told(message, f"{manager}: {self.space}/c")[0] == 0)
+        count = recorder.count()
+        wait_until(lambda: recorder.count() > count, lambda: "reports without a change")
 
     def test_an_error_while_configuring(self) -> None:
         self.drivers(*ABC)
@@ -199,7 +199,7 @@ class Here(Managing):
         self.manager(autostart=True)
         self.wait_until_told(f"{self.space}/b: configure failed: it is unconfigured")
         wait_until(lambda: self.states() == ["unconfigured"] * 3, lambda: str(self.states()))
-        self.assertEqual(self.diary, ["a configure", "b configure", "a cleanup"])
+        self.assertEqual(self.log, ["a configure", "b configure", "a cleanup"])
 
     def test_one_that_does_not_let_itself_be_deactivated(self) -> None:
         """Nodes before it are deactivated, but stay configured as long as it is active."""
@@ -226,7 +226,7 @@ class Here(Managing):
         self.assertIn("no answer within 3 s", answer.message)
         self.assertEqual(self.states(), ["unconfigured", "configuring", "unconfigured"])
         go_on.set()  # it is configured after all, and cleaned up then
-        wait_until(lambda: "b cleanup" in self.diary, lambda: str(self.diary))
+        wait_until(lambda: "b cleanup" in self.log, lambda: str(self.log))
 
     def test_a_command_that_another_one_overtakes_is_answered(self) -> None:
         self.drivers(*ABC)
@@ -242,7 +242,7 @@ class Here(Managing):
             ).start()
 
         send(ManageNodesRequest.STARTUP)
-        wait_until(lambda: "b configure" in self.diary, lambda: str(self.diary))
+        wait_until(lambda: "b configure" in self.log, lambda: str(self.log))
         send(ManageNodesRequest.RESET)
         # Before the other node is done, which a hanging node would delay.
         wait_until(lambda: answers, lambda: "the first is not answered")
@@ -261,7 +261,7 @@ class Here(Managing):
         self.assertFalse(answer.success)
         self.assertIn(text, answer.message)
         self.wait_until_told(text)
-        self.assertNotIn("a activate", self.diary)
+        self.assertNotIn("a activate", self.log)
         # It comes back later, and stays down until a command.
         nodes.update(self.drivers("c"))
         wait_until(
@@ -271,17 +271,17 @@ class Here(Managing):
         nodes["a"].close()
         self.wait_until_told(f"{self.space}/a has been absent for longer than 0.5 s")
         wait_until(
-            lambda: [self.diary[-4:]] == [[*DEACTIVATED[:2], *CLEANED[:2]]], lambda: str(self.diary)
+            lambda: [self.log[-4:]] == [[*DEACTIVATED[:2], *CLEANED[:2]]], lambda: str(self.log)
         )
 
     def test_what_others_change_is_undone(self) -> None:
         self.drivers(*ABC)
         self.manager(autostart=True)
         self.wait_until_active()
-        del self.diary[:]
+        del self.log[:]
         self.assertTrue(self.change("a", "deactivate"))
-        wait_until(lambda: len(self.diary) == 6, lambda: str(self.diary))
-        self.assertEqual(self.diary, ["a deactivate", *DEACTIVATED[:2], *UP[3:]])
+        wait_until(lambda: len(self.log) == 6, lambda: str(self.log))
+        self.assertEqual(self.log, ["a deactivate", *DEACTIVATED[:2], *UP[3:]])
         self.wait_until_active()
 
     def test_a_manager_that_comes_back(self) -> None:
@@ -293,11 +293,11 @@ class Here(Managing):
                     manager = self.manager(autostart=autostart)
                     self.command(getattr(ManageNodesRequest, command))
                     manager.close()
-                    del self.diary[:]
+                    del self.log[:]
                     manager = self.manager(autostart=autostart)
                     self.wait_until_told(text)
                     self.assertEqual(self.command(ManageNodesRequest.RESUME).success, True)
-                    self.assertEqual(self.diary, UP[3:] if command == "PAUSE" else [])
+                    self.assertEqual(self.log, UP[3:] if command == "PAUSE" else [])
                     manager.close()
 
     def test_at_its_end_what_hangs_is_left_behind(self) -> None:

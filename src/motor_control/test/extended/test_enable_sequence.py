@@ -80,14 +80,14 @@ class EnableSequence(unittest.TestCase):
         self.log.wait_for(lambda line: text in line.msg and line.name.startswith(self.space))
 
     def assert_both_run(self) -> None:
-        for ear in (self.inputs, self.speeds):
-            ear.clear()
-            ear.wait_for(lambda heard: heard.data != 0.0)
+        for recorder in (self.inputs, self.speeds):
+            recorder.clear()
+            recorder.wait_for(lambda heard: heard.data != 0.0)
 
     def assert_both_are_silent(self) -> None:
         """Listen for some periods of each node that runs."""
-        for ear in (self.inputs, self.speeds):
-            ear.clear()
+        for recorder in (self.inputs, self.speeds):
+            recorder.clear()
         for name in self.alive():
             wait_for_put_backs(f"{self.space}/{name}", 5)
         self.assertEqual(self.inputs.messages() + self.speeds.messages(), [])
@@ -120,8 +120,8 @@ class EnableSequence(unittest.TestCase):
         self.assertTrue(self.enable(False).success)
         self.wait_for_line("the motor is disabled")
         # Each publishes a final 0.
-        for ear in (self.inputs, self.speeds):
-            wait_until(lambda: ear.messages()[-1].data == 0.0, lambda: "there is no last 0")
+        for recorder in (self.inputs, self.speeds):
+            wait_until(lambda: recorder.messages()[-1].data == 0.0, lambda: "there is no last 0")
         self.assert_both_are_silent()
         self.assertEqual(self.enable(True).message, "enabled")
         self.assert_both_run()

@@ -35,13 +35,13 @@ class Hosted(unittest.TestCase):
             rospy.set_param(pair + "/sp_gen/rate", 500.0)
         cls.process = subprocess.Popen([sys.executable, os.path.join(HELPER, "hosted_motors.py")])
 
-    def ear(self, topic: str, kind: Any) -> MessageRecorder:
-        ear = MessageRecorder(topic, kind)
-        self.addCleanup(ear.close)
-        return ear
+    def recorder(self, topic: str, kind: Any) -> MessageRecorder:
+        recorder = MessageRecorder(topic, kind)
+        self.addCleanup(recorder.close)
+        return recorder
 
     def test_motors_follow_their_set_points_and_go_on_when_they_are_retimed(self) -> None:
-        speeds = [self.ear(pair + "/motor_speed_y", Float32) for pair in PAIRS]
+        speeds = [self.recorder(pair + "/motor_speed_y", Float32) for pair in PAIRS]
         for round_ in range(3):
             for speed in speeds:
                 speed.clear()

@@ -25,10 +25,10 @@ class Motors(unittest.TestCase):
         rospy.init_node("test_motors")
 
     def test_all_ten_run_and_only_their_own_topics_connect_them(self) -> None:
-        ears = [MessageRecorder(group + "/motor_speed_y", Float32) for group in GROUPS]
-        for ear in ears:
-            ear.wait_for(lambda heard: heard.data != 0.0, TIMEOUT)
-            ear.close()
+        recorders = [MessageRecorder(group + "/motor_speed_y", Float32) for group in GROUPS]
+        for recorder in recorders:
+            recorder.wait_for(lambda heard: heard.data != 0.0, TIMEOUT)
+            recorder.close()
         publishers, subscribers, _ = rosgraph.Master("/test").getSystemState()
         for group in GROUPS:
             self.assertEqual(dict(publishers)[group + "/motor_input_u"], [group + "/sp_gen"])

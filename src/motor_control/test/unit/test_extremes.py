@@ -31,11 +31,11 @@ DECLARED += [(SetPointParameters, "omega")]
 def test_any_value_is_accepted_or_rejected_with_message(kind: Any, name: str, raw: Any) -> None:
     parameters = OfflineParameters(kind)
     defaults = parameters.values
-    refusals = parameters.set({name: raw})
+    errors = parameters.set({name: raw})
     value = getattr(parameters.values, name)
     assert isinstance(value, type(getattr(defaults, name)))
     assert not isinstance(value, float) or math.isfinite(value)
-    for error in refusals:
+    for error in errors:
         assert ": refused " in str(error) and ": must be " in str(error)
         assert parameters.values == defaults
 

@@ -45,9 +45,9 @@ class TestMyRobotNode(unittest.TestCase):
             self.assertTrue(rospy.has_param("~" + name), name)
 
     def test_it_says_hello(self) -> None:
-        ear = MessageRecorder("topic_name", String)
-        self.addCleanup(ear.close)
-        ear.wait_for(lambda message: message.data == "Hello from my_robot_node")
+        recorder = MessageRecorder("topic_name", String)
+        self.addCleanup(recorder.close)
+        recorder.wait_for(lambda message: message.data == "Hello from my_robot_node")
 
     def test_client_that_is_closed_waits_no_longer(self) -> None:
         made: List[ServiceClientNode] = []

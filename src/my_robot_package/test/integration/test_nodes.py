@@ -85,9 +85,9 @@ class Nodes(unittest.TestCase):
 
     def test_my_node_says_hello_and_hears(self) -> None:
         """Course 002-pkg-1."""
-        node, ear = self.nodes["my_node"], MessageRecorder("/topic_name", String)
+        node, recorder = self.nodes["my_node"], MessageRecorder("/topic_name", String)
         node.wait_for_log("MyRobotNode initialized")
-        ear.wait_for(lambda message: message.data == "Hello from my_robot_node")
+        recorder.wait_for(lambda message: message.data == "Hello from my_robot_node")
         publisher = rospy.Publisher("words", String, queue_size=10, latch=True)
         publisher.publish("good morning")
         node.wait_for_log("[INFO]", "I heard: good morning")
@@ -109,20 +109,20 @@ class Nodes(unittest.TestCase):
 
     def test_command_node_sends_what_its_parameters_say(self) -> None:
         """Course 002-pkg-3."""
-        ear = MessageRecorder("/robot_command", RobotCommand)
-        first = ear.wait_for(lambda command: True)
+        recorder = MessageRecorder("/robot_command", RobotCommand)
+        first = recorder.wait_for(lambda command: True)
         self.assertEqual((first.command_type, first.velocity), ("move_to", 0.25))
         Server().set("/command_node/target_position", [1.0, 2.0, 3])
-        target = ear.wait_for(lambda command: command.target_position.x == 1.0).target_position
+        target = recorder.wait_for(lambda command: command.target_position.x == 1.0).target_position
         self.assertEqual((target.y, target.z), (2.0, 3.0))
         self.assert_ends_well(self.nodes["command_node"])
 
     def test_launch_file_hands_over_arguments_and_renames_topics(self) -> None:
         """Course 002-pkg-4."""
-        ear = MessageRecorder("/launched/remapped_output_topic", String)
+        recorder = MessageRecorder("/launched/remapped_output_topic", String)
         arguments = "robot_name:=my_robot max_velocity:=0.5 safety_mode:=No __ns:=launched"
         with launched(f"my_robot_package my_launch_file.launch {arguments}") as launch:
-            ear.wait_for(lambda message: message.data == "Hello from my_robot_node")
+            recorder.wait_for(lambda message: message.data == "Hello from my_robot_node")
             graph, node = launch.graph, "/launched/my_robot_node"
             wanted = {"robot_name": "my_robot", "max_velocity": 0.5, "safety_mode": False}
             graph.wait_for_parameters(node, wanted)
@@ -271,18 +271,18 @@ class Nodes(unittest.TestCase):
 
     def test_efficient_node_takes_the_newest_image_only(self) -> None:
         """Course 002-pkg-10."""
-        ear = MessageRecorder("/mean_brightness", Float32)
+        recorder = MessageRecorder("/mean_brightness", Float32)
         publisher = rospy.Publisher("image_topic", Image, queue_size=100)
         wait_until(
-            lambda: publisher.get_num_connections() == 1 and ear.publishers() == 1,
+            lambda: publisher.get_num_connections() == 1 and recorder.publishers() == 1,
             lambda: "not connected",
         )
         publisher.publish(Image(data=b""))  # of which there is nothing to say
         for level in range(1, 101):
             publisher.publish(Image(data=bytes([level, level, level, level + 4])))
-        ear.wait_for(lambda heard: heard.data == 101.0)
+        recorder.wait_for(lambda heard: heard.data == 101.0)
         # A longer queue would deliver the last images one after the other.
-        heard = {message.data for message in ear.messages()}
+        heard = {message.data for message in recorder.messages()}
         self.assertFalse({98.0, 99.0, 100.0, 101.0} <= heard, heard)
         self.assertTrue(all(map(math.isfinite, heard)), heard)
         self.assert_ends_well(self.nodes["efficient_node"])

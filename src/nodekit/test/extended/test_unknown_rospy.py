@@ -76,24 +76,24 @@ class UnknownRospy(unittest.TestCase):
         self.node = Process(echo_node.__file__, environment={"PYTHONPATH": path})
         self.addCleanup(self.node.end)
 
-    def ear(self, topic: str) -> MessageRecorder:
+    def recorder(self, topic: str) -> MessageRecorder:
         """Return what hears a topic until the end."""
-        ear = MessageRecorder(topic, String)
-        self.addCleanup(ear.close)
-        return ear
+        recorder = MessageRecorder(topic, String)
+        self.addCleanup(recorder.close)
+        return recorder
 
     def answer(self) -> str:
         """Return the gain from its service."""
         return str(call_service("/echo/ask", Trigger, timeout=TIMEOUT_S).result().message)
 
     def test_without_the_fast_path_it_is_slower_and_logs_it_once(self) -> None:
-        server, ticks = Server(), self.ear("/ticks")
+        server, ticks = Server(), self.recorder("/ticks")
         ticks.wait_for(lambda message: message.data == "tick")
         question = rospy.Publisher("/in", String, queue_size=10, latch=True)
         self.addCleanup(question.unregister)
         question.publish("gain ")
         ticks.wait_for(lambda message: message.data == "own gain 1.0")
-        late = self.ear("/out")
+        late = self.recorder("/out")
         late.wait_for(lambda message: message.data == "gain 1.0")
         self.assertEqual(self.answer(), "1.0")
         server.set("/echo/gain", 2.5)

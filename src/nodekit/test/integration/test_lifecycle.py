@@ -825,21 +825,21 @@ class Heartbeat(Managed):
 
     def test_heartbeat_continues_in_any_state_and_during_long_callbacks(self) -> None:
         driver = self.driver()
-        ear = MessageRecorder(f"{self.space}/driver/heartbeat", Header)
-        self.addCleanup(ear.close)
-        beats = [ear.wait_for(lambda beat: True)]
+        recorder = MessageRecorder(f"{self.space}/driver/heartbeat", Header)
+        self.addCleanup(recorder.close)
+        beats = [recorder.wait_for(lambda beat: True)]
         go_on = threading.Event()
         self.addCleanup(go_on.set)
         # It has the thread that all other timers of this process share, and the node's group.
         driver.node.create_timer(1.0, lambda elapsed: go_on.wait(2 * TIMEOUT_S))
         wait_until(lambda: driver.node.default_group._holder, lambda: "the timer's call")
-        beats.append(ear.wait_for(lambda beat: beat.seq > beats[-1].seq + 1))
+        beats.append(recorder.wait_for(lambda beat: beat.seq > beats[-1].seq + 1))
         go_on.set()
         for label in ("configure", "activate", "shutdown"):
             self.assertTrue(self.change(label))
-            seen = ear.count()
-            wait_until(lambda: ear.count() > seen, lambda: f"no heartbeat after {label}")
-        beats += ear.messages()[-1:]
+            seen = recorder.count()
+            wait_until(lambda: recorder.count() > seen, lambda: f"no heartbeat after {label}")
+        beats += recorder.messages()[-1:]
         # As many as fit in at 5 Hz, by the stamps; a busy machine leaves some out.
         lasted = (beats[-1].stamp - beats[0].stamp).to_sec()
         self.assertLess(beats[-1].seq - beats[0].seq, 5.0 * lasted + 1.5)
@@ -847,10 +847,10 @@ class Heartbeat(Managed):
     def test_heartbeat_of_a_closed_node_stops(self) -> None:
         self.driver().node.close()
         self.driver()
-        ear = MessageRecorder(f"{self.space}/driver/heartbeat", Header)
-        self.addCleanup(ear.close)
+        recorder = MessageRecorder(f"{self.space}/driver/heartbeat", Header)
+        self.addCleanup(recorder.close)
         with mock.patch.object(rospy, "logerr") as failed:
-            wait_until(lambda: ear.count() > 2, lambda: "no heartbeat")
+            wait_until(lambda: recorder.count() > 2, lambda: "no heartbeat")
         failed.assert_not_called()  # as with a closed publisher
 
 

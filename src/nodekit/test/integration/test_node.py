@@ -177,9 +177,9 @@ class Start(OnMaster):
             node.start()
         self.publisher("a", latch=True).publish("at a")
         for name in "bd":
-            ear = MessageRecorder(f"{self.space}/{name}", String)
-            self.addCleanup(ear.close)
-            self.assertEqual(ear.wait_for(lambda message: True).data, f"at {name}")
+            recorder = MessageRecorder(f"{self.space}/{name}", String)
+            self.addCleanup(recorder.close)
+            self.assertEqual(recorder.wait_for(lambda message: True).data, f"at {name}")
         wait_until(lambda: heard, lambda: "nothing at a")
         self.assertEqual(heard, ["at a"])
         self.assertEqual(rospy.ServiceProxy(self.space + "/tell", Trigger)().message, "here")
@@ -215,8 +215,8 @@ class Start(OnMaster):
         self.assertEqual(told, [(1.0, 5.0)])
 
     def test_rospys_statistics_count_messages_within_the_process(self) -> None:
-        name, ear = self.space + "/topic", MessageRecorder("/statistics", TopicStatistics)
-        self.addCleanup(ear.close)
+        name, recorder = self.space + "/topic", MessageRecorder("/statistics", TopicStatistics)
+        self.addCleanup(recorder.close)
         node = self.node()
         node.create_timer(100.0, lambda elapsed: publisher.publish("news"))
         node.create_subscription("topic", String, lambda message: None)
@@ -225,7 +225,7 @@ class Start(OnMaster):
         logger = rospy.topics.SubscriberStatisticsLogger
         with mock.patch.object(logger, "is_enabled", return_value=True):
             node.start()
-        told = ear.wait_for(lambda one: one.topic == name and one.delivered_msgs > 1)
+        told = recorder.wait_for(lambda one: one.topic == name and one.delivered_msgs > 1)
         self.assertEqual((told.node_pub, told.node_sub), 2 * (rospy.get_name(),))
 
     def test_arguments_in_rospy_style_are_accepted(self) -> None:
@@ -579,21 +579,21 @@ class Texts(OnMaster):
 
     NO_TEXT = os.fsdecode(b"caf\xe9")
 
-    def ear(self, topic: str, kind: type) -> MessageRecorder:
-        ear = MessageRecorder(topic, kind)
-        self.addCleanup(ear.close)
-        return ear
+    def recorder(self, topic: str, kind: type) -> MessageRecorder:
+        recorder = MessageRecorder(topic, kind)
+        self.addCleanup(recorder.close)
+        return recorder
 
     def test_a_line_of_the_log_is_escaped(self) -> None:
-        ear = self.ear("/rosout", Log)
-        wait_until(lambda: ear.publishers() > 0, lambda: "no connection")
+        recorder = self.recorder("/rosout", Log)
+        wait_until(lambda: recorder.publishers() > 0, lambda: "no connection")
         rospy.loginfo("%s %s", self.space, self.NO_TEXT)
-        ear.wait_for(lambda line: line.msg == f"{self.space} caf\\udce9")
+        recorder.wait_for(lambda line: line.msg == f"{self.space} caf\\udce9")
         # It is latched: new subscribers get it, and all later messages.
-        late = self.ear("/rosout", Log)
+        late = self.recorder("/rosout", Log)
         late.wait_for(lambda line: line.msg == f"{self.space} caf\\udce9")
         rospy.loginfo("%s afterwards", self.space)
-        for each in (ear, late):
+        for each in (recorder, late):
             each.wait_for(lambda line: line.msg == f"{self.space} afterwards")
 
     def test_refused_message_does_not_stop_the_next(self) -> None:
@@ -602,12 +602,12 @@ class Texts(OnMaster):
         node.start()
         for each, topic in ((plain, "plain"), (publisher, "ours")):
             with self.subTest(topic=topic):
-                ear = self.ear(f"{self.space}/{topic}", String)
+                recorder = self.recorder(f"{self.space}/{topic}", String)
                 wait_until(lambda: each.get_num_connections() > 0, lambda: "no connection")
                 with self.assertRaises(UnicodeEncodeError):
                     each.publish(self.NO_TEXT)
                 each.publish("fine")
-                self.assertEqual(ear.wait_for(lambda _: True).data, "fine")
+                self.assertEqual(recorder.wait_for(lambda _: True).data, "fine")
 
     def test_refused_response_does_not_stop_the_next(self) -> None:
         node, texts = self.node(), [self.NO_TEXT, "fine"]

@@ -52,7 +52,7 @@ class OnClock(unittest.TestCase):
     def setUp(self) -> None:
         self.calls: List[float] = []
         self.steps = 0
-        self.in_step = False
+        self.is_synchronized = False
 
     def scheduler(self, clock: AnyClock) -> Scheduler:
         scheduler = Scheduler(clock)
@@ -87,11 +87,11 @@ class OnSimulatedClock(OnClock):
         return timer
 
     def count_step(self, _elapsed: float) -> None:
-        self.in_step = True
+        self.is_synchronized = True
 
     def end_round(self) -> None:
-        if self.in_step:
-            self.in_step = False
+        if self.is_synchronized:
+            self.is_synchronized = False
             self.steps += 1
 
     def step(self, *times: float) -> None:

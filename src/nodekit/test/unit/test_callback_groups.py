@@ -54,7 +54,7 @@ def test_callbacks_of_one_group_never_overlap_and_all_are_called() -> None:
 
     callback = Callback(group, work, "work")
     threads = [in_thread(lambda: [callback.call() for _ in range(500)]) for _ in range(4)]
-    coalescing = CoalescingCallback(group, work, "bell")
+    coalescing = CoalescingCallback(group, work, "work")
     for _ in range(500):
         coalescing.trigger()
     for thread in threads:
@@ -104,14 +104,14 @@ def test_waiting_for_a_group_does_not_wait_for_the_callers_own_callback() -> Non
 
 def test_work_offered_from_inside_is_done_after_the_callback() -> None:
     group, calls = Group(), []  # type: Any
-    coalescing = CoalescingCallback(group, lambda: calls.append("bell"), "")
+    coalescing = CoalescingCallback(group, lambda: calls.append("work"), "")
 
     def callback() -> None:
         coalescing.trigger()
         calls.append("callback")
 
     Callback(group, callback, "").call()
-    assert calls == ["callback", "bell"]
+    assert calls == ["callback", "work"]
 
 
 def test_offering_never_waits_and_the_leaving_thread_does_the_work() -> None:
@@ -226,7 +226,7 @@ def test_callback_that_raises_leaves_the_group_and_is_called_again(error: type) 
 def test_closed_callback_begins_no_call() -> None:
     group, calls = Group(), []  # type: Any
     callback = Callback(group, lambda: calls.append("callback"), "")
-    coalescing = CoalescingCallback(group, lambda: calls.append("bell"), "")
+    coalescing = CoalescingCallback(group, lambda: calls.append("work"), "")
     busy = Busy(group)
     waits = in_thread(callback.call)
     queued(group, 1)

@@ -69,9 +69,9 @@ def make(
         )
         callback.attach(ready)
         return lambda: in_thread(answering.respond, "request")
-    callback = bell = CoalescingCallback(group, function, kind)
+    callback = coalescing = CoalescingCallback(group, function, kind)
     callback.attach(ready)
-    return lambda: in_thread(bell.trigger)
+    return lambda: in_thread(coalescing.trigger)
 
 
 def overlap(one: str, other: str, groups: str, name: str) -> bool:
@@ -384,20 +384,20 @@ def test_node_removed_from_a_shut_down_executor_keeps_working(
     scheduler: Scheduler, other: bool
 ) -> None:
     gone = SingleThreadedExecutor()
-    ticks, rings = threading.Event(), threading.Event()
+    ticks, calls_made = threading.Event(), threading.Event()
     timer = NodeTimer(scheduler, Group(), 100.0, lambda elapsed: ticks.set(), 0.0, "timer")
-    bell = CoalescingCallback(Group(), rings.set, "bell")
-    callbacks: List[Callback] = [timer, bell]
+    coalescing = CoalescingCallback(Group(), calls_made.set, "coalescing")
+    callbacks: List[Callback] = [timer, coalescing]
     for callback in callbacks:
         callback.attach(gone._ready)
     assert gone.shutdown(TIMEOUT_S)
-    bell.trigger()
+    coalescing.trigger()
     NodeTimer.start_together([timer])
     wait_until(lambda: timer.calls and timer.calls.dropped > 1, lambda: "no tick was dropped")
-    assert not (ticks.is_set() or rings.is_set())
+    assert not (ticks.is_set() or calls_made.is_set())
     new = SingleThreadedExecutor() if other else None
     for callback in callbacks:
         callback.attach(new._ready if new else None)
-    bell.trigger()
-    assert rings.wait(TIMEOUT_S) and ticks.wait(TIMEOUT_S)
+    coalescing.trigger()
+    assert calls_made.wait(TIMEOUT_S) and ticks.wait(TIMEOUT_S)
     timer.close()

@@ -333,30 +333,30 @@ def stack():
 @pytest.fixture
 def together(stack):
     """Return a publisher and a subscription of the same topic in the same process."""
-    ear = Ear(stack)
-    return opened(stack, String, latch=True), ear
+    recorder = Ear(stack)
+    return opened(stack, String, latch=True), recorder
 
 
 def test_subscriber_of_the_same_process_receives_without_a_connection(together, monkeypatch):
-    publisher, ear = together
+    publisher, recorder = together
     monkeypatch.setattr(rospy, "get_node_uri", lambda: "http://here")
-    assert ear.impl.has_connection("http://here")
-    assert not ear.impl.has_connection("http://elsewhere")
+    assert recorder.impl.has_connection("http://here")
+    assert not recorder.impl.has_connection("http://elsewhere")
     sent = [String("one"), String("two")]
     publisher.publish_all(sent)
     publisher.publish(String("three"))
-    batches = ear.batches
+    batches = recorder.batches
     assert [[message.data for message in batch] for batch in batches] == [["one", "two"], ["three"]]
     assert batches[0][0] is not sent[0], "each side has a message of its own"
     assert batches[0][0]._connection_header["topic"] == TOPIC
 
 
 def test_link_within_the_process_counts_and_is_listed_as_a_connection(together, monkeypatch):
-    publisher, ear = together
+    publisher, recorder = together
     monkeypatch.setattr(rospy, "get_name", lambda: "/process")
     monkeypatch.setattr(rospy, "get_node_uri", lambda: "http://here")
     publisher.publish_all([String("one"), String("three")])
-    assert publisher.get_num_connections() == ear.subscription.get_num_connections() == 1
+    assert publisher.get_num_connections() == recorder.subscription.get_num_connections() == 1
     assert publisher.get_num_connections(in_process=False) == 0
     outgoing, incoming = get_topic_manager().get_pub_sub_info()
     kind = "INTRAPROCESS"
@@ -366,28 +366,28 @@ def test_link_within_the_process_counts_and_is_listed_as_a_connection(together, 
     size = len(packet("one") + packet("three")) - 2 * 4
     assert sent == (outgoing[0], size, 2, True)
     assert received == (incoming[0], size, 2, -1, True)
-    ear.subscription.close()
+    recorder.subscription.close()
     assert publisher.get_num_connections() == 0
     assert get_topic_manager().get_pub_sub_info() == []
 
 
 def test_closed_publisher_of_the_process_is_not_a_connection(together):
-    publisher, ear = together
-    assert ear.subscription.get_num_connections() == 1
+    publisher, recorder = together
+    assert recorder.subscription.get_num_connections() == 1
     publisher.close()
-    assert ear.subscription.get_num_connections() == 0
+    assert recorder.subscription.get_num_connections() == 0
     assert get_topic_manager().get_pub_sub_info() == []
 
 
 def test_any_type_subscriber_in_the_same_process_gets_the_type(stack, monkeypatch):
     monkeypatch.setattr(rospy, "get_node_uri", lambda: "http://here")
     publisher = opened(stack, Float32, latch=True)
-    ear = Ear(stack, rospy.AnyMsg)
-    assert ear.impl.has_connection("http://here")
+    recorder = Ear(stack, rospy.AnyMsg)
+    assert recorder.impl.has_connection("http://here")
     publisher.publish(Float32(0.1))
     late = Ear(stack, rospy.AnyMsg)
     late.subscription.receive_latched()
-    for (message,) in (ear.batches[0], late.batches[0]):
+    for (message,) in (recorder.batches[0], late.batches[0]):
         header = message._connection_header
         assert (header["type"], header["md5sum"]) == (Float32._type, Float32._md5sum)
         assert header["message_definition"] == Float32._full_text
@@ -395,38 +395,38 @@ def test_any_type_subscriber_in_the_same_process_gets_the_type(stack, monkeypatc
 
 
 def test_the_thread_that_publishes_in_the_same_process_may_not_be_kept_waiting(together, stack):
-    publisher, ear = together
+    publisher, recorder = together
     publisher.publish(String("news"))
     late = Ear(stack)
     late.subscription.receive_latched()
-    assert (ear.may_wait, late.may_wait) == ([False], [False])
+    assert (recorder.may_wait, late.may_wait) == ([False], [False])
 
 
 def test_numbers_are_rounded_as_for_any_other_subscriber(stack):
-    ear = Ear(stack, Float32)
+    recorder = Ear(stack, Float32)
     opened(stack, Float32).publish(Float32(0.1))
-    assert ear.words == [ROUNDED]
+    assert recorder.words == [ROUNDED]
 
 
 def test_late_subscriber_of_the_same_process_gets_the_latched_message(together, stack):
-    publisher, ear = together
+    publisher, recorder = together
     publisher.publish(String("last"))
     late = Ear(stack)
     assert late.words == [], "nothing before it is asked for"
     late.subscription.receive_latched()
     assert late.words == ["last"]
-    assert len(ear.batches) == 1
+    assert len(recorder.batches) == 1
 
 
 def test_the_latched_message_is_like_any_other_message_of_the_same_process(stack):
     publisher = opened(stack, Float32, latch=True)
-    ear = Ear(stack, Float32)
+    recorder = Ear(stack, Float32)
     message = Float32(0.1)
     publisher.publish(message)
     late = Ear(stack, Float32)
     late.subscription.receive_latched()
-    assert late.words == ear.words == [ROUNDED]
-    (first,), (second,) = ear.batches[0], late.batches[0]
+    assert late.words == recorder.words == [ROUNDED]
+    (first,), (second,) = recorder.batches[0], late.batches[0]
     assert second is not message and second is not first, "each side has a message of its own"
     assert second._connection_header == first._connection_header
 
@@ -444,7 +444,7 @@ def test_without_a_latched_message_nothing_is_delivered(stack, latch):
 
 
 def test_subscriber_that_publishes_in_its_callback_does_not_deadlock(together):
-    publisher, ear = together
+    publisher, recorder = together
 
     def answer(messages, may_wait):
         if messages[0].data != "answer":
@@ -454,25 +454,25 @@ def test_subscriber_that_publishes_in_its_callback_does_not_deadlock(together):
 
     incoming_topic.receive_in_batches(TOPIC, String, answer)
     publisher.publish(String("question"))
-    assert ear.words == ["question", "answer"]
+    assert recorder.words == ["question", "answer"]
 
 
 def test_closed_publisher_is_no_longer_received(together, monkeypatch):
-    publisher, ear = together
+    publisher, recorder = together
     monkeypatch.setattr(rospy, "get_node_uri", lambda: "http://here")
     publisher.close()
-    assert not ear.impl.has_connection("http://here")
+    assert not recorder.impl.has_connection("http://here")
     plain = rospy.Publisher(TOPIC, String, queue_size=10)
-    assert not ear.impl.has_connection("http://here"), "a plain one needs a connection"
+    assert not recorder.impl.has_connection("http://here"), "a plain one needs a connection"
     plain.unregister()
 
 
 def test_connection_that_a_publisher_refuses_is_removed(stack, monkeypatch):
     monkeypatch.setattr(rospy.impl.tcpros_base, "_is_use_tcp_keepalive", bool)  # asks the master
-    ear, uri = Ear(stack), "http://there"
+    recorder, uri = Ear(stack), "http://there"
     connection = TCPROSTransport(TCPROSSub(TOPIC, String), TOPIC)
     connection.set_endpoint_id(uri)
-    assert ear.impl.add_connection(connection) and ear.impl.has_connection(uri)
+    assert recorder.impl.add_connection(connection) and recorder.impl.has_connection(uri)
     listener = stack.enter_context(socket.create_server(("localhost", 0)))
 
     def refuse():
@@ -485,7 +485,7 @@ def test_connection_that_a_publisher_refuses_is_removed(stack, monkeypatch):
     stack.callback(refusing.join, TIME_OUT)
     with pytest.raises(TransportInitError, match="not a publisher"):
         connection.connect("localhost", listener.getsockname()[1], uri, timeout=TIME_OUT)
-    assert not ear.impl.has_connection(uri)
+    assert not recorder.impl.has_connection(uri)
 
 
 def test_second_connection_to_a_publisher_keeps_the_first(connected, monkeypatch):
@@ -501,14 +501,14 @@ def test_second_connection_to_a_publisher_keeps_the_first(connected, monkeypatch
 
 
 def test_connection_begun_between_two_publishers_is_dropped(together, monkeypatch):
-    publisher, ear = together
+    publisher, recorder = together
     uri = "http://here"
     monkeypatch.setattr(rospy, "get_node_uri", lambda: uri)
     connection = TCPROSTransport(TCPROSSub(TOPIC, String), TOPIC)
     connection.set_endpoint_id(uri)
-    assert not ear.impl.add_connection(connection)
+    assert not recorder.impl.add_connection(connection)
     publisher.close()
-    assert ear.impl.add_connection(connection)
+    assert recorder.impl.add_connection(connection)
 
 
 def test_closed_subscription_receives_nothing_from_a_connection_while_others_do(connected, stack):
@@ -528,13 +528,13 @@ def test_closed_subscription_receives_nothing_from_a_connection_while_others_do(
 
 
 def test_closed_subscription_receives_nothing_from_its_process_while_others_do(together, stack):
-    publisher, ear = together
+    publisher, recorder = together
     other = Ear(stack)
     publisher.publish(String("before"))
     for _ in range(2):
-        ear.subscription.close()
+        recorder.subscription.close()
     publisher.publish(String("after"))
-    assert ear.words == ["before"]
+    assert recorder.words == ["before"]
     assert other.words == ["before", "after"]
 
 

@@ -635,33 +635,33 @@ def test_server_has_valid_values_after_any_changes(moves: Any) -> None:
 
 
 def test_burst_is_allowed_immediately_then_one_per_refill():
-    budget = TokenBucket()
-    assert [budget.allow("level", 0.0) for _ in range(BURST)] == [True] * BURST
-    assert not budget.allow("level", 0.5 * REFILL_S)
-    assert budget.allow("title", 0.5 * REFILL_S)
-    assert budget.allow("level", 1.1 * REFILL_S)
-    assert not budget.allow("level", 1.9 * REFILL_S)
+    bucket = TokenBucket()
+    assert [bucket.allow("level", 0.0) for _ in range(BURST)] == [True] * BURST
+    assert not bucket.allow("level", 0.5 * REFILL_S)
+    assert bucket.allow("title", 0.5 * REFILL_S)
+    assert bucket.allow("level", 1.1 * REFILL_S)
+    assert not bucket.allow("level", 1.9 * REFILL_S)
 
 
 def test_one_write_per_refill_period_is_always_allowed():
-    budget = TokenBucket()
+    bucket = TokenBucket()
     for _ in range(BURST):
-        budget.allow("level", 0.0)
-    assert all(budget.allow("level", number * REFILL_S) for number in range(1, 1000))
+        bucket.allow("level", 0.0)
+    assert all(bucket.allow("level", number * REFILL_S) for number in range(1, 1000))
 
 
 @given(st.lists(st.floats(0.0, 3.0 * REFILL_S), max_size=200))
 def test_at_most_the_burst_and_one_per_period_is_allowed(pauses):
-    budget, now, allowed = TokenBucket(), 0.0, 0
+    bucket, now, allowed = TokenBucket(), 0.0, 0
     for pause in pauses:
         now += pause
-        allowed += budget.allow("level", now)
+        allowed += bucket.allow("level", now)
         assert allowed <= BURST + now / REFILL_S + 1e-6
 
 
 @pytest.mark.parametrize("rest", [BURST * REFILL_S, 1e6])
 def test_the_burst_is_back_after_a_rest(rest):
-    budget = TokenBucket()
+    bucket = TokenBucket()
     for _ in range(2 * BURST):
-        budget.allow("level", 0.0)
-    assert [budget.allow("level", rest) for _ in range(BURST + 1)].count(True) == BURST
+        bucket.allow("level", 0.0)
+    assert [bucket.allow("level", rest) for _ in range(BURST + 1)].count(True) == BURST

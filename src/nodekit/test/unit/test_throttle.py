@@ -60,15 +60,15 @@ def test_expired_keys_are_removed(monkeypatch: "pytest.MonkeyPatch") -> None:
 def test_finite_subscription_warns_once_for_each_topic(logged: List[str]) -> None:
     node = Node(Names("/space/node", True))
     heard: List[float] = []
-    ears = [
+    recorders = [
         node.create_subscription(
             name, Float32, lambda message: heard.append(message.data), finite=True
         )
         for name in ("one", "other")
     ]
     for number in (math.nan, math.inf, -math.inf, 1.0):
-        for ear in ears:
-            ear._receive([Float32(number)], True)
+        for recorder in recorders:
+            recorder._receive([Float32(number)], True)
     assert heard == [1.0, 1.0]
     assert logged == [
         "/space/one: data: nan is not finite and is ignored",

@@ -133,10 +133,10 @@ class ParametersDemo(unittest.TestCase):
             process.end()
         cls.stack.close()
 
-    def ear(self, topic: str, kind: type) -> MessageRecorder:
-        ear = MessageRecorder(topic, kind)
-        self.addCleanup(ear.close)
-        return ear
+    def recorder(self, topic: str, kind: type) -> MessageRecorder:
+        recorder = MessageRecorder(topic, kind)
+        self.addCleanup(recorder.close)
+        return recorder
 
     def wait_for_log(self, node: str, pattern: str) -> Any:
         """Wait for a line of a node that fits, and return the match."""
@@ -151,8 +151,8 @@ class ParametersDemo(unittest.TestCase):
     def test_camera_shows_its_name_number_and_time(self) -> None:
         """Course 001-params-1, 001-params-10."""
         for number, name in ((1, "right_side_camera"), (2, "left_side_camera")):
-            images = self.ear(f"camera{number}/image_color", Image)
-            infos = self.ear(f"camera{number}/camera_info", CameraInfo)
+            images = self.recorder(f"camera{number}/image_color", Image)
+            infos = self.recorder(f"camera{number}/camera_info", CameraInfo)
             image = images.wait_for(lambda one: True)
             self.assertEqual((image.width, image.height, image.encoding), (640, 480, "rgb8"))
             self.assertEqual((image.step, len(image.data)), (1920, 1920 * 480))
@@ -170,7 +170,7 @@ class ParametersDemo(unittest.TestCase):
 
     def test_lidar_scans_the_room(self) -> None:
         """Course 001-params-2."""
-        found = self.ear("lidar/points", LaserScan).wait_for(lambda one: True)
+        found = self.recorder("lidar/points", LaserScan).wait_for(lambda one: True)
         expected = scan(MODELS["OS1"], found.header.stamp.to_sec())
         numpy.testing.assert_array_equal(numpy.array(found.ranges, "f4"), expected.astype("f4"))
         self.assertEqual(found.header.frame_id, "top_lidar_frame")
@@ -179,9 +179,9 @@ class ParametersDemo(unittest.TestCase):
 
     def test_radar_follows_what_moves(self) -> None:
         """Course 001-params-3."""
-        ear = self.ear("radar/tracks", RadarTracks)
-        found = ear.wait_for(lambda one: ear.count() > 5)
-        for tracks in [found, ear.messages()[5]]:
+        recorder = self.recorder("radar/tracks", RadarTracks)
+        found = recorder.wait_for(lambda one: recorder.count() > 5)
+        for tracks in [found, recorder.messages()[5]]:
             expected = radar_tracks(tracks.header, returns(tracks.header.stamp.to_sec()))
             for one, other in zip(tracks.returns, expected.returns):
                 for field in one.__slots__:
@@ -246,7 +246,7 @@ class ParametersDemo(unittest.TestCase):
 
     def test_camera_name_is_seen_in_the_log_and_on_the_picture(self) -> None:
         """Course 001-params-12."""
-        images = self.ear("camera/image_color", Image)
+        images = self.recorder("camera/image_color", Image)
         self.wait_for_log("/camera_demo", "^Published frame from: front_camera$")
         self.server.set("/camera_demo/camera_name", "front_facing_camera")
         self.wait_for_log("/camera_demo", "^Published frame from: front_facing_camera$")
@@ -331,11 +331,11 @@ class ParametersDemo(unittest.TestCase):
         """Course 004-bridge-7."""
         node, process = "/parameterized_publisher", self.processes["parameterized_publisher"]
         self.server.wait_for(f"{node}/publish_rate", 5.0)
-        ear = self.ear("chatter", String)
-        ear.wait_for(lambda one: re.fullmatch(r"Hello \d+", one.data))
+        recorder = self.recorder("chatter", String)
+        recorder.wait_for(lambda one: re.fullmatch(r"Hello \d+", one.data))
         self.server.set(f"{node}/message_prefix", "Good day")
-        ear.wait_for(lambda one: re.fullmatch(r"Good day \d+", one.data))
-        numbers = [int(one.data.split()[-1]) for one in ear.messages()]
+        recorder.wait_for(lambda one: re.fullmatch(r"Good day \d+", one.data))
+        numbers = [int(one.data.split()[-1]) for one in recorder.messages()]
         self.assertEqual(numbers, list(range(numbers[0], numbers[0] + len(numbers))))
         answer = self.change(node, "{publish_rate: 0, message_prefix: 5}")
         self.assertIn("refused 0: must be a number in [1e-06, 10000] (Hz)", answer.message)

@@ -41,14 +41,14 @@ class Monitors(MonitorRig):
         self.wait_for_line("ghost", "never seen")
 
     def test_diagnostics_are_what_ros_s_tool_shows(self) -> None:
-        ear = MessageRecorder("/diagnostics", DiagnosticArray)
-        self.addCleanup(ear.close)
+        recorder = MessageRecorder("/diagnostics", DiagnosticArray)
+        self.addCleanup(recorder.close)
 
         def complete(array: DiagnosticArray) -> bool:
             names = {status.name for status in array.status}
             return {"monitor", "monitor: one", "monitor: ghost"} <= names
 
-        statuses = {status.name: status for status in ear.wait_for(complete).status}
+        statuses = {status.name: status for status in recorder.wait_for(complete).status}
         self.assertEqual(statuses["monitor"].level, 2)
         one = statuses["monitor: one"]
         self.assertEqual(one.hardware_id, "one")

@@ -85,24 +85,24 @@ class Both:
         Without rospy's subscriber: on a busy machine it connects twice to a publisher that was
         announced twice, and receives everything twice.
         """
-        ear = MessageRecorder()
+        recorder = MessageRecorder()
         raw = self.types.message(kind).raw
-        subscription = Subscription(topic, raw, lambda messages, _: ear.heard.extend(messages))
+        subscription = Subscription(topic, raw, lambda messages, _: recorder.heard.extend(messages))
         subscription.open()
         subscription.receive_latched()
-        ear.end = subscription.close
-        return ear
+        recorder.end = subscription.close
+        return recorder
 
     def hear2(
         self, topic: str, cls: Any, latched: bool = False, depth: int = 1000
     ) -> "MessageRecorder":
         """Subscribe to a topic in ROS 2."""
-        ear = MessageRecorder()
+        recorder = MessageRecorder()
         kept = DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
         qos = QoSProfile(depth=depth, durability=kept)
-        subscription = self.node.create_subscription(cls, topic, ear.heard.append, qos)
-        ear.end = lambda: self.node.destroy_subscription(subscription)
-        return ear
+        subscription = self.node.create_subscription(cls, topic, recorder.heard.append, qos)
+        recorder.end = lambda: self.node.destroy_subscription(subscription)
+        return recorder
 
 
 class MessageRecorder:

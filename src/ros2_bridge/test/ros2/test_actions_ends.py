@@ -47,13 +47,16 @@ def test_goal_that_the_server_does_not_answer_is_rejected(ros: both.Both) -> Non
     with both.Bridge("_service_timeout:=0.5"), Client1("/foot/rest") as client:
         client.tell("send on 60.0")
         assert client.end_of("on") == f"REJECTED - {NO_ANSWER}"
-        ear = ros.hear2("/foot/rest/_action/status", GoalStatusArray, latched=True, depth=1)
+        recorder = ros.hear2("/foot/rest/_action/status", GoalStatusArray, latched=True, depth=1)
         ros.executor.add_node(node)  # it accepts the goal after all
         wait_until(
-            lambda: ear.heard and ear.heard[-1].status_list[0].status == GoalStatus.STATUS_CANCELED,
-            lambda: f"it goes on: {ear.heard[-1:]}",
+            lambda: (
+                recorder.heard
+                and recorder.heard[-1].status_list[0].status == GoalStatus.STATUS_CANCELED
+            ),
+            lambda: f"it goes on: {recorder.heard[-1:]}",
         )
-        ear.end()
+        recorder.end()
     ros.executor.remove_node(node)
     node.destroy_node()
 
@@ -119,8 +122,8 @@ def test_goal_is_lost_after_bridge_was_killed_and_can_be_cancelled(ros: both.Bot
     goals: List[Any] = []
     raw = ros.types.action("bot_controller_demo_msgs/GoTo").raw_goal
     subscriber = rospy.Subscriber("/leg/walk/goal", raw, goals.append)
-    ear1 = ros.hear1("/leg/walk/status", "actionlib_msgs/GoalStatusArray")
-    ear2 = ros.hear2("/leg/walk/_action/status", GoalStatusArray, latched=True, depth=1)
+    recorder1 = ros.hear1("/leg/walk/status", "actionlib_msgs/GoalStatusArray")
+    recorder2 = ros.hear2("/leg/walk/_action/status", GoalStatusArray, latched=True, depth=1)
     with Server2("/leg/walk"):
         with both.Bridge() as bridge, Client1("/leg/walk") as client:
             client.tell("send on 60.0")
@@ -131,15 +134,15 @@ def test_goal_is_lost_after_bridge_was_killed_and_can_be_cancelled(ros: both.Bot
                 assert client.end_of("on") == "LOST -"  # by the rules of ROS 1
                 text = wire.read_goal(goals[0]._buff)[0]
                 listed = text_of(bytes_of(text)).encode()
-                wait_until(lambda: listed in ear1.heard[-1]._buff, lambda: "it is not listed")
+                wait_until(lambda: listed in recorder1.heard[-1]._buff, lambda: "it is not listed")
                 canceller = rospy.Publisher("/leg/walk/cancel", GoalID, queue_size=1)
                 wait_until(canceller.get_num_connections, lambda: "no connection")
                 canceller.publish(wire.goal_id(text, 0))
                 wait_until(
-                    lambda: ear2.heard[-1].status_list[0].status == GoalStatus.STATUS_CANCELED,
+                    lambda: recorder2.heard[-1].status_list[0].status == GoalStatus.STATUS_CANCELED,
                     lambda: "it goes on",
                 )
-    for end in (subscriber.unregister, canceller.unregister, ear1.end, ear2.end):
+    for end in (subscriber.unregister, canceller.unregister, recorder1.end, recorder2.end):
         end()
 
 

@@ -242,10 +242,10 @@ def test_unknown_ros2_status_is_logged_and_result_aborts(
     server2.list_goal(_UNKNOWN + 1, sec=1)
     bridge.wait_for_log(f"/odd/hand: the server in ROS 2 sends the unknown status {_UNKNOWN + 1}")
     server2.list_goal(Ros2Status.STATUS_EXECUTING, sec=-1)
-    ear = ros.hear1("/odd/hand/status", "actionlib_msgs/GoalStatusArray")
+    recorder = ros.hear1("/odd/hand/status", "actionlib_msgs/GoalStatusArray")
     theirs = struct.pack("<II", 0, 0) + struct.pack("<I", 36) + b"07070707-"
-    wait_until(lambda: any(theirs in m._buff for m in ear.heard), lambda: "not listed")
-    ear.end()
+    wait_until(lambda: any(theirs in m._buff for m in recorder.heard), lambda: "not listed")
+    recorder.end()
     assert not bridge.logged("Traceback")
 
 

@@ -74,15 +74,15 @@ def test_refused_cancellation_continues_goal(bridge: both.Bridge, client: Client
 
 
 def test_goals_are_listed_five_times_a_second(ros: both.Both, client: Client) -> None:
-    ear = ros.hear1("/hand/grab/status", "actionlib_msgs/GoalStatusArray")
-    ear.wait(12)
-    heard = list(ear.heard)
+    recorder = ros.hear1("/hand/grab/status", "actionlib_msgs/GoalStatusArray")
+    recorder.wait(12)
+    heard = list(recorder.heard)
     stamps = [int.from_bytes(m._buff[8:12], "little") for m in heard]
     seconds = [int.from_bytes(m._buff[4:8], "little") for m in heard]
     times = [whole + 1e-9 * part for whole, part in zip(seconds, stamps)]
     # The median: after one that a busy machine has held up, the next one is due in less.
     assert statistics.median(late - early for early, late in zip(times, times[1:])) > 0.1
-    ear.end()
+    recorder.end()
 
 
 def test_many_goals_are_neither_lost_nor_duplicated(client: Client) -> None:
@@ -107,9 +107,9 @@ def test_server_continues_goal_of_killed_client(ros: both.Both, client: Client) 
     client.tell("cancel_all")
 
     def listed() -> bool:
-        ear = ros.hear1("/hand/grab/status", "actionlib_msgs/GoalStatusArray")
-        ear.wait(1)
-        ear.end()
-        return b"action_client1" in ear.heard[-1]._buff
+        recorder = ros.hear1("/hand/grab/status", "actionlib_msgs/GoalStatusArray")
+        recorder.wait(1)
+        recorder.end()
+        return b"action_client1" in recorder.heard[-1]._buff
 
     wait_until(lambda: not listed(), lambda: "the goal goes on")

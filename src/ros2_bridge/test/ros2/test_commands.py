@@ -99,10 +99,10 @@ def test_camera_is_set_and_its_topic_timed(ros: both.Both, camera: both.Running)
         assert set_one(ros, "camera_rate", rate, "/camera_demo").successful is is_good, rate
     assert set_one(ros, "camera_name", "front_facing_camera", "/camera_demo").successful
     camera.wait_for_log("front_facing_camera")
-    ear = ros.hear2("/camera/image_color", Image)
-    ear.wait(30)
-    ear.end()
-    stamps = [image.header.stamp for image in ear.heard]
+    recorder = ros.hear2("/camera/image_color", Image)
+    recorder.wait(30)
+    recorder.end()
+    stamps = [image.header.stamp for image in recorder.heard]
     times = [stamp.sec + 1e-9 * stamp.nanosec for stamp in stamps]
     gaps = [later - earlier for earlier, later in zip(times, times[1:])]
     assert statistics.median(gaps) == pytest.approx(0.05, abs=0.01)

@@ -47,8 +47,8 @@ def course(ros: both.Both, tmp_path_factory: "pytest.TempPathFactory") -> Iterat
 
 
 def test_signal_is_right_and_its_generator_is_set(ros: both.Both, course: None) -> None:
-    ear = ros.hear2("/signal", SignalMsg)
-    first = ear.wait(3)[0]
+    recorder = ros.hear2("/signal", SignalMsg)
+    first = recorder.wait(3)[0]
     assert first.amplitude == 2.0
     assert abs(first.frequency - 6.2831853) < 1e-6
     service = "/signal_generator/set_parameters"
@@ -57,31 +57,31 @@ def test_signal_is_right_and_its_generator_is_set(ros: both.Both, course: None) 
         (result,) = ros.call2(SetParameters, service, parameters=request).results
         assert result.successful is is_good
     assert "refused -1" in result.reason
-    wait_until(lambda: ear.heard[-1].amplitude == 0.5, lambda: str(ear.heard[-1]))
-    ear.end()
+    wait_until(lambda: recorder.heard[-1].amplitude == 0.5, lambda: str(recorder.heard[-1]))
+    recorder.end()
 
 
 def test_quality_of_service_is_that_of_the_file(ros: both.Both, course: None) -> None:
     wait_until(lambda: ros.node.count_publishers("/signal"), lambda: "no /signal")
     (found,) = ros.node.get_publishers_info_by_topic("/signal")
     assert found.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
-    ear = ros.hear2("/signal", SignalMsg, latched=True)
-    ear.wait()  # the messages from now on are kept for late subscribers
+    recorder = ros.hear2("/signal", SignalMsg, latched=True)
+    recorder.wait()  # the messages from now on are kept for late subscribers
     later = ros.hear2("/signal", SignalMsg, latched=True)
-    assert later.wait(2)[0].time_x <= ear.heard[-1].time_x
-    ear.end()
+    assert later.wait(2)[0].time_x <= recorder.heard[-1].time_x
+    recorder.end()
     later.end()
 
 
 def test_arguments_of_the_launch_file_are_kept(ros: both.Both, course: None) -> None:
     wait_until(lambda: ros.node.count_publishers("/signal"), lambda: "no /signal")
     out = ros.node.create_publisher(Float32, "/of_ros2", 10)
-    ear = ros.hear1("/of_ros2", "std_msgs/Float32")
+    recorder = ros.hear1("/of_ros2", "std_msgs/Float32")
     again = ros.hear2("/signal", SignalMsg)
     again.wait(20)  # both graphs were polled several times so far
     assert not ros.node.count_publishers("/proc_signal")  # denied
     assert not out.get_subscription_count()  # a way that is shut
     assert rospy.get_param("/ros2_bridge/remap") == ["/lab=/elsewhere"]
-    ear.end()
+    recorder.end()
     again.end()
     ros.node.destroy_publisher(out)

@@ -84,7 +84,7 @@ def peer(tmp_path_factory: "pytest.TempPathFactory") -> Iterator[Callable[..., p
 def test_swapped_fields_are_not_passed_and_both_definitions_are_named(
     ros: both.Both, bridge: both.Bridge, peer: Callable[..., pathlib.Path]
 ) -> None:
-    ear = ros.hear1("/swapped", "pid_control/motor_input")
+    recorder = ros.hear1("/swapped", "pid_control/motor_input")
     received = peer("/swapped", "MotorInput")
     out = publisher1(ros, "/swapped_back", "pid_control/motor_input")
     there, here = "(double time, float input) there", "(float input, double time) in the bridge"
@@ -94,19 +94,19 @@ def test_swapped_fields_are_not_passed_and_both_definitions_are_named(
         )
         bridge.wait_for_log(topic, there, here)
     assert not ros.node.count_publishers("/swapped_back") and not out.get_num_connections()
-    assert not ear.heard and not received.read_text(), (ear.heard, received.read_text())
+    assert not recorder.heard and not received.read_text(), (recorder.heard, received.read_text())
     out.unregister()
-    ear.end()
+    recorder.end()
 
 
 def test_other_names_in_the_same_order_are_passed_with_a_warning(
     ros: both.Both, bridge: both.Bridge, peer: Callable[..., pathlib.Path]
 ) -> None:
-    ear = ros.hear1("/renamed", "pid_control/set_point")
+    recorder = ros.hear1("/renamed", "pid_control/set_point")
     peer("/renamed", "SetPoint")
-    assert len(ear.wait()[0]._buff) == 12
+    assert len(recorder.wait()[0]._buff) == 12
     bridge.wait_for_log("/renamed: /SetPoint has another definition", "with other names", "wanted")
-    ear.end()
+    recorder.end()
 
 
 def test_other_definitions_of_ros1_are_named_with_both_checksums(

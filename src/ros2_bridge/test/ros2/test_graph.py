@@ -73,10 +73,10 @@ def test_ros1_and_ros2_node_may_share_a_name(ros: both.Both, bridge: both.Bridge
     wait_until(uri, lambda: "/twice is not in rosnode list")
     of_bridge = uri()
     with both.Running("basic_comms", "talker.py", "__name:=twice") as talker:
-        ear = ros.hear2("/chatter", String)
-        ear.wait(3)  # what it publishes is not taken for the bridge's own
+        recorder = ros.hear2("/chatter", String)
+        recorder.wait(3)  # what it publishes is not taken for the bridge's own
         assert uri() != of_bridge  # the master had the one before it shut down
-        ear.end()
+        recorder.end()
         talker.interrupt()
     wait_until(lambda: uri() == of_bridge, lambda: "that of ROS 2 does not come back")
     ros.executor.remove_node(node)
@@ -89,20 +89,20 @@ def test_tf_and_clock(ros: both.Both, bridge: both.Bridge) -> None:
     name = struct.pack("<I4s", 4, b"odom")
     header = struct.pack("<III", 0, 7, 8) + name
     static.send(struct.pack("<I", 1) + header + name + struct.pack("<7d", *range(7)))
-    ear = ros.hear2("/tf_static", TFMessage, latched=True)
-    (transform,) = ear.wait()[0].transforms
+    recorder = ros.hear2("/tf_static", TFMessage, latched=True)
+    (transform,) = recorder.wait()[0].transforms
     assert (transform.header.stamp.sec, transform.child_frame_id) == (7, "odom")
     assert transform.transform.rotation.w == 6.0
-    ear.end()
+    recorder.end()
     static.unregister()
     out = ros.node.create_publisher(Clock, "/clock", 10)
     clock = Clock()
     clock.clock.sec = 42
-    ear1 = ros.hear1("/clock", "rosgraph_msgs/Clock")
+    recorder1 = ros.hear1("/clock", "rosgraph_msgs/Clock")
     wait_until(lambda: out.get_subscription_count(), lambda: "the bridge does not listen")
     out.publish(clock)
-    assert ear1.wait()[0]._buff == struct.pack("<II", 42, 0)
-    ear1.end()
+    assert recorder1.wait()[0]._buff == struct.pack("<II", 42, 0)
+    recorder1.end()
     ros.node.destroy_publisher(out)
 
 

@@ -35,14 +35,14 @@ def tf2(child: str) -> Any:
     return TFMessage(transforms=[TransformStamped(child_frame_id=child)])
 
 
-def frames(ros: both.Both, ear: both.MessageRecorder) -> List[str]:
+def frames(ros: both.Both, recorder: both.MessageRecorder) -> List[str]:
     """Return the frames that were heard, in either ROS."""
     codec = ros.types.message(TF1).codec
     found = [
         heard
         if isinstance(heard, TFMessage)
         else deserialize_message(codec.to_cdr(heard._buff), TFMessage)
-        for heard in list(ear.heard)
+        for heard in list(recorder.heard)
     ]
     return [message.transforms[0].child_frame_id for message in found]
 
@@ -53,17 +53,17 @@ def publishers1(topic: str) -> List[str]:
     return dict(published).get(topic, [])
 
 
-def wait_for(ros: both.Both, ear: both.MessageRecorder, *names: str) -> None:
-    wait_until(lambda: {*names} <= {*frames(ros, ear)}, lambda: str(frames(ros, ear)))
+def wait_for(ros: both.Both, recorder: both.MessageRecorder, *names: str) -> None:
+    wait_until(lambda: {*names} <= {*frames(ros, recorder)}, lambda: str(frames(ros, recorder)))
 
 
 def late1(ros: both.Both, *names: str) -> List[str]:
     """Return the frames that a late ROS 1 listener receives, once it has these."""
-    ear = ros.hear1(TF, TF1)
-    wait_for(ros, ear, *names)
+    recorder = ros.hear1(TF, TF1)
+    wait_for(ros, recorder, *names)
     rospy.sleep(0.3)  # what is too much would have come by now
-    ear.end()
-    return sorted(frames(ros, ear))
+    recorder.end()
+    return sorted(frames(ros, recorder))
 
 
 def test_late_ros1_listeners_get_latched_message_of_each_ros2_node(ros: both.Both) -> None:
@@ -128,10 +128,10 @@ def test_late_ros2_listeners_get_no_outdated_message(ros: both.Both) -> None:
     def listen(text: str) -> str:
         """Latch a text, and return the first message of a late listener."""
         out.send(struct.pack("<I", len(text)) + text.encode())
-        ear, other = ros.hear2(DESCRIPTION, String, latched=True), ros.hear2("/plain", String)
-        first = ear.wait()[0].data
+        recorder, other = ros.hear2(DESCRIPTION, String, latched=True), ros.hear2("/plain", String)
+        first = recorder.wait()[0].data
         wait_until(plain.get_num_connections, lambda: "the bridge does not listen")
-        for one in (ear, other):
+        for one in (recorder, other):
             one.end()
         wait_until(lambda: not plain.get_num_connections(), lambda: "the bridge goes on to listen")
         return str(first)
@@ -167,8 +167,8 @@ def test_late_ros2_listeners_get_latched_message_of_each_ros1_node(ros: both.Bot
             assert sorted(frames(ros, late)) == ["left", "right"]
             text = ros.hear2(DESCRIPTION, String, latched=True)
             assert text.wait()[0].data == ROBOT
-            for ear in (early, late, text):
-                ear.end()
+            for recorder in (early, late, text):
+                recorder.end()
     finally:
         other.end()
     for publisher in (left, description):
@@ -178,8 +178,8 @@ def test_late_ros2_listeners_get_latched_message_of_each_ros1_node(ros: both.Bot
 def test_robot_description_of_the_parameter_server_is_latched_in_ros2(
     ros: both.Both, bridge: both.Bridge
 ) -> None:
-    def heard(ear: both.MessageRecorder) -> List[str]:
-        return [message.data for message in ear.heard]
+    def heard(recorder: both.MessageRecorder) -> List[str]:
+        return [message.data for message in recorder.heard]
 
     rospy.set_param(DESCRIPTION, ROBOT)
     early = ros.hear2(DESCRIPTION, String, latched=True)
@@ -207,5 +207,5 @@ def test_robot_description_of_the_parameter_server_is_latched_in_ros2(
     wait_until(lambda: publishers() == ["ros2_bridge"], lambda: str(publishers()))
     rospy.delete_param(DESCRIPTION)
     wait_until(lambda: publishers() == [], lambda: str(publishers()))
-    for ear in (early, late):
-        ear.end()
+    for recorder in (early, late):
+        recorder.end()

@@ -41,13 +41,13 @@ def test_clock_of_a_simulation_reaches_ros2(ros: both.Both) -> None:
     clock = publisher1(ros, "/clock", "rosgraph_msgs/Clock")
     try:
         with both.Bridge() as bridge:
-            ear = ros.hear2("/clock", Clock)
+            recorder = ros.hear2("/clock", Clock)
             wait_until(
-                lambda: clock.send(struct.pack("<II", 12, 500)) or ear.heard,
+                lambda: clock.send(struct.pack("<II", 12, 500)) or recorder.heard,
                 lambda: f"no time in ROS 2: {bridge.logged()}",
             )
-            assert (ear.heard[0].clock.sec, ear.heard[0].clock.nanosec) == (12, 500)
-            ear.end()
+            assert (recorder.heard[0].clock.sec, recorder.heard[0].clock.nanosec) == (12, 500)
+            recorder.end()
             assert bridge.interrupt() == 0
             assert not bridge.logged("Traceback") and not bridge.logged("_buff")
     finally:
@@ -139,27 +139,27 @@ def udp_addresses(pid: int) -> Set[str]:
 def test_only_the_loopback_interface_is_listened_to(ros: both.Both) -> None:
     with both.Bridge() as bridge:
         wait_until(lambda: udp_addresses(bridge.popen.pid), lambda: "it does not listen")
-        ear = ros.hear2("/rosout", Log)
-        ear.wait()
+        recorder = ros.hear2("/rosout", Log)
+        recorder.wait()
         assert udp_addresses(bridge.popen.pid) == {"127.0.0.1"}
-        ear.end()
+        recorder.end()
 
 
 def test_killed_and_started_again(ros: both.Both) -> None:
     out = ros.node.create_publisher(Float32, "/again", 10)
-    ear = ros.hear1("/again", "std_msgs/Float32")
+    recorder = ros.hear1("/again", "std_msgs/Float32")
     for number in range(3):
 
         def hears() -> bool:
             # ROS 2 notices only after 20 s that a killed subscriber is gone.
             out.publish(Float32(data=float(number)))
-            return any(one._buff == struct.pack("<f", number) for one in list(ear.heard))
+            return any(one._buff == struct.pack("<f", number) for one in list(recorder.heard))
 
         with both.Bridge() as bridge:
             wait_until(hears, lambda: "nothing comes through")
             bridge.popen.send_signal(signal.SIGKILL)
             bridge.wait()
-    ear.end()
+    recorder.end()
     ros.node.destroy_publisher(out)
 
 
@@ -227,7 +227,10 @@ def test_no_message_is_lost_and_all_are_counted(ros: both.Both) -> None:
     with both.Bridge():
         out2 = ros.node.create_publisher(Float32, "/quick2", 1000)
         out1 = publisher1(ros, "/quick1", "std_msgs/Float32")
-        ear1, ear2 = ros.hear1("/quick2", "std_msgs/Float32"), ros.hear2("/quick1", Float32)
+        recorder1, recorder2 = (
+            ros.hear1("/quick2", "std_msgs/Float32"),
+            ros.hear2("/quick1", Float32),
+        )
         told = ros.hear1("/ros2_bridge/statistics", "std_msgs/String")
 
         def send(number: float) -> None:
@@ -236,14 +239,16 @@ def test_no_message_is_lost_and_all_are_counted(ros: both.Both) -> None:
 
         def numbers() -> List[List[float]]:
             heard = (
-                [struct.unpack("<f", m._buff)[0] for m in ear1.heard],
-                [m.data for m in ear2.heard],
+                [struct.unpack("<f", m._buff)[0] for m in recorder1.heard],
+                [m.data for m in recorder2.heard],
             )
             return [[number for number in one if number >= 0.0] for one in heard]
 
         # Numbers of listeners do not tell when a way is open: ROS 2 counts those too that were
         # killed, and knows of one before it sends to it.
-        wait_until(lambda: send(-1.0) or (ear1.heard and ear2.heard), lambda: "a way is shut")
+        wait_until(
+            lambda: send(-1.0) or (recorder1.heard and recorder2.heard), lambda: "a way is shut"
+        )
         for number in range(800):
             send(float(number))
         wait_until(lambda: min(map(len, numbers())) >= 800, lambda: str([*map(len, numbers())]))
@@ -254,13 +259,15 @@ def test_no_message_is_lost_and_all_are_counted(ros: both.Both) -> None:
             topics = yaml.safe_load(text[0])["topics"] if text else {}
             found = [topics.get(way, {}).get(name, {}) for way, name in WAYS]
             passed = [one.get("passed") for one in found]
-            return passed == [len(ear1.heard), len(ear2.heard)] and not any(
+            return passed == [len(recorder1.heard), len(recorder2.heard)] and not any(
                 one["lost"] or one["refused"] for one in found
             )
 
-        wait_until(counted, lambda: f"{len(ear1.heard), len(ear2.heard)}, {told.heard[-1:]}")
-        for ear in (ear1, ear2, told):
-            ear.end()
+        wait_until(
+            counted, lambda: f"{len(recorder1.heard), len(recorder2.heard)}, {told.heard[-1:]}"
+        )
+        for recorder in (recorder1, recorder2, told):
+            recorder.end()
         out1.unregister()
         ros.node.destroy_publisher(out2)
 
@@ -274,18 +281,18 @@ def test_master_dies_and_returns(ros: both.Both) -> None:
     out = node.create_publisher(Float32, "/level", 10)
     ros.executor.add_node(node)
     with both.Running("basic_comms", "talker.py") as talker, both.Bridge() as bridge:
-        ear = ros.hear2("/chatter", String)
-        ear.wait()
+        recorder = ros.hear2("/chatter", String)
+        recorder.wait()
         wait_until(lambda: rospy.get_param("/plant/gain", None) == 2.5, lambda: "no gain")
         ros.master.kill()
-        heard = len(ear.heard)
-        ear.wait(heard + 3)  # what is connected goes on without it
+        heard = len(recorder.heard)
+        recorder.wait(heard + 3)  # what is connected goes on without it
         ros.master.start()
         wait_until(
             lambda: [n for _, n in rospy.get_master().getSystemState()[2][0] if "/talker" in n],
             lambda: "the talker does not come back",
         )
-        ear.wait(len(ear.heard) + 20)
+        recorder.wait(len(recorder.heard) + 20)
         assert ros.node.count_publishers("/chatter")
 
         def is_told_anew() -> bool:
@@ -298,7 +305,7 @@ def test_master_dies_and_returns(ros: both.Both) -> None:
         talker.interrupt()
         wait_until(lambda: not ros.node.count_publishers("/chatter"), lambda: "it stays")
         assert not bridge.logged("Traceback")
-        ear.end()
+        recorder.end()
     ros.executor.remove_node(node)
     node.destroy_publisher(out)
     node.destroy_node()
@@ -310,11 +317,11 @@ def test_bridge_may_start_before_master(ros: both.Both) -> None:
         ros.master.kill()
         bridge.wait_for_log("waiting for the master")
         ros.master.start()
-        ear = ros.hear1("/early", "std_msgs/Float32")
+        recorder = ros.hear1("/early", "std_msgs/Float32")
         wait_until(
-            lambda: out.publish(Float32(data=1.5)) or ear.heard,
+            lambda: out.publish(Float32(data=1.5)) or recorder.heard,
             lambda: f"nothing comes: {bridge.logged()}, {rospy.get_master().getSystemState()}",
         )
-        ear.end()
+        recorder.end()
         assert bridge.interrupt() == 0
     ros.node.destroy_publisher(out)

@@ -27,7 +27,7 @@ def test_managed_node_is_managed_in_ros2(ros: both.Both, bridge: both.Bridge) ->
         # "ros2 lifecycle nodes" searches for services of a node of this name.
         offered = dict(ros.node.get_service_names_and_types_by_node("lifecycle_aware_node", "/"))
         assert offered[f"{NODE}/get_state"] == ["lifecycle_msgs/srv/GetState"]
-        ear = ros.hear2(f"{NODE}/transition_event", TransitionEvent)
+        recorder = ros.hear2(f"{NODE}/transition_event", TransitionEvent)
         available = ros.call2(GetAvailableTransitions, f"{NODE}/get_available_transitions")
         labels = [one.transition.label for one in available.available_transitions]
         assert labels == ["configure", "shutdown"]
@@ -42,8 +42,8 @@ def test_managed_node_is_managed_in_ros2(ros: both.Both, bridge: both.Bridge) ->
         assert change(ros, "activate")
         assert state(ros) == "active"
         wait_until(
-            lambda: "active" in [event.goal_state.label for event in ear.heard],
-            lambda: str(ear.heard),
+            lambda: "active" in [event.goal_state.label for event in recorder.heard],
+            lambda: str(recorder.heard),
         )
-        assert ear.heard[-1].timestamp > 0  # rclpy leaves it at 0
-        ear.end()
+        assert recorder.heard[-1].timestamp > 0  # rclpy leaves it at 0
+        recorder.end()

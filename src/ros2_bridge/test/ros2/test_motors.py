@@ -48,22 +48,22 @@ def test_motor_of_ros2_is_driven_from_ros1(ros: both.Both, bridge: both.Bridge) 
     ros.executor.add_node(motor)
     kind = "motor_control_msgs/SetProcessBool"
     assert ros.call1("/EnableMotor", kind, b"\1")[:1] == b"\1"
-    ear = ros.hear1("/motor_speed_y", "std_msgs/Float32")
+    recorder = ros.hear1("/motor_speed_y", "std_msgs/Float32")
     voltage = publisher1(ros, "/motor_input_u", "std_msgs/Float32")
     wait_until(lambda: motor.out.get_subscription_count(), lambda: "the speed is not heard")
     wait_until(lambda: voltage.get_num_connections(), lambda: "the input is not heard")
     for _ in FIRST:
         voltage.send(struct.pack("<f", 1.0))
-    speeds: List[float] = [struct.unpack("<f", one._buff)[0] for one in ear.wait(len(FIRST))]
+    speeds: List[float] = [struct.unpack("<f", one._buff)[0] for one in recorder.wait(len(FIRST))]
     assert speeds == pytest.approx(FIRST, abs=1e-6)
     key = "/motor_of_ros2/sys_gain_K"
     wait_until(lambda: rospy.get_param(key, None) == 1.75, lambda: "not on the server")
     rospy.set_param(key, 3.5)
     wait_until(lambda: motor.get_parameter("sys_gain_K").value == 3.5, lambda: "not taken")
     voltage.send(struct.pack("<f", 1.0))
-    (speed,) = struct.unpack("<f", ear.wait(len(FIRST) + 1)[-1]._buff)
+    (speed,) = struct.unpack("<f", recorder.wait(len(FIRST) + 1)[-1]._buff)
     assert speed == pytest.approx(FIRST[-1] + 0.04 * (3.5 - FIRST[-1]), abs=1e-6)
-    ear.end()
+    recorder.end()
     voltage.unregister()
     ros.executor.remove_node(motor)
     motor.destroy_node()
@@ -71,15 +71,15 @@ def test_motor_of_ros2_is_driven_from_ros1(ros: both.Both, bridge: both.Bridge) 
 
 def test_motor_of_ros1_is_driven_from_ros2(ros: both.Both, bridge: both.Bridge) -> None:
     with both.Running("motor_control", "dc_motor.py", "__ns:=/one", "_initial_conditions:=0.0"):
-        ear = ros.hear2("/one/motor_speed_y", Float32)
+        recorder = ros.hear2("/one/motor_speed_y", Float32)
         voltage = ros.node.create_publisher(Float32, "/one/motor_input_u", 10)
         wait_until(lambda: voltage.get_subscription_count(), lambda: "the input is not heard")
         assert ros.call2(SetProcessBool, "/one/EnableProcess", enable=True).success
 
         def turns() -> bool:
             voltage.publish(Float32(data=1.0))
-            return any(message.data > 0.5 for message in ear.heard)
+            return any(message.data > 0.5 for message in recorder.heard)
 
-        wait_until(turns, lambda: str(ear.heard[-3:]))
-        ear.end()
+        wait_until(turns, lambda: str(recorder.heard[-3:]))
+        recorder.end()
         ros.node.destroy_publisher(voltage)

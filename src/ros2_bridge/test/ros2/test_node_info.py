@@ -92,9 +92,9 @@ def test_a_node_of_ros1_publishes_in_ros2(ros: both.Both, generator: both.Runnin
         lambda: str(offered()),
     )
     assert "/signal" not in published(ros, "ros2_bridge")
-    ear = ros.hear2("/signal", SignalMsg)
-    ear.wait(3)
-    ear.end()
+    recorder = ros.hear2("/signal", SignalMsg)
+    recorder.wait(3)
+    recorder.end()
 
 
 def test_each_publisher_of_a_topic_is_named(ros: both.Both, bridge: both.Bridge) -> None:
@@ -108,14 +108,14 @@ def test_each_publisher_of_a_topic_is_named(ros: both.Both, bridge: both.Bridge)
 
     with talkers[0], talkers[1]:
         wait_until(lambda: names() == ["left", "right"], lambda: str(names()))
-        ear = ros.hear2("/chatter", String)
-        ear.wait(10)
-        ear.end()
+        recorder = ros.hear2("/chatter", String)
+        recorder.wait(10)
+        recorder.end()
         talkers[0].interrupt()
         wait_until(lambda: names() == ["right"], lambda: str(names()))
-        ear = ros.hear2("/chatter", String)
-        ear.wait(3)
-        ear.end()
+        recorder = ros.hear2("/chatter", String)
+        recorder.wait(3)
+        recorder.end()
         talkers[1].interrupt()
 
 
@@ -125,13 +125,13 @@ def test_no_message_is_lost_or_doubled_when_a_node_joins(
     ros: both.Both, bridge: both.Bridge, latch: bool, alone: bool
 ) -> None:
     topic = f"/joined_{latch}_{alone}"
-    ear = ros.hear2(topic, String)
+    recorder = ros.hear2(topic, String)
     first = Process("/usr/bin/rostopic", ["pub", "-r", "20", topic, "std_msgs/String", "a"])
     try:
         if alone:
             first.end()
         else:
-            ear.wait(10)
+            recorder.wait(10)
         second = publisher1(ros, topic, "std_msgs/String", latch=latch)
         wait_until(second.get_num_connections, lambda: "the bridge does not subscribe")
         for number in range(1000):  # in all the time from the first message to the next poll
@@ -140,7 +140,7 @@ def test_no_message_is_lost_or_doubled_when_a_node_joins(
         expected = [f"{number:03}" for number in range(1000)]
 
         def mine() -> List[str]:
-            return [message.data for message in ear.heard if message.data != "a"]
+            return [message.data for message in recorder.heard if message.data != "a"]
 
         wait_until(lambda: len(mine()) >= 1000, lambda: str(sorted({*expected} - {*mine()})))
         rospy.sleep(0.3)  # what is too much would have come by now
@@ -148,7 +148,7 @@ def test_no_message_is_lost_or_doubled_when_a_node_joins(
         second.unregister()
     finally:
         first.end()
-    ear.end()
+    recorder.end()
 
 
 def test_a_node_of_ros2_has_its_own_in_ros1(
@@ -178,14 +178,14 @@ def test_a_node_of_ros2_has_its_own_in_ros1(
 
     wait_until(lambda: listed() == expected, lambda: str(listed()))
     assert ros.call1("/front/reset", "std_srvs/Trigger", b"")[:1] == b"\1"
-    ear = ros.hear1("/front/range", "std_msgs/Float32")
+    recorder = ros.hear1("/front/range", "std_msgs/Float32")
     out = next(one for one in lidar.publishers if one.topic_name == "/front/range")
     wait_until(out.get_subscription_count, lambda: "the bridge does not listen")
     for number in range(5):
         out.publish(Float32(data=float(number)))
-    ear.wait(5)
+    recorder.wait(5)
     out.publish(Float32(data=5.0))  # behind what is too much, if anything was
-    ear.wait(6)
-    heard = [struct.unpack("<f", message._buff)[0] for message in ear.heard]
+    recorder.wait(6)
+    heard = [struct.unpack("<f", message._buff)[0] for message in recorder.heard]
     assert heard == [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
-    ear.end()
+    recorder.end()

@@ -137,7 +137,7 @@ def test_describe(ros: both.Both, generator: both.Running) -> None:
 
 
 def test_events(ros: both.Both, generator: both.Running) -> None:
-    ear = ros.hear2("/parameter_events", ParameterEvent)
+    recorder = ros.hear2("/parameter_events", ParameterEvent)
     wait_until(
         lambda: ros.node.count_publishers("/parameter_events") > 1,
         lambda: "no events are published",
@@ -147,19 +147,19 @@ def test_events(ros: both.Both, generator: both.Running) -> None:
     def told(name: str) -> List[Any]:
         return [
             Value.from_parameter_msg(one).value
-            for event in ear.heard
+            for event in recorder.heard
             if event.node == GENERATOR
             for one in event.changed_parameters
             if one.name == name
         ]
 
     set_one(ros, "amplitude", 4.5)
-    wait_until(lambda: 4.5 in told("amplitude"), lambda: str(ear.heard))
+    wait_until(lambda: 4.5 in told("amplitude"), lambda: str(recorder.heard))
     set_one(ros, "amplitude", -4.5)  # refused: there is no event
     rospy.set_param(f"{GENERATOR}/amplitude", 5.5)
-    wait_until(lambda: 5.5 in told("amplitude"), lambda: str(ear.heard))
+    wait_until(lambda: 5.5 in told("amplitude"), lambda: str(recorder.heard))
     assert told("amplitude") == [4.5, 5.5]
-    ear.end()
+    recorder.end()
 
 
 def test_the_bridge_has_its_own_live(ros: both.Both, bridge: both.Bridge) -> None:

@@ -12,9 +12,9 @@ from test_topics import publisher1
 from nodekit.testing.waiting import wait_until
 
 
-def heard(ear: both.MessageRecorder) -> List[float]:
+def heard(recorder: both.MessageRecorder) -> List[float]:
     """Return the numbers that were heard, in either ROS."""
-    found: List[Any] = list(ear.heard)
+    found: List[Any] = list(recorder.heard)
     return [
         one.data if isinstance(one, Float32) else struct.unpack("<f", one._buff)[0] for one in found
     ]
@@ -48,15 +48,15 @@ def test_rate_is_limited_in_both_directions(ros: both.Both) -> None:
 
         for number in range(20):
             send(float(number))
-        for ear in latched:
-            wait_until(lambda: 19.0 in heard(ear), lambda: str(heard(ear)))
+        for recorder in latched:
+            wait_until(lambda: 19.0 in heard(recorder), lambda: str(heard(recorder)))
         rospy.set_param("/ros2_bridge/max_rate", [])
-        for ear in limited:
-            wait_until(lambda: send(99.0) or 99.0 in heard(ear), lambda: str(heard(ear)))
+        for recorder in limited:
+            wait_until(lambda: send(99.0) or 99.0 in heard(recorder), lambda: str(heard(recorder)))
             # The first ones may be lost: ROS 2 discovers a subscriber before it sends to it.
-            assert len([number for number in heard(ear) if number != 99.0]) <= 1
-    for ear in (*limited, *latched):
-        ear.end()
+            assert len([number for number in heard(recorder) if number != 99.0]) <= 1
+    for recorder in (*limited, *latched):
+        recorder.end()
     for made in (out1, latched1):
         made.unregister()
     for made in (out2, latched2):

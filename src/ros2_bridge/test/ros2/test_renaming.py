@@ -19,9 +19,9 @@ from nodekit.testing.waiting import wait_until
 def test_namespace_of_ros1_is_the_root_of_ros2(ros: both.Both) -> None:
     with both.Bridge("_remap:=['/robot1=/']") as bridge:
         with both.Running("basic_comms", "talker.py", "__ns:=/robot1"):
-            ear = ros.hear2("/chatter", String)
-            ear.wait(2)
-            ear.end()
+            recorder = ros.hear2("/chatter", String)
+            recorder.wait(2)
+            recorder.end()
             request = [Parameter("rate", value=2.5).to_parameter_msg()]
             answer = ros.call2(SetParameters, "/talker/set_parameters", parameters=request)
             assert answer.results[0].successful, answer
@@ -41,11 +41,11 @@ def test_names_of_ros2_are_in_the_namespace(ros: both.Both) -> None:
     server = node.create_service(AddTwoInts, "/add", lambda request, answer: answer)
     ros.executor.add_node(node)
     with both.Bridge("_remap:=['/robot1=/']"):
-        ear = ros.hear1("/robot1/range", "std_msgs/Float32")
+        recorder = ros.hear1("/robot1/range", "std_msgs/Float32")
         wait_until(lambda: out.get_subscription_count(), lambda: "the bridge does not listen")
         out.publish(Float32(data=1.5))
-        assert ear.wait()[0]._buff == struct.pack("<f", 1.5)
-        ear.end()
+        assert recorder.wait()[0]._buff == struct.pack("<f", 1.5)
+        recorder.end()
         assert ros.call1("/robot1/add", ADD, struct.pack("<qq", 1, 2)) == struct.pack("<q", 0)
         rate = "/robot1/lidar/rate"
         wait_until(lambda: rospy.get_param(rate, None) == 10.0, lambda: "not on the server")

@@ -51,14 +51,14 @@ def publisher1(ros: both.Both, topic: str, kind: str, latch: bool = False) -> An
 def test_signal_arrives_with_four_right_fields(ros: both.Both, bridge: both.Bridge) -> None:
     out = publisher1(ros, "/signal", "basic_comms/signal_msg")
     wait_until(lambda: ros.node.count_publishers("/signal"), lambda: "no /signal in ROS 2")
-    ear = ros.hear2("/signal", SignalMsg)
+    recorder = ros.hear2("/signal", SignalMsg)
     wait_until(lambda: out.get_num_connections(), lambda: "the bridge does not listen")
     for number in range(3):
         out.send(struct.pack("<ffdf", 2.0, 6.25, 0.1 * number, -1.5))
-    first, _, last = ear.wait(3)
+    first, _, last = recorder.wait(3)
     assert (first.amplitude, first.frequency, first.signal_y) == (2.0, 6.25, -1.5)
     assert last.time_x == 0.1 * 2
-    ear.end()
+    recorder.end()
     wait_until(lambda: not out.get_num_connections(), lambda: "the bridge goes on to listen")
     out.unregister()
     wait_until(lambda: not ros.node.count_publishers("/signal"), lambda: "/signal stays")
@@ -66,13 +66,13 @@ def test_signal_arrives_with_four_right_fields(ros: both.Both, bridge: both.Brid
 
 def test_text_arrives_in_ros1(ros: both.Both, bridge: both.Bridge) -> None:
     out = ros.node.create_publisher(String, "/chatter", 10)
-    ear = ros.hear1("/chatter", "std_msgs/String")
+    recorder = ros.hear1("/chatter", "std_msgs/String")
     wait_until(lambda: out.get_subscription_count(), lambda: "the bridge does not listen")
     out.publish(String(data="grüezi"))
-    (message,) = ear.wait()
+    (message,) = recorder.wait()
     assert message._buff == struct.pack("<I", 7) + "grüezi".encode()
     assert message._connection_header["type"] == "std_msgs/String"
-    ear.end()
+    recorder.end()
     ros.node.destroy_publisher(out)
 
 
@@ -80,35 +80,35 @@ def test_latched_topics_stay_latched(ros: both.Both, bridge: both.Bridge) -> Non
     latched = publisher1(ros, "/level1", "std_msgs/Float32", latch=True)
     latched.send(struct.pack("<f", 2.5))
     for _ in range(2):  # a late subscriber receives it, too
-        ear = ros.hear2("/level1", Float32, latched=True)
-        assert ear.wait()[0].data == 2.5
-        ear.end()
+        recorder = ros.hear2("/level1", Float32, latched=True)
+        assert recorder.wait()[0].data == 2.5
+        recorder.end()
     qos = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
     out = ros.node.create_publisher(Float32, "/level2", qos)
     out.publish(Float32(data=3.5))
     for _ in range(2):
-        ear = ros.hear1("/level2", "std_msgs/Float32")
-        assert ear.wait()[0]._buff == struct.pack("<f", 3.5)
-        ear.end()
+        recorder = ros.hear1("/level2", "std_msgs/Float32")
+        assert recorder.wait()[0]._buff == struct.pack("<f", 3.5)
+        recorder.end()
     latched.unregister()
     ros.node.destroy_publisher(out)
 
 
 def test_quality_of_service_fits_that_of_the_publisher(ros: both.Both, bridge: both.Bridge) -> None:
     out = ros.node.create_publisher(Float32, "/range", qos_profile_sensor_data)
-    ear = ros.hear1("/range", "std_msgs/Float32")
+    recorder = ros.hear1("/range", "std_msgs/Float32")
     # A subscriber that requests more than is offered gets no error.
     wait_until(lambda: out.get_subscription_count(), lambda: "the bridge does not listen")
-    wait_until(lambda: out.publish(Float32(data=1.5)) or ear.heard, lambda: "nothing is heard")
-    assert ear.heard[0]._buff == struct.pack("<f", 1.5)
-    ear.end()
+    wait_until(lambda: out.publish(Float32(data=1.5)) or recorder.heard, lambda: "nothing is heard")
+    assert recorder.heard[0]._buff == struct.pack("<f", 1.5)
+    recorder.end()
     ros.node.destroy_publisher(out)
 
 
 def test_a_topic_of_both_sides_has_no_echo(ros: both.Both, bridge: both.Bridge) -> None:
     out1 = publisher1(ros, "/both", "std_msgs/Float32")
     out2 = ros.node.create_publisher(Float32, "/both", 100)
-    ear1, ear2 = ros.hear1("/both", "std_msgs/Float32"), ros.hear2("/both", Float32)
+    recorder1, recorder2 = ros.hear1("/both", "std_msgs/Float32"), ros.hear2("/both", Float32)
     wait_until(lambda: out1.get_num_connections() == 2, lambda: "no subscribers in ROS 1")
     wait_until(lambda: out2.get_subscription_count() == 2, lambda: "no subscribers in ROS 2")
     for number in range(10):
@@ -116,15 +116,15 @@ def test_a_topic_of_both_sides_has_no_echo(ros: both.Both, bridge: both.Bridge) 
         out2.publish(Float32(data=100.0 + number))
     numbers = {float(number) for number in range(10)}
     both_kinds = numbers | {100.0 + number for number in numbers}
-    ear1.wait(20), ear2.wait(20)
+    recorder1.wait(20), recorder2.wait(20)
     out1.send(struct.pack("<f", -1.0))
     out2.publish(Float32(data=-2.0))  # behind an echo, if there was one
-    ear1.wait(22), ear2.wait(22)
+    recorder1.wait(22), recorder2.wait(22)
     both_kinds |= {-1.0, -2.0}
-    assert sorted(message.data for message in ear2.heard) == sorted(both_kinds)
-    assert sorted(struct.unpack("<f", m._buff)[0] for m in ear1.heard) == sorted(both_kinds)
-    for ear in (ear1, ear2):
-        ear.end()
+    assert sorted(message.data for message in recorder2.heard) == sorted(both_kinds)
+    assert sorted(struct.unpack("<f", m._buff)[0] for m in recorder1.heard) == sorted(both_kinds)
+    for recorder in (recorder1, recorder2):
+        recorder.end()
     out1.unregister()
     ros.node.destroy_publisher(out2)
 
@@ -141,9 +141,9 @@ def test_type_change_is_detected(ros: both.Both, bridge: both.Bridge) -> None:
     number1.unregister()  # and at once, before the bridge takes it for gone:
     text1 = publisher1(ros, "/changing", "std_msgs/String", latch=True)
     text1.send(struct.pack("<I", 3) + b"abc")
-    ear = ros.hear2("/changing", String, latched=True)
-    assert ear.wait()[0].data == "abc"
-    ear.end()
+    recorder = ros.hear2("/changing", String, latched=True)
+    assert recorder.wait()[0].data == "abc"
+    recorder.end()
     text1.unregister()
     wait_until(lambda: not types2(), lambda: str(types2()))
     # The master keeps its last type forever.
@@ -171,9 +171,9 @@ def test_single_topic_among_many(ros: both.Both, bridge: both.Bridge) -> None:
     illegal = publisher1(ros, "/1/number", "std_msgs/Float32")
     out = publisher1(ros, "/many/last", "basic_comms/signal_msg", latch=True)
     out.send(struct.pack("<ffdf", 2.0, 6.25, 0.5, -1.5))
-    ear = ros.hear2("/many/last", SignalMsg, latched=True)
-    assert ear.wait()[0].signal_y == -1.5
-    ear.end()
+    recorder = ros.hear2("/many/last", SignalMsg, latched=True)
+    assert recorder.wait()[0].signal_y == -1.5
+    recorder.end()
     assert not bridge.logged("truncated")  # of harmless failures of type support
     bridge.wait_for_log("not bridged: /1/number", "token that starts with a number")
     out.unregister()
@@ -244,14 +244,14 @@ def test_depth_that_the_user_sets_holds_for_large_messages() -> None:
 
 def test_images_from_ros1_arrive_in_order(ros: both.Both, bridge: both.Bridge) -> None:
     """The first one makes the bridge hold fewer; none is lost or repeated by that."""
-    ear = ros.hear2("/images", UInt8MultiArray, depth=10)
+    recorder = ros.hear2("/images", UInt8MultiArray, depth=10)
     out = publisher1(ros, "/images", "std_msgs/UInt8MultiArray")
     wait_until(out.get_num_connections, lambda: "no subscriber in ROS 1")
     for number in range(1, 6):
         out.send(struct.pack("<III", 0, 0, 2_000_000) + bytes([number]) * 2_000_000)
-        ear.wait(number)
-    assert [message.data[0] for message in ear.heard] == list(range(1, 6))
-    ear.end()
+        recorder.wait(number)
+    assert [message.data[0] for message in recorder.heard] == list(range(1, 6))
+    recorder.end()
     out.unregister()
 
 
@@ -422,7 +422,7 @@ def test_subscriber_with_deadline_and_liveliness_matches_setting(
         liveliness=LivelinessPolicy.MANUAL_BY_TOPIC,
         liveliness_lease_duration=Duration(seconds=1.0),
     )
-    ear = ros.node.create_subscription(Float32, "/heartbeat", heard.append, wanted)
+    recorder = ros.node.create_subscription(Float32, "/heartbeat", heard.append, wanted)
     wait_until(lambda: publisher.publish(Float32(data=1.0)) or heard, lambda: "they do not match")
     (found,) = ros.node.get_publishers_info_by_topic("/heartbeat")
     assert found.qos_profile.lifespan == Duration(seconds=60.0)
@@ -433,5 +433,5 @@ def test_subscriber_with_deadline_and_liveliness_matches_setting(
     wait_until(lambda: plain.publish(Float32(data=1.0)) or arrived, lambda: "it does not match")
     end()
     participant.close()
-    ros.node.destroy_subscription(ear)
+    ros.node.destroy_subscription(recorder)
     ros.node.destroy_publisher(plain)

@@ -68,9 +68,9 @@ class NodeRig(unittest.TestCase):
     def figures(self) -> Dict[str, int]:
         """Return the node's next figures."""
         name = self.space.lstrip("/") + "/serial_node: board"
-        ear = MessageRecorder("/diagnostics", DiagnosticArray)
-        heard = ear.wait_for(lambda message: message.status[0].name == name)
-        ear.close()
+        recorder = MessageRecorder("/diagnostics", DiagnosticArray)
+        heard = recorder.wait_for(lambda message: message.status[0].name == name)
+        recorder.close()
         return {entry.key: int(entry.value) for entry in heard.status[0].values}
 
     def wait_for_figure(self, name: str, least: int = 1) -> None:

@@ -35,7 +35,7 @@ from serial_link.host.sync_monitor import (
 )
 
 
-def in_step(now: float = 0.0) -> SyncMonitor:
+def synced_monitor(now: float = 0.0) -> SyncMonitor:
     monitor = SyncMonitor()
     assert monitor.handle(now, OPENED) == [ASK]
     assert monitor.handle(now, TIME) == []
@@ -55,7 +55,7 @@ def run(monitor: SyncMonitor, start: float, end: float) -> List[str]:
 def test_no_timeout_while_port_is_closed() -> None:
     monitor = SyncMonitor()
     assert monitor.next_due() == math.inf and monitor.poll(1e9) == []
-    monitor = in_step()
+    monitor = synced_monitor()
     assert monitor.handle(1.0, LOST) == [RESTART]
     assert monitor.state == CLOSED and monitor.next_due() == math.inf
     assert monitor.restarts == 0
@@ -178,7 +178,7 @@ def test_damaged_frames_before_the_answer_bring_questions_ever_more_rarely() -> 
 
 
 def test_a_board_that_says_something_is_not_probed() -> None:
-    monitor = in_step()
+    monitor = synced_monitor()
     for step in range(1, 50):
         assert monitor.poll(0.2 * step) == []
         monitor.handle(0.2 * step, MESSAGE)
@@ -187,7 +187,7 @@ def test_a_board_that_says_something_is_not_probed() -> None:
 
 
 def test_board_that_only_subscribes_stays_synced() -> None:
-    monitor = in_step()
+    monitor = synced_monitor()
     for request in range(1, 10):
         actions = run(monitor, 0.0, 2.5 * request)
         assert set(actions) == {PROBE} and len(actions) <= 6
@@ -199,7 +199,7 @@ def test_board_that_only_subscribes_stays_synced() -> None:
 
 
 def test_a_board_that_was_reset_is_back_within_a_second_of_its_start() -> None:
-    monitor = in_step()
+    monitor = synced_monitor()
     back_at = 1.7
     assert set(run(monitor, 0.0, back_at)) == {PROBE}
     now = monitor.next_due()  # the first probe that it is there for
@@ -214,7 +214,7 @@ def test_a_board_that_was_reset_is_back_within_a_second_of_its_start() -> None:
 
 
 def test_a_reset_board_that_logs_in_its_loop_is_asked_again() -> None:
-    monitor = in_step()
+    monitor = synced_monitor()
     actions: List[str] = []
     for step in range(1, 51):  # a log line or a parameter request every 0.1 s
         now = 0.1 * step
@@ -232,7 +232,7 @@ def test_a_reset_board_that_logs_in_its_loop_is_asked_again() -> None:
 
 @pytest.mark.parametrize("state", [SILENT, PROBING])
 def test_notice_while_probing_proves_nothing(state: str) -> None:
-    monitor = in_step()
+    monitor = synced_monitor()
     monitor.poll(QUIET_S)
     if state == PROBING:
         monitor.handle(QUIET_S, TIME)
@@ -241,7 +241,7 @@ def test_notice_while_probing_proves_nothing(state: str) -> None:
 
 
 def test_board_that_sends_only_notices_is_overdue_after_the_librarys_timeout() -> None:
-    monitor = in_step()
+    monitor = synced_monitor()
     for step in range(1, 400):
         now = 0.05 * step
         monitor.handle(now, NOTICE)
@@ -252,7 +252,7 @@ def test_board_that_sends_only_notices_is_overdue_after_the_librarys_timeout() -
 
 
 def test_time_requests_provoked_by_bytes_of_messages_hide_no_reset() -> None:
-    monitor = in_step()
+    monitor = synced_monitor()
     for step in range(1, 20):  # each message to the board has a byte 0xff that is not a frame's
         now = 0.1 * step
         monitor.poll(now)
@@ -262,7 +262,7 @@ def test_time_requests_provoked_by_bytes_of_messages_hide_no_reset() -> None:
 
 
 def test_a_quick_board_that_was_reset_is_missed_within_half_a_second() -> None:
-    monitor = in_step()
+    monitor = synced_monitor()
     monitor.handle(1.0, MESSAGE)
     assert monitor.poll(1.5) == [PROBE]
     assert monitor.handle(1.51, TIME) == [PROBE]
@@ -270,7 +270,7 @@ def test_a_quick_board_that_was_reset_is_missed_within_half_a_second() -> None:
 
 
 def test_silent_board_is_requested_again() -> None:
-    monitor = in_step()
+    monitor = synced_monitor()
     actions = run(monitor, 0.0, 0.99 * OVERDUE_S)
     assert set(actions) == {PROBE} and monitor.state == SILENT
     assert run(monitor, 0.0, OVERDUE_S + PROBE_EVERY_S)[:2] == [RESTART, ASK]
@@ -279,7 +279,7 @@ def test_silent_board_is_requested_again() -> None:
 
 @pytest.mark.parametrize("quiet", [False, True])
 def test_unknown_topic_causes_request_after_pause(quiet: bool) -> None:
-    monitor = in_step()
+    monitor = synced_monitor()
     if quiet:
         monitor.poll(QUIET_S)
         assert monitor.state == SILENT
@@ -289,7 +289,7 @@ def test_unknown_topic_causes_request_after_pause(quiet: bool) -> None:
 
 
 def test_pauses_grow_while_topic_stays_unknown() -> None:
-    monitor = in_step()
+    monitor = synced_monitor()
     asked_at = []
     for step in range(1, 600):  # its messages come ten times a second
         now = 0.1 * step

@@ -128,7 +128,7 @@ class Reconciler(Generic[Snapshot]):
     ) -> None:
         self.values = declaration.as_declared()
         self._exempt, self._rules = exempt, rules
-        self._budget = TokenBucket()
+        self._bucket = TokenBucket()
         #: Expected values on the server that differ from the current ones.
         self._odd: Dict[str, Any] = dict.fromkeys(declaration.declared, _UNKNOWN)
         #: Time of the last write [s]: older reads are outdated.
@@ -263,7 +263,7 @@ class Reconciler(Generic[Snapshot]):
         self._odd = {n: v for n, v in held.items() if not is_same(v, wire.get(n, MISSING))}
         if not _is_namespace(seen.raw):
             wanted = {"": {n: value for n, value in held.items() if value is not UNREADABLE}}
-        writes = {n: v for n, v in wanted.items() if seen.forgotten or self._budget.allow(n, now)}
+        writes = {n: v for n, v in wanted.items() if seen.forgotten or self._bucket.allow(n, now)}
         for name in wanted:
             names = [name] if name else list(values.declared)
             if name in writes:

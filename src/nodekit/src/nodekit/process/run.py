@@ -31,7 +31,7 @@ NodeClass = Callable[[Node], object]
 EXIT_REFUSED = 1
 
 #: Errors that end the start in one sentence.
-_REFUSALS = (
+_START_ERRORS = (
     arguments.ArgumentError,
     own_address.AddressError,
     IllegalName,
@@ -67,7 +67,7 @@ def run(name: str, cls: NodeClass) -> None:
         if not rospy.is_shutdown():
             rospy.spin()
         del kept_alive
-    except _REFUSALS as error:
+    except _START_ERRORS as error:
         rospy.logfatal("%s", error)
         end(EXIT_REFUSED)
     except MasterUnreachable as error:

@@ -92,7 +92,7 @@ class LiveExperiment:
         try:
             value = number_in(message, self._output)
         except FieldError as error:
-            self._give_up(str(error))
+            self._abort(str(error))
             return
         now = rospy.get_time()
         if now > 0.0:  # 0 until the first message on /clock
@@ -121,7 +121,7 @@ class LiveExperiment:
         arrivals = self._outputs.arrivals
         latest = arrivals[-1] if arrivals else self._started_at
         if rospy.get_time() - latest > _SILENCE_S:
-            self._give_up(f"nothing on {self._output.topic} for {_SILENCE_S:g} s")
+            self._abort(f"nothing on {self._output.topic} for {_SILENCE_S:g} s")
 
     def _finish(self) -> None:
         self._stop()
@@ -136,7 +136,7 @@ class LiveExperiment:
         else:
             rospy.signal_shutdown("the record is complete")
 
-    def _give_up(self, why: str) -> None:
+    def _abort(self, why: str) -> None:
         self._stop()
         abort(why)
 
@@ -149,7 +149,7 @@ class LiveExperiment:
     def _end(self) -> None:
         with self._group:  # so that no input in progress is sent after the 0
             if not self._has_ended:
-                self._give_up("ended before the record was complete")
+                self._abort("ended before the record was complete")
 
 
 def _resolve_field(node: Node, name: str, types: Dict[str, str]) -> Tuple[Field, Any]:

@@ -26,19 +26,21 @@ def main() -> None:
     try:
         master = MasterClient("/fleet_report")
         if master.lookup_service(f"{node}/{SERVICE}") is None:
-            _give_up(f"there is no fleet_monitor {node}; {service_hint(master, SERVICE, node)}")
+            _exit_with_error(
+                f"there is no fleet_monitor {node}; {service_hint(master, SERVICE, node)}"
+            )
         answer = call_service(f"{node}/{SERVICE}", Trigger, timeout=arguments.timeout).result()
     except MasterUnreachable as error:
-        _give_up(f"no master at {error}")
+        _exit_with_error(f"no master at {error}")
     except CallError as error:
-        _give_up(f"{node} does not answer: {error}")
+        _exit_with_error(f"{node} does not answer: {error}")
     except KeyboardInterrupt:
         sys.exit(130)  # the shell's convention for SIGINT
     print(answer.message)
     sys.exit(ALL_WELL if answer.success else SOMETHING_WRONG)
 
 
-def _give_up(why: str) -> NoReturn:
+def _exit_with_error(why: str) -> NoReturn:
     print(f"fleet_report: {why}", file=sys.stderr)
     sys.exit(NO_ANSWER)
 

@@ -55,7 +55,7 @@ class Ros2Graph:
         self._participant, self._names = participant, names
         self.nameless: Set[str] = set()
         self.shared_names: Set[str] = set()
-        self._turns = RoundRobin(_TOGETHER)
+        self._round_robin = RoundRobin(_TOGETHER)
         #: Own topics that others use, too, as far as known.
         self._shared: Set[str] = set()
 
@@ -111,7 +111,7 @@ class Ros2Graph:
         """
         node, ours = self._participant.node, self._participant.topics()
         names = {name for name, _ in node.get_topic_names_and_types()} - ours
-        names |= self._shared.union(self._turns.next(sorted(ours)))
+        names |= self._shared.union(self._round_robin.next(sorted(ours)))
         for other in self._all_nodes():
             for ask in (
                 node.get_publisher_names_and_types_by_node,

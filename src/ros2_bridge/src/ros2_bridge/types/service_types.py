@@ -22,7 +22,7 @@ class ServiceTypes:
     """
 
     def __init__(self, client: MasterClient) -> None:
-        self._client, self._turns = client, RoundRobin(_LOOKUPS)
+        self._client, self._round_robin = client, RoundRobin(_LOOKUPS)
         self._lock = threading.Lock()
         self._asked: Set[str] = set()
         self._found: Dict[str, str] = {}
@@ -56,7 +56,7 @@ class ServiceTypes:
             self._places = {name: self._places[name] for name in self._found}
             self._silent = {name: None for name in self._silent if name in there}
             self._again = set(itertools.islice(self._silent, _AGAIN))
-            turn = self._turns.next(sorted(self._found))
+            turn = self._round_robin.next(sorted(self._found))
         places = self._look_up(turn)
         with self._lock:
             for name in turn:

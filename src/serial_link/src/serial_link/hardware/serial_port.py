@@ -119,10 +119,10 @@ class SerialPort:
 
     def _held(self) -> str:
         """Return a message about the process that has the port open; empty if not found."""
-        holders = find_port_users(self.name)
-        if not holders:
+        users = find_port_users(self.name)
+        if not users:
             return ""
-        return f"{self.name} is in use by {holders[0]}: only one program can talk to a board"
+        return f"{self.name} is in use by {users[0]}: only one program can talk to a board"
 
     def _why(self, error: Exception) -> str:
         """Return a message with the cause and the remedy of a failure to open the port."""

@@ -17,7 +17,7 @@ def entries(text: str) -> List[Entry]:
     return sorted(Entry(float(moment), node, what) for moment, node, what in words)
 
 
-class Story:
+class NodeStates:
     """State of the nodes after some entries.
 
     :param order: their names; each depends on its predecessors

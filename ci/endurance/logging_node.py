@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Managed node that writes its transitions to the file named by DIARY."""
+"""Managed node that writes its transitions to the file named by TRANSITION_LOG."""
 
 import os
 import time
@@ -7,7 +7,7 @@ import time
 from nodekit import ManagedNode, Node, NodeScope, run
 
 
-class DiaryNode(ManagedNode):
+class LoggingNode(ManagedNode):
     """Writes each step, with the machine's monotonic clock, which all processes share."""
 
     def __init__(self, node: Node) -> None:
@@ -16,8 +16,8 @@ class DiaryNode(ManagedNode):
 
     def write_down(self, what: str) -> None:
         """Write a line in one call: other processes write to the file too."""
-        with open(os.environ["DIARY"], "ab", buffering=0) as diary:
-            diary.write(f"{time.monotonic()} {self.node.name} {what}\n".encode())
+        with open(os.environ["TRANSITION_LOG"], "ab", buffering=0) as log:
+            log.write(f"{time.monotonic()} {self.node.name} {what}\n".encode())
 
     def on_configure(self, scope: NodeScope) -> None:
         self.write_down("configured")
@@ -33,4 +33,4 @@ class DiaryNode(ManagedNode):
 
 
 if __name__ == "__main__":
-    run("diary_node", DiaryNode)
+    run("logging_node", LoggingNode)

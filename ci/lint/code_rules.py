@@ -102,6 +102,8 @@ def breaches(name: str, tree: ast.AST) -> Iterator[Tuple[int, str]]:
         top, other = (imported + ".").split(".")[:2]
         if top in PACKAGES and not is_in(imported, allowed):
             yield line, f"{package} may not import {imported}"
+        if package != "nodekit" and is_in(imported, ["nodekit.testing"]):
+            yield line, "nodekit.testing is for tests"
         if top == package and room in rooms and other in rooms:
             if room != other and any({room, other} <= group for group in independent):
                 yield line, f"{room} and {other} are independent: neither may import the other"

@@ -12,6 +12,7 @@ PUBLIC = (
     "entry_point",
     "lifecycle_states",
     "master",
+    "master_process",
     "message_definitions",
     "package_version",
     "service_hint",

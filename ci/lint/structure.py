@@ -71,6 +71,7 @@ SUBJECTS: Dict[str, Dict[str, str]] = {
         "parameters": "declaration, validation, reconciliation and description of parameters",
         "transport": "delivery to subscribers that may not read, and service calls",
         "shared_memory": "shared memory for large messages between processes of one user",
+        "master_process": "process of a master on a free port, for tests and the judge",
         "master": "client of the master and of its parameter server",
         "rospy_internals": "uses of rospy's private interfaces, and patches, applied by `run` only",
         "timing": "clocks, and timers without drift",

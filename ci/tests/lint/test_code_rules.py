@@ -43,3 +43,11 @@ def test_independent_rooms_are_rooms() -> None:
 def test_throttle_of_rospy_is_reported() -> None:
     text = "rospy.logwarn_throttle(1, '')\nrospy.logerr_throttle_identical\nthrottle.is_due()\n"
     assert sorted(line for line, _ in code_rules.shared_throttles(ast.parse(text))) == [1, 2]
+
+
+def test_helpers_for_tests_are_refused_outside_nodekit() -> None:
+    tree = ast.parse("from nodekit.testing.processes import Master\n")
+    assert list(code_rules.breaches("pid_control.programs.private_master", tree)) == [
+        (1, "nodekit.testing is for tests")
+    ]
+    assert not list(code_rules.breaches("nodekit.testing.graph", tree))

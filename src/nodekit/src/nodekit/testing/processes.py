@@ -1,11 +1,8 @@
 """Processes that a test starts and ends, including a master, and a client of the master."""
 
 import contextlib
-import errno
 import os
-import random
 import signal
-import socket
 import subprocess
 import sys
 import threading
@@ -14,13 +11,8 @@ from xmlrpc.client import ServerProxy
 
 import rosgraph
 
+from nodekit import master_process
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
-
-#: Ports below Linux's ip_local_port_range, whose ports another test's node could get at any time,
-#: and above those of ROS: 11311 of the master, and 11411, where rosserial listens for boards.
-_PORTS = range(12_000, 32_768)
-#: Not the module's generator, which all tests seed alike.
-_random = random.SystemRandom()
 
 
 def free_ports(count: int) -> List[int]:
@@ -28,23 +20,12 @@ def free_ports(count: int) -> List[int]:
 
     :param count: number of ports
     """
-    ports: List[int] = []
-    with contextlib.ExitStack() as probes:
-        while len(ports) < count:
-            probe, port = probes.enter_context(socket.socket()), _random.choice(_PORTS)
-            try:
-                probe.bind(("localhost", port))
-            except OSError as error:
-                if error.errno != errno.EADDRINUSE:
-                    raise
-            else:
-                ports.append(port)
-    return ports
+    return master_process.free_ports(count)
 
 
 def free_port() -> int:
     """Return a free TCP port of localhost."""
-    return free_ports(1)[0]
+    return master_process.free_ports(1)[0]
 
 
 class Process:
@@ -114,57 +95,17 @@ class Process:
         self.wait()
 
 
-class Master:
+class Master(master_process.MasterProcess):
     """Master that can be killed and started again; a restart loses its parameters.
 
     :param start_new_session: whether it does not receive Ctrl-C of the terminal
     """
 
-    def __init__(self, start_new_session: bool = False) -> None:
-        self._start_new_session = start_new_session
-        self._start_at_free_port()
-        while self._pid_there() != self._popen.pid:  # another process has taken the port
-            self.kill()
-            self._start_at_free_port()
-
-    def _start_at_free_port(self) -> None:
-        self._port = free_port()
-        self.uri = f"http://localhost:{self._port}/"
-        self.start()
-
-    def start(self) -> None:
-        """Start the master, and wait until it responds."""
-        self._popen = subprocess.Popen(
-            ["rosmaster", "--core", "-p", str(self._port)],
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            start_new_session=self._start_new_session,
-        )
-        try:
-            wait_until(self._pid_there, lambda: "the master does not respond")
-        except BaseException:
-            self.kill()
-            raise
-
-    def kill(self) -> None:
-        """Kill the master."""
-        self._popen.kill()
-        self._popen.wait(TIMEOUT_S)
-
     def send_signal(self, number: int) -> None:
         """Send a signal; after SIGSTOP, wait until the master is stopped."""
-        self._popen.send_signal(number)
+        self.process.send_signal(number)
         if number == signal.SIGSTOP:
-            wait_until(lambda: is_stopped(self._popen.pid), lambda: "the master is still running")
-
-    def _pid_there(self) -> Optional[int]:
-        """Return the process id of the master that responds, None without one."""
-        try:
-            with ServerProxy(self.uri) as proxy:
-                answer: Any = proxy.getPid("/test")
-                return int(answer[2])
-        except OSError:
-            return None
+            wait_until(lambda: is_stopped(self.process.pid), lambda: "the master is still running")
 
 
 def is_stopped(pid: int) -> bool:

@@ -7,7 +7,7 @@ from typing import Dict, Optional
 
 import rosgraph
 
-from nodekit.testing.processes import Master
+from nodekit.master_process import MasterProcess
 from pid_control.programs.deferred_signals import deferred_signals
 
 
@@ -25,11 +25,11 @@ class PrivateMaster:
         own = {"ROS_HOSTNAME": "localhost", "ROS_HOME": self.folder}
         own["ROS_LOG_DIR"] = os.path.join(self.folder, "log")
         os.environ.update(own)
-        self._master: Optional[Master] = None
+        self._master: Optional[MasterProcess] = None
         try:
             with deferred_signals():
                 # In a new session: Ctrl-C would end the master while this waits for it.
-                self._master = master = Master(start_new_session=True)
+                self._master = master = MasterProcess(start_new_session=True)
             self.pid = int(rosgraph.Master("/judge", master.uri).getPid())
         except BaseException:
             self.close()

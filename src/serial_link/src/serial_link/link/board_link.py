@@ -1,4 +1,4 @@
-"""Link to one board: a reader thread, which also synchronizes, and a writer thread."""
+"""Link to one board: synchronizes with it and transfers its frames; one thread reads, one writes."""
 
 import math
 import threading
@@ -8,12 +8,10 @@ from typing import Callable, Dict, List, Tuple
 
 import rospy
 
-from serial_link.framing.decoder import Decoder
-from serial_link.framing.frames import LONGEST, OLD_REQUEST, OVERHEAD, PROBE, encode
+from serial_link.framing.frames import OLD_REQUEST, PROBE, encode
 from serial_link.hardware.ports import Port, PortLost, PortUnavailable
 from serial_link.host import counters, sync_states
 from serial_link.host.counters import Counters
-from serial_link.host.connect_diagnosis import ConnectDiagnosis
 from serial_link.host.message_queue import MessageQueue
 from serial_link.host.sync_monitor import SyncMonitor
 from serial_link.link.events import (
@@ -24,6 +22,7 @@ from serial_link.link.events import (
     Restarted,
     Topics,
 )
+from serial_link.link.frame_reader import FrameReader
 from serial_link.link.frame_writer import FrameWriter
 from serial_link.link.throttled_log import ThrottledLog
 from serial_link.negotiation import payloads
@@ -82,18 +81,17 @@ class BoardLink:
         self.inbox = MessageQueue(_INBOX_DEPTH)
         self._port, self._counters, self._time_of = port, counters, time_of
         frame_s = _TOPIC_BYTES * _BITS / port.baud if port.baud else 0.0
-        self._decoder, self._sync = Decoder(), SyncMonitor(frame_s)
-        self._topics = TopicTable(frame_s)
+        self._sync, self._topics = SyncMonitor(frame_s), TopicTable(frame_s)
         self._is_over = threading.Event()
         self._is_open = self._is_ending = False
         #: Why the port is not open, or the board does not answer; empty without a problem.
         self._trouble = ""
         self._throttled_log = ThrottledLog(_LOG_EVERY_S)
+        self._reader = FrameReader(port, counters)
         self._writer = FrameWriter(port, counters, self._throttled_log)
         self._outgoing_queue = self._writer.queue
-        self._arrived_at = self._opened_at = self._spoke_at = 0.0
+        self._spoke_at = 0.0
         self._time_told_at = -math.inf
-        self._diagnosis = ConnectDiagnosis()
         self._restarts = 0
         #: Whether the board was started, and not all of its topics are known yet.
         self._is_new = True
@@ -139,7 +137,7 @@ class BoardLink:
 
     def all_counters(self) -> Dict[str, int]:
         """Return all counters by name."""
-        faults = {f"fault: {kind}": count for kind, count in self._decoder.faults.items()}
+        faults = {f"fault: {kind}": count for kind, count in self._reader.faults.items()}
         return {
             **self._counters.to_dict(),
             **faults,
@@ -251,11 +249,9 @@ class BoardLink:
         now = time.monotonic()
         self._throttled_log.reset()
         self._trouble = ""
-        self._decoder.reset()
-        self._decoder.longest = LONGEST
+        self._reader.open()
         self._is_new = True
-        self._diagnosis.clear()
-        self._opened_at = self._spoke_at = now
+        self._spoke_at = now
         self._counters.add(counters.OPENINGS)
         at = f" at {self._port.baud} baud" if self._port.baud else ""
         rospy.loginfo("%s: open%s", self._port.name, at)
@@ -272,20 +268,10 @@ class BoardLink:
 
     def _receive_bytes(self, now: float, data: bytes) -> None:
         """Handle received bytes, or a timeout without bytes."""
-        before = self._damage_count()
-        if data:
-            self._arrived_at = now
-            self._counters.add(counters.RECEIVED_BYTES, len(data))
-            frames = self._decoder.feed(data)
-        elif self._decoder.is_waiting and now - self._arrived_at > self._port.gap:
-            frames = self._decoder.flush()
-        else:
-            return
-        self._diagnosis.add(data, bool(frames))
-        if self._damage_count() != before:
+        frames, is_damaged = self._reader.receive(now, data)
+        if is_damaged:
             self._topics.mark_damaged()
             self._execute(now, self._sync.handle(now, sync_states.DAMAGED))
-        self._counters.add(counters.RECEIVED, len(frames))
         if frames:
             self._port.on_frame()
         for frame in frames:
@@ -372,8 +358,7 @@ class BoardLink:
             return
         if not is_complete:
             self._execute(now, self._sync.ask(now))
-        longest = self._topics.longest
-        self._decoder.longest = longest - OVERHEAD if longest > OVERHEAD else LONGEST
+        self._reader.accept_up_to(self._topics.longest)
         self.inbox.put_reliable(Topics(self._topics.endpoints(), self._topics.is_complete))
         # Not earlier: a board does not read while it announces topics, and loses messages.
         if self._is_new and is_complete:
@@ -384,8 +369,5 @@ class BoardLink:
         """Log a diagnosis if the board has not answered for long enough."""
         if self.is_synced or now - self._spoke_at < _NO_ANSWER_S:
             return
-        self._trouble = self._diagnosis.explain(self._port.baud)
+        self._trouble = self._reader.explain_silence()
         self._throttled_log.log(rospy.logwarn, f"{self._port.name}: {self._trouble}")
-
-    def _damage_count(self) -> int:
-        return sum(self._decoder.faults.values())

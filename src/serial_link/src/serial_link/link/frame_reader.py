@@ -1,0 +1,75 @@
+"""Reader of frames from a board's port, with the damage and silence of its line."""
+
+from typing import Dict, List, NamedTuple
+
+from serial_link.framing.decoder import Decoder
+from serial_link.framing.frames import LONGEST, OVERHEAD, Frame
+from serial_link.hardware.ports import Port
+from serial_link.host import counters
+from serial_link.host.connect_diagnosis import ConnectDiagnosis
+from serial_link.host.counters import Counters
+
+
+class ReceivedFrames(NamedTuple):
+    """Frames of one read.
+
+    :param frames: the frames, oldest first
+    :param is_damaged: whether bytes between them are not a frame
+    """
+
+    frames: List[Frame]
+    is_damaged: bool
+
+
+class FrameReader:
+    """Reader of frames while its port is open.
+
+    :param port: of the board
+    :param counters: of traffic and faults
+    """
+
+    def __init__(self, port: Port, counters: Counters) -> None:
+        self._port, self._counters = port, counters
+        self._decoder, self._diagnosis = Decoder(), ConnectDiagnosis()
+        self._arrived_at = 0.0
+
+    def open(self) -> None:
+        """Begin with a newly opened port."""
+        self._decoder.reset()
+        self._decoder.longest = LONGEST
+        self._diagnosis.clear()
+
+    def accept_up_to(self, longest: int) -> None:
+        """Set the length above which a frame is damage.
+
+        :param longest: size of the board's send buffer, for one frame [bytes]; 0 if it is unknown
+        """
+        self._decoder.longest = longest - OVERHEAD if longest > OVERHEAD else LONGEST
+
+    @property
+    def faults(self) -> Dict[str, int]:
+        """Numbers of damaged frames, by type of damage."""
+        return self._decoder.faults
+
+    def receive(self, now: float, data: bytes) -> ReceivedFrames:
+        """Return the frames that these bytes complete.
+
+        :param now: the time [s]
+        :param data: bytes from the port; empty after a timeout, which ends an incomplete frame
+        """
+        before = sum(self.faults.values())
+        if data:
+            self._arrived_at = now
+            self._counters.add(counters.RECEIVED_BYTES, len(data))
+            frames = self._decoder.feed(data)
+        elif self._decoder.is_waiting and now - self._arrived_at > self._port.gap:
+            frames = self._decoder.flush()
+        else:
+            return ReceivedFrames([], False)
+        self._diagnosis.add(data, bool(frames))
+        self._counters.add(counters.RECEIVED, len(frames))
+        return ReceivedFrames(frames, sum(self.faults.values()) != before)
+
+    def explain_silence(self) -> str:
+        """Return why the board does not answer, from the bytes since the port was opened."""
+        return self._diagnosis.explain(self._port.baud)

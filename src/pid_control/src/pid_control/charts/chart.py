@@ -1,4 +1,8 @@
-"""SVG chart of curves over time, in stacked panels."""
+"""SVG chart of curves over time, in stacked panels.
+
+Drawn here, as text: matplotlib with its dependencies weighs half as much as all others of this
+workspace, so only plots of bags, which users ask for, have it.
+"""
 
 import math
 from html import escape

@@ -26,10 +26,10 @@ if TYPE_CHECKING:  # the same names for type checkers and editors
     from nodekit.node.action_types import GoalLost as GoalLost
     from nodekit.node.action_types import GoalRejected as GoalRejected
     from nodekit.node.action_types import GoalTimeout as GoalTimeout
-    from nodekit.node.client_goal import ClientGoalHandle as ClientGoalHandle
-    from nodekit.node.client_goal import GoalFuture as GoalFuture
-    from nodekit.node.client_goal import GoalResult as GoalResult
-    from nodekit.node.goal_handle import ServerGoalHandle as ServerGoalHandle
+    from nodekit.node.client_goal_handle import ClientGoalHandle as ClientGoalHandle
+    from nodekit.node.client_goal_handle import GoalFuture as GoalFuture
+    from nodekit.node.client_goal_handle import GoalResult as GoalResult
+    from nodekit.node.server_goal_handle import ServerGoalHandle as ServerGoalHandle
     from nodekit.executors import MultiThreadedExecutor as MultiThreadedExecutor
     from nodekit.executors import SingleThreadedExecutor as SingleThreadedExecutor
     from nodekit.groups.callback_groups import CallbackGroup as CallbackGroup
@@ -105,10 +105,10 @@ _HOMES: Dict[str, str] = {
     "GoalLost": "node.action_types",
     "GoalRejected": "node.action_types",
     "GoalTimeout": "node.action_types",
-    "ClientGoalHandle": "node.client_goal",
-    "GoalFuture": "node.client_goal",
-    "GoalResult": "node.client_goal",
-    "ServerGoalHandle": "node.goal_handle",
+    "ClientGoalHandle": "node.client_goal_handle",
+    "GoalFuture": "node.client_goal_handle",
+    "GoalResult": "node.client_goal_handle",
+    "ServerGoalHandle": "node.server_goal_handle",
     "MultiThreadedExecutor": "executors",
     "SingleThreadedExecutor": "executors",
     "CallbackGroup": "groups.callback_groups",

@@ -22,7 +22,7 @@ from std_msgs.msg import Float32, String
 
 from nodekit.messaging.publisher import Publisher
 from nodekit.messaging.subscription import LatestMessage, Subscription
-from nodekit.rospy_internals import incoming_topic, latched, registrar
+from nodekit.rospy_internals import incoming_topic, latched, registration_listener
 from nodekit.testing.waiting import wait_until
 
 TOPIC = "/topic"
@@ -219,7 +219,7 @@ def test_publisher_announced_before_its_old_connection_ended_is_connected(
     connected, monkeypatch, told, expected
 ):
     now, looked_for = time.monotonic(), []
-    monkeypatch.setattr(registrar, "connect", lambda *what: looked_for.append(what))
+    monkeypatch.setattr(registration_listener, "connect", lambda *what: looked_for.append(what))
     for ago in told:
         with monkeypatch.context() as patch:
             patch.setattr(time, "monotonic", lambda: now - ago)
@@ -490,7 +490,7 @@ def test_connection_that_a_publisher_refuses_is_removed(stack, monkeypatch):
 
 def test_second_connection_to_a_publisher_keeps_the_first(connected, monkeypatch):
     looked_for = []
-    monkeypatch.setattr(registrar, "connect", lambda *what: looked_for.append(what))
+    monkeypatch.setattr(registration_listener, "connect", lambda *what: looked_for.append(what))
     second = TCPROSTransport(TCPROSSub(TOPIC, String), TOPIC)
     second.set_endpoint_id("/publisher")
     assert not connected.topic.add_connection(second)

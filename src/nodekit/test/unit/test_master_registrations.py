@@ -6,7 +6,7 @@ import pytest
 import rospy
 
 from nodekit.master import Reading
-from nodekit.rospy_internals import registrar
+from nodekit.rospy_internals import registration_listener
 from nodekit.rospy_internals.master_registrations import LOOKUPS, MasterRegistrations
 
 OWN, OTHER = "rosrpc://own:1", "rosrpc://other:1"
@@ -45,9 +45,9 @@ class Rig:
 
         patch.setattr(rospy, "logwarn", log)
         patch.setattr(rospy, "loginfo", log)
-        patch.setattr(registrar, "services", lambda: self.services)
-        patch.setattr(registrar, "reregister_all", self.reregister_all)
-        patch.setattr(registrar, "register_services", self.register_services)
+        patch.setattr(registration_listener, "services", lambda: self.services)
+        patch.setattr(registration_listener, "reregister_all", self.reregister_all)
+        patch.setattr(registration_listener, "register_services", self.register_services)
 
     def reregister_all(self, _request: Any) -> bool:
         self.renewals += 1

@@ -10,7 +10,7 @@ from nodekit.master import Reading
 from nodekit.parameter_server import watcher as watching
 from nodekit.parameter_server.watched_key import WatchedKey
 from nodekit.parameters.parameter_types import MISSING
-from nodekit.rospy_internals import parameter_cache, registrar, shutdown
+from nodekit.rospy_internals import parameter_cache, registration_listener, shutdown
 from nodekit.testing.waiting import wait_until
 
 #: More than are read each second; they take three turns.
@@ -169,7 +169,7 @@ def test_constantly_changing_value_is_delivered(monkeypatch, client, watcher):
 def test_notifications_resume_after_a_restart_of_the_master(monkeypatch, client, watcher, notify):
     """The read once a second would hide missing notifications."""
     again = []
-    monkeypatch.setattr(registrar, "reregister_all", again.append)
+    monkeypatch.setattr(registration_listener, "reregister_all", again.append)
     told = Told("/n")
     watcher.watch([told.watched])
     before = set(client.subscribed)

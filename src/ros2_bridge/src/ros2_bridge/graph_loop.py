@@ -13,7 +13,7 @@ from nodekit.master import MISSING, MasterClient
 from ros2_bridge.action_bridge.all_actions import ActionBridge
 from ros2_bridge.node_bridge import NodeBridge
 from ros2_bridge.ros1.graph import Ros1Graph, read_graph
-from ros2_bridge.ros1.nodes import Registration, NodeRegistrar
+from ros2_bridge.ros1.node_registrar import Registration, NodeRegistrar
 from ros2_bridge.ros2.graph import Ros2Graph, Topic
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.rules.selection import ROSOUT, is_reserved

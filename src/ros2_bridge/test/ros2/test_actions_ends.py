@@ -14,7 +14,7 @@ from rclpy.node import Node
 
 import nodekit
 from nodekit.testing.waiting import wait_until
-from ros2_bridge.action_bridge import wire
+from ros2_bridge.action_bridge import actionlib_messages
 from ros2_bridge.action_bridge.all_actions import ActionBridge
 from ros2_bridge.action_bridge.ros1_server_in_ros2 import Ros1ServerInRos2
 from ros2_bridge.actions.goal_ids import bytes_of, text_of
@@ -132,12 +132,12 @@ def test_goal_is_lost_after_bridge_was_killed_and_can_be_cancelled(ros: both.Bot
             bridge.wait()
             with both.Bridge():
                 assert client.end_of("on") == "LOST -"  # by the rules of ROS 1
-                text = wire.read_goal(goals[0]._buff)[0]
+                text = actionlib_messages.read_goal(goals[0]._buff)[0]
                 listed = text_of(bytes_of(text)).encode()
                 wait_until(lambda: listed in recorder1.heard[-1]._buff, lambda: "it is not listed")
                 canceller = rospy.Publisher("/leg/walk/cancel", GoalID, queue_size=1)
                 wait_until(canceller.get_num_connections, lambda: "no connection")
-                canceller.publish(wire.goal_id(text, 0))
+                canceller.publish(actionlib_messages.goal_id(text, 0))
                 wait_until(
                     lambda: recorder2.heard[-1].status_list[0].status == GoalStatus.STATUS_CANCELED,
                     lambda: "it goes on",

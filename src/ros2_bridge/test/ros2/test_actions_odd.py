@@ -20,7 +20,7 @@ from unique_identifier_msgs.msg import UUID
 
 from bot_controller_demo_msgs.action import GoTo
 from nodekit.testing.waiting import wait_until
-from ros2_bridge.action_bridge import wire
+from ros2_bridge.action_bridge import actionlib_messages
 from ros2_bridge.actions.goal_ids import text_of
 from ros2_bridge.actions.ros2_goal_tracker import NO_END, NO_RESULT
 from ros2_bridge.actions.states import Ros1Status
@@ -49,28 +49,34 @@ class Server1:
     def forget(self) -> None:
         self._goals.clear()
 
-    def _report(self, status: int, content: bytes) -> wire.GoalReport:
+    def _report(self, status: int, content: bytes) -> actionlib_messages.GoalReport:
         wait_until(lambda: self._goals, lambda: "no goal")
-        text, stamp, _ = wire.read_goal(self._goals[-1]._buff)
-        return wire.GoalReport(text, stamp, status, "why", content)
+        text, stamp, _ = actionlib_messages.read_goal(self._goals[-1]._buff)
+        return actionlib_messages.GoalReport(text, stamp, status, "why", content)
 
     def list_goal(self, status: int, stamp: int = 0) -> None:
         """List the goal, and another client's, if its start time [ns] is given."""
         listed = [self._report(status, b"")]
         if stamp:
-            listed.append(wire.GoalReport("theirs", stamp, Ros1Status.ACTIVE, "", b""))
-        self._status.publish(wire.write_statuses(listed))
+            listed.append(
+                actionlib_messages.GoalReport("theirs", stamp, Ros1Status.ACTIVE, "", b"")
+            )
+        self._status.publish(actionlib_messages.write_statuses(listed))
 
     def feed(self, status: int, cut: int = 0) -> None:
         """Publish feedback, some bytes too short."""
         content = self.content[: len(self.content) - cut]
-        message = wire.write_report(self._kind.raw_feedback, self._report(status, content))
+        message = actionlib_messages.write_report(
+            self._kind.raw_feedback, self._report(status, content)
+        )
         self._feedback.publish(message)
 
     def end(self, status: int, cut: int = 0, why: bytes = b"why") -> None:
         """Publish a result, some bytes too short, with a text of as many bytes as "why"."""
         content = self.content[: len(self.content) - cut]
-        message = wire.write_report(self._kind.raw_result, self._report(status, content))
+        message = actionlib_messages.write_report(
+            self._kind.raw_result, self._report(status, content)
+        )
         message._buff = message._buff.replace(b"why", why)
         self._result.publish(message)
 

@@ -26,7 +26,7 @@ from test_topics import publisher1
 from nodekit.testing.processes import hanging
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.graph_loop import GraphLoop
-from ros2_bridge.ros1.nodes import NodeRegistrar
+from ros2_bridge.ros1.node_registrar import NodeRegistrar
 from ros2_bridge.ros1.single_instance import domain
 from ros2_bridge.ros2 import participant as participant_module
 from ros2_bridge.ros2.participant import Participant

@@ -22,7 +22,7 @@ from nodekit.node.action_types import (
     header_now,
 )
 from nodekit.node.callbacks import Callback
-from nodekit.node.client_goal import ClientGoalHandle, GoalFuture, GoalResult
+from nodekit.node.client_goal_handle import ClientGoalHandle, GoalFuture, GoalResult
 from nodekit.process_context import PROCESS
 from nodekit.validation import check_function, check_timeout, check_wait
 

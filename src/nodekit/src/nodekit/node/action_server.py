@@ -17,7 +17,7 @@ from nodekit.node.action_responses import CancelResponse, GoalResponse, is_accep
 from nodekit.node.action_topics import ServerTopics
 from nodekit.node.action_types import ActionMessages, GoalError, GoalRejected, check_message
 from nodekit.node.callbacks import Callback
-from nodekit.node.goal_handle import ServerGoalHandle
+from nodekit.node.server_goal_handle import ServerGoalHandle
 from nodekit.process_context import PROCESS
 
 #: How often the states of all goals are published, as by actionlib [Hz].

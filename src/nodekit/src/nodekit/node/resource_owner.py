@@ -10,7 +10,7 @@ import rospy
 from nodekit.groups.callback_groups import CallbackGroup
 from nodekit.node.callbacks import Callback
 from nodekit.node.start_queue import StartQueue
-from nodekit.rospy_internals import registrar
+from nodekit.rospy_internals import registration_listener
 
 Thing = TypeVar("Thing")
 
@@ -62,7 +62,7 @@ class ResourceOwner:
         waited for, up to :data:`CLOSE_WAIT_S`.
         """
         groups: Set[CallbackGroup] = set()
-        with registrar.together():
+        with registration_listener.together():
             self._close_all(groups)
         deadline = time.monotonic() + CLOSE_WAIT_S
         for group in groups:

@@ -11,7 +11,7 @@ from nodekit.node.parameter_callbacks import ChangeCallback, ParameterCallback
 from nodekit.node.timers import NodeTimer
 from nodekit.parameter_server import followed_parameter, live_parameters
 from nodekit.parameter_server.live_parameters import LiveParameters
-from nodekit.rospy_internals import registrar
+from nodekit.rospy_internals import registration_listener
 
 
 class StartQueue:
@@ -57,7 +57,7 @@ class StartQueue:
 def _open_together(things: List[Any]) -> None:
     """Open resources with a few requests to the master, those with callbacks last."""
     subscriptions = [thing for thing in things if isinstance(thing, Subscription)]
-    with registrar.together():
+    with registration_listener.together():
         for thing in things:
             if isinstance(thing, (Publisher, Service)):
                 thing.open()

@@ -20,7 +20,7 @@ from nodekit.parameters.parameter_types import ParameterError
 from nodekit.process import arguments, launch_arguments, own_address
 from nodekit.process.constructor_watch import ConstructorWatch
 from nodekit.process_context import PROCESS
-from nodekit.rospy_internals import registrar, shared_memory_offers, startup
+from nodekit.rospy_internals import registration_listener, shared_memory_offers, startup
 from nodekit.rospy_internals.registry import NameTaken, all_entries
 from nodekit.validation import check_function, check_name
 
@@ -103,7 +103,7 @@ def init_node(name: str) -> Node:
     with startup.fast_init_poll():
         rospy.init_node(name, disable_signals=True)
     # The watcher also registers the node again after a restart of the master.
-    registrar.install(get_watcher().client.request)
+    registration_listener.install(get_watcher().client.request)
     return Node()
 
 

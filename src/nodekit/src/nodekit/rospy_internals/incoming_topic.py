@@ -21,7 +21,7 @@ from rospy.impl.tcpros_base import TCPROSTransport
 from rospy.impl.tcpros_pubsub import TCPROSSub
 from rospy.impl.transport import INBOUND
 
-from nodekit.rospy_internals import registrar
+from nodekit.rospy_internals import registration_listener
 from nodekit.rospy_internals.intraprocess_link import IntraprocessLink
 from nodekit.rospy_internals.large_arrays import SplitMessage, without_views
 from nodekit.rospy_internals.registry import check_topic_type
@@ -310,7 +310,7 @@ class IncomingTopic(_Topic):
             reader.close()
         notified = self._notified_at.pop(c.endpoint_id, -math.inf)
         if time.monotonic() - notified < SUCCESSOR_S and not self.closed:
-            registrar.connect(self.resolved_name, c.endpoint_id)
+            registration_listener.connect(self.resolved_name, c.endpoint_id)
 
     def add_connection(self, c: Any) -> bool:
         """Add a publisher's connection.
@@ -356,7 +356,9 @@ def _remove_if_rejected(topic: Any, connection: Any) -> None:
             connect(*args, **kwds)
         except TransportInitError as error:
             topic.remove_connection(connection)
-            registrar.connection_failed(topic.resolved_name, connection.endpoint_id, error)
+            registration_listener.connection_failed(
+                topic.resolved_name, connection.endpoint_id, error
+            )
             raise
 
     connection.connect = connect_or_leave

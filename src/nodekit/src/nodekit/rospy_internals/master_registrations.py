@@ -10,8 +10,8 @@ from typing import List, Optional, Set
 import rospy
 
 from nodekit.master import MasterClient, Reading
-from nodekit.rospy_internals import registrar
-from nodekit.rospy_internals.registrar import with_owners
+from nodekit.rospy_internals import registration_listener
+from nodekit.rospy_internals.registration_listener import with_owners
 from nodekit.round_robin import RoundRobin
 
 #: Most services that are looked up at a time; more are looked up by round robin.
@@ -53,7 +53,7 @@ class MasterRegistrations:
 
         :raises MasterUnreachable: if the master does not answer
         """
-        self._is_refused = not registrar.reregister_all(self._client.request)
+        self._is_refused = not registration_listener.reregister_all(self._client.request)
 
     def log_reregistered(self) -> None:
         """Log that everything is registered again."""
@@ -67,7 +67,7 @@ class MasterRegistrations:
 
         :raises MasterUnreachable: if the master does not answer
         """
-        services = registrar.services()
+        services = registration_listener.services()
         turn = self._round_robin.next(list(services))
         if not turn:
             return
@@ -86,7 +86,7 @@ class MasterRegistrations:
             rospy.logwarn(text, with_owners(taken, self._client.request))
             self._taken.update(taken)
         if free and not self.are_lost:
-            registrar.register_services(free, self._client.request)
+            registration_listener.register_services(free, self._client.request)
             self._taken.difference_update(free)
             rospy.loginfo(
                 "no longer offered by any node, registered again: service %s", ", ".join(free)

@@ -14,7 +14,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from unique_identifier_msgs.msg import UUID
 
 from nodekit import Node, ReentrantCallbackGroup, Throttle
-from ros2_bridge.action_bridge import wire
+from ros2_bridge.action_bridge import actionlib_messages
 from ros2_bridge.actions.goal_ids import bytes_of
 from ros2_bridge.actions.ros1_goal_tracker import Goal, Ros1GoalTracker
 from ros2_bridge.actions.states import ROS1_BY_NUMBER, ROS1_TERMINAL, Ros1Status, Ros2Status
@@ -96,7 +96,7 @@ class Ros1ServerInRos2:
             )
         for text in given_up.unheard:
             rospy.logwarn(f"{self._name}: no status of a goal from ROS 2 received; it is rejected")
-            self._cancel.publish(wire.goal_id(text, 0))
+            self._cancel.publish(actionlib_messages.goal_id(text, 0))
 
     def _is_connected(self) -> bool:
         return all(link.get_num_connections() for link in self._links)
@@ -147,7 +147,9 @@ class Ros1ServerInRos2:
         with self._lock:
             text = self._goals.request_goal(uuid, stamp, time.monotonic(), answer)
         if text:
-            self._goal.publish(wire.write_goal(self.kind.raw_goal, text, stamp, content))
+            self._goal.publish(
+                actionlib_messages.write_goal(self.kind.raw_goal, text, stamp, content)
+            )
 
     def _answer_result(self, request: Any, send: Callable[[Any], None]) -> None:
         def answer(status: Ros2Status, content: bytes) -> None:
@@ -175,12 +177,12 @@ class Ros1ServerInRos2:
         with self._lock:
             text = self._goals.request_cancel(uuid, until, time.monotonic(), answer)
         if text is not None:
-            self._cancel.publish(wire.goal_id(text, until))
+            self._cancel.publish(actionlib_messages.goal_id(text, until))
 
     def _on_status(self, message: Any) -> None:
         listed = [
             (text, stamp, self._known(text, number))
-            for text, stamp, number in wire.read_statuses(message)
+            for text, stamp, number in actionlib_messages.read_statuses(message)
         ]
         with self._lock:
             self._goals.on_status(listed, time.monotonic())
@@ -194,7 +196,7 @@ class Ros1ServerInRos2:
 
     def _on_result(self, message: Any) -> None:
         try:
-            report = wire.read_report(message._buff)
+            report = actionlib_messages.read_report(message._buff)
         except ConversionError as error:
             rospy.logwarn(f"{self._name}: a result without a valid goal is ignored: {error}")
             return
@@ -213,7 +215,7 @@ class Ros1ServerInRos2:
         if self._offered is None:
             return
         try:
-            report = wire.read_report(message._buff)
+            report = actionlib_messages.read_report(message._buff)
             cdr = self.kind.feedback.to_cdr(report.content)
         except ConversionError as error:
             if self._throttle.is_due():

@@ -16,7 +16,7 @@ from rclpy.serialization import deserialize_message, serialize_message
 from unique_identifier_msgs.msg import UUID
 
 from nodekit import Node, ReentrantCallbackGroup, Throttle
-from ros2_bridge.action_bridge import wire
+from ros2_bridge.action_bridge import actionlib_messages
 from ros2_bridge.actions.goal_ids import NO_GOAL, text_of
 from ros2_bridge.actions.ros2_goal_tracker import Goal, Ros2GoalTracker
 from ros2_bridge.actions.states import ROS2_BY_NUMBER, Ros2Status
@@ -122,7 +122,7 @@ class Ros2ServerInRos1:
 
     def _on_goal(self, message: Any) -> None:
         try:
-            text, stamp, content = wire.read_goal(message._buff)
+            text, stamp, content = actionlib_messages.read_goal(message._buff)
         except ConversionError as error:
             rospy.logwarn(f"{self._name}: a goal from ROS 1 without an id is ignored: {error}")
             return
@@ -220,15 +220,17 @@ class Ros2ServerInRos1:
                     rospy.logwarn(f"{self._name}: feedback to ROS 1: {error}")
                 continue
             report = _report(goal, content)
-            self._feedback1.publish(wire.write_report(self.kind.raw_feedback, report))
+            self._feedback1.publish(actionlib_messages.write_report(self.kind.raw_feedback, report))
 
     def _publish_result(self, goal: Goal, result: Optional[bytes]) -> None:
         report = _report(goal, self._nothing if result is None else result)
-        self._result1.publish(wire.write_report(self.kind.raw_result, report))
+        self._result1.publish(actionlib_messages.write_report(self.kind.raw_result, report))
 
     def _publish_status(self, goals: Sequence[Goal]) -> None:
         if self._is_offered:
-            self._status1.publish(wire.write_statuses([_report(goal, b"") for goal in goals]))
+            self._status1.publish(
+                actionlib_messages.write_statuses([_report(goal, b"") for goal in goals])
+            )
 
     def _list_goals(self, _: float) -> None:
         with self._lock:
@@ -247,5 +249,5 @@ class Ros2ServerInRos1:
             end()
 
 
-def _report(goal: Goal, content: bytes) -> wire.GoalReport:
-    return wire.GoalReport(goal.text, goal.stamp, goal.status, goal.why, content)
+def _report(goal: Goal, content: bytes) -> actionlib_messages.GoalReport:
+    return actionlib_messages.GoalReport(goal.text, goal.stamp, goal.status, goal.why, content)

@@ -15,7 +15,7 @@ from type_description_interfaces.srv import GetTypeDescription
 from ros2_bridge.ros2.client import NoResponse, Ros2Client
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.rules.skip_log import Unbridgeable
-from ros2_bridge.types.descriptions import (
+from ros2_bridge.types.type_descriptions import (
     Field,
     as_text,
     flatten,

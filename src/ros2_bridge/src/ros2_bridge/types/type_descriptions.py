@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Comparison of two definitions of a ROS 2 type, field by field, in serialization order.
+"""Comparison of two ROS 2 type descriptions (REP 2011), field by field, in serialization order.
 
 In DDS, a subscriber and a publisher match by the name of the type alone.
 """

@@ -1,4 +1,4 @@
-"""Serialized ROS 1 action messages: actionlib's header before the user's fields."""
+"""Serialized actionlib messages: header, goal id and status before the user's fields."""
 
 import io
 import struct

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from ros2_bridge.types.descriptions import (
+from ros2_bridge.types.type_descriptions import (
     Field,
     as_text,
     flatten,

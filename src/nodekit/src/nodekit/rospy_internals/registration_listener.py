@@ -1,4 +1,4 @@
-"""Registration of topics and services with the master.
+"""Listener of rospy's registrations: registers topics and services in batches, with time-outs.
 
 rospy registers one by one and without a time-out. The listener here replaces rospy's; its requests
 have a time-out, and may hold several registrations.
@@ -60,7 +60,7 @@ class _Batch:
         self.removed: List[Entry] = []
 
 
-class _Registrar(RegistrationListener):
+class _BatchListener(RegistrationListener):
     """Replacement of rospy's registration listener.
 
     :param listener: rospy's listener, which connects subscribers to publishers
@@ -212,18 +212,18 @@ def install(request: Request) -> None:
     listeners = get_registration_listeners()
     with listeners.lock:
         found = _listeners()
-        if PROCESS.find(_Registrar) is None and len(found) == 1:
-            registrar = PROCESS.get(_Registrar, lambda: _Registrar(found[0], request))
-            listeners.listeners = [registrar]
-    if PROCESS.find(_Registrar) is None:
+        if PROCESS.find(_BatchListener) is None and len(found) == 1:
+            listener = PROCESS.get(_BatchListener, lambda: _BatchListener(found[0], request))
+            listeners.listeners = [listener]
+    if PROCESS.find(_BatchListener) is None:
         rospy.logwarn("unsupported rospy version: topics and services are registered one by one")
 
 
 def connect(name: str, publisher: str) -> None:
     """Connect a subscribed topic to a publisher, given by its URI, unless it is connected."""
-    registrar = PROCESS.find(_Registrar)
-    if registrar is not None:
-        registrar.connect(name, [publisher])
+    listener = PROCESS.find(_BatchListener)
+    if listener is not None:
+        listener.connect(name, [publisher])
 
 
 def connection_failed(name: str, publisher: str, error: object) -> None:
@@ -233,9 +233,9 @@ def connection_failed(name: str, publisher: str, error: object) -> None:
     :param publisher: URI of the publisher
     :param error: the reason
     """
-    registrar = PROCESS.find(_Registrar)
-    if registrar is not None:
-        registrar.watch.fail(name, publisher, error)
+    listener = PROCESS.find(_BatchListener)
+    if listener is not None:
+        listener.watch.fail(name, publisher, error)
 
 
 @contextlib.contextmanager
@@ -244,21 +244,21 @@ def together() -> Iterator[None]:
 
     Single requests would take most of the start of a node with thousands of topics and services.
     """
-    registrar = PROCESS.find(_Registrar)
-    if registrar is None or getattr(registrar.local, "batch", None) is not None:
+    listener = PROCESS.find(_BatchListener)
+    if listener is None or getattr(listener.local, "batch", None) is not None:
         yield
         return
-    batch = registrar.local.batch = _Batch()
+    batch = listener.local.batch = _Batch()
     try:
         yield
     finally:
-        registrar.local.batch = None
+        listener.local.batch = None
         if batch.removed:
-            registrar.remove(batch.removed)
+            listener.remove(batch.removed)
         if batch.added:
-            registrar.add(batch.added)
+            listener.add(batch.added)
         if batch.removed or batch.added:
-            registrar.apply_later_changes(batch)
+            listener.apply_later_changes(batch)
 
 
 def reregister_all(request: Request) -> bool:
@@ -271,8 +271,10 @@ def reregister_all(request: Request) -> bool:
     :returns: whether the master has accepted any of them
     :raises ConnectionError: if the request fails
     """
-    registrar = PROCESS.find(_Registrar) or _Registrar((_listeners() or [_OwnServer])[0], request)
-    return registrar.add(all_entries(), request)
+    listener = PROCESS.find(_BatchListener) or _BatchListener(
+        (_listeners() or [_OwnServer])[0], request
+    )
+    return listener.add(all_entries(), request)
 
 
 def services() -> Dict[str, str]:
@@ -280,8 +282,8 @@ def services() -> Dict[str, str]:
 
     In the order of registration, without the node's private services.
     """
-    registrar = PROCESS.find(_Registrar)
-    return dict(registrar.services) if registrar is not None else {}
+    listener = PROCESS.find(_BatchListener)
+    return dict(listener.services) if listener is not None else {}
 
 
 def register_services(names: List[str], request: Request) -> None:
@@ -291,12 +293,12 @@ def register_services(names: List[str], request: Request) -> None:
     :param request: sends calls to the master
     :raises ConnectionError: if the request fails
     """
-    registrar, registered = PROCESS.find(_Registrar), services()
+    listener, registered = PROCESS.find(_BatchListener), services()
     entries = [(Registration.SRV, name, registered[name]) for name in names if name in registered]
-    if registrar is not None:
-        registrar.add(entries, request)
+    if listener is not None:
+        listener.add(entries, request)
         manager = get_service_manager()
-        registrar.remove([entry for entry in entries if manager.get_service(entry[1]) is None])
+        listener.remove([entry for entry in entries if manager.get_service(entry[1]) is None])
 
 
 # The master knows one node for each service: the latest that registered it.

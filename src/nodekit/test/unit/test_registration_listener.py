@@ -11,7 +11,7 @@ from std_msgs.msg import String
 
 from nodekit.messaging.publisher import Publisher
 from nodekit.process_context import ProcessContext
-from nodekit.rospy_internals import registrar
+from nodekit.rospy_internals import registration_listener
 from nodekit.testing.waiting import in_thread, wait_until
 
 PUB, SUB, SRV = Registration.PUB, Registration.SUB, Registration.SRV
@@ -52,7 +52,7 @@ def ending(monkeypatch):
     state = Ending()
     monkeypatch.setattr(rospy.core, "is_shutdown_requested", lambda: state.requested)
     monkeypatch.setattr(rospy, "get_node_uri", lambda: URI)
-    monkeypatch.setattr(registrar, "_PAUSE_S", 0.001)
+    monkeypatch.setattr(registration_listener, "_PAUSE_S", 0.001)
     return state
 
 
@@ -69,7 +69,7 @@ def topics(count):
 
 def test_registrations_are_batched_by_five_hundreds(ending):
     ask = Asked()
-    tested = registrar._Registrar(None, ask)
+    tested = registration_listener._BatchListener(None, ask)
     tested.add(topics(1201))
     tested.remove(topics(1201))
     assert [len(calls) for calls in ask.requests] == [500, 500, 201] * 2
@@ -83,7 +83,7 @@ def test_registrations_are_batched_by_five_hundreds(ending):
 def test_publishers_are_registered_before_subscribers(ending):
     ask = Asked()
     entries = [(SRV, "/s", "rosrpc://here:2"), (SUB, "/t", "*"), (PUB, "/t", "*")]
-    registrar._Registrar(None, ask).add(entries)
+    registration_listener._BatchListener(None, ask).add(entries)
     lookups, *requests = ask.requests
     assert lookups == [("lookupService", "/s")]
     assert requests == [
@@ -97,7 +97,9 @@ def test_publishers_are_registered_before_subscribers(ending):
 
 def test_node_ended_during_its_start_leaves_nothing_registered(ending):
     ask = Asked(lambda calls: len(ask.requests) == 2 and ending.request())
-    registrar._Registrar(None, ask).add(topics(1201) + [(SRV, "/s", "rosrpc://here:2")])
+    registration_listener._BatchListener(None, ask).add(
+        topics(1201) + [(SRV, "/s", "rosrpc://here:2")]
+    )
     registered = [call[1] for call in ask.calls if call[0].startswith("register")]
     taken_back = [call[1] for call in ask.calls if call[0].startswith("unregister")]
     assert len(registered) == 1000, "nothing more is registered once the node ends"
@@ -111,7 +113,7 @@ def test_master_that_does_not_answer_is_asked_again_until_it_does(ending, warnin
             raise ConnectionError("no answer")
 
     ask = Asked(fail_three_times)
-    registrar._Registrar(None, ask).add(topics(1))
+    registration_listener._BatchListener(None, ask).add(topics(1))
     assert len(ask.requests) == 4
     assert warnings == ["cannot register yet: no answer"]
 
@@ -123,7 +125,7 @@ def test_master_that_does_not_answer_holds_no_node_up_that_ends(ending, warnings
         raise ConnectionError("no answer")
 
     ask = Asked(fail)
-    registrar._Registrar(None, ask).add(topics(1))
+    registration_listener._BatchListener(None, ask).add(topics(1))
     assert [calls[0][0] for calls in ask.requests] == ["registerPublisher"] * 3 + [
         "unregisterPublisher"
     ]
@@ -133,8 +135,11 @@ def test_master_that_does_not_answer_holds_no_node_up_that_ends(ending, warnings
 def asked(ending, monkeypatch):
     """Register all topics and services by requests that are recorded."""
     ask = Asked()
-    monkeypatch.setattr(registrar, "PROCESS", ProcessContext())
-    tested = registrar.PROCESS.get(registrar._Registrar, lambda: registrar._Registrar(None, ask))
+    monkeypatch.setattr(registration_listener, "PROCESS", ProcessContext())
+    tested = registration_listener.PROCESS.get(
+        registration_listener._BatchListener,
+        lambda: registration_listener._BatchListener(None, ask),
+    )
     monkeypatch.setattr(get_registration_listeners(), "listeners", [tested])
     return ask
 
@@ -142,7 +147,7 @@ def asked(ending, monkeypatch):
 def test_topic_created_again_while_it_is_unregistered_stays_registered(asked):
     old, new = (Publisher("/topic", String) for _ in range(2))
     old.open()
-    with registrar.together():
+    with registration_listener.together():
         old.close()
         in_thread(new.open).join()
     told = [call[0] for call in asked.calls]
@@ -152,7 +157,7 @@ def test_topic_created_again_while_it_is_unregistered_stays_registered(asked):
 
 def test_topic_closed_while_it_is_registered_is_unregistered(asked):
     publisher = Publisher("/topic", String)
-    with registrar.together():
+    with registration_listener.together():
         publisher.open()
         in_thread(publisher.close).join()
     told = [call[0] for call in asked.calls]
@@ -162,16 +167,16 @@ def test_topic_closed_while_it_is_registered_is_unregistered(asked):
 def test_service_closed_while_it_is_registered_again_is_unregistered(asked, monkeypatch):
     offered = {"/closed": mock.Mock(), "/open": mock.Mock()}
     entries = [(SRV, name, "rosrpc://here:2") for name in offered]
-    registrar.PROCESS.find(registrar._Registrar).add(entries)
+    registration_listener.PROCESS.find(registration_listener._BatchListener).add(entries)
     manager = mock.Mock(get_service=offered.get)
-    monkeypatch.setattr(registrar, "get_service_manager", lambda: manager)
+    monkeypatch.setattr(registration_listener, "get_service_manager", lambda: manager)
     asked.meanwhile = lambda calls: offered.pop("/closed", None)
     asked.requests.clear()
-    registrar.register_services(list(offered), asked)
+    registration_listener.register_services(list(offered), asked)
     told = [call[:3] for call in asked.calls if call[0] != "lookupService"]
     assert told[:2] == [("registerService", *entry[1:]) for entry in entries]
     assert told[2:] == [("unregisterService", "/closed", "rosrpc://here:2")]
-    assert list(registrar.services()) == ["/open"]
+    assert list(registration_listener.services()) == ["/open"]
 
 
 class Handler:
@@ -190,7 +195,7 @@ def test_publishers_just_announced_to_rospy_are_kept(ending):
     handler = Handler()
     listener = RegManager(handler)
     listener.publisher_update("/topic", ["http://there:1/", "http://there:2/"])
-    registrar._Registrar(listener, Asked()).connect("/topic", ["http://there:3/"])
+    registration_listener._BatchListener(listener, Asked()).connect("/topic", ["http://there:3/"])
     running = in_thread(listener.run)
     wait_until(lambda: len(handler.connected) == 3, lambda: str(handler.connected))
     handler.done = True
@@ -205,8 +210,10 @@ def test_without_rospys_listener_its_own_server_learns_of_publishers(ending, mon
         uri = f"http://localhost:{server.server_address[1]}/"
         monkeypatch.setattr(rospy, "get_node_uri", lambda: uri)
         monkeypatch.delattr(get_registration_listeners(), "listeners")
-        monkeypatch.setattr(registrar, "all_entries", lambda: [(SUB, "/topic", "std_msgs/String")])
+        monkeypatch.setattr(
+            registration_listener, "all_entries", lambda: [(SUB, "/topic", "std_msgs/String")]
+        )
         serving = in_thread(server.handle_request)
-        assert registrar.reregister_all(lambda calls: [(1, "", ["http://there:1/"])])
+        assert registration_listener.reregister_all(lambda calls: [(1, "", ["http://there:1/"])])
         serving.join()
     assert told == [(rospy.get_name(), "/topic", ["http://there:1/"])]

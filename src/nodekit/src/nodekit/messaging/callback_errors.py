@@ -1,4 +1,4 @@
-"""Log exceptions of user callbacks, rate-limited."""
+"""Log of the exceptions of user callbacks, rate-limited."""
 
 import traceback
 

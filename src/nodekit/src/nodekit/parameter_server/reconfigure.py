@@ -1,4 +1,4 @@
-"""Interface of dynamic_reconfigure to live parameters.
+"""Server of dynamic_reconfigure's protocol for live parameters.
 
 With it ``dynamic_reconfigure.client.Client`` and rqt_reconfigure work on the
 same values as ``rosparam``. Only the messages of the package are used: its own

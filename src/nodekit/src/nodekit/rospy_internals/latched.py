@@ -1,4 +1,4 @@
-"""Latched messages of topics that are subscribed to late."""
+"""Delivery of latched messages to a subscription that is added to a subscribed topic."""
 
 import io
 from typing import Any, Callable

@@ -1,4 +1,4 @@
-"""rospy's log handlers: console, file and ``/rosout``."""
+"""Patch of rospy's log handlers: a log that cannot be written loses only its lines."""
 
 import atexit
 import contextlib

@@ -1,7 +1,7 @@
 """SVG chart of curves over time, in stacked panels.
 
 Drawn here, as text: matplotlib with its dependencies weighs half as much as all others of this
-workspace, so only plots of bags, which users ask for, have it.
+workspace, so it is left to packages whose users ask for plots.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""Link to one board: synchronizes with it and transfers its frames; one thread reads, one writes."""
+"""Link to one board: synchronization and frames; one thread reads, one writes."""
 
 import math
 import threading

@@ -22,9 +22,10 @@ WORDS = {
 OPENING = re.compile(r"(What|Whose|Who|Where|How)\b")
 #: Only the command that checks controllers is a judge.
 JUDGE = re.compile(r"(?i)judg")
-#: Files about that command, or that name it.
+#: Files about that command, and lists and pages that name it.
 ABOUT_THE_JUDGE = re.compile(
-    r"src/pid_control|docs/|README|ci/(apt-packages|endurance|lint/structure|packages|tests)|pyproject|judge"
+    r"src/pid_control|docs/.*\.(md|yaml)$|README|ci/(endurance|lint/structure|tests/spaces)|pyproject"
+    r"|docs/tests/test_console_pages|judge"
 )
 #: This module and its test, which quote the words.
 QUOTING = ("ci/lint/language.py", "ci/tests/lint/test_language.py")

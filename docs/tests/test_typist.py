@@ -96,15 +96,15 @@ def test_a_line_that_has_no_effect(typist: Typist, command: str, reason: str) ->
         ("rosparam set /missing/rate 5.0", "no node follows it"),
     ],
 )
-def test_a_value_that_is_not_judged_as_the_page_says(
+def test_value_that_the_node_treats_otherwise_than_the_page_says(
     typist: Typist, command: str, reason: str
 ) -> None:
     typist.type(
         "env " + command.partition("#")[0]
-    )  # may take its time: only the node's judgement is waited for
+    )  # may take its time: only the node's reaction is waited for
     typist.timeout = 1.0
     with pytest.raises(AssertionError, match=reason):
-        typist.judge(command)
+        typist.check_parameter(command)
     typist.timeout = 40.0
 
 

@@ -8,6 +8,7 @@ import sys
 
 import pytest
 
+from nodekit import master_process
 from nodekit.testing import processes
 from nodekit.testing.waiting import TIMEOUT_S
 
@@ -22,14 +23,14 @@ def test_free_port_stays_free_where_others_take_any(monkeypatch: "pytest.MonkeyP
     with socket.socket() as taken:
         taken.bind(("localhost", first))
         found = iter((first, second, second, third))
-        monkeypatch.setattr(processes._random, "choice", lambda _ports: next(found))
+        monkeypatch.setattr(master_process._random, "choice", lambda _ports: next(found))
         assert processes.free_ports(2) == [second, third]
 
 
 def test_two_masters_share_no_port(monkeypatch: "pytest.MonkeyPatch") -> None:
     first, second = processes.free_ports(2)
     ports = iter((first, first, second))  # as where both were looked for at the same moment
-    monkeypatch.setattr(processes, "free_port", lambda: next(ports))
+    monkeypatch.setattr(master_process, "free_ports", lambda _count: [next(ports)])
     with contextlib.ExitStack() as ends:
         uris = []
         for _ in range(2):

@@ -118,6 +118,7 @@ SUBJECTS: Dict[str, Dict[str, str]] = {
         "parameters": "bridged parameters",
         "node_bridge": "nodes with their parameters",
         "graph_loop": "the loop that polls both graphs and updates all parts",
+        "commands": "`make_environment`, from the command line",
         "nodes": "the node",
     },
 }

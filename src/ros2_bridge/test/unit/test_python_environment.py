@@ -9,6 +9,7 @@ import pytest
 import yaml
 
 from nodekit.testing.waiting import wait_until
+from ros2_bridge.commands import make_environment
 from ros2_bridge.environment import python_environment
 from ros2_bridge.environment.python_environment import PythonEnvironment, Unavailable
 from ros2_bridge.types.ros2_interfaces import TwinPackage, generate_interfaces
@@ -81,7 +82,7 @@ def test_unsupported_python_is_rejected(
 ) -> None:
     monkeypatch.setattr(python_environment, "PYTHONS", ((3, 2),))
     monkeypatch.setattr(sys, "argv", ["make_environment", "--into", str(tmp_path / "ros2")])
-    assert python_environment.main() == 125
+    assert make_environment.main() == 125
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("make_environment: PyPI has ROS 2 for Python 3.2 only, and this is 3.")
 
@@ -90,7 +91,7 @@ def test_folder_that_cannot_be_written_to_is_named(
     monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
 ) -> None:
     monkeypatch.setattr(sys, "argv", ["make_environment", "--into", "/proc/ros2"])
-    assert python_environment.main() == 125
+    assert make_environment.main() == 125
     shown = capsys.readouterr().err
     assert shown.startswith("make_environment: cannot create /proc/ros2: ")
     assert shown.endswith("is not writable, choose another with --into\n")

@@ -1,19 +1,14 @@
 """Creation and update of the Python environment with ROS 2.
 
-``rosrun ros2_bridge make_environment`` does so for an installed bridge, ``ci/ros2`` in the
-workspace. On failure the exit status is 125, with one message.
-
 Twins are ROS 2 packages with the types of ROS 1 packages: :mod:`ros2_bridge.types.ros2_interfaces`.
 """
 
-import argparse
 import contextlib
 import fcntl
 import hashlib
 import os
 import pathlib
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -23,7 +18,7 @@ from xml.etree import ElementTree
 import rospkg
 import yaml
 
-from ros2_bridge.environment.start import DEBIAN, home
+from ros2_bridge.environment.start import DEBIAN
 from ros2_bridge.types.ros2_interfaces import RENAMED, TwinPackage, generate_interfaces
 
 #: Python versions with wheels.
@@ -345,47 +340,3 @@ def in_order(twins: Mapping[str, TwinPackage]) -> List[str]:
     for name in sorted(twins):
         add(name)
     return names
-
-
-def main() -> int:
-    """Create or update the environment.
-
-    :returns: exit status
-    """
-    package = pathlib.Path(rospkg.RosPack().get_path("ros2_bridge"))
-    parser = argparse.ArgumentParser(
-        prog="make_environment",
-        description="Create the Python environment with ROS 2 that the bridge runs in.",
-    )
-    parser.add_argument(
-        "--into",
-        metavar="FOLDER",
-        type=pathlib.Path,
-        default=home(os.environ),
-        help="where to create it (default: %(default)s)",
-    )
-    parser.add_argument(
-        "--sources",
-        metavar="FOLDER",
-        type=pathlib.Path,
-        help="make twins for the packages there, at any depth, not for those installed with the"
-        " bridge; twins of earlier runs stay",
-    )
-    options = parser.parse_args()
-    packages = debian_packages()
-    packages.update(packages_under(options.sources) if options.sources else companions(package))
-    environment = PythonEnvironment(options.into.absolute())
-    signal.signal(signal.SIGTERM, signal.default_int_handler)
-    try:
-        environment.make(package / "config" / "wheels.txt", packages)
-    except Unavailable as reason:
-        say(str(reason))
-        return 125
-    except OSError as error:  # most often a folder that is read-only, or a full disk
-        remedy = "if the folder is not writable, choose another with --into"
-        say(f"cannot create {options.into}: {error}; {remedy}")
-        return 125
-    except KeyboardInterrupt:
-        say("interrupted: run it again")
-        return 130
-    return 0

@@ -15,12 +15,12 @@ from urllib.request import urlopen
 
 import numpy
 import rospy
-from browsing.page_test import PROCESSED, SIGNAL, PageTest
+from browsing.page_test import FRESH, PROCESSED, SIGNAL, PageTest
 from browsing.waiting import wait_until
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.remote.webelement import WebElement
-from std_msgs.msg import Float64MultiArray, Header, Int32
+from std_msgs.msg import Float64, Float64MultiArray, Header, Int32
 
 from geometry_msgs.msg import Point, PointStamped  # isort: skip
 
@@ -249,7 +249,7 @@ class Plots(PageTest):
         )
 
     def test_arrow_points_to_a_level_out_of_view(self) -> None:
-        height = self.browser.find("#plot").size["height"]
+        tools = self.browser.find("#scope-view .tools").size
         self.browser.choose("#window", "1")
         self.browser.choose("#trigger-mode", "auto")
         level = self.browser.find("#trigger-level")
@@ -287,11 +287,24 @@ class Plots(PageTest):
             ),
             lambda: self.browser.text(".dygraph-axis-label-x"),
         )
-        # On a busy machine a text may take a line meanwhile.
-        wait_until(
-            lambda: self.browser.find("#plot").size["height"] == height,
-            lambda: f"{height}: {self.browser.find('#plot').size}: {self.browser.text('#legend')}",
-        )
+        # The trigger's state fits the row of the tools, which would lower the plot.
+        self.assertEqual(self.browser.find("#scope-view .tools").size, tools)
+
+    def test_columns_keep_the_width_of_their_longest_number(self) -> None:
+        """Otherwise names wrap and unwrap, which moves the plot up and down."""
+        publisher = rospy.Publisher("/lengths", Float64, queue_size=1, latch=True)
+        self.addCleanup(publisher.unregister)
+        field = "/lengths/data"
+        self.show(fields=[field], measures={**FRESH["measures"], "figures": ["value"]})
+        widths = []
+        for value in (1.5, -1.25e-100, 2.5):
+            publisher.publish(value)
+            wait_until(
+                lambda: self.cell(field, "value") == value, lambda: self.browser.text("#legend")
+            )
+            widths.append(self.browser.find("#legend-head .figure").size["width"])
+        self.assertLess(widths[0] + 10, widths[1])
+        self.assertEqual(widths[1], widths[2])
 
     def test_missing_field_keeps_its_row_with_a_reason(self) -> None:
         expected = {
@@ -388,9 +401,13 @@ class Plots(PageTest):
         field.send_keys(Keys.CONTROL + "a")
         field.send_keys("1", Keys.ENTER)
         level = self.browser.wait_for(".handle.level")
-        lower = self.browser.find(".pane:last-child").rect
-        middle = lower["y"] + 0.45 * lower["height"]  # of the numbers, not of the times below
-        wait_until(lambda: abs(level.rect["y"] - middle) < 40.0, lambda: (level.rect, lower))
+        lower = self.browser.find(".pane:last-child")
+
+        def beside_middle() -> float:  # of the numbers, not of the times below
+            rect = lower.rect
+            return abs(float(level.rect["y"] - rect["y"] - 0.45 * rect["height"]))
+
+        wait_until(lambda: beside_middle() < 40.0, lambda: (level.rect, lower.rect))
         self.wait_still(level)
         ActionChains(self.browser.driver).drag_and_drop_by_offset(level, 0, -400).perform()
         wait_until(

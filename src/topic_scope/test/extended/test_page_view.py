@@ -7,7 +7,7 @@ import socket
 import subprocess
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import Any, List, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 from urllib.parse import parse_qs, quote, unquote, urlparse
 from urllib.request import urlopen
 
@@ -659,8 +659,7 @@ class View(PageTest):
             lambda: self.browser.text("#legend"),
         )
         self.wait_moving()  # so both traces are drawn
-        size = self.browser.find("#plot").size
-        picture = self.saved()
+        size, picture = wait_until(self.saved_with_size, lambda: self.browser.text("#legend"))
         self.assertEqual(picture.painted.shape[1], 2 * size["width"])
         self.assertEqual(self.browser.run("return window.ratio"), 2, "not drawn so, but stretched")
         # Heads, two traces, readouts of both pairs of cursors, the date.
@@ -720,6 +719,12 @@ class View(PageTest):
             return Picture(path, ratio)
         finally:
             path.unlink()
+
+    def saved_with_size(self) -> Optional[Tuple[Dict[str, int], Picture]]:
+        """Save a picture; return the size of the plot and the picture, None if the size changed."""
+        plot = self.browser.find("#plot")
+        size, picture = plot.size, self.saved()
+        return (size, picture) if plot.size == size else None
 
     def box(self) -> Any:
         """Return the box of the traces and axes in a picture."""

@@ -62,10 +62,10 @@ export class Legend {
     this.figures = shownFigures(this.state.values);
     this.columns = [...this.figures, ...(this.withCursors ? AT_CURSORS : [])];
     const head = (text, className, title) => make("th", { scope: "col", class: className, title }, text);
+    this.heads = this.columns.map(([, text, title]) => head(text, "figure", title));
     byId("legend-head").replaceChildren(
       head("", ""), head("", ""), head("trace", "name"),
-      ...["plot", "axis", "timestamp"].map((text) => head(text, "choice")),
-      ...this.columns.map(([, text, title]) => head(text, "figure", title)), this.more,
+      ...["plot", "axis", "timestamp"].map((text) => head(text, "choice")), ...this.heads, this.more,
     );
     const before = this.rows;
     this.rows = new Map();
@@ -184,7 +184,16 @@ export class Legend {
         setTitle(cells.get(key), certainty(measured, key));
       }
     }
+    this.keepWidths();
     if (this.isTooWide) this.fit(); // as numbers have become longer
+  }
+
+  /** Keep each column as wide as its longest number so far: names that wrap and unwrap would move the plot. */
+  keepWidths() {
+    const widths = this.heads.map((one) => Math.ceil(one.getBoundingClientRect().width)); // 0 if stacked
+    this.heads.forEach((one, column) => {
+      if (widths[column] > parseFloat(one.style.minWidth || 0)) one.style.minWidth = `${widths[column]}px`;
+    });
   }
 
   showCursors() {

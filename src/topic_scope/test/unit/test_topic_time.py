@@ -199,6 +199,28 @@ def test_clock_set_back_starts_a_line_if_later_messages_agree(
     assert abs(shown.times - received).max() <= 1 * MS
 
 
+def after_a_pause(late: List[int]) -> Tuple[numpy.ndarray, numpy.ndarray]:
+    """Return stamps and receipts at 50 Hz, with a pause of 1 s with late messages [ms] in it."""
+    usual = at_50_hz()
+    usual[250:] += NS
+    arrived = EPOCH + 5200 * MS + 150 * MS * numpy.arange(len(late))
+    own = numpy.insert(usual, 250, arrived - MS * numpy.array(late))
+    return own, numpy.insert(usual, 250, arrived)
+
+
+def test_messages_with_different_delays_in_a_pause_do_not_set_a_clock() -> None:
+    own, received = after_a_pause([3900, 1200, 2700])
+    _, shown = played(own, received)
+    assert shown.times.tolist() == own.tolist() and not shown.gaps
+
+
+def test_messages_before_a_clock_that_only_seemed_set_stay() -> None:
+    own, received = after_a_pause([3000, 3000, 3000])
+    _, shown = played(own, received)
+    assert shown.times[:250].tolist() == own[:250].tolist()
+    assert shown.times[-100:].tolist() == own[-100:].tolist()
+
+
 def test_last_two_messages_may_set_a_clock() -> None:
     own = array_to_ns(numpy.array([5.0, 5.1, 5.2, 0.0, 0.1]))
     received = EPOCH + 100 * MS * numpy.arange(5)

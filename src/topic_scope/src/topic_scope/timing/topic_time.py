@@ -98,6 +98,8 @@ class TopicTime:
         self._attached_at = 0
         self._newest = NO_TIME
         self._step = self._alone = self._moved = 0
+        #: Offset of the clock when it was last set [ns]; None before.
+        self._jumped_to: Optional[int] = None
 
     @property
     def patience(self) -> int:
@@ -203,11 +205,7 @@ class TopicTime:
                 return 0
         elif not (is_last and len(there) >= 2) and self._alone < _STUBBORN:
             return 0
-        span = int(received[there[-1]] - received[there[0]])
-        apart = received[there] - own[there]
-        is_steady = int(apart.max() - apart.min()) <= BACK_NS + _FASTEST * span
-        rises = own[there[-1]] >= own[there[0]]
-        agrees = (is_steady and rises) or self._alone >= _STUBBORN
+        agrees = self._alone >= _STUBBORN or _is_steady(own[there], received[there])
         return int(there[-1]) + 1 if agrees else 0
 
     def _attach_first(self, own: numpy.ndarray, received: numpy.ndarray) -> None:
@@ -240,6 +238,7 @@ class TopicTime:
         self.clock.members.discard(self._lag)
         self._lag, self._newest = Lag(), NO_TIME
         self._attach(own[there], received[there], None if self.clock.is_scope else self.clock)
+        self._jumped_to = self.clock.offset
 
     def _accepted(
         self,
@@ -284,7 +283,8 @@ class TopicTime:
             if abs(lag.usual - self._attached_at) > SAME_CLOCK_NS:
                 # The first messages were not typical.
                 self._attach(stamps, received)
-                self._moved = 0
+                before = self._jumped_to  # samples from before the clock was set stay
+                self._moved = 0 if before is None else before - self.clock.offset
         self._clocks.follow(self.clock, lag.received)
 
     def _placed_alone(self, own: numpy.ndarray, received: numpy.ndarray) -> Placed:
@@ -306,6 +306,14 @@ class TopicTime:
         )
         times = numpy.where(is_late, own, received - self.clock.offset)
         return Placed(self.clock, times, self._newest, 0)
+
+
+def _is_steady(own: numpy.ndarray, received: numpy.ndarray) -> bool:
+    """Return whether stamps rise as those of one clock: the lags of late messages differ."""
+    since, apart = received - received[0], received - own
+    drift = (apart[-1] - apart[0]) / max(since[-1], 1)
+    is_even = numpy.abs(apart - apart[0] - drift * since).max() <= BACK_NS
+    return bool(own[-1] >= own[0] and abs(drift) <= _FASTEST and is_even)
 
 
 def _leading(truths: numpy.ndarray) -> int:

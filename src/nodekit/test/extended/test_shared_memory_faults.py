@@ -79,7 +79,7 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
 
         def is_returned():
             self.publish(publisher, LARGE)
-            return not self.memory(publisher)._pool.readers()
+            return not self.is_lent(publisher)
 
         wait_until(is_returned, lambda: "the child's loans are there", timeout=TIME_OUT)
         self.assertEqual(self.wait_for_all(other)[0]["torn"], 0)
@@ -114,7 +114,7 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
         self.publish(publisher, LONGEST, 10, LONGEST)
         for record in self.wait_for_all(*subscribers):
             self.assertEqual((record["numbers"], record["torn"]), (list(range(33)), 0))
-        self.assertLessEqual(self.memory(publisher).segments(), 3)
+        self.assertLessEqual(len(self.segments(publisher)), 3)
 
     def test_many_messages_and_reconnections_leave_no_descriptor(self):
         publisher = self.new_publisher(queue_size=10)
@@ -130,8 +130,7 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
                 return all(one.node != name for one in publisher.statistics())
 
             wait_until(has_gone, publisher.statistics, timeout=TIME_OUT)
-            memory = self.memory(publisher)
-            memory._pool.trim(1e12)
+            self.segments(publisher, is_idle=True)
             self.assertEqual(memory_files(), 0)
             counts.append(len(os.listdir("/proc/self/fd")))
         self.assertEqual(counts[1], counts[2])

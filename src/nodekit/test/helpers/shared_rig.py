@@ -101,12 +101,18 @@ class SharedMemoryCase(unittest.TestCase):
         return next(one for one in publisher.statistics() if one.node == subscriber.name)
 
     @staticmethod
-    def memory(publisher):
-        """Return the topic's shared memory, after read segments are collected."""
+    def segments(publisher, is_idle=False):
+        """Return the topic's segments, after read ones are collected, and unused ones given up."""
         memory = publisher._topic._memory
         with publisher._topic._lock:
             memory.collect()
-        return memory
+            if is_idle:
+                memory.pool.trim(1e12)
+            return list(memory.pool._segments.values())
+
+    def is_lent(self, publisher):
+        """Return whether a subscriber has a segment of a topic, or waits for one."""
+        return any(one.users for one in self.segments(publisher))
 
     def missed(self, subscriber):
         """Return the messages that a subscriber has missed, as its statistics say."""

@@ -8,7 +8,6 @@ from nodekit.shared_memory.segment_pool import IDLE_S, SegmentPool, capacity_for
 
 LIMIT = 100_000_000
 SIZES = st.integers(0, 64_000_000)
-READERS = st.sampled_from("abcd")
 
 
 class FakeMemory:
@@ -17,6 +16,10 @@ class FakeMemory:
     def __init__(self, size):
         self.size, self.is_open = size, True
 
+    def close(self):
+        assert self.is_open
+        self.is_open = False
+
 
 class Pools(RuleBasedStateMachine):
     """A pool, and a record of the segments that each reader may be reading."""
@@ -24,10 +27,9 @@ class Pools(RuleBasedStateMachine):
     def __init__(self):
         super().__init__()
         self.made = []
-        self.is_full = False
-        self.pool = SegmentPool(self.create, self.discard, LIMIT)
-        self.lent = set()  # pairs of a segment and a reader
-        self.now = 0.0
+        self.is_full, self.now = False, 0.0
+        self.pool = SegmentPool(self.create, LIMIT)
+        self.lent = []  # segments, once for each reader
 
     def create(self, size):
         if self.is_full:
@@ -35,54 +37,38 @@ class Pools(RuleBasedStateMachine):
         self.made.append(FakeMemory(size))
         return self.made[-1]
 
-    def discard(self, segment):
-        assert not any(lent is segment for lent, _ in self.lent)
-        assert segment.memory.is_open
-        segment.memory.is_open = False
-
-    @rule(size=SIZES, readers=st.sets(READERS, min_size=1), is_full=st.booleans())
+    @rule(size=SIZES, readers=st.integers(1, 4), is_full=st.booleans())
     def publish(self, size, readers, is_full):
         self.is_full = is_full
-        held = {segment.number: segment for segment, _ in self.lent}
         segment = self.pool.take(size, self.now)
         if segment is None:
-            taken = sum(one.capacity for one in held.values())
+            taken = sum(one.memory.size for one in set(self.lent))
             assert is_full or taken + capacity_for(size) > LIMIT
             return
-        assert segment.number not in held
-        assert segment.capacity >= size and segment.memory.is_open
-        for reader in readers:
-            self.pool.lend(segment, reader)
-            self.lent.add((segment, reader))
+        assert segment not in self.lent
+        assert segment.memory.size >= size and segment.memory.is_open
+        segment.users += readers
+        self.lent += [segment] * readers
 
     @precondition(lambda self: self.lent)
     @rule(data=st.data())
     def read(self, data):
-        order = sorted(self.lent, key=lambda one: (one[0].number, one[1]))
-        segment, reader = data.draw(st.sampled_from(order))
-        assert self.pool.give_back(segment.number, reader)
-        self.lent.discard((segment, reader))
-        assert not self.pool.give_back(segment.number, reader)
-
-    @rule(reader=READERS)
-    def leave(self, reader):
-        self.pool.forget(reader)
-        self.lent = {one for one in self.lent if one[1] != reader}
+        segment = self.lent.pop(data.draw(st.integers(0, len(self.lent) - 1)))
+        segment.users -= 1
 
     @rule(wait=st.floats(0.0, 3.0 * IDLE_S))
     def trim(self, wait):
         self.now += wait
         self.pool.trim(self.now)
         if wait >= IDLE_S:
-            assert len(self.pool) == len({segment for segment, _ in self.lent})
+            assert set(self.pool.numbers()) == {segment.number for segment in self.lent}
 
     @invariant()
     def has_what_is_lent_and_no_more_than_allowed(self):
         assert self.pool.size == sum(one.size for one in self.made if one.is_open) <= LIMIT
-        assert all(segment.memory.is_open for segment, _ in self.lent)
+        assert all(segment.memory.is_open for segment in self.lent)
 
     def teardown(self):
-        self.lent = set()
         self.pool.close()
         assert not any(one.is_open for one in self.made)
 
@@ -91,23 +77,22 @@ test_segments_are_written_only_while_nobody_reads_them = Pools.TestCase
 
 
 def test_segment_is_used_again_once_its_readers_have_returned_it():
-    pool = SegmentPool(FakeMemory, lambda segment: None)
+    pool = SegmentPool(FakeMemory)
     first = pool.take(1000, 0.0)
-    pool.lend(first, "reader")
+    first.users = 1
     second = pool.take(1000, 0.0)
     assert second is not first
-    pool.give_back(first.number, "reader")
-    pool.lend(second, "reader")
+    first.users, second.users = 0, 1
     assert pool.take(1000, 1.0) is first
-    assert len(pool) == 2
+    assert pool.numbers() == [1, 2]
 
 
 def test_small_message_leaves_a_larger_segment_to_larger_ones():
-    pool = SegmentPool(FakeMemory, lambda segment: None)
+    pool = SegmentPool(FakeMemory)
     large = pool.take(10_000_000, 0.0)
-    pool.lend(large, "reader")
+    large.users = 1
     small = pool.take(1000, 0.0)
-    pool.give_back(large.number, "reader")
+    large.users = 0
     assert pool.take(1000, 0.0) is small
 
 

@@ -5,6 +5,7 @@ import gc
 import mmap
 import os
 import socket
+import struct
 import threading
 import types
 
@@ -13,14 +14,24 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nodekit.shared_memory import channel, frame, memory, shared_connection
-from nodekit.shared_memory.channel import ChannelListener, Loan, Offer, OfferRejected, WriterChannel
+from nodekit.shared_memory.channel import Loan, ReaderChannel, WriterChannel
 from nodekit.shared_memory.frame import Frame
 from nodekit.shared_memory.memory import ReadMemory, WrittenMemory
-from nodekit.shared_memory.segment_pool import IDLE_S
+from nodekit.shared_memory.segment_pool import IDLE_S, Segment
 from nodekit.shared_memory.shared_connection import MOST_IN_FLIGHT, SharedConnection, TopicMemory
 from nodekit.testing.waiting import wait_until
 
 CONTENT = bytes(range(256)) * 4000
+
+
+def segments(topic):
+    """Return the number of a topic's segments."""
+    return len(topic.pool.numbers())
+
+
+def is_lent(topic):
+    """Return whether a subscriber has a segment of a topic, or waits for one."""
+    return any(one.users for one in topic.pool._segments.values())
 
 
 def descriptors():
@@ -39,35 +50,43 @@ def keeper(monkeypatch):
     )
 
 
-@pytest.fixture
-def listener():
-    """Give a process's listener, closed afterwards."""
-    made = ChannelListener()
-    yield made
-    made._socket.close()
-
-
 class Subscriber:
     """A connection of a publisher, and the other end of it."""
 
-    def __init__(self, stack, listener, depth=10, topic=None):
+    def __init__(self, stack, depth=10, topic=None):
         ours, self.socket = (stack.enter_context(end) for end in socket.socketpair())
         self.socket.setblocking(False)
-        self.lock = threading.RLock()
-        self.listener, self.offer = listener, listener.offer()
-        self.topic = topic or TopicMemory(self.lock)
-        self.link = SharedConnection("receiver", ours, self.lock, depth, self.topic, self.offer)
-        self.channel = None
-        stack.callback(self.topic.close)
+        self.topic = topic or TopicMemory(threading.RLock())
+        self.lock = self.topic._lock
+        self.channel = ReaderChannel()
+        name = self.channel.name
+        self.link = SharedConnection("receiver", ours, self.lock, depth, self.topic, name)
+        stack.callback(self.close)
+
+    def close(self):
+        """Close the topic."""
+        with self.lock:
+            self.topic.close()
+
+    def collect(self):
+        """Reclaim what subscribers have read."""
+        with self.lock:
+            self.topic.collect()
+
+    def trim(self):
+        """Give up unused memory; return the number of segments that are left."""
+        with self.lock:
+            self.topic.pool.trim(1e12)
+        return segments(self.topic)
 
     def send(self, content):
         """Send a message; return whether that was possible."""
         with self.lock:
             assert self.link.shares()
-            message = self.topic.write([content], 0, len(content), 0)
-            if message is None:
+            segment = self.topic.write([content], 0, len(content), 0)
+            if segment is None:
                 return False
-            if not self.link.share(message):
+            if not self.link.share(segment):
                 self.link.stall()
             return True
 
@@ -81,9 +100,7 @@ class Subscriber:
 
     def borrow(self, one):
         """Begin to read a message; give its memory and the loan."""
-        if self.channel is None:
-            self.channel = self.listener.take(self.offer)
-        return self.channel.memory(one.segment), Loan(self.channel, one.segment)
+        return self.channel.receive(one.segment), Loan(self.channel, one.segment)
 
     def read(self):
         """Read all messages that were announced."""
@@ -101,10 +118,10 @@ class Subscriber:
 
 
 @pytest.fixture
-def subscribe(listener):
+def subscribe():
     """Give a maker of subscribers."""
     with contextlib.ExitStack() as stack:
-        yield lambda *args, **kwds: Subscriber(stack, listener, *args, **kwds)
+        yield lambda *args, **kwds: Subscriber(stack, *args, **kwds)
 
 
 def test_memory_reader_sees_the_written_bytes():
@@ -183,7 +200,7 @@ def test_messages_reuse_one_segment(subscribe):
     for number in range(5):
         assert one.send(bytes([number]) * 300_000)
         assert one.read() == [bytes([number]) * 300_000]
-    assert one.topic.segments() == 1
+    assert segments(one.topic) == 1
 
 
 def test_forked_child_does_not_release_its_parents_loan(subscribe):
@@ -196,11 +213,11 @@ def test_forked_child_does_not_release_its_parents_loan(subscribe):
         del loan
         os._exit(0)
     os.waitpid(child, 0)
-    one.topic.collect()
-    assert one.topic._pool.readers()
+    one.collect()
+    assert is_lent(one.topic)
     del part, loan
-    one.topic.collect()
-    assert not one.topic._pool.readers()
+    one.collect()
+    assert not is_lent(one.topic)
 
 
 def test_growing_messages_arrive_whole(subscribe):
@@ -209,7 +226,7 @@ def test_growing_messages_arrive_whole(subscribe):
         content = os.urandom(100).ljust(size, b"x")[:size]
         assert one.send(content)
         assert one.read() == [content]
-    assert one.topic.segments() == 1
+    assert segments(one.topic) == 1
 
 
 def test_message_in_use_is_not_overwritten(subscribe):
@@ -223,19 +240,19 @@ def test_message_in_use_is_not_overwritten(subscribe):
         one.send(b"b" * 300_000)
         one.read()
     assert bytes(view) == b"a" * 300_000
-    assert one.topic.segments() == 2
+    assert segments(one.topic) == 2
     del view, part
     one.send(b"c" * 300_000)
     one.send(b"d" * 300_000)
     assert one.read() == [b"c" * 300_000, b"d" * 300_000]
-    assert one.topic.segments() == 2
+    assert segments(one.topic) == 2
 
 
 def test_stalled_reader_gets_the_newest_and_the_number_missed(subscribe):
     one = subscribe(depth=2)
     for number in range(10):
         one.send(bytes([number]) * 300_000)
-    assert one.topic.segments() == 5  # two announced, two that wait, the next
+    assert segments(one.topic) == 5  # two announced, two that wait, the next
     assert one.link.lost == 6
     assert one.read() == [bytes([number]) * 300_000 for number in (0, 1)]
     one.flush()
@@ -261,17 +278,16 @@ def test_background_service_waits_for_the_reader_not_for_the_socket(subscribe):
 def test_slow_reader_does_not_hold_memory_of_a_fast_one(subscribe):
     slow = subscribe(depth=1)
     fast = subscribe(topic=slow.topic)
-    fast.lock = slow.lock
     for number in range(20):
         with slow.lock:
             assert slow.link.shares() and fast.link.shares()
-            message = slow.topic.write([bytes([number]) * 300_000], 0, 300_000, 0)
-            slow.link.share(message)
-            assert fast.link.share(message)
+            segment = slow.topic.write([bytes([number]) * 300_000], 0, 300_000, 0)
+            slow.link.share(segment)
+            assert fast.link.share(segment)
         assert fast.read() == [bytes([number]) * 300_000]
     assert fast.link.lost == 0
     assert slow.link.lost == 17
-    assert slow.topic.segments() <= 4
+    assert segments(slow.topic) <= 4
 
 
 def test_reader_that_is_gone_returns_all_it_had(subscribe):
@@ -280,14 +296,13 @@ def test_reader_that_is_gone_returns_all_it_had(subscribe):
     one.send(b"b" * 300_000)
     for announced in one.announced():
         assert one.borrow(announced)
-    loans = one.topic.segments()
+    loans = segments(one.topic)
     one.channel = None
     one.socket.close()
     gc.collect()
-    one.topic.collect()
-    assert loans == one.topic.segments() == 2
-    one.topic._pool.trim(1e12)
-    assert one.topic.segments() == 0
+    one.collect()
+    assert loans == segments(one.topic) == 2
+    assert one.trim() == 0
     one.send(b"c" * 300_000)
     assert one.link.fileno() < 0
 
@@ -297,13 +312,12 @@ def test_connection_that_ends_releases_waiting_messages(subscribe):
     for number in range(6):
         one.send(bytes([number]) * 300_000)
     one.link.drop()
-    one.topic._pool.trim(1e12)
-    assert one.topic.segments() == 3  # those that were announced
+    assert one.trim() == 3  # those that were announced
 
 
 def test_memory_that_is_full_sends_no_message_by_it(subscribe, monkeypatch):
     one = subscribe()
-    monkeypatch.setattr(one.topic._pool, "_limit", 1_000_000)
+    monkeypatch.setattr(one.topic.pool, "_limit", 1_000_000)
     assert one.send(b"a" * 600_000)
     assert not one.send(b"b" * 600_000)
     assert one.read() == [b"a" * 600_000]
@@ -320,12 +334,12 @@ def test_unused_memory_is_given_back_at_both_ends(subscribe, monkeypatch):
     pause = shared_connection.time.sleep
     clock = types.SimpleNamespace(monotonic=lambda: later, sleep=pause)
     monkeypatch.setattr(shared_connection, "time", clock)
-    wait_until(lambda: one.topic.segments() == 0, lambda: "the segment is still there")
-    one.channel.update()
+    wait_until(lambda: segments(one.topic) == 0, lambda: "the segment is still there")
+    one.channel.forget()
     assert not one.channel._memories
     one.send(b"b" * 300_000)
     assert one.read() == [b"b" * 300_000]
-    one.topic.close()
+    one.close()
     one.channel = None
     assert descriptors() <= before + 2  # the two ends of the connection
 
@@ -338,8 +352,7 @@ def test_message_to_a_subscriber_that_has_gone_is_not_lent(subscribe):
     gc.collect()
     one.send(b"b" * 300_000)
     assert one.link.fileno() < 0
-    one.topic._pool.trim(1e12)
-    assert one.topic.segments() == 0
+    assert one.trim() == 0
 
 
 def test_fifty_changing_subscribers_get_every_message_while_connected(subscribe):
@@ -348,105 +361,96 @@ def test_fifty_changing_subscribers_get_every_message_while_connected(subscribe)
     number = 0
     while there:
         content = bytes([number]) * 300_000
-        assert all(one.link.shares() for one in there)
-        message = first.topic.write([content], 0, len(content), 0)
-        for one in there:
-            assert one.link.share(message)
+        with first.lock:
+            assert all(one.link.shares() for one in there)
+            segment = first.topic.write([content], 0, len(content), 0)
+            assert all([one.link.share(segment) for one in there])
         assert all(one.read() == [content] for one in there)
         for one in there[::3]:
             one.channel = None
             one.socket.close()
         there = [one for number, one in enumerate(there) if number % 3]
         number += 1
-    first.topic.collect()
-    first.topic._pool.trim(1e12)
-    assert first.topic.segments() == 0
+    first.collect()
+    assert first.trim() == 0
 
 
-@pytest.mark.parametrize(
-    ("change", "why"),
-    [
-        ({"boot_id": "another"}, "another host"),
-        ({"boot_id": ""}, "another host"),
-        ({"name": "nodekit-missing"}, "cannot be reached"),
-    ],
-)
-def test_offer_that_cannot_be_taken_is_refused_with_the_reason(listener, change, why):
+def test_channel_that_cannot_be_reached_is_an_error_and_leaks_nothing():
     before = descriptors()
-    with pytest.raises(OfferRejected, match=why):
-        WriterChannel(listener.offer()._replace(**change))
+    for name in ("missing", "x" * 200):
+        with pytest.raises(OSError):
+            WriterChannel(name)
     assert descriptors() == before
 
 
-def test_subscriber_of_another_user_is_refused(listener, monkeypatch):
+def test_subscriber_of_another_user_is_refused(monkeypatch):
+    reader = ReaderChannel()
     monkeypatch.setattr(channel.os, "geteuid", lambda: os.getuid() + 1)
-    with pytest.raises(OfferRejected, match="another user"):
-        WriterChannel(listener.offer())
+    with pytest.raises(OSError, match="another user"):
+        WriterChannel(reader.name)
 
 
-def test_publisher_of_another_user_gets_no_channel(listener, monkeypatch):
-    offer = listener.offer()
-    writer = WriterChannel(offer)
-    monkeypatch.setattr(channel, "_is_of_this_user", lambda sock: False)
-    with pytest.raises(OSError):
-        listener.take(offer)
-    with pytest.raises(OSError):
-        writer.returned()
-    writer.close()
+def test_publisher_of_another_user_gets_no_channel(monkeypatch):
+    reader = ReaderChannel()
+    other, own = WriterChannel(reader.name), WriterChannel(reader.name)
+    segment = Segment(1, WrittenMemory(4096))
+    own.announce(segment, [1])
+    answers = [False, True]
+    monkeypatch.setattr(channel, "_is_of_this_user", lambda sock: answers.pop(0))
+    assert reader.receive(1).size == 4096
+    assert not other.collect()
+    assert own.collect()
+    own.close()
+    segment.memory.close()
 
 
-def test_refusal_is_reported_once_and_messages_go_by_the_connection(listener):
+def test_refusal_is_reported_once_and_messages_go_by_the_connection():
     ours, theirs = socket.socketpair()
     with ours, theirs:
         lock = threading.RLock()
-        offer = Offer("another", "host", "token")
-        link = SharedConnection("receiver", ours, lock, None, TopicMemory(lock), offer)
+        link = SharedConnection("receiver", ours, lock, None, TopicMemory(lock), "missing")
         refused = []
         link.on_rejected = refused.append
         assert not link.shares()
         assert not link.shares()
-        assert refused == ["the subscriber is on another host"]
+        assert len(refused) == 1 and "refused" in refused[0]
 
 
-@pytest.mark.parametrize("text", ["", "one", "a b c d", "a b c\n"])
-def test_malformed_offer_is_rejected(text):
-    assert channel.parse_offer(text) is None
+def test_channel_of_an_ended_connection_is_closed():
+    reader = ReaderChannel()
+    writer = WriterChannel(reader.name)
+    assert writer.collect()
+    del reader
+    assert not writer.collect()
+    assert writer.fileno() < 0
 
 
-def test_offer_is_read_as_it_was_written(listener):
-    offer = listener.offer()
-    assert channel.parse_offer(offer.text()) == offer
-
-
-def test_channels_in_another_order_reach_their_connections(listener):
-    first, second = listener.offer(), listener.offer()
-    writers = [WriterChannel(second), WriterChannel(first)]
-    written = WrittenMemory(4096)
-    for number, writer in enumerate(writers):
-        writer.announce(number, written.descriptor)
-    assert listener.take(first).memory(1).size == 4096
-    assert listener.take(second).memory(0).size == 4096
-    written.close()
-
-
-def test_channel_of_an_ended_connection_is_closed(listener):
-    ended, other = listener.offer(), listener.offer()
-    writer = WriterChannel(ended)
-    kept = WriterChannel(other)
-    listener.withdraw(ended)
-    assert listener.take(other) is not None
+def test_segment_that_was_not_sent_is_an_error():
+    reader = ReaderChannel()
     with pytest.raises(OSError):
-        writer.returned()
-    kept.close()
-
-
-def test_segment_that_was_not_sent_is_an_error(listener):
-    offer = listener.offer()
-    writer = WriterChannel(offer)
-    reader = listener.take(offer)
-    with pytest.raises(OSError, match="segment 3 was not sent"):
-        reader.memory(3)
+        reader.receive(3)
+    writer = WriterChannel(reader.name)
+    with pytest.raises(OSError):
+        reader.receive(3)
+    segment = Segment(1, WrittenMemory(4096))
+    writer.announce(segment, [1])
+    with pytest.raises(OSError, match="segment 3 was announced, and 1 sent"):
+        reader.receive(3)
+    writer.announce(segment, [1])
+    writer._socket.send(struct.pack("<II", 2, 2))
+    assert reader.receive(1).size == 4096
+    with pytest.raises(OSError, match="segment 2 was sent without memory"):
+        reader.receive(2)
     writer.close()
+    segment.memory.close()
+
+
+def test_reader_drops_memory_that_the_publisher_has_given_up(subscribe):
+    one = subscribe()
+    for size in (300_000, 30_000_000):
+        assert one.send(b"x" * size)
+        assert one.read() == [b"x" * size]
+    assert len(one.channel._memories) == 1
 
 
 def test_messages_announced_before_the_publisher_closes_arrive(subscribe):
@@ -457,8 +461,7 @@ def test_messages_announced_before_the_publisher_closes_arrive(subscribe):
     part, loan = subscriber.borrow(announced[0])
     assert part.read(0, 300_000) == bytes(300_000)
     del loan  # given back, but the publisher no longer reads that
-    with subscriber.lock:
-        subscriber.topic.close()
+    subscriber.close()
     for one in announced[1:]:
         part, loan = subscriber.borrow(one)
         assert part.read(0, 300_000) == bytes([one.segment - 1]) * 300_000
@@ -468,10 +471,9 @@ def test_messages_announced_before_the_publisher_closes_arrive(subscribe):
 def test_channel_of_a_connection_that_ends_before_it_reads_is_closed(subscribe):
     subscriber = subscribe()
     assert subscriber.send(b"x" * 300_000)
-    subscriber.listener.withdraw(subscriber.offer)
-    with subscriber.lock:
-        subscriber.topic.collect()
-        assert not subscriber.topic._pool.readers()
+    subscriber.channel = None
+    subscriber.collect()
+    assert not is_lent(subscriber.topic)
 
 
 def test_connection_with_a_withdrawn_channel_does_not_wait(subscribe):
@@ -480,9 +482,8 @@ def test_connection_with_a_withdrawn_channel_does_not_wait(subscribe):
         assert subscriber.send(b"x" * 300_000)
     assert subscriber.link.held
     subscriber.announced()
-    subscriber.listener.withdraw(subscriber.offer)
-    with subscriber.lock:
-        subscriber.topic.collect()
+    subscriber.channel = None
+    subscriber.collect()
     assert subscriber.link.awaited()[0] >= 0
     subscriber.flush()
     assert not subscriber.link.held

@@ -28,7 +28,8 @@ from nodekit.rospy_internals.large_arrays import SplitMessage, split
 from nodekit.rospy_internals.registry import check_topic_type
 from nodekit.rospy_internals.ros_subscriber_connection import RosSubscriberConnection
 from nodekit.shared_memory.frame import NO_FIELD
-from nodekit.shared_memory.shared_connection import LEAST_BYTES, SharedMessage, TopicMemory
+from nodekit.shared_memory.segment_pool import Segment
+from nodekit.shared_memory.shared_connection import LEAST_BYTES, TopicMemory
 from nodekit.transport.delivery import deliver, send_to_all, serve_later
 from nodekit.transport.subscriber_connection import SubscriberConnection
 
@@ -243,16 +244,16 @@ class OutgoingTopic(_Topic):
         """Send a message through shared memory to the subscribers that read it from there."""
         others = list(self._links.values())
         sharing = [link for link in others if link.shares()]
-        message = self._share(packet) if sharing else None
+        segment = self._share(packet) if sharing else None
         full: List[SubscriberConnection] = []
-        if message is not None:
+        if segment is not None:
             others = [link for link in others if link not in sharing]
-            full += [link for link in sharing if not link.share(message)]
+            full += [link for link in sharing if not link.share(segment)]
         if others:
             full += send_to_all(_joined(packet), others)
         serve_later(full)
 
-    def _share(self, packet: Packet) -> Optional[SharedMessage]:
+    def _share(self, packet: Packet) -> Optional[Segment]:
         """Write a message to shared memory; return None if no memory is left."""
         if not isinstance(packet, SplitMessage):
             content = memoryview(packet)[_LENGTH.size :]

@@ -10,7 +10,7 @@ import weakref
 from typing import Any, Dict, Optional
 
 from nodekit.process_context import PROCESS
-from nodekit.shared_memory.channel import FIELD, ChannelListener, Offer, parse_offer
+from nodekit.shared_memory.channel import FIELD, ReaderChannel
 
 #: Name of the transport in ``getBusInfo``.
 TRANSPORT = "SHAREDMEM"
@@ -19,12 +19,12 @@ TRANSPORT = "SHAREDMEM"
 class _State:
     """Shared memory of this process.
 
-    :ivar offers: offers of subscribers, by the sockets of their connections
+    :ivar offers: names of subscribers' channels, by the sockets of their connections
     """
 
     def __init__(self) -> None:
         self.is_enabled = True
-        self.offers: "weakref.WeakKeyDictionary[Any, Offer]" = weakref.WeakKeyDictionary()
+        self.offers: "weakref.WeakKeyDictionary[Any, str]" = weakref.WeakKeyDictionary()
 
 
 def disable() -> None:
@@ -32,11 +32,16 @@ def disable() -> None:
     PROCESS.get(_State).is_enabled = False
 
 
-def listener() -> Optional[ChannelListener]:
-    """Return the socket on which publishers open channels; None without shared memory."""
-    if PROCESS.get(_State).is_enabled:
+def new_channel(data_class: Any) -> Optional[ReaderChannel]:
+    """Return a channel to be offered to a publisher; None without shared memory.
+
+    Each takes a descriptor: messages without an array of any length are not large enough.
+
+    :param data_class: class of the messages
+    """
+    if PROCESS.get(_State).is_enabled and (data_class._type == "*" or "[]" in data_class._full_text):
         with contextlib.suppress(OSError):
-            return PROCESS.get(ChannelListener)
+            return ReaderChannel()
     return None
 
 
@@ -46,18 +51,16 @@ def remember(sock: Any, header: Dict[str, str]) -> None:
     :param sock: socket of its connection
     :param header: header of its connection
     """
-    state = PROCESS.get(_State)
-    offer = parse_offer(header.get(FIELD, "")) if state.is_enabled else None
-    if offer is not None:
-        state.offers[sock] = offer
+    if PROCESS.get(_State).is_enabled and FIELD in header:
+        PROCESS.get(_State).offers[sock] = header[FIELD]
 
 
-def offer_of(sock: Any) -> Optional[Offer]:
-    """Return the offer of a subscriber, once; None without one.
+def offer_of(sock: Any) -> str:
+    """Return the offer of a subscriber, once; empty without one.
 
     :param sock: socket of its connection
     """
-    return PROCESS.get(_State).offers.pop(sock, None)
+    return PROCESS.get(_State).offers.pop(sock, "")
 
 
 def name_transport(connection: Any) -> None:

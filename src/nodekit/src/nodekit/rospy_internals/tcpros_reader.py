@@ -18,7 +18,7 @@ from rospy.impl.tcpros_base import TCPROSTransport
 from nodekit.rospy_internals import shared_memory_offers
 from nodekit.rospy_internals.large_arrays import byte_fields, fill, without_views
 from nodekit.shared_memory import frame
-from nodekit.shared_memory.channel import FIELD, ChannelListener, Loan, Offer, ReaderChannel
+from nodekit.shared_memory.channel import FIELD, Loan, ReaderChannel
 
 _LENGTH = struct.Struct("<I")
 _PREFIX = _LENGTH.size
@@ -43,10 +43,9 @@ class Reader:
         size = transport.protocol.buff_size
         self._buffer = memoryview(mmap.mmap(-1, size, flags=mmap.MAP_PRIVATE))
         self._socket: Any = None
-        #: Offer of shared memory for this connection, and the socket at which it is accepted.
-        self._offer: Optional[Offer] = None
-        self._listener: Optional[ChannelListener] = None
+        #: The offered channel for shared memory, and whether it is used.
         self._channel: Optional[ReaderChannel] = None
+        self._is_shared = False
         #: Number of messages to this subscriber that the publisher has lost, from the latest
         #: announcement; -1 before the first one.
         self.lost = -1
@@ -58,19 +57,13 @@ class Reader:
 
     def _offered(self) -> Dict[str, str]:
         """Return the header's field with the offer of a new connection."""
-        self.close()
-        self._listener = listener = shared_memory_offers.listener()
-        if listener is None:
-            return {}
-        self._offer = listener.offer()
-        return {FIELD: self._offer.text()}
+        self._is_shared = False
+        self._channel = channel = shared_memory_offers.new_channel(self._data_class)
+        return {} if channel is None else {FIELD: channel.name}
 
     def close(self) -> None:
         """End the channel, once the last message in shared memory is read. From any thread."""
         self._channel = None
-        offer, self._offer = self._offer, None
-        if offer is not None and self._listener is not None:
-            self._listener.withdraw(offer)
 
     def receive_once(self) -> List[Any]:
         """Wait for messages. Replaces rospy's method of this name.
@@ -123,14 +116,14 @@ class Reader:
         return bytes(self._buffer[:size])
 
     def _receive_into(self) -> int:
-        """Wait for data; with a channel, also drop unused memory."""
+        """Wait for data; with a channel, also drop the memory of read messages."""
         while True:
             try:
                 return int(self._socket.recv_into(self._buffer))
             except BlockingIOError:  # only with the socket's time-out
                 channel = self._channel
                 if channel is not None:
-                    channel.update()
+                    channel.forget()
 
     def _read_until_empty(self, messages: List[Any]) -> None:
         """Add the messages that have arrived meanwhile, without waiting.
@@ -188,8 +181,10 @@ class Reader:
         """
         channel = self._channel
         if channel is None:
-            channel = self._channel = self._open_channel()
-        memory = channel.memory(announced.segment)
+            raise ValueError("a message in shared memory, which was not offered")
+        memory = channel.receive(announced.segment)
+        if not self._is_shared:
+            self._begin_to_share()
         loan = Loan(channel, announced.segment)
         if announced.size > memory.size:
             raise ValueError(f"announced beyond its segment of {memory.size} bytes: {announced}")
@@ -209,15 +204,11 @@ class Reader:
         del loan  # without a view, the publisher may write there from now on
         fill(message, head, tail, announced.field, array)
 
-    def _open_channel(self) -> ReaderChannel:
-        listener, offer = self._listener, self._offer
-        if listener is None or offer is None:
-            raise ValueError("a message in shared memory, which was not offered")
-        channel = listener.take(offer)
+    def _begin_to_share(self) -> None:
+        self._is_shared = True
         # Wakes the thread up, to release memory.
         self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, _CHECK_EVERY)
         shared_memory_offers.name_transport(self._transport)
-        return channel
 
     def _keep(self, data: bytes) -> None:
         """Keep the beginning of a message until the rest arrives."""

@@ -11,9 +11,8 @@ import os
 from typing import Any, Sequence
 
 _ADD_SEALS = getattr(fcntl, "F_ADD_SEALS", 1033)
-_SEAL_SEAL, _SEAL_SHRINK, _SEAL_GROW = 1, 2, 4
-#: Since Linux 5.1: only existing mappings may write; see ``fcntl(2)``.
-_SEAL_FUTURE_WRITE = 16
+#: SEAL, SHRINK, GROW, FUTURE_WRITE (Linux 5.1): only existing mappings may write; ``fcntl(2)``.
+_SEALS = 1 | 2 | 4 | 16
 
 _libc = ctypes.CDLL(None, use_errno=True)
 _libc.mmap.restype = ctypes.c_void_p
@@ -35,22 +34,16 @@ class WrittenMemory:
     def __init__(self, size: int) -> None:
         if not hasattr(os, "memfd_create"):  # a Python built with a C library before 2.27
             raise OSError("this Python has no memfd_create")
+        self.size = size
         self.descriptor = os.memfd_create("nodekit", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
         try:
             # Otherwise a signal would end the process at the first write to full memory.
             os.posix_fallocate(self.descriptor, 0, size)
             self._map = mmap.mmap(self.descriptor, size)
-            self._seal()
+            fcntl.fcntl(self.descriptor, _ADD_SEALS, _SEALS)
         except BaseException:
             os.close(self.descriptor)
             raise
-
-    def _seal(self) -> None:
-        fcntl.fcntl(self.descriptor, _ADD_SEALS, _SEAL_SHRINK | _SEAL_GROW)
-        try:
-            fcntl.fcntl(self.descriptor, _ADD_SEALS, _SEAL_FUTURE_WRITE | _SEAL_SEAL)
-        except OSError:  # an older Linux: readers map it for reading all the same
-            fcntl.fcntl(self.descriptor, _ADD_SEALS, _SEAL_SEAL)
 
     def write(self, parts: Sequence[Any]) -> None:
         """Write a message.

@@ -34,7 +34,7 @@ class SplitMessage:
     """Serialized message in three parts: the bytes before a large array, the array, the rest.
 
     :param head: with the lengths of the message and of the array
-    :param array: the array, bytes or a bytearray
+    :param array: the array: bytes, a bytearray or a view
     :param tail: the bytes after the array
     :param field: number of the array's field
     """
@@ -76,14 +76,15 @@ def split(message: Any, serialize: Callable[[Any], bytes]) -> Optional[SplitMess
     most, field = LEAST_BYTES - 1, -1
     for number in byte_fields(data_class):
         array = getattr(message, data_class.__slots__[number])
-        if type(array) in (bytes, bytearray) and len(array) > most:
+        is_bytes = type(array) in (bytes, bytearray) or _is_view(array) and array.c_contiguous
+        if is_bytes and len(array) > most:
             most, field = len(array), number
     if field < 0:
         return None
     name = data_class.__slots__[field]
     small = copy.copy(message)
     setattr(small, name, _PLACEHOLDER)
-    packet = serialize(small)
+    packet = serialize(without_views(small))
     if packet.count(_PLACEHOLDER) != 1:
         return None
     place = packet.find(_PLACEHOLDER)
@@ -94,30 +95,40 @@ def split(message: Any, serialize: Callable[[Any], bytes]) -> Optional[SplitMess
     )
 
 
+def _is_view(array: Any) -> bool:
+    return isinstance(array, memoryview) and array.itemsize == array.ndim == 1
+
+
 def with_views(message: Any) -> Any:
     """Return a message whose arrays of bytes are read-only views.
 
     :param message: the message, which is not changed
     :returns: the message itself, or a copy that shares its other fields
     """
-    return _converted(message, memoryview, lambda array: memoryview(array).toreadonly())
+    return _converted(
+        message,
+        lambda array: not isinstance(array, memoryview),
+        lambda array: memoryview(array).toreadonly(),
+    )
 
 
 def without_views(message: Any) -> Any:
-    """Return a message whose arrays of bytes are ``bytes``.
+    """Return a message with ``bytes`` in place of views, which genpy does not serialize.
 
     :param message: the message, which is not changed
     :returns: the message itself, or a copy that shares its other fields
     """
-    return _converted(message, bytes, bytes)
+    return _converted(message, _is_view, bytes)
 
 
-def _converted(message: Any, wanted: type, convert: Callable[[Any], Any]) -> Any:
+def _converted(
+    message: Any, has_to_be: Callable[[Any], bool], convert: Callable[[Any], Any]
+) -> Any:
     result, data_class = message, cast(Any, type(message))
     for number in byte_fields(data_class):
         name = message.__slots__[number]
         array = getattr(message, name)
-        if not isinstance(array, wanted):
+        if has_to_be(array):
             if result is message:
                 result = copy.copy(message)
             setattr(result, name, convert(array))

@@ -24,7 +24,7 @@ from rospy.impl.transport import OUTBOUND
 
 from nodekit.rospy_internals.incoming_topic import IncomingTopic, subscriber_mismatch
 from nodekit.rospy_internals.intraprocess_link import IntraprocessLink
-from nodekit.rospy_internals.large_arrays import SplitMessage, split
+from nodekit.rospy_internals.large_arrays import SplitMessage, split, without_views
 from nodekit.rospy_internals.registry import check_topic_type
 from nodekit.rospy_internals.ros_subscriber_connection import RosSubscriberConnection
 from nodekit.shared_memory.frame import NO_FIELD
@@ -223,10 +223,11 @@ class OutgoingTopic(_Topic):
                 packets = list(map(self._serialize, messages))
             except genpy.SerializationError as error:
                 raise rospy.ROSSerializationException(str(error)) from error
+            # Kept without views, so that their publisher is not kept waiting.
             if self.is_latch:  # an unserializable message would block later subscribers
-                self.latch = None if self._latched else messages[-1]
+                self.latch = None if self._latched else without_views(messages[-1])
             elif self.lifespan:
-                self._last = messages[-1]
+                self._last = without_views(messages[-1])
                 self._last_expires = time.monotonic() + self.lifespan
             if self._links:
                 self.message_data_sent += sum(map(len, packets))
@@ -292,7 +293,7 @@ class OutgoingTopic(_Topic):
     def _serialize(self, message: Any) -> Packet:
         """Return a serialized message with its length prefix."""
         self.seq += 1
-        return split(message, self._to_bytes) or self._to_bytes(message)
+        return split(message, self._to_bytes) or self._to_bytes(without_views(message))
 
     def _to_bytes(self, message: Any) -> bytes:
         buffer = io.BytesIO()

@@ -58,10 +58,12 @@ def number(value: float) -> str:
 BOTH = (ROSPY, RCLPY)
 
 
-def _images(what: str, size: str, subscribers: int, figure: str, limit: float) -> Goal:
-    """Return a goal of large messages, against rospy."""
-    ours, theirs = (Case(stack, size, subscribers).name for stack in (NODEKIT, ROSPY))
-    text = f"{what}, {size} to {subscribers}, against rospy"
+def _images(
+    what: str, size: str, subscribers: int, figure: str, limit: float, peer: str = ROSPY
+) -> Goal:
+    """Return a goal of large messages, against a peer."""
+    ours, theirs = (Case(stack, size, subscribers).name for stack in (NODEKIT, peer))
+    text = f"{what}, {size} to {subscribers}, against {peer}"
     return Goal("images", text, figure, limit, "", ours, (theirs,))
 
 
@@ -113,6 +115,7 @@ GOALS = [
             _images("p50", size, 1, "p50_ms", 0.35),
             _images("CPU", size, 1, "cpu_percent", 0.6),
             _images("CPU", size, 3, "cpu_percent", 0.35),
+            _images("p50", size, 1, "p50_ms", 1.0, ROSCPP),
         )
     ),
 ]

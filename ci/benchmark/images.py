@@ -2,6 +2,7 @@
 
 import functools
 import itertools
+import pathlib
 import time
 from typing import Dict, List, NamedTuple
 
@@ -10,12 +11,15 @@ import numpy as np
 from . import record
 from .context import Bench, Figures
 from .cost import cpu_share
-from .peer_programs import peer
+from .peer_programs import ROSCPP as ROSCPP_PROGRAMS
+from .peer_programs import peer, rclpy_environment, rclpy_peer
 from .recorder import wait_until
-from .stacks import ROSPY
+from .stacks import RCLPY, ROSCPP, ROSPY
 
 NODEKIT, VIEWS = "nodekit", "views"
-STACKS = [NODEKIT, VIEWS, ROSPY]
+#: Camera and subscribers in one process; of roscpp, as its nodelets are.
+NODEKIT_INSIDE, ROSCPP_INSIDE = "nodekit in one process", "roscpp in one process"
+STACKS = [NODEKIT, VIEWS, NODEKIT_INSIDE, ROSPY, ROSCPP, ROSCPP_INSIDE, RCLPY]
 #: Messages, by the name of their size: kind, and length of their data [bytes].
 MESSAGES = {
     "0.3 MB": ("image", 307_200),
@@ -49,25 +53,17 @@ class Case(NamedTuple):
 CASES: Dict[str, Case] = {
     case.name: case
     for case in (Case(*parts) for parts in itertools.product(STACKS, MESSAGES, COUNTS))
+    if case.stack != RCLPY or MESSAGES[case.size][0] == "image"
 }
 
 
 def measure(bench: Bench, subject: str) -> Figures:
     """Run a camera and its subscribers for some seconds."""
     case, number = CASES[subject], next(_numbers)
-    kind, size = MESSAGES[case.size]
     files = [bench.session.directory / f"images-{number}-{n}" for n in range(case.subscribers + 1)]
-    commands: List[List[str]] = [
-        peer(
-            "images.py",
-            "publish" if file is files[-1] else "subscribe",
-            NODEKIT if file is files[-1] and case.stack == VIEWS else case.stack,
-            *(str(file), kind, str(size), str(case.subscribers)),
-        )
-        for file in files
-    ]
-    environment = bench.session.in_group(f"/images{number}")
-    with bench.session.up(*commands, environment=environment) as pids:
+    environment = bench.session.environment if case.stack != RCLPY else rclpy_environment()
+    environment = dict(environment, ROS_NAMESPACE=f"/images{number}")
+    with bench.session.up(*commands(case, files), environment=environment) as pids:
         for file in files:
             wait_until(functools.partial(record.read, file), 30.0, f"message of {subject}")
         time.sleep(SETTLE_S)
@@ -77,6 +73,30 @@ def measure(bench: Bench, subject: str) -> Figures:
         time.sleep(DRAIN_S)
         *received, sent = map(record.read, files)
     return figures(sent, received, since, until, cpu)
+
+
+def commands(case: Case, files: List[pathlib.Path]) -> List[List[str]]:
+    """Return the commands of a camera and its subscribers.
+
+    :param files: records of the subscribers, and of the camera
+    """
+    names = [str(file) for file in files]
+    if case.stack in (NODEKIT_INSIDE, ROSCPP_INSIDE):
+        return [command(case, "both", *names)]
+    of_subscribers = [command(case, "subscribe", name) for name in names[:-1]]
+    return [*of_subscribers, command(case, "publish", names[-1])]
+
+
+def command(case: Case, role: str, *files: str) -> List[str]:
+    """Return the command of one process."""
+    kind, size = MESSAGES[case.size]
+    arguments = (str(size), str(case.subscribers), *files)
+    if case.stack == RCLPY:
+        return rclpy_peer("images.py", role, *arguments)
+    if case.stack in (ROSCPP, ROSCPP_INSIDE):
+        return [str(ROSCPP_PROGRAMS / "images"), role, kind, *arguments]
+    stack = NODEKIT if case.stack == NODEKIT_INSIDE else case.stack
+    return peer("images.py", role, stack, kind, *arguments)
 
 
 def figures(

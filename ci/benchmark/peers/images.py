@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
-"""A camera, or a subscriber of it, by nodekit or rospy, recording each message's number.
+"""A camera, its subscriber, or both, by nodekit or rospy, recording each message's number.
 
-Usage: images.py publish|subscribe nodekit|views|rospy RECORD image|points BYTES SUBSCRIBERS.
+Usage: images.py publish|subscribe|both nodekit|views|rospy image|points BYTES SUBSCRIBERS RECORD…
 """
 
+import functools
 import os
 import sys
 import threading
@@ -16,7 +17,7 @@ from sensor_msgs.msg import Image, PointCloud2, PointField
 from ci.benchmark.record import Record
 from nodekit import Node, run
 
-ROLE, STACK, FILE, KIND, BYTES, SUBSCRIBERS = sys.argv[1:7]
+ROLE, STACK, KIND, BYTES, SUBSCRIBERS, *FILES = sys.argv[1:]
 RATE = 30.0  # Hz
 #: Size of a point, as of most laser scanners [bytes].
 POINT = 16
@@ -34,8 +35,8 @@ def new_message(data: bytes) -> Any:
 
 def publish_all(publish: Callable[[Any], None], connected: Callable[[], int]) -> None:
     """Publish at :data:`RATE` once all subscribers are connected, until the process ends."""
-    record, data, number = Record(FILE), os.urandom(int(BYTES)), 0
-    while connected() < int(SUBSCRIBERS):
+    record, data, number = Record(FILES[-1]), os.urandom(int(BYTES)), 0
+    while connected() < (1 if ROLE == "both" else int(SUBSCRIBERS)):
         time.sleep(0.05)
     due = time.monotonic()
     while not rospy.is_shutdown():
@@ -61,25 +62,34 @@ class Viewer:
     """Subscriber by nodekit."""
 
     def __init__(self, node: Node) -> None:
-        record = Record(FILE)
+        for file in FILES[:-1] or FILES:
+            receive = functools.partial(self._receive, Record(file))
+            node.create_subscription("images", CLASS, receive, views=STACK == "views")
 
-        def receive(message: Any) -> None:
-            record.add(message.width)
+    @staticmethod
+    def _receive(record: Record, message: Any) -> None:
+        record.add(message.width)
 
-        node.create_subscription("images", CLASS, receive, views=STACK == "views")
+
+class Both:
+    """Publisher and subscribers in one node."""
+
+    def __init__(self, node: Node) -> None:
+        Viewer(node)
+        Camera(node)
 
 
 def main() -> None:
     """Run until the process is ended."""
     name = f"{ROLE}_{os.getpid()}"
     if STACK != "rospy":
-        run(name, Camera if ROLE == "publish" else Viewer)
+        run(name, {"publish": Camera, "subscribe": Viewer, "both": Both}[ROLE])
     rospy.init_node(name)
     if ROLE == "publish":
         publisher = rospy.Publisher("images", CLASS, queue_size=10)
         publish_all(publisher.publish, publisher.get_num_connections)
     else:
-        record = Record(FILE)
+        record = Record(FILES[0])
         rospy.Subscriber("images", CLASS, lambda message: record.add(message.width))
         rospy.spin()
 

@@ -23,5 +23,6 @@ def test_nothing_received_is_an_error():
 
 
 def test_each_subject_is_of_a_stack_a_size_and_a_number_of_subscribers():
-    assert len(images.CASES) == len(images.STACKS) * len(images.MESSAGES) * len(images.COUNTS)
+    all_but_points_of_rclpy = len(images.STACKS) * len(images.MESSAGES) * len(images.COUNTS) - 2
+    assert len(images.CASES) == all_but_points_of_rclpy
     assert images.CASES["rospy, 6.2 MB to 3"] == images.Case("rospy", "6.2 MB", 3)

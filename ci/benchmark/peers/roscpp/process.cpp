@@ -21,7 +21,7 @@ int main(int argc, char** argv)
   ros::NodeHandle node;
   publisher = node.advertise<std_msgs::Float32>("proc_signal", 1000);
   const ros::Subscriber subscriber =
-      node.create_subscription("signal", 1000, answer, ros::TransportHints().tcpNoDelay());
+      node.subscribe("signal", 1000, answer, ros::TransportHints().tcpNoDelay());
   ros::spin();
   publisher.shutdown();  // before the client library ends
   return 0;

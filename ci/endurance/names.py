@@ -12,6 +12,7 @@ COMMANDS = {
         "identify": "15 plants, and how often each ± of identify holds",
         "judge": "controllers with known flaws",
         "scope": "ten traces of 1 kHz on the page of the oscilloscope",
+        "images": "large messages through shared memory, and kill -9 of subscribers",
         "bridge": "1 kHz and goals through the bridge, then kill -9 of it and of each side",
     },
     "two-hosts": {

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests of rare faults of shared memory: killed publishers, forks, no descriptors, new sizes."""
+"""Tests of rare faults of shared memory: processes that leave, limits of the system, new sizes."""
 
 import contextlib
 import os
@@ -17,6 +17,7 @@ from helpers.shared_rig import (
     HELPERS,
     LARGE,
     TIME_OUT,
+    RawSubscriber,
     SharedMemoryCase,
     Subscriber,
     mapped,
@@ -24,6 +25,8 @@ from helpers.shared_rig import (
 )
 
 from nodekit import init_node
+from nodekit.shared_memory.shared_connection import MOST_IN_FLIGHT
+from nodekit.testing.processes import Master, hanging
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
@@ -35,26 +38,35 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
     """Publishers and subscribers that end, fork, or are short of something."""
 
     @contextlib.contextmanager
-    def publishing(self, first):
+    def publishing(self, first, environment=None):
         """Run a publisher in a separate process, and kill it."""
         script = os.path.join(HELPERS, "array_publisher.py")
-        process = subprocess.Popen([sys.executable, script, str(first), f"topic:={self.topic}"])
+        command = [sys.executable, script, str(first), f"topic:={self.topic}"]
+        process = subprocess.Popen(command, env=environment)
         try:
-            yield
+            yield process.pid
         finally:
             process.kill()
             process.wait()
 
     def test_killed_publisher_leaves_nothing_and_another_takes_its_place(self):
         subscriber = Subscriber(self, "views")
-        for first in (0, 1_000_000, 2_000_000):
-            with self.publishing(first):
+        for first, is_read in ((0, True), (1_000_000, False), (2_000_000, True)):
+            stopped = contextlib.ExitStack()  # until after the kill
+            with stopped, self.publishing(first) as pid:
                 wait_until(
                     lambda first=first: subscriber.tell()["numbers"][-1:] > [first + 20],
                     subscriber.tell,
                     timeout=TIME_OUT,
                 )
                 self.assertGreater(mapped(subscriber.process.pid), 0)
+                if not is_read:
+                    stopped.enter_context(hanging(subscriber.process.pid))
+                    wait_until(
+                        lambda pid=pid: memory_files(pid) >= MOST_IN_FLIGHT,
+                        lambda: "nothing waits for the stopped subscriber",
+                        timeout=TIME_OUT,
+                    )
             wait_until(
                 lambda: mapped(subscriber.process.pid) == 0,
                 lambda: "memory of the killed one is there",
@@ -83,6 +95,103 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
 
         wait_until(is_returned, lambda: "the child's loans are there", timeout=TIME_OUT)
         self.assertEqual(self.wait_for_all(other)[0]["torn"], 0)
+
+    def test_fifty_subscribers_that_leave_at_each_point_cost_the_others_nothing(self):
+        publisher = self.new_publisher(queue_size=10)
+        before = len(os.listdir("/proc/self/fd"))
+        subscribers = [RawSubscriber(self, number) for number in range(50)]
+        wait_until(lambda: len(publisher.statistics()) == 50, publisher.statistics)
+        reading = subscribers[::5]
+        impolite, unopened, unread, holding = (subscribers[n::5] for n in range(1, 5))
+        for number in range(20):
+            self.publish(publisher, LARGE)
+            array = numbered(number, LARGE)
+            self.assertTrue(all(one.read() == array for one in reading))
+            if number < 3:
+                for one in impolite:
+                    self.assertTrue(one.read() == array)
+                    one.channel.give_back(number)  # once more, or a missing one
+            elif number == 3:
+                for one in impolite:
+                    one.channel._socket.send(b"?")
+                for one in unread + holding:
+                    frame = one.announced()
+                    one.held = one in holding and one.channel.receive(frame.segment)
+            elif number == 10:
+                for one in unopened + unread + holding + impolite:
+                    one.leave()
+        wait_until(lambda: len(publisher.statistics()) == len(reading), publisher.statistics)
+        for one in publisher.statistics():
+            self.assertEqual((one.sent, one.lost), (20, 0))
+        for one in reading:
+            one.leave()
+        self.publish(publisher, LARGE)
+        self.assertFalse(self.is_lent(publisher))
+        self.assertEqual(self.segments(publisher, is_idle=True), [])
+        wait_until(
+            lambda: len(os.listdir("/proc/self/fd")) <= before,
+            lambda: f"{before} descriptors before, now {len(os.listdir('/proc/self/fd'))}",
+        )
+
+    def test_images_flow_through_a_restart_of_the_master(self):
+        master = Master()
+        self.addCleanup(master.kill)
+        environment = dict(os.environ, ROS_MASTER_URI=master.uri)
+        subscriber = Subscriber(self, "views", environment=environment)
+        with self.publishing(0, environment):
+
+            def goes_on(subscriber):
+                count = len(subscriber.tell()["numbers"])
+                wait_until(
+                    lambda: len(subscriber.tell()["numbers"]) > count + 20,
+                    subscriber.tell,
+                    timeout=TIME_OUT,
+                )
+
+            goes_on(subscriber)
+            master.kill()
+            goes_on(subscriber)
+            master.start()
+            goes_on(subscriber)
+            later = Subscriber(self, "nodekit", environment=environment)
+            goes_on(later)
+            for one in (subscriber, later):
+                record = one.tell()
+                self.assertEqual(record["numbers"], sorted(set(record["numbers"])))
+                self.assertEqual(record["torn"], 0)
+                self.assertGreater(mapped(one.process.pid), 0)
+
+    def test_limits_of_memory_and_descriptors_lead_to_tcp(self):
+        publisher = self.new_publisher(queue_size=100)
+        (subscriber,) = self.subscribe(publisher, "nodekit")
+        (limited,) = self.subscribe(publisher, "nodekit")
+        before = resource.getrlimit(resource.RLIMIT_FSIZE)
+        self.addCleanup(resource.setrlimit, resource.RLIMIT_FSIZE, before)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (30_000_000, before[1]))  # of memory files too
+        self.publish(publisher, 40_000_000)
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+        for record in self.wait_for_all(subscriber, limited):
+            self.assertEqual((record["numbers"], record["torn"]), ([0], 0))
+        self.assertEqual(self.segments(publisher), [])
+        pid = limited.process.pid
+        before = resource.prlimit(pid, resource.RLIMIT_NOFILE)
+        resource.prlimit(pid, resource.RLIMIT_NOFILE, (3, before[1]))  # no further one
+
+        def has_failed():
+            self.publish(publisher, LARGE)
+            return len(publisher.statistics()) == 1
+
+        wait_until(has_failed, publisher.statistics, timeout=TIME_OUT)
+        resource.prlimit(pid, resource.RLIMIT_NOFILE, before)
+
+        def is_back():
+            self.publish(publisher, LARGE)
+            return limited.has(self.count - 1)
+
+        wait_until(is_back, limited.tell, timeout=TIME_OUT)
+        self.assertEqual(self.transports(), ["SHAREDMEM", "TCPROS"])
+        for record in self.wait_for_all(subscriber, limited):
+            self.assertEqual(record["torn"], 0)
 
     def test_publisher_without_descriptors_sends_large_messages_by_tcp(self):
         publisher = self.new_publisher(queue_size=100)

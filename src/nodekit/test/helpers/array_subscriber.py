@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Subscribe to numbered arrays (see numbered()) and answer each line on stdin with a record.
 
-The first argument says how: ``nodekit``, ``views`` or ``rospy``.
+The first argument says how: ``nodekit``, ``views`` or ``rospy``; or ``relay``, which publishes what
+it views again, on ``topic/again``.
 """
 
 import json
@@ -36,6 +37,7 @@ class Recorder:
         self._torn = 0
         self._types = set()
         self._kept = []
+        self.again = None
         #: number of messages to keep the arrays of
         self.to_keep = 0
 
@@ -50,7 +52,17 @@ class Recorder:
         self._torn += array != numbered(number, len(array))
         if len(self._kept) < self.to_keep:
             self._kept.append((number, array))
+        if self.again is not None:
+            self.again(message)
         self._numbers.append(number)
+
+    def publish_kept(self, publish) -> None:
+        """Publish the kept arrays.
+
+        :param publish: publishes a message
+        """
+        for _, array in self._kept:
+            publish(UInt8MultiArray(data=array))
 
     def record(self) -> str:
         """Return all that is recorded, as JSON."""
@@ -67,8 +79,20 @@ class Recorder:
 recorder = Recorder()
 
 
+def refusal() -> str:
+    """Return the error of a plain publisher that gets the kept arrays."""
+    plain = rospy.Publisher(rospy.resolve_name("topic") + "/plain", UInt8MultiArray, queue_size=1)
+    while not plain.get_num_connections():
+        time.sleep(0.01)
+    try:
+        recorder.publish_kept(plain.publish)
+    except rospy.ROSException as error:
+        return str(error)
+    return ""
+
+
 def answer() -> None:
-    """Execute the lines of standard input: print a record, sleep, keep or drop arrays."""
+    """Execute the lines of standard input: print a record, fork, keep, drop or publish arrays."""
     for line in sys.stdin:
         word, _, number = line.strip().partition(" ")
         if word == "keep":
@@ -78,7 +102,9 @@ def answer() -> None:
             if os.fork() == 0:
                 time.sleep(float(number))
                 os._exit(0)
-        print(recorder.record(), flush=True)
+        elif word == "publish":
+            recorder.publish_kept(recorder.again)
+        print(json.dumps(refusal()) if word == "refusal" else recorder.record(), flush=True)
     os._exit(0)
 
 
@@ -86,7 +112,10 @@ class ArraySubscriber:
     """Node with one subscription."""
 
     def __init__(self, node) -> None:
-        is_viewing = sys.argv[1] == "views"
+        is_viewing = sys.argv[1] in ("views", "relay")
+        if sys.argv[1] == "relay":
+            name = rospy.resolve_name("topic") + "/again"
+            recorder.again = node.create_publisher(name, UInt8MultiArray, queue_size=10).publish
         node.create_subscription("topic", UInt8MultiArray, recorder.on_message, views=is_viewing)
 
 

@@ -2,8 +2,10 @@
 
 import contextlib
 import gc
+import io
 import json
 import os
+import socket
 import subprocess
 import sys
 import time
@@ -12,9 +14,12 @@ import xmlrpc.client
 
 import rospy
 from helpers.array_subscriber import numbered
+from rosgraph.network import encode_ros_handshake_header, read_ros_handshake_header
 from std_msgs.msg import UInt8MultiArray
 
 from nodekit.messaging.publisher import Publisher
+from nodekit.shared_memory import frame
+from nodekit.shared_memory.channel import FIELD, ReaderChannel
 from nodekit.testing.waiting import wait_until
 
 HELPERS = os.path.dirname(os.path.realpath(__file__))
@@ -25,11 +30,12 @@ LARGE, SMALL = 1_000_000, 100  # bytes
 class Subscriber:
     """A process with a subscriber of arrays, ended with the test."""
 
-    def __init__(self, case, mode, *arguments):
+    def __init__(self, case, mode, *arguments, environment=None):
         script = os.path.join(HELPERS, "array_subscriber.py")
         self.process = subprocess.Popen(
             [sys.executable, "-W", "error::SyntaxWarning", script, mode, f"topic:={case.topic}"]
             + list(arguments),
+            env=environment,
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             universal_newlines=True,
@@ -41,7 +47,8 @@ class Subscriber:
         """Have it do something; return its record."""
         self.process.stdin.write(line + "\n")
         self.process.stdin.flush()
-        return json.loads(self.process.stdout.readline())
+        lines = iter(self.process.stdout.readline, "")
+        return json.loads(next(one for one in lines if one[0] in '{"'))  # the others are logs
 
     def has(self, number):
         """Tell whether it has a message, the last one."""
@@ -127,13 +134,54 @@ class SharedMemoryCase(unittest.TestCase):
         return sorted(one[3] for one in connections if one[4] == self.topic)
 
 
-def memory_files():
-    """Return the number of segments that this process has open."""
+class RawSubscriber:
+    """A subscriber in this process that leaves its channel and connection to the test.
+
+    :param case: the test
+    :param number: identifies it
+    """
+
+    def __init__(self, case, number):
+        self.channel = ReaderChannel()
+        uri = xmlrpc.client.ServerProxy(rospy.get_node_uri())
+        _, _, (_, host, port) = uri.requestTopic("/raw", case.topic, [["TCPROS"]])
+        self.socket = socket.create_connection((host, port), TIME_OUT)
+        case.addCleanup(self.socket.close)
+        header = {
+            "callerid": f"/raw_{number}",
+            "topic": case.topic,
+            "type": UInt8MultiArray._type,
+            "md5sum": UInt8MultiArray._md5sum,
+            FIELD: self.channel.name,
+        }
+        self.socket.sendall(encode_ros_handshake_header(header))
+        read_ros_handshake_header(self.socket, io.BytesIO(), 65536)
+
+    def announced(self):
+        """Return the next announcement."""
+        data = self.socket.recv(frame.SIZE, socket.MSG_WAITALL)
+        return frame.unpack_from(data, 0)
+
+    def read(self):
+        """Return the array of the next message, which is given back."""
+        one = self.announced()
+        array = self.channel.receive(one.segment).read(one.start, one.stop)
+        self.channel.give_back(one.segment)
+        return array
+
+    def leave(self):
+        """Close everything."""
+        self.channel = None
+        self.socket.close()
+
+
+def memory_files(pid="self"):
+    """Return the number of segments that a process has open, this one by default."""
     gc.collect()
     links = []
-    for name in os.listdir("/proc/self/fd"):
+    for name in os.listdir(f"/proc/{pid}/fd"):
         with contextlib.suppress(OSError):
-            links.append(os.readlink(f"/proc/self/fd/{name}"))
+            links.append(os.readlink(f"/proc/{pid}/fd/{name}"))
     return sum("memfd:nodekit" in link for link in links)
 
 

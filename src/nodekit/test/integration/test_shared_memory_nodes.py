@@ -5,6 +5,7 @@ import gc
 import threading
 
 import rospy
+from helpers.array_subscriber import numbered
 from helpers.shared_rig import (
     LARGE,
     SMALL,
@@ -116,6 +117,34 @@ class SharedMemoryTest(SharedMemoryCase):
             lambda: "the subscriber has memory",
             timeout=TIME_OUT,
         )
+        wait_until(
+            lambda: not any(one.name == "shared memory" for one in threading.enumerate()),
+            lambda: "the thread that gives memory back is there",
+        )
+
+    def test_views_are_published_again_in_the_callback_and_after_it(self):
+        received = []
+        again = Subscription(
+            self.topic + "/again",
+            UInt8MultiArray,
+            lambda messages, _: received.extend(one.data for one in messages),
+        )
+        self.addCleanup(again.close)
+        again.open()
+        plain = rospy.Subscriber(self.topic + "/plain", UInt8MultiArray)
+        self.addCleanup(plain.unregister)
+        publisher = self.new_publisher(queue_size=10)
+        (relay,) = self.subscribe(publisher, "relay")
+        wait_until(again.publishers, lambda: "the relay is not connected", timeout=TIME_OUT)
+        relay.tell("keep 1")
+        self.publish(publisher, LARGE, SMALL, LARGE)
+        self.wait_for_all(relay)
+        wait_until(lambda: len(received) == 3, lambda: len(received), timeout=TIME_OUT)
+        relay.tell("publish")
+        wait_until(lambda: len(received) == 4, lambda: len(received), timeout=TIME_OUT)
+        sent = [numbered(0, LARGE), numbered(1, SMALL), numbered(2, LARGE), numbered(0, LARGE)]
+        self.assertTrue(received == sent)
+        self.assertIn("field data", relay.tell("refusal"))
 
     def test_subscription_in_the_process_gets_the_array_itself(self):
         received = []

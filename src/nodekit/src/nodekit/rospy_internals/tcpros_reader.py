@@ -46,6 +46,8 @@ class Reader:
         #: The offered channel for shared memory, and whether it is used.
         self._channel: Optional[ReaderChannel] = None
         self._is_shared = False
+        #: Whether shared memory is offered: not after it failed, for lack of descriptors or memory.
+        self._offers = True
         #: Number of messages to this subscriber that the publisher has lost, from the latest
         #: announcement; -1 before the first one.
         self.lost = -1
@@ -58,8 +60,10 @@ class Reader:
     def _offered(self) -> Dict[str, str]:
         """Return the header's field with the offer of a new connection."""
         self._is_shared = False
-        self._channel = channel = shared_memory_offers.new_channel(self._data_class)
-        return {} if channel is None else {FIELD: channel.name}
+        self._channel = None
+        if self._offers:
+            self._channel = shared_memory_offers.new_channel(self._data_class)
+        return {} if self._channel is None else {FIELD: self._channel.name}
 
     def close(self) -> None:
         """End the channel, once the last message in shared memory is read. From any thread."""
@@ -161,7 +165,10 @@ class Reader:
                     message.deserialize(data[body:stop])
                 else:
                     self._read_shared(message, frame.unpack_from(data, position))
-            except (genpy.DeserializationError, OSError, ValueError) as error:
+            except OSError as error:
+                self._offers = False
+                raise TransportException(f"cannot read shared memory: {error}")
+            except (genpy.DeserializationError, ValueError) as error:
                 raise TransportException(f"cannot deserialize: {error}")
             message._connection_header = header
             messages.append(message)

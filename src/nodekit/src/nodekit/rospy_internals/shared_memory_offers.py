@@ -39,7 +39,9 @@ def new_channel(data_class: Any) -> Optional[ReaderChannel]:
 
     :param data_class: class of the messages
     """
-    if PROCESS.get(_State).is_enabled and (data_class._type == "*" or "[]" in data_class._full_text):
+    if PROCESS.get(_State).is_enabled and (
+        data_class._type == "*" or "[]" in data_class._full_text
+    ):
         with contextlib.suppress(OSError):
             return ReaderChannel()
     return None

@@ -1,6 +1,7 @@
 """Topics, both ways."""
 
 import contextlib
+import pathlib
 import struct
 import threading
 import xmlrpc.client
@@ -18,6 +19,7 @@ from std_msgs.msg import Float32, String, UInt8MultiArray
 from basic_comms.msg import SignalMsg
 from nodekit import Throttle
 from nodekit.message_definitions import parse
+from nodekit.testing.processes import Process
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.participant import Participant
@@ -33,6 +35,7 @@ from ros2_bridge.topics.publishers import TopicPublishers
 from ros2_bridge.types.codec import Codec
 
 RCLError = _rclpy.RCLError
+HERE = pathlib.Path(__file__).resolve().parent
 
 
 def publisher1(ros: both.Both, topic: str, kind: str, latch: bool = False) -> Any:
@@ -253,6 +256,29 @@ def test_images_from_ros1_arrive_in_order(ros: both.Both, bridge: both.Bridge) -
     assert [message.data[0] for message in recorder.heard] == list(range(1, 6))
     recorder.end()
     out.unregister()
+
+
+class Camera(both.Running):
+    """A ROS 1 node that shares memory."""
+
+    def __init__(self) -> None:
+        Process.__init__(self, str(HERE / "camera1.py"), [])
+
+
+def test_images_reach_the_bridge_through_shared_memory(ros: both.Both, bridge: both.Bridge) -> None:
+    ear = ros.hear2("/pictures", UInt8MultiArray, depth=100)
+    plain = ros.hear1("/pictures", "std_msgs/UInt8MultiArray")
+    with Camera():
+        wait_until(lambda: len(plain.heard) > 5 < len(ear.heard), lambda: "too few pictures")
+        uri = rospy.get_master().lookupNode("/camera1")[2]
+        _, _, connections = cast(Any, xmlrpc.client.ServerProxy(uri).getBusInfo("/tests"))
+    assert {one[3] for one in connections if one[4] == "/pictures"} == {"SHAREDMEM"}
+    assert all(len(set(message.data)) == 1 for message in ear.heard)
+    numbers = [message.data[0] for message in ear.heard]
+    assert numbers == list(range(numbers[0], numbers[-1] + 1))
+    assert all(len(set(message._buff[12:])) == 1 for message in plain.heard)
+    ear.end()
+    plain.end()
 
 
 def test_latched_messages_of_ended_nodes_are_dropped() -> None:

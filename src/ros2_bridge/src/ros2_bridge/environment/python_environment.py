@@ -175,8 +175,14 @@ class PythonEnvironment:
         # --no-deps: our list is complete, while the dependency lists of the wheels are not.
         # --no-compile: only a tenth of the modules are ever imported.
         pip = [str(self._python), "-m", "pip", "install", "--no-deps", "--no-compile", "--quiet"]
-        options = ["--retries", "1", "--disable-pip-version-check", "--requirement", str(wheels)]
-        self.run([*pip, *options], FETCH_LIMIT_S, "ROS 2 cannot be installed from PyPI")
+        pip += ["--retries", "1", "--disable-pip-version-check", "--only-binary", ":all:"]
+        # empy has only a source archive: it is built with a setuptools of known hash, too.
+        builds_empy = ["--no-binary", "empy", "--no-build-isolation"]
+        for options in (
+            ["--requirement", str(wheels.with_name("build_tools.txt"))],
+            [*builds_empy, "--requirement", str(wheels)],
+        ):
+            self.run([*pip, *options], FETCH_LIMIT_S, "ROS 2 cannot be installed from PyPI")
 
     def _has_wheel(self, package: str) -> bool:
         """Return whether a wheel contains the ROS 2 package of this name."""

@@ -3,7 +3,7 @@
 import asyncio
 import math
 from pathlib import Path
-from typing import Any, Callable, Dict, List, Sequence, Tuple
+from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple
 
 import numpy
 import pytest
@@ -21,6 +21,7 @@ from topic_scope.messages.layouts import Layouts
 from topic_scope.page.csv_export import parts
 from topic_scope.sampling.message_source import Batch
 from topic_scope.sampling.recorder import Recorder
+from topic_scope.sampling.traces import Trace
 from topic_scope.timing.nanoseconds import NS
 
 MS = NS // 1000
@@ -149,6 +150,19 @@ def test_stamp_far_ahead_displaces_no_samples(ahead: float, name: str) -> None:
     assert trace is not None and trace.silence(stamps[-1] / NS) == pytest.approx(0.0, abs=1e-6)
     text = f"1 stamp up to {ahead:g} s ahead: shown at reception"
     assert trace.stream.correction == text
+
+
+@pytest.mark.parametrize(
+    "behind, reason",
+    [(0, None), (SIMULATION, "the stamps are of another clock: no latency")],
+    ids=["machine", "simulation"],
+)
+def test_stamps_of_another_clock_have_no_latency(behind: int, reason: Optional[str]) -> None:
+    whens = [NOW + 20 * MS * index for index in range(200)]
+    sent = [(when, stamped(when - 5 * MS - behind, 1.0)) for when in whens]
+    trace = received({"/a": sent, "/b": sent}, "/a/point/x").trace("/a/point/x")
+    assert isinstance(trace, Trace) and trace.stream.no_latency == reason
+    assert set(trace.latency(0.0, 1e10).round(6)) == (set() if reason else {0.005})
 
 
 def test_the_csv_has_all_digits_of_stamps_and_receptions() -> None:

@@ -841,6 +841,71 @@ class Plots(PageTest):
             badge = self.browser.text(f"#legend tr[data-field='{field}'] .badge")
             self.assertNotRegex(badge, "shown at reception")
 
+    def test_texts_of_cursors_pointer_and_table_are_true(self) -> None:
+        """Each text has the truth within its ±; a paused page shows samples that arrive later."""
+        publisher = rospy.Publisher("/known", PointStamped, queue_size=2000)
+        self.addCleanup(publisher.unregister)
+        field, at, omega = "/known/point/x@stamp", {"a": -0.73, "b": -0.31}, 6.0 * math.pi
+        figures = ["mean", "rms", "frequency", "rise"]
+        self.show(
+            **{"fields": [field], "window": 1, "baseWindow": 1, "cursors": at},
+            measures={**FRESH["measures"], "figures": figures},
+        )
+        wait_until(lambda: publisher.get_num_connections() > 0, lambda: "it is not subscribed to")
+        self.browser.press("#run")
+        self.wait_drawn()
+        end = _span(self.csv())[1]
+
+        def true_at(time_s: float) -> float:
+            return 0.25 + 1.5 * math.sin(omega * time_s)
+
+        for number in range(-800, 50):
+            message = PointStamped(Header(stamp=rospy.Time.from_sec(end + 0.002 * number)), Point())
+            message.point.x = true_at(0.002 * number)
+            publisher.publish(message)
+        expected = {key: true_at(time_s) for key, time_s in at.items()}
+        expected.update(mean=0.25, rms=math.sqrt(0.0625 + 1.125), frequency=3.0)
+        expected.update(
+            difference=expected["b"] - expected["a"], rise=math.asin(0.8) / 3.0 / math.pi
+        )
+        cells: Dict[str, Tuple[str, str]] = {}
+
+        def are_true() -> bool:
+            for key in expected:
+                cell = self.browser.find(f"#legend tr[data-field='{field}'] [data-cell={key}]")
+                cells[key] = cell.text, cell.get_attribute("title")
+            return all(_is_true(*cells[key], true) for key, true in expected.items())
+
+        wait_until(are_true, lambda: (cells, expected))
+        pointer, times = self.under_pointer(500).split("\n")[0], (-1.0, 0.0)
+        box = self.browser.run(_BOX, "#overlay")
+        time_s = times[0] + (500 - box["x"]) / box["width"]
+        value, uncertainty = self.under_pointer(500).split()[-3::2]
+        self.assertAlmostEqual(float(pointer.split()[0].replace("−", "-")), time_s, delta=1e-3)
+        self.assertTrue(_is_true(value, f"± {uncertainty}", true_at(time_s)), (value, time_s))
+        # Five times as long: several samples in a pixel.
+        self.browser.choose("#window", "5")
+        cell = f"#legend tr[data-field='{field}'] [data-cell=a]"
+        reading = re.compile(r"(\d) samples, (−?[0-9.]+) … (−?[0-9.]+)$")
+        wait_until(lambda: reading.match(self.browser.text(cell)), lambda: self.browser.text(cell))
+        count, *ends = reading.match(self.browser.text(cell)).groups()  # type: ignore[union-attr]
+        low, high = (float(one.replace("−", "-")) for one in ends)
+        self.assertTrue(int(count) > 2 and low < high, self.browser.text(cell))
+        self.assertLess(high - low, 1.5 * omega * 5.0 / box["width"])
+        self.assertTrue(low - 0.06 < expected["a"] < high + 0.06, (low, expected["a"], high))
+        self.browser.press("#show-axes")
+        self.browser.press("[aria-label='show the time of day']")
+        self.browser.keys(Keys.ESCAPE)
+        day = r"\d\d:\d\d:\d\d"
+        wait_until(
+            lambda: (
+                re.match(day, self.browser.text(".dygraph-axis-label-x"))
+                and self.browser.text(".dygraph-xlabel").startswith("time, UTC")
+                and re.match(day + r"\.\d\d\s", self.under_pointer(500))
+            ),
+            lambda: (self.browser.text("#plot"), self.under_pointer(500)),
+        )
+
     def due(self, sent: List[Tuple[float, float]], start: float, end: float) -> int:
         """Return the number of stamps in a span; -1 until all have arrived."""
         stamps = [stamp for stamp, _ in list(sent)]
@@ -854,30 +919,29 @@ class Plots(PageTest):
         column = head.index(field)
         return [(float(row[0]), float(row[1]), float(row[column])) for row in rows if row[column]]
 
-    def test_time_of_day_and_values_under_the_pointer(self) -> None:
-        self.browser.keys("x")
-        self.browser.press("[aria-label='show the time of day']")
-        self.browser.keys(Keys.ESCAPE)
-        wait_until(
-            lambda: (
-                re.match(r"\d\d:\d\d:\d\d", self.browser.text(".dygraph-axis-label-x"))
-                and self.browser.text(".dygraph-xlabel").startswith("time, UTC")
-            ),
-            lambda: self.browser.text("#plot"),
+    def under_pointer(self, across: int) -> str:
+        """Return the text beside the pointer at some pixels from the left."""
+        self.browser.run(
+            "document.getElementById('stage').dispatchEvent(new PointerEvent('pointermove',"
+            " {clientX: arguments[0], clientY: 250, bubbles: true}))",
+            across,
         )
-        stage = self.browser.find("#stage")
+        return self.browser.text(".hover")
 
-        def under_pointer() -> str:
-            self.browser.run(
-                "arguments[0].dispatchEvent(new PointerEvent('pointermove',"
-                " {clientX: 500, clientY: 250, bubbles: true}))",
-                stage,
-            )
-            return self.browser.text(".hover")
 
-        number = r"−?[0-9.]{5,6}(e-\d+)?"
-        words = rf"\d\d:\d\d:\d\d\.\d\d\s+{SIGNAL}\s+{number}\s+{PROCESSED}\s+{number}"
-        wait_until(lambda: re.match(words, under_pointer()), under_pointer)
+def _is_true(text: str, title: str, true: float) -> bool:
+    """Return whether a text with an uncertainty in its tooltip is true, and rounded by it.
+
+    Without an uncertainty, the text is exact for the samples, which end anywhere in a period.
+    """
+    if not text or text == "–":
+        return False
+    value = float(text.replace("−", "-"))
+    if not title:
+        return abs(value - true) < 0.005
+    uncertainty = title.partition("± ")[2]
+    digits = [len(one.partition(".")[2]) for one in (text, uncertainty)]
+    return abs(value - true) <= 1.05 * float(uncertainty) and digits[0] == digits[1]
 
 
 def _span(address: str) -> Tuple[float, float]:

@@ -448,11 +448,11 @@ class Modules(BrowserTest):
             "(() => { const buffer = new module.TraceBuffer(); buffer.apply(a[0], 20);"
             " const read = a[1].map((time) => buffer.at('f', time));"
             " return [read.map((one) => one && [one.low, one.high]), buffer.rows(['f'], 0),"
-            " read.map((one) => one?.count ?? 0)]; })()",
+            " read.map((one) => one?.count ?? 0), read.map((one) => one?.uncertainty ?? 0)]; })()",
             frame,
             times,
         )
-        read, rows, counts = found
+        read, rows, counts, uncertainties = found
         self.assertEqual(counts, [0, 0, 0, 0, 0, 7, 7, 0, 0])
         line = [(time, value) for time, value in rows if value is not None]
         for time, reading in zip(times[:4], read):
@@ -461,12 +461,27 @@ class Modules(BrowserTest):
             self.assertEqual(reading[0], reading[1])
         self.assertEqual(read[:4], [[0, 0], [4, 4], [8, 8], [12, 12]])
         self.assertEqual(read[4:], [[16, 16], [-2, 5], [-2, 5], [1, 1], None])
+        # Places are rounded to an eighth: the slope is at most 8 in 1.375 bins, or beside the full
+        # bin unknown.
+        self.assertAlmostEqual(uncertainties[1], 8 / 1.375 / 16)
+        self.assertEqual((uncertainties[4], uncertainties[5], uncertainties[8]), (11, 0, 0))
         texts = self.browser.call(
             "base/numbers.js",
             "a[0].map((one) => module.readingText(one, 2))",
-            [{"low": -0.9511, "high": 0.951, "count": 20}, {"low": 1.5, "high": 1.5}, None],
+            [
+                {"low": -0.9511, "high": 0.951, "count": 20},
+                {"low": 1.5, "high": 1.5, "uncertainty": 0},
+                {"low": 1.5, "high": 1.5, "uncertainty": 0.025},
+                None,
+            ],
         )
-        self.assertEqual(texts, ["20 samples, −0.9511 … 0.9510", "1.5000", "–"])
+        expected = [
+            ("20 samples, −0.9511 … 0.9510", ""),
+            ("1.5000", ""),
+            ("1.500", "0.025"),
+            ("–", ""),
+        ]
+        self.assertEqual([(one["value"], one["uncertainty"]) for one in texts], expected)
 
     def test_the_last_value_of_a_bin_holds_in_steps(self) -> None:
         frames = [

@@ -79,16 +79,20 @@ export function figure(value, digits = 5, spread = null) {
 }
 
 /**
- * Format a reading of a line: one value, or the minimum and maximum of a pixel.
- * @param {?{low: number, high: number, count: ?number}} reading
+ * Format a reading of a line: one value, with an uncertainty that is larger than its last digit, or the
+ * minimum and maximum of a pixel.
+ * @param {?{low: number, high: number, uncertainty: ?number, count: ?number}} reading
  * @param {?number} spread as of {@link figure}
- * @returns {string} a dash without a value
+ * @returns {{value: string, uncertainty: string}} a dash without a value; the latter may be empty
  */
 export function readingText(reading, spread) {
-  if (!reading) return figure(null);
-  const [low, high] = [reading.low, reading.high].map((value) => figure(value, 5, spread));
-  if (reading.low === reading.high) return low;
-  return `${reading.count ? `${reading.count} samples, ` : ""}${low} … ${high}`;
+  if (!reading) return { value: figure(null), uncertainty: "" };
+  const { low, high, uncertainty, count } = reading;
+  const [from, to] = [low, high].map((value) => figure(value, 5, spread));
+  if (low !== high) return { value: `${count ? `${count} samples, ` : ""}${from} … ${to}`, uncertainty: "" };
+  const [digits, exponent = 0] = from.split("e");
+  const lastDigit = 10 ** (exponent - (digits.split(".")[1] ?? "").length);
+  return uncertainty > lastDigit ? measuredText(low, uncertainty) : { value: from, uncertainty: "" };
 }
 
 /**

@@ -200,7 +200,10 @@ export class Legend {
     if (!this.withCursors) return;
     const show = (field, cells, values) => {
       for (const [key] of AT_CURSORS) {
-        setText(cells.get(key), readingText(values?.[key], key === "difference" ? null : this.spreads.get(field)));
+        const spread = key === "difference" ? null : this.spreads.get(field);
+        const { value, uncertainty } = readingText(values?.[key], spread);
+        setText(cells.get(key), value);
+        setTitle(cells.get(key), uncertainty && `± ${uncertainty}`);
       }
     };
     for (const [field, { cells }] of this.rows) show(field, cells, this.cursors.valuesOf(field));

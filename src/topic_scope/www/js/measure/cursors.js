@@ -107,7 +107,8 @@ export class Cursors {
     const { cursors } = this.state.values;
     if (!cursors) return null;
     const [a, b] = [cursors.a, cursors.b].map(valueAt);
-    const difference = a && b ? { low: b.low - a.high, high: b.high - a.low } : null;
+    const difference = a && b
+      ? { low: b.low - a.high, high: b.high - a.low, uncertainty: a.uncertainty + b.uncertainty } : null;
     return { a, b, difference };
   }
 }

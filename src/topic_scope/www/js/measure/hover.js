@@ -51,15 +51,18 @@ export class Hover {
     this.line.hidden = this.box.hidden = !isShown;
     if (!isShown) return;
     const time = shown.from + this.part * (shown.to - shown.from);
-    const value = (field) => (isState(field) ? this.stateText(field, time, shown)
-      : readingText(shown.buffer.at(field, time), this.spreadOf(field)));
+    const text = (field) => {
+      if (isState(field)) return this.stateText(field, time, shown);
+      const { value, uncertainty } = readingText(shown.buffer.at(field, time), this.spreadOf(field));
+      return uncertainty ? `${value} ± ${uncertainty}` : value;
+    };
     const scaled = (field) => {
       const text = scaledText(this.state.values, field);
       return text && make("em", { class: "scaled" }, text);
     };
     this.box.replaceChildren(make("b", {}, this.timeText(time, shown)), ...fields.flatMap((field) => [
       make("i", { style: `background: ${sampleOf(this.state, field)}` }),
-      make("span", {}, nameText(field), scaled(field)), make("span", { class: "figure" }, value(field)),
+      make("span", {}, nameText(field), scaled(field)), make("span", { class: "figure" }, text(field)),
     ]));
     this.line.style.left = `${100 * this.part}%`;
     const isRight = this.part > 0.5;

@@ -1,6 +1,6 @@
 /** Buffer of the bins of all traces on their common grid. */
 
-import { isThere, tabulated } from "./rows.js";
+import { isThere, PLACES, tabulated } from "./rows.js";
 
 /** Return the next non-empty bin, starting at one; null if the line ends before. */
 function nextFilled(values, from, way) {
@@ -10,7 +10,20 @@ function nextFilled(values, from, way) {
 }
 
 /** Return one value as a reading; null without one. */
-const one = (value) => (value === null ? null : { low: value, high: value });
+const one = (value, uncertainty = 0) => (value === null ? null : { low: value, high: value, uncertainty });
+
+/**
+ * Return how far a line through some points may be, at a time, from that through their samples, whose
+ * times are rounded.
+ */
+function uncertaintyAt(points, time, rounding) {
+  const rises = points.slice(1).map(([end, to], index) => {
+    const [start, from] = points[index];
+    if (time < start - rounding || time > end + rounding) return 0;
+    return Math.abs(to - from) * Math.min(1, rounding / Math.max(end - start - 2 * rounding, rounding));
+  });
+  return Math.max(0, ...rises);
+}
 
 /** Return the value at a time on the line through some points; null beyond a step from its ends. */
 function onLine(points, time) {
@@ -166,8 +179,8 @@ export class TraceBuffer {
    * end, a line has no value, except that its last sample is valid for one step.
    * @param {string} field
    * @param {number} time since the epoch [s]
-   * @returns {?{low: number, high: number, count: ?number}} low and high are equal for one value,
-   *   otherwise the range of count samples; null without a value
+   * @returns {?{low: number, high: number, uncertainty: ?number, count: ?number}} low and high are equal
+   *   for one value, which has an uncertainty; otherwise the range of count samples; null without a value
    */
   at(field, time) {
     const values = this.traces.get(field) || [];
@@ -190,7 +203,9 @@ export class TraceBuffer {
     const part = { values: values.slice(2 * start, 2 * end + 2), places: places.slice(2 * start, 2 * end + 2) };
     const timeAt = (place) => (this.first + start + place) * this.bin;
     const points = tabulated([part], end - start + 1, timeAt, []).filter(([, value]) => isThere(value));
-    return one(onLine(points, time));
+    const isPlaced = part.places.every((place, index) => place >= 0 || !isThere(part.values[index]));
+    const rounding = this.bin / (isPlaced ? 2 * PLACES : 2);
+    return one(onLine(points, time), uncertaintyAt(points, time, rounding));
   }
 
   /** Return the value that holds in a bin; null after the end of its line. */

@@ -78,7 +78,8 @@ export function removeReference(state, name) {
  * Return the value of a reference, as drawn.
  * @param {Reference} one
  * @param {number} time on the time axis [s]
- * @returns {?{low: number, high: number}} null where it has none
+ * @returns {?{low: number, high: number, uncertainty: ?number, count: ?number}} as of the buffer; null
+ *   where it has none
  */
 export function valueOf({ buffer, field, zero, from, to, later, offset }, time) {
   const at = time - later;

@@ -4,7 +4,7 @@
  * and maximum at its middle, and for stepped traces also the last value, which holds until the next.
  */
 
-const PLACES = 8; // positions in a bin; must match the server
+export const PLACES = 8; // positions in a bin; must match the server
 const MIDDLE = PLACES; // the first of the rows at the middle
 const ROWS = 2 * PLACES + 3;
 

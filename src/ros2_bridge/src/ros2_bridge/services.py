@@ -11,6 +11,7 @@ from rclpy.validate_full_topic_name import validate_full_topic_name
 from nodekit import CallError, Node, ReentrantCallbackGroup, Throttle
 from nodekit.master import MasterClient
 from ros2_bridge.ros1.graph import Ros1Graph
+from ros2_bridge.ros2.call_bridge import CallBridge
 from ros2_bridge.ros2.client import NoResponse, Ros2Client
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.rules.selection import (
@@ -20,7 +21,6 @@ from ros2_bridge.rules.selection import (
     parameter_services,
     select_routes,
 )
-from ros2_bridge.rules.active_pairs import PairBridge
 from ros2_bridge.rules.skip_log import SkipLog
 from ros2_bridge.types.codec_ops import ConversionError
 from ros2_bridge.types.service_types import ServiceTypes
@@ -145,7 +145,7 @@ class ServiceToRos1:
 _Pair = Union[ServiceToRos1, ServiceToRos2]
 
 
-class ServiceBridge(PairBridge[_Pair]):
+class ServiceBridge(CallBridge[_Pair]):
     """Pairs of services, created and closed as services appear and disappear.
 
     :param node: the bridge in ROS 1
@@ -163,13 +163,7 @@ class ServiceBridge(PairBridge[_Pair]):
         skip_log: SkipLog,
         timeout: Callable[[], float],
     ) -> None:
-        super().__init__(skip_log)
-        self._node, self._participant, self._types, self._timeout = (
-            node,
-            participant,
-            types,
-            timeout,
-        )
+        super().__init__(node, participant, types, skip_log, timeout)
         self._types1 = ServiceTypes(client)
 
     def update_services(
@@ -228,7 +222,7 @@ class ServiceBridge(PairBridge[_Pair]):
 
     def _owner(self, route: Route) -> Ros2Node:
         """Return the node that offers a ROS 1 service in ROS 2."""
-        return self._owners.get(self._ros1.services.get(route.name, ""), self._participant.node)
+        return self._owner_of(self._ros1.services.get(route.name, ""))
 
     def _type(self, route: Route) -> Optional[str]:
         """Return the ROS 1 name of a service's type; None if it is not known yet."""

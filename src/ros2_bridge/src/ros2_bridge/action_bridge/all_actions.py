@@ -1,47 +1,22 @@
 """Action bridge: discovers action servers, and bridges each as long as it exists."""
 
-from typing import Callable, Dict, Optional, Tuple, Union
+from typing import Dict, Optional, Tuple, Union
 
 from rclpy.node import Node as Ros2Node
 from rclpy.validate_full_topic_name import validate_full_topic_name
 
-from nodekit import Node
 from ros2_bridge.action_bridge.ros2_server_in_ros1 import Ros2ServerInRos1
 from ros2_bridge.action_bridge.ros1_server_in_ros2 import Ros1ServerInRos2
 from ros2_bridge.actions.discovery import Server, servers_in_ros1, servers_in_ros2
 from ros2_bridge.ros1.graph import Ros1Graph
-from ros2_bridge.ros2.participant import Participant
+from ros2_bridge.ros2.call_bridge import CallBridge
 from ros2_bridge.rules.selection import Rules, Route, select_routes
-from ros2_bridge.rules.active_pairs import PairBridge
-from ros2_bridge.rules.skip_log import SkipLog
-from ros2_bridge.types.type_registry import TypeRegistry
 
 _Pair = Union[Ros2ServerInRos1, Ros1ServerInRos2]
 
 
-class ActionBridge(PairBridge[_Pair]):
-    """Pairs of actions, created and closed as servers appear and disappear.
-
-    :param node: the bridge in ROS 1
-    :param participant: the bridge in ROS 2
-    :param timeout: returns the timeout for a server's answer [s]
-    """
-
-    def __init__(
-        self,
-        node: Node,
-        participant: Participant,
-        types: TypeRegistry,
-        skip_log: SkipLog,
-        timeout: Callable[[], float],
-    ) -> None:
-        super().__init__(skip_log)
-        self._node, self._participant, self._types, self._timeout = (
-            node,
-            participant,
-            types,
-            timeout,
-        )
+class ActionBridge(CallBridge[_Pair]):
+    """Pairs of actions, created and closed as servers appear and disappear."""
 
     def update_actions(
         self,
@@ -100,7 +75,7 @@ class ActionBridge(PairBridge[_Pair]):
 
     def _owner(self, route: Route) -> Ros2Node:
         """Return the node that offers a ROS 1 action in ROS 2."""
-        return self._owners.get(self._ros1[route.name].node, self._participant.node)
+        return self._owner_of(self._ros1[route.name].node)
 
     def _type(self, route: Route) -> str:
         """Return the ROS 1 name of an action's type."""

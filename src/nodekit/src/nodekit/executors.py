@@ -135,7 +135,7 @@ def _entry(callback: Callback) -> Optional[Dict[str, Any]]:
         "made": calls.made,
         "dropped": calls.dropped,
         "skipped": callback.skipped if isinstance(callback, NodeTimer) else 0,
-        "failed": callback.failures.count,
+        "failed": callback.errors.count,
         "longest": round(calls.longest, 6),
         "longest_wait": round(calls.longest_wait, 6),
     }

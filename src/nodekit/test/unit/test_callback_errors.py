@@ -61,4 +61,4 @@ def test_failure_because_of_a_closed_node_is_only_counted(logged: List[str], cal
 
     callback = Callback(Group(), publish_to_what_is_closed, "/topic")
     call(callback)
-    assert (callback.failures.count, logged) == (1, [])
+    assert (callback.errors.count, logged) == (1, [])

@@ -252,7 +252,7 @@ def test_failure_affects_nothing_else(error: Type[BaseException]) -> None:
     failing.group.wait_until_left(TIMEOUT_S)
     receiving(made, heard.append).receive(["after"], True)
     assert made.shutdown(TIMEOUT_S)
-    assert heard == ["after"] and failing.failures.count == 2
+    assert heard == ["after"] and failing.errors.count == 2
 
 
 def test_service_answers_with_the_error() -> None:
@@ -266,7 +266,7 @@ def test_service_answers_with_the_error() -> None:
     for _ in range(2):
         with pytest.raises(rospy.ServiceException, match="on purpose"):
             answering.respond("request")
-    assert answering.failures.count == 2
+    assert answering.errors.count == 2
 
 
 def test_removed_while_running_calls_the_waiting_callbacks_and_the_rest_directly() -> None:

@@ -210,7 +210,7 @@ class ActionServer:
         except GoalRejected as reason:
             return str(reason)
         except BaseException as error:
-            self._goal.failures.record(self._goal.what, self._goal.closed)
+            self._goal.errors.record(self._goal.what, self._goal.closed)
             return f"{type(error).__name__}: {error}"
 
     def _replace_others(self, handle: ServerGoalHandle) -> None:
@@ -229,7 +229,7 @@ class ActionServer:
         try:
             fork_guard.call(self._accepted.function, handle)
         except BaseException as error:
-            self._accepted.failures.record(self._accepted.what, self._accepted.closed)
+            self._accepted.errors.record(self._accepted.what, self._accepted.closed)
             self._end(handle, GoalEvent.ABORT, None, f"{type(error).__name__}: {error}")
 
     def _decide_cancel(self, handle: ServerGoalHandle) -> None:
@@ -240,7 +240,7 @@ class ActionServer:
             if not is_accepted(fork_guard.call(self._cancel.function, handle), CancelResponse):
                 return
         except BaseException:  # the goal is cancelled all the same: the client wants it to end
-            self._cancel.failures.record(self._cancel.what, self._cancel.closed)
+            self._cancel.errors.record(self._cancel.what, self._cancel.closed)
         with self._lock:
             self._apply(handle, GoalEvent.REQUEST_CANCEL, handle.goal.text)
         self._topics.send()
@@ -294,7 +294,7 @@ class ActionServer:
             if result is not None:
                 check_message(result, self._messages.result, f"{execute.what}: result")
         except BaseException as error:  # SystemExit too: the client would wait for its result
-            execute.failures.record(execute.what, execute.closed)
+            execute.errors.record(execute.what, execute.closed)
             self._end(handle, GoalEvent.ABORT, None, f"{type(error).__name__}: {error}")
             return
         if handle.outcome is None and handle.is_active:

@@ -67,7 +67,7 @@ class Callback:
     :param what: names it in the log
     :raises TypeError: if the function is not callable, or async
 
-    :ivar failures: the exceptions it has raised
+    :ivar errors: the exceptions it has raised
     :ivar calls: its queue at an executor, None without one
     """
 
@@ -81,7 +81,7 @@ class Callback:
         self.group = group
         self.function = function
         self.closed = False
-        self.failures = CallbackErrors()
+        self.errors = CallbackErrors()
         self.calls: Optional[CallQueue] = None
         self.what = what
 
@@ -121,7 +121,7 @@ class Callback:
             if not self.closed:
                 fork_guard.call(self.function, *arguments)
         except BaseException:
-            self.failures.record(self.what, self.closed)
+            self.errors.record(self.what, self.closed)
         finally:
             group.leave()
 
@@ -134,7 +134,7 @@ class Callback:
             if not self.closed:
                 fork_guard.call(self.function, *arguments)
         except BaseException:  # SystemExit too: it would end a thread that others rely on
-            self.failures.record(self.what, self.closed)
+            self.errors.record(self.what, self.closed)
 
     def close(self) -> None:
         """Start no new calls; let a running one finish."""
@@ -184,7 +184,7 @@ class ServiceCallback(Callback):
         except rospy.ServiceException:
             raise
         except BaseException as error:  # SystemExit too: the client would wait for its response
-            self.failures.record(self.what, self.closed)
+            self.errors.record(self.what, self.closed)
             raise rospy.ServiceException(str(error) or repr(error)) from error
 
     def _respond_queued(self, calls: "List[Tuple[Any, Future[Any]]]") -> None:
@@ -345,4 +345,4 @@ class SubscriptionCallback(Callback):
             if not self.closed:
                 fork_guard.call(self.function, message)
         except BaseException:
-            self.failures.record(self.what, self.closed)
+            self.errors.record(self.what, self.closed)

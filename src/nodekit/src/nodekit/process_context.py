@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Context of this process: the state that its nodes share, and nothing else in nodekit keeps.
+"""Context of this process: the state that all of its nodes share.
 
 Each kind of state is a class of the module that uses it; the context creates its object at the
 first use. So a lower module can share state without knowing the higher ones.

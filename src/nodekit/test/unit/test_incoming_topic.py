@@ -31,7 +31,7 @@ TIME_OUT = 20.0  # s
 (ROUNDED,) = struct.unpack("<f", b"\xcd\xcc\xcc=")
 
 
-class Ear:
+class Recorder:
     """An open subscription that records its messages."""
 
     def __init__(self, stack, data_class=String):
@@ -55,7 +55,7 @@ class Ear:
         return [message.data for batch in self.batches for message in batch]
 
 
-class Publisherless(Ear):
+class Publisherless(Recorder):
     """A subscription with one connection to a socket of the test."""
 
     def __init__(self, stack):
@@ -207,7 +207,7 @@ def test_later_subscription_receives_the_latched_message(connected, stack):
     connected.transport.is_latched = True
     connected.socket.sendall(packet("old") + packet("last"))
     connected.receive_some()
-    late = Ear(stack)
+    late = Recorder(stack)
     late.subscription.receive_latched()
     connected.subscription.receive_latched()
     assert (late.words, late.may_wait) == (["last"], [False])
@@ -333,7 +333,7 @@ def stack():
 @pytest.fixture
 def together(stack):
     """Return a publisher and a subscription of the same topic in the same process."""
-    recorder = Ear(stack)
+    recorder = Recorder(stack)
     return opened(stack, String, latch=True), recorder
 
 
@@ -382,10 +382,10 @@ def test_closed_publisher_of_the_process_is_not_a_connection(together):
 def test_any_type_subscriber_in_the_same_process_gets_the_type(stack, monkeypatch):
     monkeypatch.setattr(rospy, "get_node_uri", lambda: "http://here")
     publisher = opened(stack, Float32, latch=True)
-    recorder = Ear(stack, rospy.AnyMsg)
+    recorder = Recorder(stack, rospy.AnyMsg)
     assert recorder.impl.has_connection("http://here")
     publisher.publish(Float32(0.1))
-    late = Ear(stack, rospy.AnyMsg)
+    late = Recorder(stack, rospy.AnyMsg)
     late.subscription.receive_latched()
     for (message,) in (recorder.batches[0], late.batches[0]):
         header = message._connection_header
@@ -397,13 +397,13 @@ def test_any_type_subscriber_in_the_same_process_gets_the_type(stack, monkeypatc
 def test_the_thread_that_publishes_in_the_same_process_may_not_be_kept_waiting(together, stack):
     publisher, recorder = together
     publisher.publish(String("news"))
-    late = Ear(stack)
+    late = Recorder(stack)
     late.subscription.receive_latched()
     assert (recorder.may_wait, late.may_wait) == ([False], [False])
 
 
 def test_numbers_are_rounded_as_for_any_other_subscriber(stack):
-    recorder = Ear(stack, Float32)
+    recorder = Recorder(stack, Float32)
     opened(stack, Float32).publish(Float32(0.1))
     assert recorder.words == [ROUNDED]
 
@@ -411,7 +411,7 @@ def test_numbers_are_rounded_as_for_any_other_subscriber(stack):
 def test_late_subscriber_of_the_same_process_gets_the_latched_message(together, stack):
     publisher, recorder = together
     publisher.publish(String("last"))
-    late = Ear(stack)
+    late = Recorder(stack)
     assert late.words == [], "nothing before it is asked for"
     late.subscription.receive_latched()
     assert late.words == ["last"]
@@ -420,10 +420,10 @@ def test_late_subscriber_of_the_same_process_gets_the_latched_message(together, 
 
 def test_the_latched_message_is_like_any_other_message_of_the_same_process(stack):
     publisher = opened(stack, Float32, latch=True)
-    recorder = Ear(stack, Float32)
+    recorder = Recorder(stack, Float32)
     message = Float32(0.1)
     publisher.publish(message)
-    late = Ear(stack, Float32)
+    late = Recorder(stack, Float32)
     late.subscription.receive_latched()
     assert late.words == recorder.words == [ROUNDED]
     (first,), (second,) = recorder.batches[0], late.batches[0]
@@ -434,10 +434,10 @@ def test_the_latched_message_is_like_any_other_message_of_the_same_process(stack
 @pytest.mark.parametrize("latch", [True, False])
 def test_without_a_latched_message_nothing_is_delivered(stack, latch):
     publisher = opened(stack, String, latch=latch)
-    first = Ear(stack)
+    first = Recorder(stack)
     if not latch:
         publisher.publish(String("gone"))
-    late = Ear(stack)
+    late = Recorder(stack)
     late.subscription.receive_latched()
     assert len(first.batches) == (0 if latch else 1)
     assert late.batches == []
@@ -469,7 +469,7 @@ def test_closed_publisher_is_no_longer_received(together, monkeypatch):
 
 def test_connection_that_a_publisher_refuses_is_removed(stack, monkeypatch):
     monkeypatch.setattr(rospy.impl.tcpros_base, "_is_use_tcp_keepalive", bool)  # asks the master
-    recorder, uri = Ear(stack), "http://there"
+    recorder, uri = Recorder(stack), "http://there"
     connection = TCPROSTransport(TCPROSSub(TOPIC, String), TOPIC)
     connection.set_endpoint_id(uri)
     assert recorder.impl.add_connection(connection) and recorder.impl.has_connection(uri)
@@ -512,7 +512,7 @@ def test_connection_begun_between_two_publishers_is_dropped(together, monkeypatc
 
 
 def test_closed_subscription_receives_nothing_from_a_connection_while_others_do(connected, stack):
-    other = Ear(stack)
+    other = Recorder(stack)
     topic = connected.impl
     assert other.impl is topic
     connected.subscription.close()
@@ -529,7 +529,7 @@ def test_closed_subscription_receives_nothing_from_a_connection_while_others_do(
 
 def test_closed_subscription_receives_nothing_from_its_process_while_others_do(together, stack):
     publisher, recorder = together
-    other = Ear(stack)
+    other = Recorder(stack)
     publisher.publish(String("before"))
     for _ in range(2):
         recorder.subscription.close()
@@ -540,7 +540,7 @@ def test_closed_subscription_receives_nothing_from_its_process_while_others_do(t
 
 def test_two_subscriptions_with_one_callback_are_closed_one_by_one(stack):
     publisher = opened(stack, String)
-    first, heard = Ear(stack), []
+    first, heard = Recorder(stack), []
     second = Subscription(TOPIC, String, first.receive)
     stack.callback(second.close)
     second.open()
@@ -553,7 +553,7 @@ def test_two_subscriptions_with_one_callback_are_closed_one_by_one(stack):
 
 def test_subscription_that_opens_while_the_last_other_closes_receives(stack, monkeypatch):
     publisher = opened(stack, String)
-    closing = threading.Thread(target=Ear(stack).subscription.close)
+    closing = threading.Thread(target=Recorder(stack).subscription.close)
     subscribe = rospy.Subscriber
 
     def close_other_and_subscribe(*args, **kwds):
@@ -562,7 +562,7 @@ def test_subscription_that_opens_while_the_last_other_closes_receives(stack, mon
         return subscribe(*args, **kwds)
 
     monkeypatch.setattr(rospy, "Subscriber", close_other_and_subscribe)
-    ours = Ear(stack)
+    ours = Recorder(stack)
     closing.join(TIME_OUT)
     publisher.publish(String("news"))
     assert ours.words == ["news"]

@@ -22,6 +22,7 @@ from nodekit.node.names import Names
 from nodekit.node.old_methods import OldMethods
 from nodekit.process_context import ProcessContext
 from nodekit.testing.graph import Graph
+from nodekit.testing.message_recorder import MessageRecorder
 
 
 class Settings(ParameterSet):
@@ -162,6 +163,13 @@ def test_deprecated_module_warns_when_it_is_imported(name: str, monkeypatch: Any
     monkeypatch.delitem(sys.modules, f"nodekit.testing.{name}", raising=False)
     with pytest.warns(DeprecationWarning, match=f"nodekit.testing.{name}: deprecated module"):
         importlib.import_module(f"nodekit.testing.{name}")
+
+
+def test_old_module_of_the_recorder_has_it_under_its_old_name_and_warns(monkeypatch: Any) -> None:
+    monkeypatch.delitem(sys.modules, "nodekit.testing.hearing", raising=False)
+    with pytest.warns(DeprecationWarning, match="use nodekit.testing.message_recorder"):
+        hearing = importlib.import_module("nodekit.testing.hearing")
+    assert hearing.Ear is MessageRecorder
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Checks of arguments that a node's class passes, at the line of the call.
+"""Checks of arguments of nodekit's methods; errors point to the line of the call.
 
 Otherwise the error would occur at the node's start or at the first message, far from that line.
 """

@@ -1,4 +1,4 @@
-"""Figures of a coursework, which limits apply to, from its evidence."""
+"""Figures of a coursework that have limits, computed from its evidence."""
 
 import math
 from typing import Dict, Optional, Sequence, Tuple

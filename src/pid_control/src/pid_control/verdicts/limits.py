@@ -1,4 +1,4 @@
-"""Limits of the figures, from YAML."""
+"""Limits that decide whether a submission passes, from YAML."""
 
 import math
 from typing import Any, Dict, Mapping, Optional, Sequence

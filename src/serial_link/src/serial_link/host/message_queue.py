@@ -1,4 +1,4 @@
-"""Message queue for a line or thread that may be slower than its messages."""
+"""Message queue that keeps only the newest of a stream if its line or thread is too slow."""
 
 import threading
 import time

@@ -23,10 +23,10 @@ class ProcessContext:
     def __init__(self) -> None:
         self.exit_status = 0
         self.forks = 0
-        # Entries are added by setdefault(), which is atomic, so that a signal handler never waits
-        # for a lock of the thread that it interrupts.
+        # A signal handler never waits for the thread that it interrupts: setdefault() is atomic,
+        # and that thread may enter its own lock again.
         self._objects: Dict[Tuple[type, str], Any] = {}
-        self._locks: Dict[Tuple[type, str], threading.Lock] = {}
+        self._locks: Dict[Tuple[type, str], Any] = {}
         self._instances: Dict[type, "weakref.WeakSet[Any]"] = {}
         self._named: Dict[type, "weakref.WeakValueDictionary[str, Any]"] = {}
         self._numbers: Dict[type, Iterator[int]] = {}
@@ -41,9 +41,9 @@ class ProcessContext:
         """
         key = (cls, name)
         if key not in self._objects:
-            with self._locks.setdefault(key, threading.Lock()):
+            with self._locks.setdefault(key, threading.RLock()):
                 if key not in self._objects:
-                    self._objects[key] = (create or cls)()
+                    self._objects.setdefault(key, (create or cls)())
         found: T = self._objects[key]
         return found
 

@@ -8,6 +8,7 @@ from typing import List
 import pytest
 
 from nodekit.process_context import ProcessContext
+from nodekit.testing.waiting import TIMEOUT_S, in_thread
 
 
 class Shared:
@@ -35,6 +36,18 @@ def test_object_of_a_class_is_created_once_by_many_threads() -> None:
         thread.join()
     assert len(created) == 1
     assert len(found) == 8 and set(found) == set(created)
+
+
+def test_handler_that_interrupts_a_creation_gets_the_same_object() -> None:
+    context, inside = ProcessContext(), []
+
+    def create() -> Shared:
+        inside.append(context.get(Shared))  # as a signal handler, in the same thread
+        return Shared()
+
+    created = in_thread(lambda: inside.append(context.get(Shared, create)))
+    created.join(TIMEOUT_S)
+    assert len(inside) == 2 and inside[0] is inside[1]
 
 
 def test_objects_of_a_class_are_distinguished_by_name() -> None:

@@ -13,7 +13,7 @@ class Camera:
         self._publisher = node.create_publisher("/pictures", UInt8MultiArray, queue_size=10)
         node.create_timer(20.0, self._publish)
 
-    def _publish(self) -> None:
+    def _publish(self, _time: float) -> None:
         if self._publisher.get_num_connections():
             self._publisher.publish(UInt8MultiArray(data=bytes([self._number % 251]) * 1_000_000))
             self._number += 1

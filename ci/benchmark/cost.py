@@ -9,7 +9,7 @@ from typing import Iterable, List, NamedTuple
 class Usage(NamedTuple):
     """Resources of one process at a moment."""
 
-    #: resident set [kB]
+    #: resident set, without shared memory [kB]
     memory: int
     threads: int
     descriptors: int
@@ -23,7 +23,8 @@ def usage(pid: int) -> Usage:
     process = pathlib.Path(f"/proc/{pid}")
     lines = (process / "status").read_text().splitlines()
     fields = dict(line.split(":", 1) for line in lines if ":" in line)
-    memory = int(fields.get("VmRSS", "0 kB").split()[0])
+    own = (fields.get(name, "0 kB") for name in ("RssAnon", "RssFile"))
+    memory = sum(int(text.split()[0]) for text in own)
     return Usage(memory, int(fields["Threads"]), len(list((process / "fd").iterdir())))
 
 

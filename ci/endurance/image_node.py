@@ -26,7 +26,7 @@ class Camera:
         self._publisher = node.create_publisher("images", Image, queue_size=30)
         node.create_timer(rate, self._publish)
 
-    def _publish(self) -> None:
+    def _publish(self, _time: float) -> None:
         if self._publisher.get_num_connections():
             number = self._number.to_bytes(NUMBER, "big")
             self._data[:NUMBER] = self._data[-NUMBER:] = number

@@ -10,8 +10,10 @@ import signal
 import subprocess
 import sys
 import tempfile
+import threading
 
 import rosbag
+import rospy
 from helpers.array_subscriber import numbered
 from helpers.shared_rig import (
     HELPERS,
@@ -161,28 +163,28 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
                 self.assertEqual(record["torn"], 0)
                 self.assertGreater(mapped(one.process.pid), 0)
 
-    def test_limits_of_memory_and_descriptors_lead_to_tcp(self):
+    def test_limits_of_file_size_and_address_space_lead_to_tcp(self):
         publisher = self.new_publisher(queue_size=100)
         (subscriber,) = self.subscribe(publisher, "nodekit")
         (limited,) = self.subscribe(publisher, "nodekit")
+        self.publish(publisher, LARGE)
+        self.wait_for_all(subscriber, limited)
         before = resource.getrlimit(resource.RLIMIT_FSIZE)
         self.addCleanup(resource.setrlimit, resource.RLIMIT_FSIZE, before)
         resource.setrlimit(resource.RLIMIT_FSIZE, (30_000_000, before[1]))  # of memory files too
         self.publish(publisher, 40_000_000)
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
         for record in self.wait_for_all(subscriber, limited):
-            self.assertEqual((record["numbers"], record["torn"]), ([0], 0))
+            self.assertEqual((record["numbers"], record["torn"]), ([0, 1], 0))
         self.assertEqual(self.segments(publisher), [])
         pid = limited.process.pid
-        before = resource.prlimit(pid, resource.RLIMIT_NOFILE)
-        resource.prlimit(pid, resource.RLIMIT_NOFILE, (3, before[1]))  # no further one
-
-        def has_failed():
-            self.publish(publisher, LARGE)
-            return len(publisher.statistics()) == 1
-
-        wait_until(has_failed, publisher.statistics, timeout=TIME_OUT)
-        resource.prlimit(pid, resource.RLIMIT_NOFILE, before)
+        before = resource.prlimit(pid, resource.RLIMIT_AS)
+        with open(f"/proc/{pid}/statm") as file:
+            used = int(file.read().split()[0]) * resource.getpagesize()
+        resource.prlimit(pid, resource.RLIMIT_AS, (used + LARGE // 2, before[1]))
+        self.publish(publisher, 3 * LARGE)
+        wait_until(lambda: "TCPROS" in self.transports(), self.transports, timeout=TIME_OUT)
+        resource.prlimit(pid, resource.RLIMIT_AS, before)
 
         def is_back():
             self.publish(publisher, LARGE)
@@ -190,6 +192,8 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
 
         wait_until(is_back, limited.tell, timeout=TIME_OUT)
         self.assertEqual(self.transports(), ["SHAREDMEM", "TCPROS"])
+        uri = rospy.get_master().lookupNode(limited.name)[2]
+        self.assertEqual(self.transports(uri), ["TCPROS"])
         for record in self.wait_for_all(subscriber, limited):
             self.assertEqual(record["torn"], 0)
 
@@ -253,6 +257,10 @@ class SharedMemoryFaultsTest(SharedMemoryCase):
             lambda: memory_files() == mapped(subscriber.process.pid) == 0,
             lambda: f"{memory_files()} and {mapped(subscriber.process.pid)} are left",
             timeout=TIME_OUT,
+        )
+        wait_until(
+            lambda: not any(one.name == "shared memory" for one in threading.enumerate()),
+            lambda: "the thread that gave it back is there",
         )
         self.publish(publisher, LARGE)
         self.assertEqual(self.wait_for_all(subscriber)[0]["torn"], 0)

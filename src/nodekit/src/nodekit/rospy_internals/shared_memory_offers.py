@@ -71,3 +71,11 @@ def name_transport(connection: Any) -> None:
     :param connection: rospy's object for the connection
     """
     connection.transport_type = TRANSPORT
+
+
+def name_rospy_transport(connection: Any) -> None:
+    """Undo :func:`name_transport` for a new connection.
+
+    :param connection: rospy's object for the connection
+    """
+    del connection.transport_type  # its class has another

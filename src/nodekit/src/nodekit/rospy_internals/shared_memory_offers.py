@@ -12,8 +12,8 @@ from typing import Any, Dict, Optional
 from nodekit.process_context import PROCESS
 from nodekit.shared_memory.channel import FIELD, ReaderChannel
 
-#: Name of the transport in ``getBusInfo``.
-TRANSPORT = "SHAREDMEM"
+#: Name of shared memory in ``getBusInfo``.
+SHARED = "SHAREDMEM"
 
 
 class _State:
@@ -65,17 +65,10 @@ def offer_of(sock: Any) -> str:
     return PROCESS.get(_State).offers.pop(sock, "")
 
 
-def name_transport(connection: Any) -> None:
-    """Name shared memory in ``getBusInfo``.
+def name_transport(connection: Any, is_shared: bool = True) -> None:
+    """Set the transport's name in ``getBusInfo``.
 
     :param connection: rospy's object for the connection
+    :param is_shared: whether large messages go through shared memory
     """
-    connection.transport_type = TRANSPORT
-
-
-def name_rospy_transport(connection: Any) -> None:
-    """Undo :func:`name_transport` for a new connection.
-
-    :param connection: rospy's object for the connection
-    """
-    del connection.transport_type  # its class has another
+    connection.transport_type = SHARED if is_shared else "TCPROS"

@@ -59,9 +59,8 @@ class Reader:
 
     def _offered(self) -> Dict[str, str]:
         """Return the header's field with the offer of a new connection."""
-        if self._is_shared:
-            self._is_shared = False
-            shared_memory_offers.name_rospy_transport(self._transport)
+        self._is_shared = False
+        shared_memory_offers.name_transport(self._transport, is_shared=False)
         self._channel = None
         if self._offers:
             self._channel = shared_memory_offers.new_channel(self._data_class)

@@ -37,10 +37,11 @@ class WrittenMemory:
         self.size = size
         self.descriptor = os.memfd_create("nodekit", os.MFD_CLOEXEC | os.MFD_ALLOW_SEALING)
         try:
-            # Otherwise a signal would end the process at the first write to full memory.
-            os.posix_fallocate(self.descriptor, 0, size)
+            os.ftruncate(self.descriptor, size)
             self._map = mmap.mmap(self.descriptor, size)
             fcntl.fcntl(self.descriptor, _ADD_SEALS, _SEALS)
+            # Otherwise a signal would end the process at the first write to full memory.
+            os.posix_fallocate(self.descriptor, 0, size)
         except BaseException:
             os.close(self.descriptor)
             raise

@@ -23,7 +23,8 @@ class Camera:
     def __init__(self, node: Node) -> None:
         rate, size = map(int, ARGUMENTS)
         self._number, self._data = 0, bytearray(size)
-        self._publisher = node.create_publisher("images", Image, queue_size=30)
+        # A second's pictures: a viewer on a busy machine may pause.
+        self._publisher = node.create_publisher("images", Image, queue_size=rate)
         node.create_timer(rate, self._publish)
 
     def _publish(self, _time: float) -> None:

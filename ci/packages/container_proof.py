@@ -88,7 +88,7 @@ def check_image(tool: Tool) -> None:
     size = int(tool.output("image", "inspect", "--format", "{{.Size}}", IMAGE)) / 1e6
     require(size <= MOST_MB, f"the image has {size:.0f} MB of at most {MOST_MB}")
     user = tool.output("image", "inspect", "--format", "{{.Config.User}}", IMAGE)
-    require(re.match("[1-9]", user), f"its user is {user}, a number other than 0")
+    require(bool(re.match("[1-9]", user)), f"its user is {user}, a number other than 0")
     commit = tool.output("image", "inspect", "--format", REVISION, IMAGE)
     packed = tool.output("run", "--rm", IMAGE, "dpkg-query", "-W", "-f", "${Version}", NODES)
     is_named = "~git" not in packed or (commit != "" and commit in packed)

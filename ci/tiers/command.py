@@ -22,8 +22,8 @@ from .steps import Runner, Step, StepResult, repeat_command
 from .times import Times, estimate
 from .workspace import WORKSPACE, UnknownCommit, changed_files, dependencies, packages
 
-#: One more than two cores: most integration tests wait half of the time. With four, the whole run is
-#: as long, as its processor time is, and each test waits longer for its turn.
+#: One more than two cores, as most integration tests wait half of the time. A fourth step does not
+#: shorten the whole run, which processor time limits, and each test waits longer for its turn.
 AT_A_TIME = 3
 #: Longest time until a signal is noticed [s].
 POLL_S = 1.0

@@ -1,6 +1,6 @@
-"""Executors: threads that make the calls of nodes.
+"""Executors: threads that run the callbacks of nodes, as in ROS 2.
 
-Without an executor, rospy's threads make them: one per connection, one for all timers. That is
+Without an executor, rospy's threads run them: one per connection, one for all timers. That is
 fast and loses nothing, but a slow callback delays all others of its thread. An executor has its own
 threads, so timers and services may take long; messages that arrive faster than they are handled are
 dropped, the oldest first, as in ROS 2.
@@ -30,7 +30,7 @@ SERVICE = "executor"
 
 
 class _Executor:
-    """Executor: makes the calls of added nodes until it is shut down.
+    """Executor: runs the callbacks of added nodes until it is shut down.
 
     :param threads: most calls at the same time
     :raises ValueError: if that is less than 1
@@ -100,14 +100,14 @@ class _Executor:
 
 
 class SingleThreadedExecutor(_Executor):
-    """Executor that makes one call after the other, whatever their groups."""
+    """Executor that runs one callback at a time, whatever their callback groups."""
 
     def __init__(self) -> None:
         super().__init__(1)
 
 
 class MultiThreadedExecutor(_Executor):
-    """Executor that makes calls at the same time, as far as their groups allow.
+    """Executor that runs callbacks in parallel, as far as their callback groups allow.
 
     :param threads: number of threads; by default one per core, at least two
     :raises ValueError: if that is less than 1

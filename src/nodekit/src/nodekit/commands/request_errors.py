@@ -1,4 +1,4 @@
-"""Errors of requests to a node, as messages of a command."""
+"""Exit of a command with an error message if the master or a node does not respond."""
 
 import contextlib
 import sys

@@ -1,4 +1,4 @@
-"""Subscribed topic that receives in batches, in place of rospy's implementation object.
+"""Replacement of rospy's subscriber implementation, which passes messages on in batches.
 
 One object serves all subscribers of a topic in a process, and each publisher's connection has a
 reading thread. The messages of one read are unpacked and passed on together, without
@@ -137,7 +137,7 @@ _Topic: Any = getattr(rospy.topics, "_SubscriberImpl", object)
 
 
 class IncomingTopic(_Topic):
-    """Subscribed topic that receives in batches; one of rospy's implementation objects.
+    """Subscriber implementation of one topic, derived from rospy's, which receives in batches.
 
     :param name: topic, resolved
     :param data_class: message class

@@ -189,7 +189,7 @@ class _BatchListener(RegistrationListener):
 
 
 class _OwnServer:
-    """Listener that connects subscribers as the master does, for an unknown rospy."""
+    """Listener that sends this node publisherUpdate as the master does, for an unknown rospy."""
 
     @staticmethod
     def publisher_update(name: str, publishers: List[str]) -> None:

@@ -1,4 +1,4 @@
-"""Model file: YAML parameters of the node system, which can then simulate the model."""
+"""Identified motor model as a YAML file: parameters for the motor node, which then simulates it."""
 
 import math
 from typing import Any, Dict

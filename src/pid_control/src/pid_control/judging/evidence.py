@@ -1,4 +1,4 @@
-"""Evidence about a controller's law, from the records of its scenarios."""
+"""Evidence of a controller's gains, limits and faults, such as windup, from its records."""
 
 import functools
 import math

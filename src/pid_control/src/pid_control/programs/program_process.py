@@ -1,4 +1,4 @@
-"""Process of an unchanged controller, with the tail of its output and all its child processes."""
+"""Process of a student's program: its start and end, child processes, and last output."""
 
 import contextlib
 import os
@@ -24,7 +24,7 @@ _PATIENCE_S = 2.0
 
 
 class ProgramProcess:
-    """Running controller.
+    """Running program of a student, such as a controller.
 
     The process has its own process group, so that Ctrl-C reaches only the judge. Create the object
     with signals deferred until its owner can end it.

@@ -1,4 +1,4 @@
-"""Default limits of the figures."""
+"""Default limits that decide whether a submission passes, from pid_control's folder config."""
 
 import pathlib
 

@@ -1,4 +1,4 @@
-"""Channels: the numeric fields in a node's messages, and the choice of the signal."""
+"""Channels: numeric message fields over time, and detection of the one that carries the signal."""
 
 import math
 from typing import List, NamedTuple, Optional, Sequence

@@ -1,4 +1,4 @@
-"""Evidence about a coursework, from its trials."""
+"""Evidence about a signal generator and process node: results of trials, effects of parameters."""
 
 from typing import Dict, List, Mapping, NamedTuple, Optional, Sequence, Set, Tuple
 
@@ -13,7 +13,7 @@ DISTORTED = 0.05
 
 
 class FailedTrial(NamedTuple):
-    """A trial that a node ended.
+    """Trial that failed: a node ended, or the nodes were not connected.
 
     :ivar flaw: how it failed
     :ivar node: the node
@@ -45,7 +45,7 @@ class Features(NamedTuple):
 
 
 class Baseline(NamedTuple):
-    """The trial of the unchanged coursework.
+    """Trial of the unchanged coursework, to which the other trials are compared.
 
     :ivar features: features of both nodes
     :ivar signal: the generator's signal
@@ -60,7 +60,7 @@ class Baseline(NamedTuple):
 
 
 class Restart(NamedTuple):
-    """The generator stopped and started again.
+    """Trial in which the generator is stopped and started again.
 
     :ivar oscillates: whether the output kept oscillating without an input
     :ivar after: features of the process node after the restart; None without any
@@ -146,7 +146,7 @@ class Parameters(NamedTuple):
 
 
 class Evidence:
-    """All that is known about a coursework.
+    """Evidence about a coursework from all its trials.
 
     :ivar missing: why no launch file starts both nodes; empty if one does
     :ivar baseline: trial of the unchanged coursework

@@ -1,4 +1,4 @@
-"""Features of both nodes, from records of their messages."""
+"""Features of a generated signal and a process node's output: rate, sine, gain, phase shift."""
 
 import bisect
 import math

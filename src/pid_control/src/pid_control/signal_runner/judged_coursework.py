@@ -1,4 +1,4 @@
-"""Coursework that a batch run judges."""
+"""Detection of the first coursework in each package of a batch run, and its arguments."""
 
 from typing import List, Optional, Sequence
 
@@ -8,7 +8,7 @@ from pid_control.verdicts.limits import Figures
 
 
 class JudgedCoursework:
-    """The first coursework of each package.
+    """First coursework of each package; the :class:`.JudgedPart` of a batch run.
 
     :param words: launch file of each package, and its arguments; empty to find it
     """

@@ -1,4 +1,4 @@
-"""Serialized actionlib messages: header, goal id and status before the user's fields."""
+"""Parser and builder of serialized actionlib messages; goal, feedback and result stay bytes."""
 
 import io
 import struct

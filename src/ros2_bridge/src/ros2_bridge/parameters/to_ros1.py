@@ -1,4 +1,4 @@
-"""Mirror of a ROS 2 node's parameters on the ROS 1 parameter server."""
+"""Two-way mirror of a ROS 2 node's parameters on the ROS 1 parameter server."""
 
 import collections
 import difflib

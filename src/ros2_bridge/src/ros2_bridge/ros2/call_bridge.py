@@ -1,4 +1,4 @@
-"""Base class of the bridges of services and actions, whose servers answer within a timeout."""
+"""Base class of the service bridge and the action bridge, with the timeout of their servers."""
 
 from typing import Callable, Mapping, TypeVar
 
@@ -14,7 +14,7 @@ Pair = TypeVar("Pair", bound=Closable)
 
 
 class CallBridge(PairBridge[Pair]):
-    """Bridge of services or actions.
+    """Base class of a bridge of services or actions.
 
     :param node: the bridge in ROS 1
     :param participant: the bridge in ROS 2

@@ -127,7 +127,7 @@ class QosProfile(NamedTuple):
 
 
 class QosProfiles:
-    """QosProfile of service of each topic: set by the user, or derived from other publishers.
+    """Quality of service (QoS) of each topic: set by the user, or derived from other publishers.
 
     :param depth: default history depth
     :param chosen: list of mappings, each with a pattern of topics, ``topic``, and some of

@@ -37,7 +37,7 @@ TABLE: Dict[str, NextStates] = {
 
 
 class Receiver:
-    """Receiving side of a board.
+    """State machine that assembles frames from the bytes that a board receives.
 
     :param input_size: largest message [bytes]; a real board would overwrite the memory behind its
         buffer with a longer one, this board drops and counts it

@@ -1,4 +1,4 @@
-"""Simulated board with rosserial's library and a sketch."""
+"""Simulated rosserial client library: device side of the protocol, for a Python sketch."""
 
 from typing import Dict, List, NamedTuple, Protocol, Sequence, Tuple
 
@@ -67,7 +67,7 @@ class Sketch(Protocol):
 
 
 class Device:
-    """Device side of the protocol. Time is an argument [s].
+    """Board's side of rosserial's protocol. Time is an argument [s].
 
     :param sketch: the sketch to run
     :param input_size: largest message that it receives [bytes]

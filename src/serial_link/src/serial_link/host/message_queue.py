@@ -1,4 +1,4 @@
-"""Message queue that keeps only the newest of a stream if its line or thread is too slow."""
+"""Queue of messages to or from a board, which drops old ones of a topic if its reader is slow."""
 
 import threading
 import time

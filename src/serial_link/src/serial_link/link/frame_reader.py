@@ -1,4 +1,4 @@
-"""Reader of frames from a board's port, with the damage and silence of its line."""
+"""Reader of frames from a board's port, which counts damaged frames and explains silence."""
 
 from typing import Dict, List, NamedTuple
 
@@ -11,7 +11,7 @@ from serial_link.host.counters import Counters
 
 
 class ReceivedFrames(NamedTuple):
-    """Frames of one read.
+    """Frames completed by one read, and whether bytes between them are damaged.
 
     :param frames: the frames, oldest first
     :param is_damaged: whether bytes between them are not a frame

@@ -1,4 +1,4 @@
-"""Writer of CSV files with formulas of a bag beside its fields."""
+"""CSV writer for a bag's fields together with values computed from them by formulas."""
 
 from typing import Iterable, List, Sequence, TextIO
 

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Arrays of serialized messages: their lengths, and the names of their elements."""
+"""Lengths of arrays in serialized messages, and their elements' names, such as joint names."""
 
 import re
 import struct

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Traces: samples of fields, placed at the times of their messages."""
+"""Traces: recorded samples of message fields over time, by stamp or by time of reception."""
 
 import math
 from typing import List, Optional, Tuple, Union
@@ -26,7 +26,7 @@ _NO_LATENCY = "the stamps are of another clock: no latency"
 
 
 class Stream:
-    """Traces of one topic with the same timestamp source.
+    """Topic whose messages are sampled into traces, all with the same timestamp source.
 
     :param topic: the topic
     :param timestamp: name of the timestamp source; see :func:`.timestamp_source.path_of`

@@ -18,7 +18,7 @@ from pid_control.signal_runner.coursework import (
     package_folder,
     yaml_files,
 )
-from pid_control.signal_runner.judged_coursework import JudgedCoursework
+from pid_control.signal_runner.coursework_finder import CourseworkFinder
 from pid_control.signal_runner.message_numbers import numbers_in
 from pid_control.judging.record import Pause
 from pid_control.signal_runner.node_pair import choose_pair, describe_topics
@@ -179,8 +179,8 @@ def test_has_coursework_goes_by_the_names_of_programs(tmp_path: pathlib.Path) ->
     folder = package(tmp_path, {}, "process.py", "talker.py")
     assert not has_coursework(folder)
     (tmp_path / "scripts" / "signal_generator.cpp").write_text("")
-    assert has_coursework(folder) and JudgedCoursework([]).is_in(folder)
-    assert JudgedCoursework(["a.launch"]).words(folder, None) == [folder, "a.launch"]
+    assert has_coursework(folder) and CourseworkFinder([]).is_in(folder)
+    assert CourseworkFinder(["a.launch"]).words(folder, None) == [folder, "a.launch"]
 
 
 def test_files_of_a_package_are_found() -> None:

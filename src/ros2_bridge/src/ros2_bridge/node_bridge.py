@@ -15,8 +15,8 @@ from ros2_bridge.parameters.ros1_parameters import (
     Ros1Parameters,
     ServerParameters,
 )
-from ros2_bridge.parameters.to_ros1 import ParametersToRos1
-from ros2_bridge.parameters.to_ros2 import ParametersToRos2
+from ros2_bridge.parameters.ros1_mirror import ParametersToRos1
+from ros2_bridge.parameters.parameter_services import ParametersToRos2
 from ros2_bridge.ros1.graph import Ros1Graph
 from ros2_bridge.ros2.participant import Participant
 from ros2_bridge.ros2.rcl_take import ReceivedMessage

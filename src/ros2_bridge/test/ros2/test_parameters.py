@@ -28,8 +28,8 @@ from test_topics import publisher1
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.parameters.messages import to_message
 from ros2_bridge.parameters.ros1_parameters import ServerParameters
-from ros2_bridge.parameters.to_ros1 import ParametersToRos1
-from ros2_bridge.parameters.to_ros2 import ParametersToRos2
+from ros2_bridge.parameters.ros1_mirror import ParametersToRos1
+from ros2_bridge.parameters.parameter_services import ParametersToRos2
 from ros2_bridge.parameters.values import BYTES, DOUBLE, DOUBLES, INTEGER, STRING, STRINGS, changes
 
 GENERATOR = "/tuned_generator"

@@ -18,7 +18,7 @@ from topic_scope.bag.opening import open_bag
 from topic_scope.bag.player import BagPlayer
 from topic_scope.bag.recording import BagError, Recording
 from topic_scope.bag.ros2_types import Ros2Type, TypeProblem
-from topic_scope.messages.decoding import Decoder, NotThere
+from topic_scope.messages.decoding import Decoder, ElementMissing
 from topic_scope.messages.fields import Key
 
 KINDS = [("MCAP", ""), ("MCAP", "STORAGE"), ("SQLITE3", ""), ("SQLITE3", "MESSAGE")]
@@ -68,7 +68,7 @@ def test_every_value_equals_the_written_one(recording: str) -> None:
             assert time == when
             try:
                 value = decoder.value(data)
-            except NotThere:
+            except ElementMissing:
                 value = None
             place = column.path
             wanted = value_in(message, tuple(one for one in place if not isinstance(one, Key)))

@@ -9,7 +9,7 @@ from bags import write_bag
 from std_msgs.msg import Float64
 
 from topic_scope.bag.overlay import BagOverlay
-from topic_scope.page.state import Page
+from topic_scope.page.open_page import Page
 from topic_scope.page.trigger import TriggerWatch
 from topic_scope.protocol.checks import RequestError
 from topic_scope.protocol.overlay_request import OverlayRequest

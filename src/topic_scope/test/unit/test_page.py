@@ -7,7 +7,7 @@ import pytest
 from test_differences import TimedSource, recording
 
 from topic_scope.page import charts
-from topic_scope.page.state import Page
+from topic_scope.page.open_page import Page
 from topic_scope.page.view import pinned
 from topic_scope.protocol.requests import Chart, Measure, View
 from topic_scope.protocol.scaling import Scaling, TraceScale

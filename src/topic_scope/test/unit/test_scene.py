@@ -10,12 +10,12 @@ import rospy
 from geometry_msgs.msg import Point, PoseStamped, TransformStamped
 from nav_msgs.msg import Odometry, Path
 from sensor_msgs.msg import LaserScan
-from test_record_reader import serialized
+from test_message_reader import serialized
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
 from topic_scope.messages.definitions import layout_of, parse
-from topic_scope.messages.record_reader import MessageReader
+from topic_scope.messages.message_reader import MessageReader
 from topic_scope.robots import scene
 from topic_scope.robots.scene import Scene
 

@@ -33,7 +33,7 @@ from topic_scope.messages.fields import FieldError, to_path
 from topic_scope.messages.layouts import Layouts
 from topic_scope.messages.states import CHARACTERS, TEXTS, StateDecoder, StateTable
 from topic_scope.page.csv_export import parts
-from topic_scope.page.state import Page
+from topic_scope.page.open_page import Page
 from topic_scope.page.state_feed import StateFeed
 from topic_scope.page.statistics_table import statistics_of
 from topic_scope.page.frequency_backoff import FrequencyBackoff

@@ -188,7 +188,7 @@ class _BatchListener(RegistrationListener):
             self._listener.publisher_update(name, missing)
 
 
-class _OwnServer:
+class _PublisherUpdateListener:
     """Listener that sends this node publisherUpdate as the master does, for an unknown rospy."""
 
     @staticmethod
@@ -272,7 +272,7 @@ def reregister_all(request: Request) -> bool:
     :raises ConnectionError: if the request fails
     """
     listener = PROCESS.find(_BatchListener) or _BatchListener(
-        (_listeners() or [_OwnServer])[0], request
+        (_listeners() or [_PublisherUpdateListener])[0], request
     )
     return listener.add(all_entries(), request)
 

@@ -138,7 +138,7 @@ def _evidence(arguments: argparse.Namespace, scenarios: Sequence[str]) -> Tuple[
 
 def _judge_class(arguments: argparse.Namespace) -> int:
     from pid_control.programs.batch import Batch
-    from pid_control.signal_runner.judged_coursework import JudgedCoursework
+    from pid_control.signal_runner.coursework_finder import CourseworkFinder
 
     parser = _parser()
     check_class(parser, arguments, ("workspace", "picture", "csv"))
@@ -149,7 +149,7 @@ def _judge_class(arguments: argparse.Namespace) -> int:
         if getattr(arguments, name) is not None:
             options += ["--" + name.replace("_", "-"), getattr(arguments, name)]
     roster = roster_of(parser, arguments)
-    part = JudgedCoursework(arguments.words)
+    part = CourseworkFinder(arguments.words)
     output = os.path.abspath(arguments.output)
     folder, limit = arguments.class_folder, arguments.time_limit
     return Batch(folder, part, options, output, limit, roster).run()

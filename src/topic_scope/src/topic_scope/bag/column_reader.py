@@ -10,7 +10,7 @@ from topic_scope.analysis.csv_rows import CsvColumn, header, quoted, rows
 from topic_scope.bag.columns import Column
 from topic_scope.bag.message_slices import FirstMessage, Slice
 from topic_scope.messages.arrays import first_missing, lengths_in, missing_text
-from topic_scope.messages.decoding import Decoder, NotThere, rounding_text
+from topic_scope.messages.decoding import Decoder, ElementMissing, rounding_text
 from topic_scope.messages.derived import STATE, make, parts
 from topic_scope.messages.fields import FieldError, Key, to_text
 from topic_scope.messages.states import StateDecoder, StateTable
@@ -162,7 +162,7 @@ class ColumnReader:
             value = decoder.value(message)
         except struct.error:
             return _CUT_OFF
-        except NotThere:
+        except ElementMissing:
             if not self._was_there:
                 self._explain(message)
             return None

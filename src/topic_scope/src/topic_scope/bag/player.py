@@ -34,7 +34,7 @@ class Subscription:
         return iter(batches)
 
 
-class SideSubscriptions:
+class RecentSubscriptions:
     """Second set of subscriptions to a played bag; a :class:`.MessageSource`.
 
     After a seek it receives only the last seconds of the history, and at least the latest message
@@ -86,7 +86,7 @@ class BagPlayer:
         self._history = round(history * _NS)
         self._wanted: Set[str] = set()
         self._subscriptions: Dict[str, Subscription] = {}
-        self.aside = SideSubscriptions(self)
+        self.aside = RecentSubscriptions(self)
         self._connections: Set[int] = set()
         #: Chunks to read, as number and start [ns]; and messages read ahead of the clock.
         self._chunks: Deque[Tuple[int, int]] = deque()

@@ -6,7 +6,7 @@ import struct
 from functools import partial
 from typing import Callable, Dict, List, Optional, Sequence, Tuple, Union
 
-from topic_scope.messages.decoding import COUNT, NotThere, follow, labels, steps_to, texts
+from topic_scope.messages.decoding import COUNT, ElementMissing, follow, labels, steps_to, texts
 from topic_scope.messages.definitions import Array, Record, Text
 from topic_scope.messages.fields import (
     FieldError,
@@ -41,7 +41,7 @@ def lengths_in(layout: Record, data: bytes) -> Lengths:
     def length(path: Path) -> int:
         try:
             return int(COUNT.unpack_from(data, follow(steps_to(layout, path)[0], data))[0])
-        except (NotThere, struct.error):
+        except (ElementMissing, struct.error):
             return 0
 
     return length
@@ -63,7 +63,7 @@ def names_in(layout: Record, data: bytes, path: Path, field: str = "") -> List[s
             return [label for label, _ in read(data, follow(steps, data))] if read else []
         steps, _ = steps_to(layout, names_of(layout, path))
         return [text.decode(errors="replace") for text in texts(data, follow(steps, data))]
-    except (FieldError, NotThere, struct.error):
+    except (FieldError, ElementMissing, struct.error):
         return []
 
 

@@ -23,7 +23,7 @@ Advance = Union[int, Callable[[bytes, int], int]]
 COUNT = struct.Struct("<I")
 
 
-class NotThere(Exception):
+class ElementMissing(Exception):
     """An array ends before the element, or no element has the name."""
 
 
@@ -94,7 +94,7 @@ class Decoder:
         """Return whether a message has all array elements of the path."""
         try:
             follow(self._steps, message)
-        except (NotThere, struct.error):
+        except (ElementMissing, struct.error):
             return False
         return True
 
@@ -102,7 +102,7 @@ class Decoder:
         """Return the exact value in a message.
 
         :returns: the number; nanoseconds for a time or a duration
-        :raises NotThere: if an array element of its path is missing
+        :raises ElementMissing: if an array element of its path is missing
         :raises struct.error: if the message is cut off
         """
         values = self._struct.unpack_from(message, follow(self._steps, message))
@@ -111,13 +111,13 @@ class Decoder:
     def _time_of(self, data: bytes) -> int:
         try:
             return int(self.value(data))
-        except (NotThere, struct.error):
+        except (ElementMissing, struct.error):
             return NO_TIME
 
     def _decode_one(self, data: bytes) -> float:
         try:
             values = self._struct.unpack_from(data, follow(self._steps, data))
-        except (NotThere, struct.error):  # struct.error: the message is cut off
+        except (ElementMissing, struct.error):  # struct.error: the message is cut off
             return float("nan")
         return values[0] + values[1] * 1e-9 if self.is_time else float(values[0])
 
@@ -135,7 +135,7 @@ def follow(steps: Sequence[Advance], data: bytes, offset: int = 0) -> int:
     """Return the offset after some steps in a message.
 
     :param offset: start of the steps
-    :raises NotThere: if an array element of the path is missing
+    :raises ElementMissing: if an array element of the path is missing
     :raises struct.error: if the message is cut off
     """
     for step in steps:
@@ -204,7 +204,7 @@ def _step_to_element(array: Array, index: int) -> Advance:
     def step(data: bytes, offset: int) -> int:
         if array.length is None:
             if index >= COUNT.unpack_from(data, offset)[0]:
-                raise NotThere
+                raise ElementMissing
             offset += 4
         return over_elements(data, offset, index)
 
@@ -223,7 +223,7 @@ def _step_to_named(array: Array, name: bytes, names: Sequence[Advance]) -> Advan
         for index, text in enumerate(texts(data, follow(names, data))):
             if text == name and index < count:
                 return over_elements(data, offset, index)
-        raise NotThere
+        raise ElementMissing
 
     return step
 
@@ -236,7 +236,7 @@ def _step_to_labelled(array: Array, key: Key) -> Advance:
         for label, place in read(data, offset):
             if label == key.value:
                 return place
-        raise NotThere
+        raise ElementMissing
 
     return step
 

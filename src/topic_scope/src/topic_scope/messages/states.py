@@ -10,7 +10,7 @@ from typing import Dict, List, Optional, Sequence
 
 import numpy
 
-from topic_scope.messages.decoding import COUNT, NotThere, follow, steps_to
+from topic_scope.messages.decoding import COUNT, ElementMissing, follow, steps_to
 from topic_scope.messages.definitions import Record, Scalar, Text
 from topic_scope.messages.fields import FieldError, Path, to_text, value_names_at
 
@@ -79,7 +79,7 @@ class StateDecoder:
     def value(self, message: bytes) -> str:
         """Return the state in a message; the number itself if its value has no name.
 
-        :raises NotThere: if an array element of its path is missing
+        :raises ElementMissing: if an array element of its path is missing
         :raises struct.error: if the message is cut off
         """
         place = follow(self._steps, message)
@@ -99,7 +99,7 @@ class StateDecoder:
     def _decode_one(self, message: bytes) -> float:
         try:
             return self._table.number(self.value(message))
-        except (NotThere, struct.error):
+        except (ElementMissing, struct.error):
             return math.nan
 
     def rounding(self, _values: numpy.ndarray) -> int:
@@ -110,6 +110,6 @@ class StateDecoder:
         """Return whether a message has all array elements of the path."""
         try:
             follow(self._steps, message)
-        except (NotThere, struct.error):
+        except (ElementMissing, struct.error):
             return False
         return True

@@ -12,7 +12,7 @@ from nodekit import NodeScope
 from topic_scope.graph.worker import Worker
 from topic_scope.graph.master_watch import GraphState
 from topic_scope.graph.node_queries import NodeQueries
-from topic_scope.page.state import Page
+from topic_scope.page.open_page import Page
 from topic_scope.protocol.requests import Drive, Goal
 from topic_scope.robots import drive_session
 from topic_scope.robots.dead_man import Velocity

@@ -6,8 +6,8 @@ import rospy
 
 from nodekit import Throttle
 from topic_scope.messages.layouts import Layouts
-from topic_scope.messages.record_reader import MessageReader
-from topic_scope.page.state import Page
+from topic_scope.messages.message_reader import MessageReader
+from topic_scope.page.open_page import Page
 from topic_scope.sampling.message_source import Batch, MessageSource
 from topic_scope.robots import scene
 from topic_scope.timing.nanoseconds import NS

@@ -3,7 +3,7 @@
 from typing import Callable, List, Optional, Sequence
 
 from topic_scope.messages.fields import FieldError
-from topic_scope.page.state import Page
+from topic_scope.page.open_page import Page
 from topic_scope.page.statistics_table import left_out, warn_of
 from topic_scope.page.view import pinned
 from topic_scope.protocol.checks import TRACES

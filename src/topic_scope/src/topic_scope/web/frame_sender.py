@@ -8,7 +8,7 @@ import rospy
 import tornado.ioloop
 
 from nodekit import Throttle
-from topic_scope.page.state import Page
+from topic_scope.page.open_page import Page
 from topic_scope.sampling.recorder import Recorder
 from topic_scope.web.handlers import PageSocket
 

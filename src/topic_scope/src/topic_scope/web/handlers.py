@@ -15,7 +15,7 @@ import tornado.netutil
 import tornado.web
 import tornado.websocket
 
-from topic_scope.page.state import Page
+from topic_scope.page.open_page import Page
 from topic_scope.protocol.checks import RequestError
 from topic_scope.protocol.export_request import export_of
 from topic_scope.protocol.options import Options

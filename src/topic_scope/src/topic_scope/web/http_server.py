@@ -11,7 +11,7 @@ import tornado.ioloop
 
 from nodekit.master import MasterClient, MasterUnreachable
 from topic_scope.analysis.csv_rows import header
-from topic_scope.page.state import Page
+from topic_scope.page.open_page import Page
 from topic_scope.protocol.options import Options
 from topic_scope.web import handlers
 from topic_scope.web.scope_session import ScopeSession

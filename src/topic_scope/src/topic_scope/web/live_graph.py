@@ -10,7 +10,7 @@ from topic_scope.graph.worker import Worker
 from topic_scope.graph.topology import GraphFeed
 from topic_scope.graph.master_watch import GraphState, MasterWatch
 from topic_scope.messages.layouts import Layouts
-from topic_scope.page.state import Page
+from topic_scope.page.open_page import Page
 from topic_scope.protocol import requests
 from topic_scope.protocol.checks import RequestError
 from topic_scope.protocol.requests import Handler

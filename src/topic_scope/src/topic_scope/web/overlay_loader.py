@@ -9,7 +9,7 @@ import rospy
 from topic_scope.bag.series import Series
 from topic_scope.bag.overlay import BagOverlay
 from topic_scope.graph.worker import Worker
-from topic_scope.page.state import Page
+from topic_scope.page.open_page import Page
 from topic_scope.page.trigger import crossings
 from topic_scope.protocol.checks import RequestError
 from topic_scope.protocol.options import Options

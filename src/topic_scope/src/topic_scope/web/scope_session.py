@@ -6,7 +6,7 @@ import tornado.ioloop
 
 from topic_scope.bag.overlay import BagOverlay
 from topic_scope.page.csv_export import parts
-from topic_scope.page.state import Page
+from topic_scope.page.open_page import Page
 from topic_scope.protocol import requests
 from topic_scope.protocol.checks import RequestError
 from topic_scope.protocol.options import Options

@@ -6,7 +6,7 @@ from topic_scope.formulas.names import with_letters
 from topic_scope.formulas.parser import FUNCTIONS
 from topic_scope.masks.limits import Mask, MaskCheck
 from topic_scope.messages.fields import FieldError
-from topic_scope.page.state import Page
+from topic_scope.page.open_page import Page
 from topic_scope.page.trigger import TriggerWatch
 from topic_scope.protocol import formula_request, requests
 from topic_scope.protocol.overlay_request import overlay_of

@@ -18,7 +18,7 @@ Reader = Callable[[bytes, int], Tuple[Any, int]]
 _COUNT = struct.Struct("<I")
 
 
-class CutOff(ValueError):
+class TruncatedMessage(ValueError):
     """Message that ends before its declared length."""
 
 
@@ -35,12 +35,12 @@ class MessageReader:
         """Return a message: numbers, strings, numeric arrays, and lists and dictionaries of them.
 
         :param data: the serialized message; times are converted to s
-        :raises CutOff: if it is truncated
+        :raises TruncatedMessage: if it is truncated
         """
         try:
             message: Dict[str, Any] = self._read(data, 0)[0]
         except (struct.error, ValueError) as error:
-            raise CutOff(f"the message is cut off: {error}") from None
+            raise TruncatedMessage(f"the message is cut off: {error}") from None
         return message
 
 
@@ -69,7 +69,7 @@ def _text(data: bytes, offset: int) -> Tuple[str, int]:
     start = offset + _COUNT.size
     end = start + _COUNT.unpack_from(data, offset)[0]
     if end > len(data):
-        raise CutOff("a text ends beyond the message")
+        raise TruncatedMessage("a text ends beyond the message")
     return data[start:end].decode(errors="replace"), end
 
 
@@ -94,7 +94,7 @@ def _array(layout: Array) -> Reader:
         if count is None:
             count, offset = _COUNT.unpack_from(data, offset)[0], offset + _COUNT.size
         if count > len(data):  # the count of empty elements is otherwise unbounded
-            raise CutOff("an array ends beyond the message")
+            raise TruncatedMessage("an array ends beyond the message")
         return elements(data, offset, count)
 
     return read
@@ -110,7 +110,7 @@ def _numbers(element: Any) -> Callable[[bytes, int, int], Tuple[Any, int]]:
     def read(data: bytes, offset: int, count: int) -> Tuple[numpy.ndarray, int]:
         end = offset + count * element.size
         if end > len(data):
-            raise CutOff("an array ends beyond the message")
+            raise TruncatedMessage("an array ends beyond the message")
         return numpy.frombuffer(data, numbers, count, offset), end
 
     return read

@@ -7,7 +7,7 @@ from pid_control.signal_runner.coursework import has_coursework
 from pid_control.verdicts.limits import Figures
 
 
-class JudgedCoursework:
+class CourseworkFinder:
     """First coursework of each package; the :class:`.JudgedPart` of a batch run.
 
     :param words: launch file of each package, and its arguments; empty to find it

@@ -14,7 +14,7 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
 from topic_scope.messages.definitions import layout_of, parse
-from topic_scope.messages.record_reader import CutOff, MessageReader
+from topic_scope.messages.message_reader import TruncatedMessage, MessageReader
 
 
 def serialized(message: Any) -> bytes:
@@ -55,17 +55,17 @@ def test_reads_what_was_written(message: Any) -> None:
 def test_truncated_or_corrupt_message_is_rejected_cheaply(message: Any, data: Any) -> None:
     reader, whole = MessageReader(layout_of(type(message))), serialized(message)
     end = data.draw(st.integers(0, len(whole) - 1))
-    with pytest.raises(CutOff):
+    with pytest.raises(TruncatedMessage):
         reader.read(whole[:end])
     wrong = whole[:end] + data.draw(st.binary(min_size=1, max_size=8)) + whole[end + 8 :]
     try:
         reader.read(wrong)
-    except CutOff:
+    except TruncatedMessage:
         pass
 
 
 def test_unbounded_count_of_empty_elements_is_rejected() -> None:
     separator = "\n" + "=" * 80 + "\n"
     layout = parse("a/B", f"Empty[] all{separator}MSG: a/Empty\n")
-    with pytest.raises(CutOff):
+    with pytest.raises(TruncatedMessage):
         MessageReader(layout).read(b"\xff\xff\xff\xff")

@@ -1,4 +1,4 @@
-"""Parameters under the course's names: in the node's namespace, not private."""
+"""Copy of parameters from the course's names, such as ``/system_param_K``, to private ones."""
 
 from typing import Type
 

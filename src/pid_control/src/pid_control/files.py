@@ -1,4 +1,4 @@
-"""Output files of the commands."""
+"""Atomic writer of output files, and a check beforehand that they can be written."""
 
 import errno
 import os

@@ -1,4 +1,4 @@
-"""Parameters of the set point."""
+"""Parameters of the set point generator node: those of a signal generator."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ from basic_comms.signals.signal_parameters import SignalParameters
 
 
 class SetPointParameters(SignalParameters):
-    """Parameters of a signal, without ``autostart``."""
+    """Parameters of the set point generator: a signal generator's, without ``autostart``."""
 
     #: Constant instead of a parameter: a set point has no service that enables it.
     autostart: Any = property(lambda self: True)

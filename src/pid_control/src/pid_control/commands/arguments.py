@@ -1,4 +1,4 @@
-"""Types of command-line arguments, for argparse."""
+"""Converters for argparse ``type=``: finite number, path of a YAML file, path of an SVG file."""
 
 import argparse
 import math

@@ -1,4 +1,4 @@
-"""Command ``rosrun pid_control judge_signals``: judgement of the first coursework."""
+"""Command ``rosrun pid_control judge_signals``: test of a signal generator and process node."""
 
 import argparse
 import os

@@ -1,4 +1,4 @@
-"""The parameters of the controller."""
+"""Live parameters of the PID controller node: gains, output limits, anti-windup, timeouts."""
 
 from nodekit import BoolParameter, EnumParameter, FloatParameter, ParameterSet, rule
 from pid_control.controller.pid import ANTI_WINDUPS, CLAMPING, MODES, PI, PidSettings

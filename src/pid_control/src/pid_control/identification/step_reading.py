@@ -1,4 +1,4 @@
-"""Step reading of the course: K is steady output over step height, T the time to 63.2 %."""
+"""Gain K and time constant T (time to 63.2 %) from one step response, read as by hand."""
 
 from typing import List, NamedTuple, Optional
 

@@ -1,4 +1,4 @@
-"""Simulation of a scenario: the messages to the controller, and the motor's response."""
+"""Simulated motor and set point of one scenario, advanced step by step, without ROS."""
 
 import math
 import random

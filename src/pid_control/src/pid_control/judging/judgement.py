@@ -1,4 +1,4 @@
-"""Judgement of a controller by its records."""
+"""Verdict on a controller: metrics of its scenarios against limits, and causes of failures."""
 
 from typing import List, Optional, Sequence
 

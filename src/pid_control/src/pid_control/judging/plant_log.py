@@ -1,4 +1,4 @@
-"""Log of the messages of a real plant."""
+"""Logged messages of a real plant, converted to the record of a scenario."""
 
 from bisect import bisect_left
 from typing import List, NamedTuple, Tuple

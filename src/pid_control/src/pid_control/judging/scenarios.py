@@ -1,4 +1,4 @@
-"""Scenarios for a controller, as data."""
+"""Test scenarios of a motor controller, as data: set point, load, noise, NaN, silence, pauses."""
 
 import math
 from typing import Dict, NamedTuple, Optional, Sequence, Tuple

@@ -1,4 +1,4 @@
-"""Simulation of a scenario with a known control law, as a faultless controller."""
+"""Offline simulation of a scenario with a known control law in place of a controller node."""
 
 import math
 from typing import Callable, List

@@ -1,4 +1,4 @@
-"""The motor node: the input is a voltage, the output a speed."""
+"""Simulated motor node: first-order plant with ``motor_input`` (voltage) and ``motor_output``."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""The motor's status texts, as the course words them."""
+"""Status texts in ``motor_output``, such as "Motor Turning", by the motor's speed."""
 
 TURNING, NOT_TURNING, MAX_SPEED = "Motor Turning", "Motor Not Turning", "Motor Max Speed"
 

@@ -1,4 +1,4 @@
-"""Part of each package that a batch run judges, such as a program of a given name."""
+"""Search of each package in a batch run for the program to judge, such as ``controller.py``."""
 
 import glob
 import os

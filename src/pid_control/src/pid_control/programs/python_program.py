@@ -1,4 +1,4 @@
-"""Start of a Python program that the kernel cannot execute."""
+"""Start of a Python script with python3 if its mode or its ``#!`` line is unusable."""
 
 import contextlib
 import os

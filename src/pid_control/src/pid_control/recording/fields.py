@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Numeric fields of messages, named by topic and path: ``/motor_output/output``. Pure."""
+"""Access to numeric message fields by topic and path, such as ``/motor_output/output``."""
 
 import re
 from typing import Any, Collection, List, NamedTuple

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Samples of outputs, by the plant's own time stamps if present."""
+"""Samples of a plant's messages, timed by their field ``time`` if present, else by arrival."""
 
 from typing import Any, List, Optional
 

@@ -1,4 +1,4 @@
-"""Runner with the test bench: simulated motor, set point and clock."""
+"""Runner of a controller process in scenarios with a simulated motor, set point and clock."""
 
 import contextlib
 import math
@@ -40,7 +40,7 @@ _SETTLE_S = 0.1
 
 
 class BenchRunner:
-    """Runner with the test bench; each scenario has its own controller process.
+    """Runner with a :class:`.TestBench`; each scenario has its own controller process.
 
     :param bench: the test bench
     :param command: command of the controller

@@ -1,4 +1,4 @@
-"""Clocks of the scenarios: simulated, or the machine's."""
+"""Pacing of a scenario's steps: by an idle controller in simulated time, or by the wall clock."""
 
 import time
 from typing import Callable, List, Optional, Protocol
@@ -73,7 +73,7 @@ class SimulatedClock:
 
 
 class WallClock:
-    """The machine's clock.
+    """Wall clock, for scenarios in real time.
 
     :ivar latest: largest delay of this process so far [s]
     """

@@ -1,4 +1,4 @@
-"""Judgement of the reference controller with given gains."""
+"""Test of this package's controller node with given gains and the simulated motor."""
 
 import time
 from typing import Iterator, List, Sequence, Tuple

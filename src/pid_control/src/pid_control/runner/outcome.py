@@ -1,4 +1,4 @@
-"""Outcome of a scenario: failure of the controller, or a reason why it cannot be judged."""
+"""Failures of a controller in a scenario, errors of the judge, and the interface of runners."""
 
 import signal
 import time

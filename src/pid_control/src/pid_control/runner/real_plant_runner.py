@@ -1,4 +1,4 @@
-"""Runner with a real plant."""
+"""Runner of a controller process in scenarios with a real motor on the current ROS master."""
 
 import time
 from typing import Dict, List, Optional

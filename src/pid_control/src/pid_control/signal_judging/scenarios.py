@@ -1,4 +1,4 @@
-"""Scenarios of a coursework, and the figures of each."""
+"""Tables of the scenarios for a signal generator and process node, and of their metrics."""
 
 from typing import Dict, NamedTuple, Tuple
 

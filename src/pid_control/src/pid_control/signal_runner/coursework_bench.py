@@ -1,4 +1,4 @@
-"""Bench for courseworks on a private master, one after the other."""
+"""Private master on which the signal generator courseworks of several packages run in turn."""
 
 import contextlib
 import os
@@ -62,7 +62,7 @@ def find_request(
 
 
 class CourseworkBench:
-    """Private master, and a bench on it; once per process.
+    """Private master with a :class:`.SignalBench`; created once per process.
 
     :ivar notes: notes on the latest coursework
     """

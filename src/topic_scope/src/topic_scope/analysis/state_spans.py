@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Time spans of constant state."""
+"""Time spans in which a state trace (text or named value) is constant, merged if too many."""
 
 from typing import List, NamedTuple, Optional
 

@@ -1,4 +1,4 @@
-"""Statistics of a trace."""
+"""Statistics of a trace: rate, minimum, maximum, mean, RMS, standard deviation, NaN share."""
 
 import math
 from typing import Dict, Optional

@@ -1,4 +1,4 @@
-"""Measurements of a step, of a wave, and of two traces.
+"""Choice of step or wave measurements for a trace, and the phase between two traces.
 
 A trace that rests at one level, moves to another and rests there is a step; a periodic trace is a
 wave. Any other trace has none of these measurements.

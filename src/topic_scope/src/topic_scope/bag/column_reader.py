@@ -1,4 +1,4 @@
-"""Reader of columns from the messages of a bag, and the writer of CSV files."""
+"""Reader of one field's numbers and stamps from a bag's messages, and a CSV writer."""
 
 import math
 import struct

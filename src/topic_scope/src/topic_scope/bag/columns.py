@@ -1,4 +1,4 @@
-"""Selection of numeric fields of a bag by name."""
+"""Selection of a bag's fields and formulas by name, as columns or plot lines."""
 
 import difflib
 from functools import partial

@@ -1,4 +1,4 @@
-"""Series of a bag's lines, by the names of the lines."""
+"""Time series of the fields and formulas of a bag that given names select."""
 
 from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 

@@ -1,4 +1,4 @@
-"""Messages of a bag by topic, in time order."""
+"""Reader of a bag's messages about a chunk at a time, by topic, in time order."""
 
 from typing import Collection, Dict, Iterator, List, NamedTuple, Optional
 

@@ -1,4 +1,4 @@
-"""Plots of numbers from a bag over time."""
+"""Matplotlib plot of a bag's time series: numbers as lines, states as coloured bands."""
 
 import math
 import textwrap

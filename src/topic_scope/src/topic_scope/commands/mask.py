@@ -1,4 +1,4 @@
-"""Command ``rosrun topic_scope mask.py``: mask test of a trace."""
+"""Command ``rosrun topic_scope mask.py``: mask test of a trace, live or in a bag."""
 
 import argparse
 import math

@@ -1,4 +1,4 @@
-"""Managed nodes on the graph: their states, and the transitions that a page may request."""
+"""Lifecycle (managed) nodes on the graph: their states, and transitions requested by pages."""
 
 import time
 from functools import partial

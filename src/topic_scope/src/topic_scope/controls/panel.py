@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Panel of a node, built from the node's description of its parameters.
+"""Parameter panel of one node: values, limits and service buttons, from its own description.
 
 The description is the reply of nodekit's service ``~describe``: a YAML list. The parameters are
 rebuilt from it, so that values are validated here as in the node, with the same error messages.

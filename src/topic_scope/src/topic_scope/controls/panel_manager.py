@@ -1,4 +1,4 @@
-"""Manager of the panels of all nodes that describe their parameters."""
+"""Manager of the parameter panels of all nodes that use nodekit or dynamic_reconfigure."""
 
 import time
 from functools import partial

@@ -1,4 +1,4 @@
-"""Polling of the master for the state of the graph, in a separate thread: calls may block."""
+"""Thread that polls the master for the state of the graph, and opens requested subscriptions."""
 
 import threading
 import traceback

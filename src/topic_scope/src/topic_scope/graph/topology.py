@@ -1,4 +1,4 @@
-"""Message with the graph of nodes and topics, and the message rates of its edges."""
+"""JSON message to pages: graph of nodes and topics, with the message rates of its edges."""
 
 from typing import Any, Callable, Dict, List, Optional, Set, Tuple
 

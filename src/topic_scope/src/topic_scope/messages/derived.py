@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Functions of fields, such as derivatives: a fixed list, nothing in a name is ever evaluated."""
+"""Fixed list of functions of a field: derivative, difference, unwrap, yaw of a quaternion."""
 
 import math
 from typing import Callable, Dict, Sequence, Tuple

@@ -1,4 +1,4 @@
-"""Message with the statistics of a page's traces."""
+"""JSON message to a page: measurements of its traces, and the latest states."""
 
 import math
 from typing import Any, Dict, Optional, Sequence, Tuple

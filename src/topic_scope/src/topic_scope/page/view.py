@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""View of one page: the bins that it has received, and the bins to send next."""
+"""Visible time span of one page, with the decimated samples that it has or needs next."""
 
 import math
 from typing import (
@@ -29,7 +29,7 @@ LATE_S = 1.0
 
 
 class LiveView:
-    """Frames of one page.
+    """View of one page; produces its frames.
 
     :param view: the time span to show
     """

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Clocks of stamps, each with one offset for all of its topics.
+"""Clocks behind message stamps (simulation, other machine), and their offsets to the scope's.
 
 Stamps of one clock, such as the clock of a simulation, of a replayed bag or of another machine, are
 shifted together, so that the times between topics are exactly the times between their stamps.

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Times of the messages of one topic, by the clock of their stamps.
+"""Placement of one topic's messages in time by their stamps, despite clock jumps and outliers.
 
 A sample is placed at its stamp, however late or early its message arrives. A single message does
 not affect the others: a clock has been set only if the following messages confirm it.

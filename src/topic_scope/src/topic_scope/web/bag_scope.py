@@ -1,4 +1,4 @@
-"""Oscilloscope that shows a bag, without a node or a master."""
+"""Main loop of the scope that shows a bag, without a node or a master."""
 
 import asyncio
 import logging

@@ -1,4 +1,4 @@
-"""Start of a node's process, before rospy is imported, and its end."""
+"""Entry point of node scripts: imports rospy quickly, and calls the main of the node's module."""
 
 import contextlib
 import importlib

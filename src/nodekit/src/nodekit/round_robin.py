@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Round robin: takes a few of many items at a time. Pure: it knows no ROS."""
+"""Round-robin selection from a list: each call returns the next few items. Knows no ROS."""
 
 from typing import List, Sequence, TypeVar
 

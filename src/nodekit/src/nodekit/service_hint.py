@@ -1,4 +1,4 @@
-"""Hint for the error of a command that does not find its service on the given node.
+"""Error hint of commands for a missing service: similar nodes that offer it, or none running.
 
 It suggests nodes with a similar name, and tells a running node from a missing one.
 """

@@ -33,7 +33,7 @@ class Goal:
 
 
 class Arrival(NamedTuple):
-    """Outcome of the arrival of a goal.
+    """Result of adding a goal to the list.
 
     :param goal: the listed goal
     :param is_new: whether the server has to decide about it

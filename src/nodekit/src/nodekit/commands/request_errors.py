@@ -1,4 +1,4 @@
-"""Exit of a command with an error message if the master or a node does not respond."""
+"""Context manager of commands: exits with one line if the master or the node does not respond."""
 
 import contextlib
 import sys

@@ -6,7 +6,7 @@ from typing import Iterable, List, NamedTuple
 
 
 class Level(enum.Enum):
-    """Weight of a finding; the value is its word in the report."""
+    """Severity of a finding; the value is its word in the report."""
 
     OK = "ok"
     NOTE = "note"

@@ -1,4 +1,4 @@
-"""Survey of the graph: asks the master, each node and each publisher, with time-outs."""
+"""Survey of the graph: queries master, nodes and publishers, and returns a Snapshot."""
 
 import contextlib
 import dataclasses

@@ -1,4 +1,4 @@
-"""Checks of this machine: its address, sockets that listen, and launch files that run here."""
+"""Checks of this machine: its address, listening sockets, and ignored roslaunch arguments."""
 
 import contextlib
 import glob

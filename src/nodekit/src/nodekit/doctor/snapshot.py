@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Snapshot of the graph, from the master, the nodes and the publishers."""
+"""Data classes of the surveyed graph: state of each node, and reply of each publisher."""
 
 import dataclasses
 from typing import Dict, FrozenSet, List, Optional, Tuple

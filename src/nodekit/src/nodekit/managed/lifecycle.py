@@ -1,4 +1,4 @@
-"""Transitions of a managed node: callbacks of its class, and their scopes."""
+"""Lifecycle: performs the transitions of a managed node by calling on_configure and the others."""
 
 import contextlib
 import traceback

@@ -1,4 +1,4 @@
-"""LifecycleScope: the scope that a callback of a managed node receives."""
+"""LifecycleScope: the NodeScope that on_configure or on_activate of a managed node receives."""
 
 from typing import Any, Callable, Optional
 

@@ -1,4 +1,4 @@
-"""Adapter that makes a managed node of any node's class."""
+"""Adapter that turns any node class into a managed node, which creates its object at configure."""
 
 import functools
 from typing import Any, Callable

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Check of messages for NaN and infinity, and float32 rounding."""
+"""Search of a message for NaN and infinity, and rounding of a number to float32."""
 
 import math
 import struct

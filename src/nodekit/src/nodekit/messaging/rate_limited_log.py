@@ -1,4 +1,4 @@
-"""Log of a stream of lines, with a limit of lines per second."""
+"""Logger with a limit of lines per second, which then logs the number of skipped lines."""
 
 import logging
 import sys

@@ -1,4 +1,4 @@
-"""Messages of an action, and the errors of goals."""
+"""Message classes of an action (goal, result, feedback), and the exceptions of goals."""
 
 import io
 from typing import Any, NamedTuple

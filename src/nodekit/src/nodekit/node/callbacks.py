@@ -1,4 +1,4 @@
-"""Callbacks: user functions, called in their group until they are closed."""
+"""Callbacks of subscriptions, services and actions: user functions, called in callback groups."""
 
 import threading
 import time

@@ -1,4 +1,4 @@
-"""Callbacks for changes of parameters."""
+"""Callbacks for parameter changes: of declared parameters, or of one undeclared parameter."""
 
 from typing import Any, Callable
 

@@ -19,7 +19,7 @@ CLOSE_WAIT_S = 1.0
 
 
 class Closed(RuntimeError):
-    """Error of an owner that is closed and creates nothing."""
+    """Error of creating a resource through an owner that is closed."""
 
 
 class ResourceOwner:

@@ -1,4 +1,4 @@
-"""StartQueue: opens the resources of nodes together, once their constructors have returned."""
+"""StartQueue: opens a node's topics, services and timers once its constructor has returned."""
 
 import threading
 from typing import Any, Iterable, List, Optional, Union

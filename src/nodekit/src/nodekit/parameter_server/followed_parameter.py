@@ -1,4 +1,4 @@
-"""Followed parameter of any node: a callback gets each change; the value is never written."""
+"""Read-only subscription to any key of the parameter server: a callback gets each change."""
 
 import copy
 from typing import Any, Callable, Optional, Sequence

@@ -1,4 +1,4 @@
-"""Watched key of the parameter server, and its pending notifications."""
+"""Watched key: one key of the parameter server watcher, with its unhandled notifications."""
 
 from typing import Any, Callable, List, Tuple
 

@@ -301,7 +301,7 @@ def format_value(value: Any, limit: int = 80) -> str:
 
 
 class NoValue:
-    """Placeholder of a raw value, of a type that no parameter accepts.
+    """Placeholder for a missing or unreadable raw value; no parameter accepts it.
 
     :param text: text of the placeholder
     """

@@ -1,4 +1,4 @@
-"""Reconciliation of a node's values with a parameter server that other programs write to.
+"""Reconciler: decides which server values a node adopts, and which values it writes back.
 
 Users write valid values, invalid values, and parts of a consistent set. The server has no
 compare-and-set: a write that resets an invalid value may overwrite a newer, valid value, which only
@@ -89,7 +89,7 @@ class Observation(NamedTuple):
 
 
 class Decision(NamedTuple):
-    """Result of a step.
+    """Result of a step of the reconciler: the values to adopt, to write, and to report.
 
     :param values: new current values
     :param writes: values to write now by name; an empty name replaces the whole namespace

@@ -1,4 +1,4 @@
-"""Description of parameters, exact enough for a client to validate values.
+"""Parameter descriptions: built and written as YAML by a node, parsed by its clients.
 
 A description has all limits of a type of :mod:`nodekit.parameters.parameter_types`, so that a
 client in another process can create the same parameter from it.

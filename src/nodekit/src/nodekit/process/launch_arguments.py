@@ -1,4 +1,4 @@
-"""Warnings about arguments of roslaunch that no launch file declares.
+"""Check of the roslaunch command line for arguments that no launch file declares.
 
 roslaunch ignores them silently, so the first node that it starts warns.
 """

@@ -1,4 +1,4 @@
-"""Address under which other nodes reach this process."""
+"""Address that this process announces (ROS_IP, ROS_HOSTNAME): its default, and a check of it."""
 
 import os
 import socket

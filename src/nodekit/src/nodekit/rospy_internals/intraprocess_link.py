@@ -1,4 +1,4 @@
-"""Link of a published topic to the subscribed one in the same process, which has no connection.
+"""Entry in getBusInfo, with counters, for a topic whose two ends are in the same process.
 
 rospy counts and lists connections only, so ``getBusInfo`` and ``get_num_connections`` would report
 a topic of two hosted nodes as unconnected.

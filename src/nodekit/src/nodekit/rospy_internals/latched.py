@@ -1,4 +1,4 @@
-"""Delivery of latched messages to a subscription that is added to a subscribed topic."""
+"""Delivery of latched messages to an additional subscription of a topic in the same process."""
 
 import io
 from typing import Any, Callable

@@ -1,4 +1,4 @@
-"""rospy's cache of parameters, and the updates that the master sends."""
+"""Hook into rospy's parameter cache: passes on the paramUpdate calls of the master."""
 
 from typing import Any, Callable
 

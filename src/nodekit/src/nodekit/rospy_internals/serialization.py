@@ -1,4 +1,4 @@
-"""Serialization of a message into rospy's send buffer."""
+"""Patch of rospy's serialize_message: clears the send buffer if a message cannot be serialized."""
 
 from typing import Any
 

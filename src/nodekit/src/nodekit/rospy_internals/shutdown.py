@@ -1,4 +1,4 @@
-"""Shutdown of rospy, and phases of shutdown hooks."""
+"""Patch of rospy's shutdown, and shutdown hooks that are called in phases."""
 
 import enum
 import traceback

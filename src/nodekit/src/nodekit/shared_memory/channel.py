@@ -187,7 +187,7 @@ class ReaderChannel:
 
 
 class Loan:
-    """Segment with a message that its reader has not given back; given back with this object.
+    """Segment on loan to a subscriber, which gives it back when this object is deleted.
 
     :param channel: the reader's end of the channel
     :param number: the segment's number

@@ -1,4 +1,4 @@
-"""Announcement of a message in a segment, in place of the message on a topic's connection.
+"""Frame sent on a TCPROS connection to announce a message that is in shared memory.
 
 TCPROS messages begin with their length; an announcement begins with an impossible length. A message
 with one large array of bytes is announced with the array's position: the rest is small, and the

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Run a node with a wall clock that jumps an hour back on SIGUSR1, an hour ahead on SIGUSR2.
+"""Test program: runs a node with a wall clock that SIGUSR1 and SIGUSR2 set back or ahead an hour.
 
 The machine's clock is unchanged: only Python code of the node reads the wrong time. The first
 argument is the name of the node's module, e.g. ``basic_comms.nodes.talker``.

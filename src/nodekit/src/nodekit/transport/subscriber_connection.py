@@ -1,4 +1,4 @@
-"""Connection to one subscriber: sent, held and lost messages.
+"""Publisher's connection to one subscriber: sends messages, and holds or drops unread ones.
 
 For a receiver that does not read, the rest of the partly sent delivery is held and sent first (a
 message is never split), then the newest messages, up to the requested depth and :data:`MOST_HELD`.

@@ -1,4 +1,4 @@
-"""Parameters of the simulated board."""
+"""Parameters of the nodes simulated_board and avr_board."""
 
 from first_order_sys_sim.first_order_plant import PlantSettings
 from nodekit import (

@@ -1,4 +1,4 @@
-"""Generator of C++ headers of messages and services, for a board's sketch."""
+"""Command ``rosrun serial_link make_headers``: C++ message and service headers for sketches."""
 
 import argparse
 import pathlib

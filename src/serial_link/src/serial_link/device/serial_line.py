@@ -1,4 +1,4 @@
-"""Serial line with a baud rate and noise."""
+"""Simulated serial line between a simulated board and its port, with a baud rate and noise."""
 
 import math
 import random

@@ -1,4 +1,4 @@
-"""Processes that have a port open."""
+"""Search in /proc for other processes that have a serial port open."""
 
 import os
 from typing import List, NamedTuple

@@ -1,4 +1,4 @@
-"""TCP port for boards with Wi-Fi; each board has a slot, which stands for its namespace."""
+"""TCP listener for Wi-Fi boards, and a port for each board slot (one ROS namespace per slot)."""
 
 import contextlib
 import select

@@ -13,7 +13,7 @@ _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*(/[A-Za-z][A-Za-z0-9_]*)*")
 
 
 class BoardSlot:
-    """BoardSlot of one board.
+    """Slot of one board: its name, reserved address and present connection.
 
     :param name: of the board, a namespace; empty for a single board
     :param address: IP address it is reserved for; empty for any

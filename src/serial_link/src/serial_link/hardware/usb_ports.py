@@ -1,4 +1,4 @@
-"""Detection of native USB ports and of USB converters with a serial line."""
+"""Check in sysfs whether a port is native USB, which ignores the baud rate, or a serial line."""
 
 import os
 from typing import Dict, List

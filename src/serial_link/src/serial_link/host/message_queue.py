@@ -1,4 +1,4 @@
-"""Queue of messages to or from a board, which drops old ones of a topic if its reader is slow."""
+"""Queue of messages to or from a board: keeps only the newest of a topic that falls behind."""
 
 import threading
 import time

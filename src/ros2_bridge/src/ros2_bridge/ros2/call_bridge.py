@@ -1,4 +1,4 @@
-"""Base class of the service bridge and the action bridge, with the timeout of their servers."""
+"""Base class of the service bridge and the action bridge: common state and answer timeout."""
 
 from typing import Callable, Mapping, TypeVar
 

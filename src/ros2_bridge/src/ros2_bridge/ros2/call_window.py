@@ -1,4 +1,4 @@
-"""Limit of pending service calls, so that a ROS 2 server's queue does not drop any."""
+"""Limit of pending calls to a ROS 2 service, whose server drops requests beyond its queue size."""
 
 import threading
 import time

@@ -1,4 +1,4 @@
-"""DDS participant of the bridge, with many nodes."""
+"""DDS participant (rclpy context) of the bridge: creates its ROS 2 nodes and their endpoints."""
 
 import collections
 import contextlib

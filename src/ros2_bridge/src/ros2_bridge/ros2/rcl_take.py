@@ -1,4 +1,4 @@
-"""Message taker that also returns the senders, which Jazzy's rclpy does not.
+"""Taker of serialized ROS 2 messages with publisher ids (GIDs), which rclpy of Jazzy lacks.
 
 The structures are from ``rmw/types.h`` and ``rcutils/types/uint8_array.h``.
 """

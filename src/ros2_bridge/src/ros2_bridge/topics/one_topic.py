@@ -1,4 +1,4 @@
-"""Bridge of one topic in one direction, with subscription on demand."""
+"""Bridge of one topic, ROS 1 to ROS 2 or back, subscribed only while there are subscribers."""
 
 import contextlib
 import io

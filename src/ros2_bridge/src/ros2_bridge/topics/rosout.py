@@ -1,4 +1,4 @@
-"""Log bridge: log lines of ROS 1 nodes in /rosout of ROS 2."""
+"""Log bridge, ROS 1 to ROS 2 only: publishes log lines of ROS 1 nodes on /rosout of ROS 2."""
 
 from typing import Any, Callable, Mapping, NamedTuple
 

@@ -1,4 +1,4 @@
-"""Bridge of one topic, ROS 1 to ROS 2 or back, subscribed only while there are subscribers."""
+"""Bridge of one topic, ROS 1 to ROS 2 or back, subscribed on demand."""
 
 import contextlib
 import io

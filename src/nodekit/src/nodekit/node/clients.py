@@ -1,4 +1,4 @@
-"""Clients of services, with time-outs and without deadlocks."""
+"""Service clients, blocking and asynchronous, with time-outs; reject a wait that would deadlock."""
 
 import concurrent.futures
 import contextlib

@@ -1,4 +1,4 @@
-"""Patch of rospy's shutdown, and shutdown hooks that are called in phases."""
+"""Shutdown hooks called in phases, and a patch of rospy that hides spurious connection errors."""
 
 import enum
 import traceback

@@ -1,4 +1,4 @@
-"""The parameters of the motor, under the names that the course gave them."""
+"""Live parameters of the simulated motor: gain K, time constant T, limits; the course's names."""
 
 from first_order_sys_sim.first_order_plant import PlantSettings
 from nodekit import FloatParameter, ParameterSet, to_float32

@@ -1,4 +1,4 @@
-"""Coursework of a student: its package, launch file, nodes, parameters and YAML files."""
+"""Student's package: search for the nodes to start, by launch file or names of programs."""
 
 import contextlib
 import os

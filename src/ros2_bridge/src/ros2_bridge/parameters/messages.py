@@ -1,4 +1,4 @@
-"""Conversion of parameters to and from ROS 2 messages."""
+"""Conversion between plain parameter values and rcl_interfaces messages; descriptors and events."""
 
 from typing import Any, Dict, Mapping
 

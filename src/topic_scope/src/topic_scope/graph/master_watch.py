@@ -1,4 +1,4 @@
-"""Thread that polls the master for the state of the graph, and opens requested subscriptions."""
+"""Thread that polls the master's registrations each second, and subscribes to the shown topics."""
 
 import threading
 import traceback

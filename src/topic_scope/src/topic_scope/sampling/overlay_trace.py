@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Traces of an overlaid bag: complete, and shiftable in time."""
+"""Traces of a bag that is overlaid on live ones: all samples of a field, shiftable in time."""
 
 import math
 from typing import Mapping, Optional, Protocol, Sequence

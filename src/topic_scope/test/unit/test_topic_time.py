@@ -228,6 +228,13 @@ def test_last_two_messages_may_set_a_clock() -> None:
     assert shown.gaps == [3] and shown.times.tolist() == received.tolist()
 
 
+def test_last_two_messages_may_arrive_together_and_set_a_clock() -> None:
+    own = array_to_ns(numpy.array([5.0, 5.1, 5.2, 0.0, 0.1]))
+    received = EPOCH + MS * numpy.array([0, 100, 200, 300, 301])
+    _, shown = played(own, received, is_stamp=False)
+    assert shown.gaps == [3] and shown.times[4] - shown.times[3] == 100 * MS
+
+
 def test_a_slow_topic_follows_a_clock_that_its_neighbour_has_found() -> None:
     clocks = Clocks()
     quick, slow = Topic(clocks), Topic(clocks)

@@ -168,7 +168,7 @@ FLAWED = (
         [("config/params.yaml", "process_offset: 1.5", "process_offset: 0.25")],
         ["process"],
         ["negative"],
-        "its offset is 0.25, where at least 1 is needed, or a rectifier",
+        "where at least 1 is needed, or a rectifier",
     ),
     Case(
         "hard_coded",

@@ -22,9 +22,9 @@ from .steps import Runner, Step, StepResult, repeat_command
 from .times import Times, estimate
 from .workspace import WORKSPACE, UnknownCommit, changed_files, dependencies, packages
 
-#: One more than two cores, as most integration tests wait half of the time. A fourth step does not
-#: shorten the whole run, which processor time limits, and each test waits longer for its turn.
-AT_A_TIME = 3
+#: More than most machines' cores: most integration tests wait most of the time. With three, the whole
+#: run takes a fifth longer on two cores.
+AT_A_TIME = 4
 #: Longest time until a signal is noticed [s].
 POLL_S = 1.0
 #: Lines of the output of a failed step that are shown.

@@ -22,8 +22,8 @@ from .steps import Runner, Step, StepResult, repeat_command
 from .times import Times, estimate
 from .workspace import WORKSPACE, UnknownCommit, changed_files, dependencies, packages
 
-#: More than most machines' cores: most integration tests wait most of the time. With three, the whole
-#: run takes a fifth longer on two cores.
+#: More than most machines' cores: most integration tests wait most of the time. With three, the
+#: whole run takes a fifth longer on two cores.
 AT_A_TIME = 4
 #: Longest time until a signal is noticed [s].
 POLL_S = 1.0

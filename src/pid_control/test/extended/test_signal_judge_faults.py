@@ -67,8 +67,13 @@ class TestSignalJudge(unittest.TestCase):
     def test_flawed_courseworks_fail_with_their_cause(self) -> None:
         for case in FLAWED:
             with self.subTest(case.name):
-                judgement = self.judged(make(case, self.folder), list(case.scenarios))
-                text = as_sentences(judgement)
+                package = make(case, self.folder)
+                for _ in range(3):  # a busy machine may hide a flaw, and never adds one
+                    judgement = self.judged(package, list(case.scenarios))
+                    text = as_sentences(judgement)
+                    self.assertLessEqual(set(judgement.flaws()), set(case.flaws), text)
+                    if judgement.flaws():
+                        break
                 self.assertEqual(judgement.flaws(), list(case.flaws), text)
                 self.assertIn(case.says, text)
 

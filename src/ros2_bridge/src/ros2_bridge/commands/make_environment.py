@@ -10,6 +10,7 @@ import signal
 
 import rospkg
 
+from nodekit.package_version import ShowVersion
 from ros2_bridge.environment import python_environment
 from ros2_bridge.environment.start import home
 
@@ -24,6 +25,7 @@ def main() -> int:
         prog="make_environment",
         description="Create the Python environment with ROS 2 that the bridge runs in.",
     )
+    parser.add_argument("--version", action=ShowVersion, package="ros2_bridge")
     parser.add_argument(
         "--into",
         metavar="FOLDER",

@@ -1,5 +1,6 @@
 """Tests of finding a coursework in a package."""
 
+import contextlib
 import pathlib
 from typing import Any, Dict, List
 from unittest import mock
@@ -22,6 +23,8 @@ from pid_control.signal_runner.coursework_finder import CourseworkFinder
 from pid_control.signal_runner.message_numbers import numbers_in
 from pid_control.judging.record import Pause
 from pid_control.signal_runner.node_pair import choose_pair, describe_topics
+from pid_control.runner.outcome import JudgingError
+from pid_control.signal_runner.signal_session import SignalSession
 from pid_control.signal_runner.trial import Trial
 
 COURSEWORKS = pathlib.Path(__file__).resolve().parents[1] / "courseworks"
@@ -276,3 +279,25 @@ def test_late_messages_are_no_evidence_of_the_machine_clock(
         pause=mock.Mock(side_effect=[Pause(1.0, 1.0, 1.0, n) for n in answers])
     )
     assert trial.publishes_while_paused() is publishes
+
+
+@pytest.mark.parametrize(
+    ("simulated", "is_accused"),
+    [([0.5, 0.5, 0.5], True), ([0.5, 0.01], False), ([0.5, 0.5, 0.12], False), ([0.1], False)],
+)
+def test_only_three_distorted_trials_are_evidence_of_the_machine_clock(
+    simulated: List[float], is_accused: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    parts = (mock.Mock(), ["signal"], False, 60.0, {}, mock.Mock(), mock.Mock())
+    session = SignalSession(*parts)
+    distortions = iter(simulated)
+
+    def record(pair: object) -> None:
+        session.evidence.baseline = mock.Mock(features=mock.Mock(distortion=next(distortions)))
+
+    monkeypatch.setattr(session, "_repeat_baseline", record)
+    monkeypatch.setattr(session, "_distortion_by_machine_clock", lambda *_: 0.04)
+    record(None)
+    with pytest.raises(JudgingError) if is_accused else contextlib.nullcontext():
+        session._check_clock(mock.Mock())
+    assert next(distortions, None) is None

@@ -10,8 +10,6 @@ _NAMES = ("signal", "proc", "sin", "output", "value", "data", "y")
 
 #: Share of the intervals of a loop that are equal, and how much longer than the median they may be.
 _MOST, _LONGER = 0.9, 1.5
-#: Least share of the usual messages in a whole record.
-_WHOLE = 0.8
 
 
 class Channel(NamedTuple):
@@ -61,11 +59,6 @@ class Channel(NamedTuple):
 
 class AmbiguousChannelsError(Exception):
     """Several channels may be the signal; the message lists them."""
-
-
-def is_whole(record: Channel, usual: Channel) -> bool:
-    """Return True if a record has about as many messages as usual: a sine fits any few."""
-    return len(record.times) >= _WHOLE * len(usual.times)
 
 
 def oscillates(channel: Channel) -> bool:

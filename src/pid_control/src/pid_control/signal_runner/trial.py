@@ -37,6 +37,9 @@ _STEP_PAUSE_S = 0.005
 _ASK_S = 0.05
 #: Pauses of the clock in which only a loop by the machine's clock publishes.
 _PAUSES = 4
+#: Length of a pause by the machine's clock, as a multiple of the run before it; at least, and at
+#: most [s].
+_PAUSE_FACTOR, _SHORTEST_PAUSE_S, _LONGEST_PAUSE_S = 3.0, 0.05, 3.0
 #: Messages in one step that only a loop without a pause sends.
 _FLOOD = 200
 
@@ -70,9 +73,6 @@ class Trial:
     :param group: namespace to start the nodes and their parameters in; empty for none
     :param step: step of the clock [s]
     """
-
-    #: Largest allowed delay of this process with the machine's clock [s].
-    most_late = 0.1
 
     def __init__(
         self,
@@ -285,6 +285,23 @@ class Trial:
             if pause is None or pause.answers <= 1:
                 return False
         return True
+
+    def run_with_pauses(self, durations: Sequence[float]) -> List[float]:
+        """Run several times, with a longer pause of the simulated clock after each.
+
+        :param durations: times to run by the clock [s]
+        :returns: times of the pauses by the clock [s]
+        :raises TrialError: if a node fails
+        """
+        pauses: List[float] = []
+        for duration in durations:
+            begin = time.monotonic()
+            self.run(duration)
+            length = _PAUSE_FACTOR * (time.monotonic() - begin)
+            time.sleep(min(max(length, _SHORTEST_PAUSE_S), _LONGEST_PAUSE_S))
+            pauses.append(self.now)
+        self.run(durations[0])  # the pauses are between messages
+        return pauses
 
     def _wait_for_clock(self) -> None:
         """Wait until all nodes have the clock, and are idle; not for long, as it is optional."""

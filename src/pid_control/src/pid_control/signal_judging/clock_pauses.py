@@ -1,0 +1,39 @@
+"""Pauses of the simulated clock: whether values moved in them, as only the machine's clock did."""
+
+import bisect
+from typing import List, Optional, Sequence
+
+from pid_control.signal_judging.channels import Channel
+
+#: Changes between two messages that count as usual: this share of them, times a factor.
+_USUAL, _FACTOR = 0.9, 2.0
+#: Fewest usual changes to compare with.
+_FEWEST = 10
+#: Share of the pauses with a larger change from which the values moved, and below which they did
+#: not: between both, nothing is certain.
+_MOVED, _STOOD = 0.75, 0.4
+
+
+def moved_in_pauses(record: Channel, pauses: Sequence[float]) -> Optional[bool]:
+    """Return True if values moved in pauses of the clock; None if that is not certain.
+
+    A value that depends on the simulated clock changes over a pause as between any two messages.
+    One that depends on the machine's clock changes by more, as each pause is much longer.
+
+    :param record: the values, before and after the pauses
+    :param pauses: times of the pauses by the simulated clock, in increasing order [s]
+    """
+    record = record.finite()
+    changes = [abs(after - one) for one, after in zip(record.values, record.values[1:])]
+    over_pauses = {bisect.bisect_right(record.times, pause) - 1 for pause in pauses}
+    jumps = [changes[one] for one in over_pauses if 0 <= one < len(changes)]
+    usual = sorted(one for index, one in enumerate(changes) if index not in over_pauses)
+    if len(usual) < _FEWEST or 2 * len(jumps) < len(pauses):
+        return False  # sent too seldom, which is a flaw of its own
+    largest = _FACTOR * usual[int(_USUAL * len(usual))]
+    share = _share_above(jumps, largest)
+    return True if share >= _MOVED else False if share < _STOOD else None
+
+
+def _share_above(values: List[float], limit: float) -> float:
+    return sum(value > limit for value in values) / len(values)

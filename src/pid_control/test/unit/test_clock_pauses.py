@@ -1,0 +1,60 @@
+"""Tests of which values moved in pauses of the simulated clock."""
+
+import math
+from typing import Callable, List, Sequence
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pid_control.signal_judging.channels import Channel
+from pid_control.signal_judging.clock_pauses import moved_in_pauses
+
+INTERVAL = 0.1
+PAUSES = [0.35, 0.85, 1.25, 1.95, 2.25, 2.85, 3.25, 3.75]
+
+
+def record(value_at: Callable[[float], float]) -> Channel:
+    times = [INTERVAL * index for index in range(43)]
+    return Channel("/signal", "x", times, [value_at(time) for time in times])
+
+
+def with_pauses(moved: Sequence[bool], jump: float = 0.2) -> Callable[[float], float]:
+    """Return a sine that goes on in some pauses, by a phase each [rad]."""
+
+    def value(time: float) -> float:
+        passed = sum(jump for pause, moves in zip(PAUSES, moved) if moves and pause < time)
+        return math.sin(0.1 * time + passed)
+
+    return value
+
+
+@pytest.mark.parametrize(
+    ("moved", "answer"),
+    [([True] * 8, True), ([True] * 6 + [False] * 2, True), ([True] * 4 + [False] * 4, None)],
+)
+def test_values_that_move_in_most_pauses_depend_on_the_machine_clock(
+    moved: List[bool], answer: object
+) -> None:
+    assert moved_in_pauses(record(with_pauses(moved)), PAUSES) is answer
+
+
+@given(
+    frequency=st.floats(0.1, 60.0),
+    phase=st.floats(0.0, 6.3),
+    shape=st.sampled_from([math.sin, lambda x: math.copysign(1.0, math.sin(x)), lambda x: x % 1.0]),
+)
+def test_no_function_of_the_simulated_clock_moves_in_pauses(
+    frequency: float, phase: float, shape: Callable[[float], float]
+) -> None:
+    found = record(lambda time: shape(frequency * time + phase))
+    assert moved_in_pauses(found, PAUSES) is not True
+
+
+def test_constant_does_not_move() -> None:
+    assert moved_in_pauses(record(lambda _: 1.0), PAUSES) is False
+
+
+def test_few_messages_are_no_evidence() -> None:
+    few = record(with_pauses([True] * 8)).between(3.0)
+    assert moved_in_pauses(few, PAUSES) is False

@@ -338,27 +338,45 @@ class Plots(PageTest):
 
     def wait_still(self, *elements: WebElement) -> None:
         """Wait until elements do not move: new figures may move the table and the plots."""
-        places: List[Any] = []
+        places: List[Tuple[float, Any]] = []  # since the last movement
 
         def stand_still() -> bool:
-            places.append([element.rect for element in elements])
-            return len(places) > 5 and places[-5:] == [places[-1]] * 5
+            rects, now = [element.rect for element in elements], time.monotonic()
+            if places and places[-1][1] != rects:
+                places.clear()
+            places.append((now, rects))
+            return now - places[0][0] > 0.5  # longer than between two figures of the server
 
-        wait_until(stand_still, lambda: str(places[-5:]))
+        wait_until(stand_still, lambda: str(places[-1:]))
 
-    def drag(self, field: str, up: float) -> None:
-        """Drag the name of a trace to a fraction of the height of all plots, from below."""
-        name = self.browser.find(f"#legend tr[data-field='{field}'] .name")
+    def drag(self, field: str, up: float, plots: int) -> None:
+        """Drag the name of a trace until there is another number of plots.
+
+        :param field: the trace
+        :param up: where to, as a fraction of the height of all plots, from below
+        :param plots: number of plots after it
+        """
         stage = self.browser.find("#stage")
-        self.wait_still(name, stage)
-        there, actions = stage.rect, ActionChains(self.browser.driver)
-        actions.click_and_hold(name).move_by_offset(10, -10)
-        # Close to the name: the table may move it just before the press.
-        actions.w3c_actions.pointer_action.move_to_location(
-            round(there["x"] + 0.5 * there["width"]),
-            round(there["y"] + (1.0 - up) * there["height"]),
-        )
-        actions.release().perform()
+
+        def is_dragged() -> bool:
+            name = self.browser.find(f"#legend tr[data-field='{field}'] .name")
+            self.wait_still(name, stage)
+            there, actions = stage.rect, ActionChains(self.browser.driver)
+            actions.click_and_hold(name).move_by_offset(10, -10)
+            # In one sequence: the table may still move the name just before it is pressed.
+            actions.w3c_actions.pointer_action.move_to_location(
+                round(there["x"] + 0.5 * there["width"]),
+                round(there["y"] + (1.0 - up) * there["height"]),
+            )
+            actions.release().perform()
+            tried = time.monotonic()
+            wait_until(
+                lambda: self.panes() == plots or time.monotonic() > tried + 3.0,
+                lambda: self.browser.text("#plot"),
+            )
+            return self.panes() == plots
+
+        wait_until(is_dragged, lambda: self.browser.text("#plot"))
 
     def test_has_several_plots_over_one_time(self) -> None:
         wait_until(lambda: self.panes() == 1, self.panes)
@@ -424,10 +442,8 @@ class Plots(PageTest):
             lambda: self.browser.text("#legend"),
         )
         # By the pointer: an empty plot is removed with its axis; a new plot is added.
-        self.drag(PROCESSED, 0.75)
-        wait_until(lambda: self.panes() == 1, lambda: self.browser.text("#plot"))
-        self.drag(SIGNAL, 0.03)  # onto the label "new plot"
-        wait_until(lambda: self.panes() == 2, lambda: self.browser.text("#plot"))
+        self.drag(PROCESSED, 0.75, 1)
+        self.drag(SIGNAL, 0.03, 2)  # onto the label "new plot"
         choice = self.browser.value(f"[aria-label='plot of {SIGNAL}']")
         self.assertEqual(choice, "2")
         # A paused picture is laid out immediately, too, without later changes.

@@ -47,7 +47,7 @@ _GROUP = "/judged_group"
 #: Most repetitions of what a busy machine may spoil.
 _MOST_REPEATED = 2
 #: Messages between two pauses of the clock: irregular, as the values may be periodic.
-_BETWEEN_PAUSES = (3.0, 5.0, 4.0, 7.0, 3.0, 6.0, 4.0, 5.0)
+_BETWEEN_PAUSES = (2.0, 3.0, 2.0, 4.0, 3.0, 2.0, 4.0, 3.0)
 _MACHINE_CLOCK = (
     "it uses the machine's clock (time.time(), time.sleep()), not ROS's"
     " (rospy.get_time(), rospy.Rate): judge it with --real-time"

@@ -95,6 +95,13 @@ class Hosts(Processes):
         )
         return result.stdout.decode()
 
+    def nodes(self) -> str:
+        """Return the names of all nodes; empty without a master."""
+        try:
+            return self.run_on("near", ["rosnode", "list"])
+        except subprocess.SubprocessError:
+            return ""
+
 
 def ip(*arguments: str) -> None:
     """Change the network.

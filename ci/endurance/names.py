@@ -18,6 +18,7 @@ COMMANDS = {
     "two-hosts": {
         "cable": "cw1_two_hosts.launch, and the cable pulled for a while",
         "closed": "what another host can reach of nodes that it should not reach",
+        "doctor": "rosrun nodekit doctor on both hosts, with nodes on each",
     },
 }
 

@@ -1,7 +1,6 @@
 """Pull the cable between a generator on one host and a process node on the other."""
 
 import re
-import subprocess
 import time
 from typing import Any, Dict, List
 
@@ -61,7 +60,7 @@ def run(hosts: Hosts) -> List[Check]:
     ssh_server.start(hosts)
     command = ["roslaunch", "basic_comms", "cw1_two_hosts.launch"]
     launch = hosts.start_on("near", [*command, "host:=" + ADDRESSES["far"], "user:=root"])
-    wait_until(lambda: "/process" in nodes(hosts), 60.0, "process on the other host")
+    wait_until(lambda: "/process" in hosts.nodes(), 60.0, "process on the other host")
     checks = []
     for rate in RATES:
         hosts.run_on("near", ["rosparam", "set", "/signal_generator/rate", f"{rate:g}"])
@@ -70,14 +69,6 @@ def run(hosts: Hosts) -> List[Check]:
     checks.append(at_most("exit status of roslaunch", abs(launch.returncode), 0))
     remaining = hosts.run_on("far", ["ss", "-Hltn", "sport != 22"]).splitlines()
     return [*checks, at_most("ports still open on the other host", len(remaining), 0)]
-
-
-def nodes(hosts: Hosts) -> str:
-    """Return the names of all nodes; empty without a master."""
-    try:
-        return hosts.run_on("near", ["rosnode", "list"])
-    except subprocess.SubprocessError:
-        return ""
 
 
 def pull(hosts: Hosts, rate: float) -> List[Check]:

@@ -62,7 +62,7 @@ SUBJECTS: Dict[str, Dict[str, str]] = {
         "package_version": "version of a package, with its commit",
         "deprecated": "old names of the public API, with warnings",
         "entry_point": "start of a script before rospy is imported, and its end",
-        "validation": "checks of arguments of nodekit's methods, at the line of the call",
+        "argument_checks": "checks of arguments of nodekit's methods, at the line of the call",
         "throttle": "rate limit of log lines, per instance and key",
         "round_robin": "round robin over many items",
         "message_definitions": "parser of message definitions",

@@ -14,16 +14,16 @@ from typing import Any, Dict, Optional
 import yaml
 from std_srvs.srv import Trigger, TriggerResponse
 
+from nodekit.argument_checks import LONGEST_S, check_wait
 from nodekit.groups.callback_groups import NoGroup
 from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.node.callbacks import Callback
-from nodekit.node.ros_node import Node
 from nodekit.node.node_scope import NodeScope
 from nodekit.node.resource_owner import Closed
+from nodekit.node.ros_node import Node
 from nodekit.node.timers import NodeTimer
 from nodekit.process_context import PROCESS
 from nodekit.rospy_internals.shutdown import ShutdownPhase, at_end
-from nodekit.validation import LONGEST_S, check_wait
 
 #: Base name of the service that reports a node's callbacks.
 SERVICE = "executor"

@@ -26,10 +26,11 @@ from typing import (
 
 import rosgraph
 
+from nodekit.argument_checks import check_timeout
+
 # Public here: values of a Reading.
 from nodekit.parameters.parameter_types import MISSING as MISSING
 from nodekit.parameters.parameter_types import UNREADABLE as UNREADABLE
-from nodekit.validation import check_timeout
 
 _SUCCESS = 1
 #: Most calls in one request; the master serves other clients between two requests.

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from nodekit.doctor import graph_checks, machine_checks, workspace_checks
 from nodekit.doctor.findings import Finding, Level, count_faults, fault, note, ok, report
+from nodekit.doctor.graph_snapshot import NodeState, Publication, Snapshot
 from nodekit.doctor.graph_survey import stamp_offset
-from nodekit.doctor.snapshot import NodeState, Publication, Snapshot
 
 FIRST, SECOND = "http://localhost:1/", "http://localhost:2/"
 KIND, SUM = "std_msgs/String", "992ce8a1687cec8c8bd883ec73ca41d1"

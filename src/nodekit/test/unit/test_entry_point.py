@@ -45,7 +45,7 @@ def test_messages_are_imported_without_numpy(tmp_path):
 def test_a_node_without_an_output_does_without(tmp_path, closed):
     (tmp_path / "some_node.py").write_text(
         "import logging, sys\n"
-        "from nodekit.rospy_internals.logs import patch_logs\n"
+        "from nodekit.rospy_internals.log_handlers import patch_logs\n"
         "from rosgraph.roslogging import RosStreamHandler\n"
         "def main():\n"
         "    patch_logs()\n"

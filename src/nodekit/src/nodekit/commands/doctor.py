@@ -17,6 +17,7 @@ from nodekit.doctor.graph_checks import (
     check_sides,
     check_types,
 )
+from nodekit.doctor.graph_snapshot import Snapshot
 from nodekit.doctor.graph_survey import CALLER, survey, survey_links
 from nodekit.doctor.machine_checks import (
     check_address,
@@ -25,7 +26,6 @@ from nodekit.doctor.machine_checks import (
     check_master_reaches,
     owner_of_master,
 )
-from nodekit.doctor.snapshot import Snapshot
 from nodekit.doctor.workspace_checks import check_workspace
 from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.package_version import ShowVersion

@@ -6,7 +6,7 @@ import difflib
 from typing import Callable, Dict, List, Optional, Set
 
 from nodekit.doctor.findings import Finding, fault, note, ok
-from nodekit.doctor.snapshot import Snapshot, is_loopback
+from nodekit.doctor.graph_snapshot import Snapshot, is_loopback
 
 #: Topics of ROS itself, which need not have both publishers and subscribers.
 _OF_ROS = ("/rosout", "/rosout_agg", "/clock", "/tf", "/tf_static", "/diagnostics")

@@ -15,7 +15,7 @@ from urllib.parse import urlsplit
 
 import rosgraph.network
 
-from nodekit.doctor.snapshot import NodeState, Publication, Snapshot, is_loopback
+from nodekit.doctor.graph_snapshot import NodeState, Publication, Snapshot, is_loopback
 from nodekit.master import MasterClient, TimeoutTransport
 
 #: Name under which requests are sent.

@@ -17,7 +17,7 @@ import rosgraph.network
 import rospkg
 
 from nodekit.doctor.findings import Finding, fault, note, ok
-from nodekit.doctor.snapshot import Snapshot
+from nodekit.doctor.graph_snapshot import Snapshot
 from nodekit.master import MasterClient
 from nodekit.process import launch_arguments, own_address
 

@@ -6,6 +6,7 @@ from typing import Any, Callable, List, Mapping, Union
 
 import rospy
 
+from nodekit.argument_checks import check_function
 from nodekit.lifecycle_states import (
     ACTIVATING,
     ACTIVE,
@@ -25,7 +26,6 @@ from nodekit.managed.lifecycle_scope import LifecycleScope
 from nodekit.managed.state_machine import StateMachine
 from nodekit.node import fork_guard
 from nodekit.node.node_scope import NodeScope
-from nodekit.validation import check_function
 
 #: Result of a callback: None and True are success, False is failure.
 Result = Union[None, bool, Outcome]

@@ -9,8 +9,8 @@ from typing import Any, List, Mapping, NamedTuple, Optional, Sequence, Set
 import genpy
 import rospy
 
+from nodekit.argument_checks import check_message_class
 from nodekit.rospy_internals import outgoing_topic, registry
-from nodekit.validation import check_message_class
 
 #: Queue size of the plain publisher that is used with an unknown rospy.
 FALLBACK_QUEUE_SIZE = 100

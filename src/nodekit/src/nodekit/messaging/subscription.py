@@ -5,9 +5,9 @@ from typing import Any, Callable, List, Optional, Set
 
 import rospy
 
+from nodekit.argument_checks import check_message_class
 from nodekit.rospy_internals import incoming_topic, latched, registry
 from nodekit.rospy_internals.large_arrays import with_views
-from nodekit.validation import check_message_class
 
 
 class Subscription:

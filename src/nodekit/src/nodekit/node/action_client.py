@@ -11,6 +11,7 @@ import rospy
 from actionlib_msgs.msg import GoalID, GoalStatusArray
 
 from nodekit.actions.goal_states import GoalState
+from nodekit.argument_checks import check_function, check_timeout, check_wait
 from nodekit.groups.callback_groups import CallbackGroup, NoGroup
 from nodekit.node.action_server import ActionServer
 from nodekit.node.action_types import (
@@ -24,7 +25,6 @@ from nodekit.node.action_types import (
 from nodekit.node.callbacks import Callback
 from nodekit.node.client_goal_handle import ClientGoalHandle, GoalFuture, GoalResult
 from nodekit.process_context import PROCESS
-from nodekit.validation import check_function, check_timeout, check_wait
 
 #: Default time-out of an immediate answer of a server [s].
 ANSWER_S = 5.0

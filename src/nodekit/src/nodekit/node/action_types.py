@@ -9,7 +9,7 @@ from actionlib_msgs.msg import GoalID, GoalStatus
 from std_msgs.msg import Header
 
 from nodekit.actions.goal_states import GoalState
-from nodekit.validation import check_action_class
+from nodekit.argument_checks import check_action_class
 
 
 class GoalError(rospy.ROSException):

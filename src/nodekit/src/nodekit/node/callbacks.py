@@ -7,6 +7,7 @@ from typing import Any, Callable, List, Optional, Tuple
 
 import rospy
 
+from nodekit.argument_checks import check_function
 from nodekit.groups.callback_groups import CallbackGroup, NoGroup
 from nodekit.groups.ready_queue import CallQueue, ReadyQueue
 from nodekit.messaging.callback_errors import CallbackErrors
@@ -15,7 +16,6 @@ from nodekit.messaging.rate_limited_log import shortened
 from nodekit.node import fork_guard
 from nodekit.process_context import PROCESS
 from nodekit.throttle import Throttle
-from nodekit.validation import check_function
 
 #: Most messages kept for a busy callback, from publishers of the same process; the newest.
 MOST_KEPT = 10_000

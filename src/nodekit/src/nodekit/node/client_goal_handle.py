@@ -7,8 +7,8 @@ import time
 from typing import Any, Callable, List, NamedTuple, Optional
 
 from nodekit.actions.goal_states import CANCELING, ENDED, RUNNING, GoalState
+from nodekit.argument_checks import check_function, check_timeout
 from nodekit.node.action_types import GoalError, GoalTimeout
-from nodekit.validation import check_function, check_timeout
 
 #: Default time-out of a cancellation's answer [s].
 CANCEL_S = 5.0

@@ -14,18 +14,18 @@ import genpy
 import rospy
 from rosgraph.network import parse_http_host_and_port as host_and_port
 
+from nodekit.argument_checks import (
+    check_function,
+    check_service_class,
+    check_timeout,
+    check_wait,
+)
 from nodekit.groups.callback_groups import NoGroup
 from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.node.callbacks import Callback, ServiceCallback
 from nodekit.process_context import PROCESS
 from nodekit.rospy_internals.shutdown import ShutdownPhase, at_end
 from nodekit.transport.service_call import CallFailed, ServiceCall
-from nodekit.validation import (
-    check_function,
-    check_service_class,
-    check_timeout,
-    check_wait,
-)
 
 #: Default time-out of a call [s].
 TIMEOUT_S = 5.0

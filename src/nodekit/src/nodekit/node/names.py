@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import rospy
 
+from nodekit.argument_checks import check_name
 from nodekit.node.name_rules import checked
-from nodekit.validation import check_name
 
 
 class Names(NamedTuple):

@@ -5,6 +5,7 @@ from typing import Any, Callable, Collection, Iterator, List, Optional, Type
 
 from std_srvs.srv import Trigger
 
+from nodekit.argument_checks import check_function, check_name, check_service_class
 from nodekit.groups.callback_groups import CallbackGroup, NoGroup
 from nodekit.groups.ready_queue import ReadyQueue
 from nodekit.messaging.publisher import Publisher
@@ -34,7 +35,6 @@ from nodekit.parameters.declaration_checks import check_rules
 from nodekit.parameters.schema import AT_START
 from nodekit.rospy_internals.shutdown import ShutdownPhase, at_end
 from nodekit.timing.scheduler import Scheduler, get_scheduler
-from nodekit.validation import check_function, check_name, check_service_class
 from nodekit_msgs.srv import SetParameters
 
 

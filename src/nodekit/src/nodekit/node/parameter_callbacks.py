@@ -2,12 +2,12 @@
 
 from typing import Any, Callable
 
+from nodekit.argument_checks import check_function
 from nodekit.groups.callback_groups import CallbackGroup
 from nodekit.node.callbacks import CoalescingCallback
 from nodekit.parameter_server.followed_parameter import FollowedParameter
 from nodekit.parameter_server.live_parameters import LiveParameters
 from nodekit.parameter_server.watcher import Watcher
-from nodekit.validation import check_function
 
 
 class ChangeCallback(CoalescingCallback):

@@ -4,12 +4,12 @@ from typing import Any, Dict, Mapping
 
 from std_srvs.srv import Trigger
 
+from nodekit.argument_checks import check_timeout
 from nodekit.node.clients import ANSWER_S, CallError, call_service
 from nodekit.parameter_server.parameter_services import CHANGE, DESCRIBE
 from nodekit.parameters import yaml_text
 from nodekit.parameters.parameter_types import to_wire
 from nodekit.parameters.schema import DescriptionError, description_in
-from nodekit.validation import check_timeout
 from nodekit_msgs.srv import SetParameters
 
 

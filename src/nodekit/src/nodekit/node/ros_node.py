@@ -2,11 +2,11 @@
 
 from typing import Any, Callable, Optional
 
+from nodekit.argument_checks import check_function
 from nodekit.node.names import Names
 from nodekit.node.node_context import NodeContext
 from nodekit.node.node_scope import NodeScope
 from nodekit.node.start_queue import StartQueue
-from nodekit.validation import check_function
 
 
 class Node(NodeScope):

@@ -3,11 +3,11 @@
 import copy
 from typing import Any, Callable, Optional, Sequence
 
+from nodekit.argument_checks import check_function
 from nodekit.parameter_server.watched_key import WatchedKey, call_listener
 from nodekit.parameter_server.watcher import Watcher, get_watcher
 from nodekit.parameters.parameter_types import MISSING, UNREADABLE, NoValue, is_same
 from nodekit.parameters.reconciler import Observation
-from nodekit.validation import check_function
 
 _UNKNOWN = NoValue("UNKNOWN")
 

@@ -7,6 +7,7 @@ from typing import Any, Callable, Collection, Dict, Generic, List, Mapping, Sequ
 
 import rospy
 
+from nodekit.argument_checks import check_function
 from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.parameter_server.watched_key import WatchedKey, call_listener
 from nodekit.parameter_server.watcher import Watcher
@@ -15,7 +16,6 @@ from nodekit.parameters.parameter_types import MISSING, ParameterError, format_v
 from nodekit.parameters.reconciler import Decision, Observation, Reconciler
 from nodekit.parameters.schema import AT_START
 from nodekit.parameters.validation import on_wire
-from nodekit.validation import check_function
 
 Listener = Callable[[], None]
 #: Most namespaces that are opened at a time, to bound the memory of their values.

@@ -9,6 +9,7 @@ from typing import Any, Callable, List
 
 import rospy
 
+from nodekit.argument_checks import check_function, check_name
 from nodekit.entry_point import end
 from nodekit.master import MasterClient, MasterUnreachable
 from nodekit.node.clients import client_names
@@ -22,7 +23,6 @@ from nodekit.process.constructor_watch import ConstructorWatch
 from nodekit.process_context import PROCESS
 from nodekit.rospy_internals import registration_listener, shared_memory_offers, startup
 from nodekit.rospy_internals.registry import NameTaken, all_entries
-from nodekit.validation import check_function, check_name
 
 #: A node's class, or a function that returns its object.
 NodeClass = Callable[[Node], object]

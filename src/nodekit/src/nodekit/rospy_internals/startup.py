@@ -12,8 +12,8 @@ import rospy.core
 import rospy.impl.init
 
 from nodekit.rospy_internals.incoming_topic import cache_statistics_setting
-from nodekit.rospy_internals.logs import patch_logs
-from nodekit.rospy_internals.serialization import patch_serialization
+from nodekit.rospy_internals.log_handlers import patch_logs
+from nodekit.rospy_internals.serialization_errors import patch_serialization
 from nodekit.rospy_internals.shutdown import patch_shutdown
 from nodekit.rospy_internals.tcpros_server import patch_tcpros_server
 

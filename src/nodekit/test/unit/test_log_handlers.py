@@ -11,7 +11,7 @@ import pytest
 from rosgraph import roslogging
 
 from nodekit.process_context import ProcessContext
-from nodekit.rospy_internals import logs, startup
+from nodekit.rospy_internals import log_handlers, startup
 from nodekit.testing.waiting import TIMEOUT_S
 
 startup.apply_patches()
@@ -20,7 +20,7 @@ startup.apply_patches()
 @pytest.fixture(autouse=True)
 def notices_are_due(monkeypatch):
     """Report the first lost line of each test."""
-    monkeypatch.setattr(logs, "PROCESS", ProcessContext())
+    monkeypatch.setattr(log_handlers, "PROCESS", ProcessContext())
 
 
 @pytest.fixture

@@ -23,6 +23,7 @@ from nodekit import (
     probe_service,
     run,
 )
+from nodekit.argument_checks import check_function
 from nodekit.groups.callback_groups import NoGroup
 from nodekit.managed.activation_gate import ActivationGate
 from nodekit.managed.lifecycle_scope import LifecycleScope
@@ -30,7 +31,6 @@ from nodekit.master import MasterClient
 from nodekit.node.callbacks import Callback
 from nodekit.node.clients import CallFuture
 from nodekit.node.names import Names
-from nodekit.validation import check_function
 
 NO_WATCHER: Any = None
 

@@ -12,8 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from std_msgs.msg import Int32
 
-from topic_scope.bag.file import BagFile
 from topic_scope.bag.player import BagPlayer
+from topic_scope.bag.ros1_recording import Ros1Recording
 
 #: Recording times of each topic's messages after the start [ms].
 RECORDED = {"/a": range(0, 10001, 100), "/b": range(50, 10000, 500)}
@@ -35,24 +35,24 @@ class Clock:
 
 
 @pytest.fixture(scope="module")
-def bag(tmp_path_factory: "pytest.TempPathFactory") -> Iterator[BagFile]:
+def bag(tmp_path_factory: "pytest.TempPathFactory") -> Iterator[Ros1Recording]:
     path = str(tmp_path_factory.mktemp("bags") / "x.bag")
     reply = sorted((time, topic) for topic, times in RECORDED.items() for time in times)
     with rosbag.Bag(path, "w", chunk_threshold=500) as file:
         for time, topic in reply:
             file.write(topic, Int32(time), genpy.Time(0, BEGIN + time * 10**6))
-    with BagFile(path) as made:
+    with Ros1Recording(path) as made:
         yield made
 
 
 @pytest.fixture
-def opened() -> Iterator[Callable[[Path], BagFile]]:
+def opened() -> Iterator[Callable[[Path], Ros1Recording]]:
     """Open bags, and close them after the test."""
     with contextlib.ExitStack() as stack:
-        yield lambda path: stack.enter_context(BagFile(str(path)))
+        yield lambda path: stack.enter_context(Ros1Recording(str(path)))
 
 
-def playing(bag: BagFile, clock: Clock, *topics: str, history: float = 3.0) -> BagPlayer:
+def playing(bag: Ros1Recording, clock: Clock, *topics: str, history: float = 3.0) -> BagPlayer:
     player = BagPlayer(bag, history, clock)
     player.want(topics)
     player.seek(START)
@@ -96,7 +96,7 @@ steps = st.lists(
 @settings(max_examples=30)
 @given(steps, st.sampled_from([0.0, 1e-3]))
 def test_player_outputs_messages_up_to_the_clock(
-    bag: BagFile, steps: List[Tuple[str, int]], step: float
+    bag: Ros1Recording, steps: List[Tuple[str, int]], step: float
 ) -> None:
     clock = Clock()
     player = playing(bag, clock, "/a", "/b")
@@ -128,7 +128,7 @@ def test_player_outputs_messages_up_to_the_clock(
 
 
 def test_messages_of_equal_times_get_distinct_times(
-    tmp_path: Path, opened: Callable[[Path], BagFile]
+    tmp_path: Path, opened: Callable[[Path], Ros1Recording]
 ) -> None:
     """As in simulated time: every 10 ms, with many messages of each publisher."""
     path, count = tmp_path / "x.bag", 0
@@ -159,7 +159,7 @@ def test_messages_of_equal_times_get_distinct_times(
         assert time == pytest.approx(START + value // 20 * 0.01, abs=1.5e-5)
 
 
-def test_only_requested_topics_are_output_and_more_after_a_seek(bag: BagFile) -> None:
+def test_only_requested_topics_are_output_and_more_after_a_seek(bag: Ros1Recording) -> None:
     player = playing(bag, Clock(), "/b", "/not/there")
     player.seek(START + 1.05)
     loaded(player)
@@ -174,7 +174,7 @@ def test_only_requested_topics_are_output_and_more_after_a_seek(bag: BagFile) ->
     assert taken(player)["/a"] == list(range(0, 1001, 100))
 
 
-def test_it_stops_at_the_end(bag: BagFile) -> None:
+def test_it_stops_at_the_end(bag: Ros1Recording) -> None:
     clock = Clock()
     player = playing(bag, clock, "/a")
     player.seek(START + 9.95)
@@ -189,14 +189,14 @@ def test_it_stops_at_the_end(bag: BagFile) -> None:
     assert not player.is_playing
 
 
-def test_places_beyond_its_ends_are_its_ends(bag: BagFile) -> None:
+def test_places_beyond_its_ends_are_its_ends(bag: Ros1Recording) -> None:
     player = playing(bag, Clock(), "/a")
     for place, there in ((0.0, player.start), (1e11, player.end)):
         player.seek(place)
         assert loaded(player) == there
 
 
-def test_reading_time_of_a_call_is_limited_and_the_clock_waits(bag: BagFile) -> None:
+def test_reading_time_of_a_call_is_limited_and_the_clock_waits(bag: Ros1Recording) -> None:
     clock = Clock(step=1.0)  # so that each look reads one chunk
     player = playing(bag, clock, "/a", history=60.0)
     player.seek(START + 10.1)
@@ -216,7 +216,7 @@ def test_reading_time_of_a_call_is_limited_and_the_clock_waits(bag: BagFile) -> 
     assert taken(player) == {"/a": list(RECORDED["/a"])} and looks > 3
 
 
-def test_player_does_not_catch_up_after_a_delay(bag: BagFile) -> None:
+def test_player_does_not_catch_up_after_a_delay(bag: Ros1Recording) -> None:
     clock = Clock()
     player = playing(bag, clock, "/a")
     loaded(player)
@@ -229,7 +229,7 @@ def test_player_does_not_catch_up_after_a_delay(bag: BagFile) -> None:
     assert player.now() - START == pytest.approx(late + 0.1, abs=1e-6)
 
 
-def test_change_of_speed_keeps_the_position(bag: BagFile) -> None:
+def test_change_of_speed_keeps_the_position(bag: Ros1Recording) -> None:
     clock = Clock()
     player = playing(bag, clock, "/a")
     loaded(player)
@@ -243,7 +243,7 @@ def test_change_of_speed_keeps_the_position(bag: BagFile) -> None:
 
 
 def test_damaged_chunk_is_reported_and_others_are_output(
-    tmp_path: Path, opened: Callable[[Path], BagFile]
+    tmp_path: Path, opened: Callable[[Path], Ros1Recording]
 ) -> None:
     path = tmp_path / "x.bag"
     with rosbag.Bag(str(path), "w", chunk_threshold=200, compression="bz2") as file:
@@ -261,7 +261,7 @@ def test_damaged_chunk_is_reported_and_others_are_output(
 
 
 def test_side_subscriptions_get_the_latest_message_however_old(
-    tmp_path: Path, opened: Callable[[Path], BagFile]
+    tmp_path: Path, opened: Callable[[Path], Ros1Recording]
 ) -> None:
     path = tmp_path / "x.bag"
     with rosbag.Bag(str(path), "w", chunk_threshold=200) as file:

@@ -13,10 +13,10 @@ from rospy import Duration, Time
 from test_recorder import FakeSource, FakeSubscription, header
 
 from topic_scope.analysis.waveform import phase
-from topic_scope.bag.file import BagFile
 from topic_scope.bag.player import BagPlayer
 from topic_scope.bag.line_series import chosen, series_of
 from topic_scope.bag.message_slices import first_messages, slices
+from topic_scope.bag.ros1_recording import Ros1Recording
 from topic_scope.messages.layouts import Layouts
 from topic_scope.page.csv_export import parts
 from topic_scope.sampling.message_source import Batch
@@ -200,7 +200,7 @@ def in_bag(path: Path, sent: Dict[str, List[Tuple[int, PointStamped]]], *names: 
     """Return the series that plot_bag draws."""
     messages = [(topic, one, when) for topic, some in sent.items() for when, one in some]
     name = write_bag(path / "x.bag", sorted(messages, key=lambda one: one[2]))
-    with BagFile(name) as bag:
+    with Ros1Recording(name) as bag:
         lines, readers = chosen(bag, first_messages(bag), names)
         return series_of(bag, lines, readers, slices(bag, sorted(sent)))
 
@@ -270,7 +270,7 @@ def test_last_message_of_a_bag_does_not_wait(tmp_path: Path) -> None:
     stamps = [BEGIN + 10 * MS * index for index in range(800)]
     sent = [("/a", stamped(when, float(n)), when - BEGIN) for n, when in enumerate(stamps)]
     sent[-1][1].header.stamp -= Duration(5)
-    player = BagPlayer(BagFile(write_bag(tmp_path / "x.bag", sent)), 60.0, lambda: 0.0)
+    player = BagPlayer(Ros1Recording(write_bag(tmp_path / "x.bag", sent)), 60.0, lambda: 0.0)
     made = Recorder(player, Layouts(), 60.0)
     made.set_topics(TOPICS)
     made.want(["/a/point/x"], player.start)

@@ -11,10 +11,10 @@ from bags import BEGIN, serialized, write_bag
 from std_msgs.msg import Float64, Int32, String
 
 from topic_scope.bag.columns import choose
-from topic_scope.bag.file import BagFile
 from topic_scope.bag.message_slices import first_messages
 from topic_scope.bag.overlay import BagOverlay
 from topic_scope.bag.player import BagPlayer
+from topic_scope.bag.ros1_recording import Ros1Recording
 from topic_scope.commands import plot_bag
 from topic_scope.messages.layouts import Layouts
 from topic_scope.sampling.recorder import Recorder
@@ -73,7 +73,7 @@ def test_bad_topics_do_not_affect_others(tmp_path: Path, run: Any) -> None:
 
 
 def test_bad_definition_is_the_reason_why_its_trace_is_empty(tmp_path: Path) -> None:
-    bag = BagFile(write_with_faults(tmp_path / "x.bag"))
+    bag = Ros1Recording(write_with_faults(tmp_path / "x.bag"))
     layouts = Layouts()
     for connection in bag.connections.values():
         layouts.received(connection.header)
@@ -117,7 +117,7 @@ def test_damaged_chunk_loses_only_its_messages(tmp_path: Path, run: Any, number:
     lost = sorted(set(range(40)) - set(values))
     assert 0 < len(lost) < 20 and (lost[0] == 0) == (number == 0)
     assert lost == list(range(lost[0], lost[-1] + 1))
-    with BagFile(path) as bag:
+    with Ros1Recording(path) as bag:
         found = first_messages(bag)["/x"].data
     assert found == serialized(Float64(float(lost[-1] + 1 if number == 0 else 0)))
 
@@ -137,7 +137,7 @@ def test_topic_whose_chunks_are_all_broken_is_a_fault(tmp_path: Path, run: Any) 
     place = content.index(b"BZh") + 15
     content[place : place + 20] = b"\xff" * 20
     path.write_bytes(bytes(content))
-    with BagFile(str(path)) as bag:
+    with Ros1Recording(str(path)) as bag:
         assert list(first_messages(bag)) == ["/x"]
         assert "is damaged (" in bag.faults["/lost"]
     assert run(str(path), "/x")[0] == 0
@@ -185,7 +185,7 @@ def test_message_with_a_damaged_length_is_left_out(tmp_path: Path, run: Any) -> 
 
 def names(path: str, *expressions: str) -> List[str]:
     """Return the names of the columns that expressions denote in a bag."""
-    with BagFile(path) as bag:
+    with Ros1Recording(path) as bag:
         return [column.name for column in choose(list(expressions), first_messages(bag))]
 
 
@@ -227,7 +227,7 @@ def test_ambiguous_field_is_quoted(tmp_path: Path, run: Any) -> None:
     _, _, written = run(path, '"/imu/data"/data', "/imu/data/data/data")
     assert written.splitlines()[1:] == ["0.000000000,1.0,", "0.000000010,,2.0"]
     overlay = BagOverlay(path, "old")
-    recorder = Recorder(BagPlayer(BagFile(path), 10.0), Layouts(), 10.0, [overlay])
+    recorder = Recorder(BagPlayer(Ros1Recording(path), 10.0), Layouts(), 10.0, [overlay])
     recorder.set_topics(overlay.types)
     listed = [choice.field for choice in recorder.choices()]
     assert listed == ['"/old/imu/data"/data', "/old/imu/data/data/data"]

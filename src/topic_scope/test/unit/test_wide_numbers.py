@@ -9,9 +9,9 @@ from bags import nanoseconds, write_bag
 from std_msgs.msg import Int32, Int64, UInt64
 from test_recorder import FakeSource, header, recording
 
-from topic_scope.bag.file import BagFile
 from topic_scope.bag.line_series import chosen, series_of
 from topic_scope.bag.message_slices import first_messages, slices
+from topic_scope.bag.ros1_recording import Ros1Recording
 from topic_scope.sampling.message_source import Batch
 
 CASES = pytest.mark.parametrize(
@@ -51,7 +51,7 @@ def test_rounded_whole_numbers_are_named_by_plot_bag(
     tmp_path: Path, message_class: type, values: List[int], step: int
 ) -> None:
     messages = [("/a", message_class(value), n * 10**7) for n, value in enumerate(values)]
-    with BagFile(write_bag(tmp_path / "x.bag", messages)) as bag:
+    with Ros1Recording(write_bag(tmp_path / "x.bag", messages)) as bag:
         lines, readers = chosen(bag, first_messages(bag), ["/a/data"])
         (series,) = series_of(bag, lines, readers, slices(bag, ["/a"]))
     assert series.correction == text(step)

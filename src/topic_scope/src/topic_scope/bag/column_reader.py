@@ -11,7 +11,7 @@ from topic_scope.bag.columns import Column
 from topic_scope.bag.message_slices import FirstMessage, Slice
 from topic_scope.messages.arrays import first_missing, lengths_in, missing_text
 from topic_scope.messages.decoding import Decoder, ElementMissing, rounding_text
-from topic_scope.messages.derived import STATE, make, parts
+from topic_scope.messages.field_functions import STATE, make, parts
 from topic_scope.messages.fields import FieldError, Key, to_text
 from topic_scope.messages.states import StateDecoder, StateTable
 from topic_scope.messages.timestamp_source import is_exact, path_of, read_times, topic_time

@@ -7,8 +7,8 @@ from typing import Collection, Dict, List, Mapping, NamedTuple, Optional, Tuple
 from topic_scope.bag.message_slices import FirstMessage
 from topic_scope.formulas.names import expand_with, formula_of
 from topic_scope.formulas.parser import Formula
-from topic_scope.messages.derived import STATE
 from topic_scope.messages.arrays import keys_in, lengths_in, with_names
+from topic_scope.messages.field_functions import STATE
 from topic_scope.messages.fields import (
     FieldError,
     Path,
@@ -34,7 +34,7 @@ class Column(NamedTuple):
     :param topic: global name of the topic
     :param path: path of the number in a message
     :param timestamp: name of its timestamp source; see :func:`.timestamp_source.path_of`
-    :param function: name of the function applied to it; see :mod:`.derived`
+    :param function: name of the function applied to it; see :mod:`.field_functions`
     :param field: name of the number, if its default name could also denote another topic of the bag
     """
 

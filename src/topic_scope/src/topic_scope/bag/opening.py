@@ -3,8 +3,8 @@
 import os
 from typing import Dict
 
-from topic_scope.bag.file import BagFile
 from topic_scope.bag.recording import Recording
+from topic_scope.bag.ros1_recording import Ros1Recording
 from topic_scope.bag.ros2_recording import Ros2Recording
 from topic_scope.messages.layouts import Layouts
 
@@ -20,7 +20,7 @@ def open_bag(path: str) -> Recording:
     :param path: a ROS 1 bag; a ``.mcap`` or ``.db3`` file, or a folder of a ROS 2 recording
     :raises BagError: if it cannot be read, or has no messages
     """
-    return Ros2Recording(path) if _is_of_ros2(path) else BagFile(path)
+    return Ros2Recording(path) if _is_of_ros2(path) else Ros1Recording(path)
 
 
 def learn_types(bag: Recording, layouts: Layouts) -> Dict[str, str]:

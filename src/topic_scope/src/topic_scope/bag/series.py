@@ -11,7 +11,7 @@ from topic_scope.bag.message_slices import Slice
 from topic_scope.bag.column_reader import ColumnReader
 from topic_scope.formulas.parser import Formula
 from topic_scope.formulas.signals import Signal
-from topic_scope.messages.derived import make
+from topic_scope.messages.field_functions import make
 from topic_scope.messages.fields import FieldError, Path
 from topic_scope.messages.timestamp_source import longest_step, oddities
 from topic_scope.timing.clocks import Clocks

@@ -11,7 +11,7 @@ from typing import Any, Dict, List, Mapping
 import rospy
 
 from nodekit import call_service
-from topic_scope.controls.settings import Changed
+from topic_scope.controls.parameter_sender import Changed
 
 try:
     from dynamic_reconfigure.msg import (

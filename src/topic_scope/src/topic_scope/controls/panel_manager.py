@@ -18,8 +18,8 @@ from nodekit import (
 from topic_scope.controls import dynamic_reconfigure_panels, services
 from topic_scope.controls.managed_nodes import ManagedNodes
 from topic_scope.controls.panel import Panel
-from topic_scope.controls.settings import Answer, Changed, Settings, value_message
 from topic_scope.controls.node_status import PERIOD_S, NodeStatuses, topics_of
+from topic_scope.controls.parameter_sender import Answer, Changed, ParameterSender, value_message
 from topic_scope.graph.worker import Worker
 from topic_scope.graph.master_watch import GraphState
 from topic_scope.sampling.raw_subscriptions import RawSubscriptions, SteadyClock
@@ -58,7 +58,9 @@ class PanelManager:
         self._failed: Dict[str, float] = {}
         self._throttle = Throttle(60.0)
         self._foreign: Collection[str] = ()
-        self._settings = Settings(self._worker, self._change, self._send_values, self._read_again)
+        self._sender = ParameterSender(
+            self._worker, self._change, self._send_values, self._read_again
+        )
         self._managed = ManagedNodes(self._worker, send)
         subscriptions = RawSubscriptions(SteadyClock())
         self._statuses = NodeStatuses(subscriptions, self._worker, send)
@@ -89,7 +91,7 @@ class PanelManager:
         gone = set(self._panels) - set(nodes)
         for node in gone:
             del self._panels[node]
-            self._settings.forget(node)
+            self._sender.forget(node)
             leave = self._followed.pop(node).close
             self._worker.run(("leave", node), leave, lambda _: None)
         if gone:
@@ -156,7 +158,7 @@ class PanelManager:
         panel = self._panels.get(node)
         if panel is None or name not in panel.entries:
             raise ValueError(f"there is no parameter {node}/{name}")
-        self._settings.set(panel, name, value, answer)
+        self._sender.set(panel, name, value, answer)
 
     def call(self, service: str, data: Any, answer: Answer) -> None:
         """Call a service that has a button.

@@ -11,7 +11,7 @@ from typing import Callable, Dict, List, Optional, Sequence, Tuple
 from topic_scope.formulas.parser import Formula, parse_formula
 from topic_scope.formulas.lexer import FormulaError, Token, text_of, tokens_of
 from topic_scope.messages import fields
-from topic_scope.messages.derived import STATE
+from topic_scope.messages.field_functions import STATE
 from topic_scope.messages.fields import FieldError
 
 _MARK = "="

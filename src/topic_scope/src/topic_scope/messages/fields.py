@@ -7,8 +7,8 @@ name: ``/joint_states/position[arm]`` is the element at the index of ``arm`` in 
 ``string[] name`` beside the array, and ``/tf/transforms[child_frame_id=base]/transform`` is in
 the first element with this value of the field. A time or a duration is a number too, in s, and a
 Boolean is 0 or 1. ``.`` and the name of a function may follow, see
-:mod:`topic_scope.messages.derived`: ``/topic/field.derivative``; then ``@`` and a timestamp source,
-see :mod:`topic_scope.messages.timestamp_source`: ``/topic/field@stamp``.
+:mod:`topic_scope.messages.field_functions`: ``/topic/field.derivative``; then ``@`` and a
+timestamp source, see :mod:`topic_scope.messages.timestamp_source`: ``/topic/field@stamp``.
 
 A topic needs quotes if its name has other characters, or could be a field of another topic:
 ``"/ORB-SLAM"/pose/x``, ``"/imu/data"/data``. A hyphen before a letter needs no quotes outside
@@ -21,7 +21,7 @@ from typing import Callable, Collection, Iterator, List, NamedTuple, Optional, T
 
 from topic_scope.messages.definitions import Array, Layout, Record, Scalar, Text
 from topic_scope.messages.constants import ValueNames
-from topic_scope.messages.derived import FUNCTIONS, QUATERNION, STATE
+from topic_scope.messages.field_functions import FUNCTIONS, QUATERNION, STATE
 
 
 class Key(str):

@@ -10,7 +10,7 @@ from topic_scope.analysis.ring import Rows, Samples
 from topic_scope.formulas.expression import Operands
 from topic_scope.formulas.parser import Formula
 from topic_scope.formulas.signals import Signal
-from topic_scope.messages import derived
+from topic_scope.messages import field_functions
 from topic_scope.sampling.traces import JUMPS, Stream, Trace
 from topic_scope.timing.nanoseconds import NS, ROUNDED_NS, shifted, to_ns, to_seconds
 
@@ -29,7 +29,7 @@ class ComputedTrace:
     def __init__(self, formula: Formula, traces: Mapping[str, Trace]) -> None:
         self._tree = formula.tree
         functions = [token.text for token in formula.tokens if token.kind != "field"]
-        self._is_derivative = derived.DERIVATIVE in functions
+        self._is_derivative = field_functions.DERIVATIVE in functions
         self._traces = [traces[name] for name in formula.fields]
         self._first = self._traces[0]
         self._operands = Operands(

@@ -12,7 +12,7 @@ from topic_scope.formulas.names import expand_with, formula_of, problem_of, term
 from topic_scope.messages import fields, timestamp_source
 from topic_scope.messages.arrays import Arrays, has_names
 from topic_scope.messages.definitions import Record
-from topic_scope.messages.derived import STATE
+from topic_scope.messages.field_functions import STATE
 from topic_scope.messages.layouts import Layouts
 from topic_scope.sampling.computed_trace import ComputedTrace, Recorded
 from topic_scope.sampling.overlay_trace import OverlayTrace, Overlay

@@ -8,7 +8,7 @@ import numpy
 
 from topic_scope.analysis.ring import NOWHERE, Ring, Rows, Samples
 from topic_scope.formulas.signals import Signal
-from topic_scope.messages import derived, fields, timestamp_source
+from topic_scope.messages import field_functions, fields, timestamp_source
 from topic_scope.messages.decoding import Decoder, rounding_text
 from topic_scope.messages.definitions import Record
 from topic_scope.messages.states import StateDecoder, StateTable
@@ -164,7 +164,7 @@ class Trace:
     :param stream: stream of its topic
     :param path: path of the field in a message
     :param history: how long samples are kept [s]
-    :param function: name of the function applied to it, see :mod:`.derived`; empty for none
+    :param function: name of the function applied to it, see :mod:`.field_functions`; empty for none
 
     :ivar ring: the samples, by the own clock of their messages
     :ivar used_at: when a page last showed it [s]
@@ -182,12 +182,12 @@ class Trace:
         self._pinned_offset = 0
         self._longest_step: Optional[float] = None
         self._new = 0
-        self._function = derived.make(function)
-        self._is_derivative = function == derived.DERIVATIVE
+        self._function = field_functions.make(function)
+        self._is_derivative = function == field_functions.DERIVATIVE
         #: Whether the path names an element: messages without it have no sample, and make no gap.
         self._is_named = any(isinstance(part, fields.Key) for part in path)
-        self._paths = [path + part for part in derived.parts(function)]
-        self.states = StateTable() if function == derived.STATE else None
+        self._paths = [path + part for part in field_functions.parts(function)]
+        self.states = StateTable() if function == field_functions.STATE else None
         self._decoders: List[Union[Decoder, StateDecoder]] = []
         self._rounding = 1
 

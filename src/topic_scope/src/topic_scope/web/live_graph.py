@@ -6,8 +6,8 @@ import tornado.ioloop
 
 from nodekit import NodeScope
 from topic_scope.controls.panel_manager import PanelManager
+from topic_scope.graph.graph_feed import GraphFeed
 from topic_scope.graph.worker import Worker
-from topic_scope.graph.topology import GraphFeed
 from topic_scope.graph.master_watch import GraphState, MasterWatch
 from topic_scope.messages.layouts import Layouts
 from topic_scope.page.open_page import Page

@@ -37,7 +37,7 @@ class Record(NamedTuple):
     length: int
 
 
-class BagFile(Recording):
+class Ros1Recording(Recording):
     """Open ROS 1 bag.
 
     :param path: the file

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from topic_scope.analysis.waveform import phase
 from topic_scope.bag.columns import choose
-from topic_scope.messages.derived import FUNCTIONS, make, parts
+from topic_scope.messages.field_functions import FUNCTIONS, make, parts
 from topic_scope.messages.fields import FieldError, expand, parted
 from topic_scope.timing.nanoseconds import array_to_ns
 

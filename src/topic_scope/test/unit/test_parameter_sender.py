@@ -1,4 +1,4 @@
-"""Setting of values: sent to the node, and accepted or rejected with the node's reason."""
+"""Values from a page: sent to the node, and accepted or rejected with the reason of the node."""
 
 from typing import Any, Callable, Dict, List, Mapping, Tuple
 
@@ -7,7 +7,7 @@ import pytest
 from nodekit import FloatParameter, ListParameter, ParameterError, ParameterSet, describe, rule
 from nodekit.testing.offline_parameters import OfflineParameters
 from topic_scope.controls.panel import Panel
-from topic_scope.controls.settings import Changed, Settings
+from topic_scope.controls.parameter_sender import Changed, ParameterSender
 from topic_scope.graph.worker import Worker
 
 NODE = "/gauge"
@@ -69,7 +69,7 @@ class World:
         self.reply: List[Tuple[str, Any]] = []
         self.worker = SlowWorker()
         self.panel = Panel(NODE, describe(self.node.values), {})
-        self.settings = Settings(self.worker, self.change, self.send, self.read_again)
+        self.sender = ParameterSender(self.worker, self.change, self.send, self.read_again)
 
     def change(self, node: str, values: Mapping[str, Any]) -> Changed:
         assert node == NODE
@@ -96,7 +96,7 @@ class World:
         self.reply += [(name, panel.values[name]) for name in names]
 
     def ask(self, name: str, value: Any) -> None:
-        self.settings.set(self.panel, name, value, self.answers.append)
+        self.sender.set(self.panel, name, value, self.answers.append)
 
     def work(self) -> None:
         while self.worker.work:
@@ -180,7 +180,7 @@ def test_newer_value_replaces_a_rejected_one(world: World) -> None:
 
 def test_disappeared_node_is_dropped(world: World) -> None:
     world.set("xs", "[1, 2, 3]")
-    world.settings.forget(NODE)
+    world.sender.forget(NODE)
     world.set("high", 20)
     assert world.sent[-1] == {"high": 20.0}
 

@@ -44,7 +44,7 @@ class Asked(NamedTuple):
     answer: Answer
 
 
-class Settings:
+class ParameterSender:
     """Sender of parameter changes; all methods are for the web thread.
 
     :param worker: worker that waits for nodes

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from topic_scope.graph.topology import Rates, graph_message
+from topic_scope.graph.graph_feed import Rates, graph_message
 from topic_scope.graph.master_watch import GraphState
 
 STATE = GraphState(

@@ -12,9 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from std_msgs.msg import Float64, Int32, String
 
-from topic_scope.bag.file import BagFile
 from topic_scope.bag.recording import BagError
 from topic_scope.bag.message_slices import Slice, first_messages, slices
+from topic_scope.bag.ros1_recording import Ros1Recording
 
 #: Topic, length of the text, time; small chunks hold some of them each, out of order.
 messages = st.lists(
@@ -29,7 +29,7 @@ def write(path: Path, sent: List[Tuple[str, int, int]], compression: str = "none
     return str(path)
 
 
-def read(bag: BagFile, wanted: Set[str], after: int) -> List[Tuple[int, str, bytes]]:
+def read(bag: Ros1Recording, wanted: Set[str], after: int) -> List[Tuple[int, str, bytes]]:
     """Return time, topic and bytes of all messages of the chunks after a time."""
     numbers = {number for number, one in bag.connections.items() if one.topic in wanted}
     found = []
@@ -60,7 +60,7 @@ def test_all_messages_of_requested_topics_are_read(
     compression: str,
 ) -> None:
     path = write(tmp_path_factory.mktemp("bags") / "x.bag", sent, compression)
-    bag = BagFile(path)
+    bag = Ros1Recording(path)
     assert read(bag, wanted, 0) == as_read_by_rosbag(path, wanted)
     assert (bag.start, bag.end) == tuple(
         BEGIN + end(time for _, _, time in sent) for end in (min, max)
@@ -73,7 +73,7 @@ def test_all_messages_of_requested_topics_are_read(
 def test_earlier_chunks_are_skipped_and_others_sorted(
     tmp_path_factory: "pytest.TempPathFactory", sent: List[Tuple[str, int, int]], after: int
 ) -> None:
-    bag = BagFile(write(tmp_path_factory.mktemp("bags") / "x.bag", sent))
+    bag = Ros1Recording(write(tmp_path_factory.mktemp("bags") / "x.bag", sent))
     numbers, starts = bag.chunks_after(BEGIN + after)
     assert starts == sorted(starts)
     expected = [time for _, _, time in sent if time > after]
@@ -87,7 +87,7 @@ def test_earlier_chunks_are_skipped_and_others_sorted(
 
 def test_connection_headers_are_kept(tmp_path: Path) -> None:
     path = write_bag(tmp_path / "x.bag", [("/x", Float64(1), 0), ("/y", String("one"), 1)])
-    bag = BagFile(path)
+    bag = Ros1Recording(path)
     said: Dict[str, Any] = {one.topic: one.header for one in bag.connections.values()}
     assert sorted(said) == ["/x", "/y"]
     assert said["/x"]["type"] == "std_msgs/Float64"
@@ -106,7 +106,7 @@ def test_messages_are_in_order_whatever_wrote_the_index(tmp_path: Path) -> None:
     entries = content[begin : begin + 24]
     swapped = entries[12:] + entries[:12]
     path.write_bytes(content[:begin] + swapped + content[begin + 24 :])
-    bag = BagFile(str(path))
+    bag = Ros1Recording(str(path))
     (part,) = bag.read(0, list(bag.connections))
     assert part.times.tolist() == [BEGIN, BEGIN + 1]
     assert [len(message) for message in part.messages] == [5, 6]
@@ -137,7 +137,7 @@ def test_messages_of_a_range_come_in_order_with_exact_times(
 ) -> None:
     sent = [("a", 0, 0), *sent]
     path = write(tmp_path_factory.mktemp("bags") / "x.bag", sent)
-    with BagFile(path) as bag:
+    with Ros1Recording(path) as bag:
         assert bag.length == max(time for _, _, time in sent)
         found = in_order(list(slices(bag, ["/a", "/c"], start, end)))
     last = 10**10 if end is None else end
@@ -152,7 +152,7 @@ def test_messages_of_a_range_come_in_order_with_exact_times(
 
 def test_only_requested_topics_are_read(tmp_path: Path) -> None:
     messages = [("/a", Int32(1), 0), ("/b", Int32(2), 1), ("/a", Int32(3), 2), ("/c", Int32(4), 3)]
-    with BagFile(write_bag(tmp_path / "x.bag", messages)) as bag:
+    with Ros1Recording(write_bag(tmp_path / "x.bag", messages)) as bag:
         assert bag.count(["/a", "/c"]) == 3
         found = in_order(list(slices(bag, ["/a", "/c"])))
         first = first_messages(bag)
@@ -166,19 +166,21 @@ def test_only_requested_topics_are_read(tmp_path: Path) -> None:
 
 def test_first_messages_are_found_wherever_they_are(tmp_path: Path) -> None:
     path = write(tmp_path / "x.bag", [("a", 300, time) for time in range(20)] + [("b", 1, 99)])
-    with BagFile(path) as bag:
+    with Ros1Recording(path) as bag:
         assert first_messages(bag)["/b"].data == serialized(String("x"))
 
 
 def test_relative_names_become_global(tmp_path: Path) -> None:
-    with BagFile(write_bag(tmp_path / "x.bag", [("a", Int32(1), 0), ("/a", Int32(2), 5)])) as bag:
+    with Ros1Recording(
+        write_bag(tmp_path / "x.bag", [("a", Int32(1), 0), ("/a", Int32(2), 5)])
+    ) as bag:
         assert list(first_messages(bag)) == ["/a"]
         found = in_order(list(slices(bag, ["/a"])))
     assert found == [(0, "/a", serialized(Int32(1))), (5, "/a", serialized(Int32(2)))]
 
 
 def error_of(path: Path) -> str:
-    with pytest.raises(BagError) as caught, BagFile(str(path)) as bag:
+    with pytest.raises(BagError) as caught, Ros1Recording(str(path)) as bag:
         read(bag, {one.topic for one in bag.connections.values()}, 0)
     text = str(caught.value)
     assert str(path) in text and "\n" not in text
@@ -246,7 +248,7 @@ def test_bag_with_damaged_bytes_is_read_or_reported(
         content[place] = data.draw(st.integers(0, 255))
     path.write_bytes(content[: data.draw(st.none() | st.integers(0, len(content)))])
     try:
-        with BagFile(str(path)) as bag:
+        with Ros1Recording(str(path)) as bag:
             read(bag, {one.topic for one in bag.connections.values()}, 0)
     except BagError as error:
         assert str(path) in str(error)

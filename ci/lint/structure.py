@@ -142,7 +142,8 @@ ROOMS: Dict[str, List[str]] = {
     "motor_control": "enable_sequence motor_enabler motor_parameters nodes".split(),
     "pid_control": (
         "plant controller charts verdicts judging signal_judging identification tuning recording "
-        "course_names set_point_parameters files programs runner signal_runner commands nodes"
+        "course_names set_point_parameters output_files programs runner signal_runner commands "
+        "nodes"
     ).split(),
     "serial_link": (
         "framing negotiation device host headers port_mark hardware board link endpoints "

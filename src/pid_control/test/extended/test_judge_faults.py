@@ -95,7 +95,7 @@ class JudgeFaults(JudgeCase):
         self.addCleanup(judge.kill)
         assert judge.stderr is not None
         for line in judge.stderr:  # each names a module that has been imported
-            if line.split()[-1] == "pid_control.files":
+            if line.split()[-1] == "pid_control.output_files":
                 break
         judge.send_signal(signal.SIGINT)
         _, errors = judge.communicate(timeout=LONG_S)

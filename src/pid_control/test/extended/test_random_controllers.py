@@ -9,7 +9,7 @@ from laws import CORRECT, correct
 from played import default_limits, play_all
 
 from nodekit.testing.running import rosrun
-from pid_control.judging.judgement import judge
+from pid_control.judging.controller_judgement import judge
 from pid_control.verdicts.reports import as_sentences
 
 LIMITS = default_limits()

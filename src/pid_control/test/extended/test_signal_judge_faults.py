@@ -10,7 +10,7 @@ from typing import List
 from helpers.coursework_cases import COURSEWORKS, FAST, FLAWED, GOOD, Case, make
 from nodekit.testing.running import rosrun
 from pid_control.runner.default_limits import default_limits
-from pid_control.runner.outcome import BusyMachineError, JudgingError
+from pid_control.runner.judging_errors import BusyMachineError, JudgingError
 from pid_control.signal_judging.coursework_judgement import judge
 from pid_control.signal_judging.scenarios import SCENARIO_METRICS, SCENARIOS
 from pid_control.signal_runner.coursework_bench import CourseworkBench, find_request

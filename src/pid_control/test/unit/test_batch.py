@@ -11,7 +11,7 @@ import pytest
 from pid_control.judging.metrics import SCENARIO_METRICS
 from pid_control.programs import batch
 from pid_control.programs.batch import run_bounded
-from pid_control.programs.judged_part import JudgedProgram, NothingToJudge
+from pid_control.programs.program_finder import NothingToJudge, ProgramFinder
 from pid_control.programs.submissions import packages_in
 
 #: Stands for a build: makes a workspace, and says something in the user's language.
@@ -22,9 +22,9 @@ exit {status}
 """
 
 
-def program(name: str = "controller.py") -> JudgedProgram:
-    """Return a program as the judged part."""
-    return JudgedProgram(name, [], SCENARIO_METRICS)
+def program(name: str = "controller.py") -> ProgramFinder:
+    """Return a finder of a program."""
+    return ProgramFinder(name, [], SCENARIO_METRICS)
 
 
 def put_catkin_make(

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 
 from pid_control.controller.pid import PidSettings
 from pid_control.identification.response import Model
+from pid_control.judging.controller_judgement import judge
 from pid_control.judging.experiment import Output
-from pid_control.judging.judgement import judge
 from pid_control.verdicts.judgement import Judgement
 from pid_control.verdicts.reports import as_sentences
 from pid_control.judging.simulation import Law, pid_law

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as some
 
+from pid_control.judging.controller_judgement import is_fatal, judge
 from pid_control.verdicts.batch_page import as_html
 from pid_control.judging.diagnosis import FLAWS, cause_of, cause_of_failure
-from pid_control.judging.judgement import is_fatal, judge
 from pid_control.verdicts.judgement import FAILED, NOT_JUDGED, PASSED, number
 from pid_control.verdicts.limits import LimitsError, merged, read_limits
 from pid_control.judging.metrics import METRICS, SCENARIO_METRICS

@@ -11,7 +11,7 @@ import pytest
 
 from pid_control.programs import archives
 from pid_control.programs.archives import ArchiveError, is_archive, stem_of, unpack
-from pid_control.programs.judged_part import JudgedProgram
+from pid_control.programs.program_finder import ProgramFinder
 from pid_control.programs.submissions import (
     RosterError,
     Submission,
@@ -50,7 +50,7 @@ def found(tmp_path: pathlib.Path) -> List[Tuple[str, str]]:
     """Return name and reason of each submission in the folder class."""
     scratch = str(tmp_path / "scratch")
     submissions = submissions_in(
-        str(tmp_path / "class"), JudgedProgram("controller.py", [], {}), scratch
+        str(tmp_path / "class"), ProgramFinder("controller.py", [], {}), scratch
     )
     for one in submissions:
         assert bool(one.package) != bool(one.why)
@@ -94,7 +94,7 @@ def test_workspace_with_a_compiled_controller_is_the_package_that_builds_it(
     text = "add_executable(controller src/controller.cpp)\n"
     fill(sources / "pid", {"package.xml": "", "CMakeLists.txt": text})
     scratch = str(tmp_path / "scratch")
-    [one] = submissions_in(str(tmp_path / "class"), JudgedProgram("controller", [], {}), scratch)
+    [one] = submissions_in(str(tmp_path / "class"), ProgramFinder("controller", [], {}), scratch)
     assert (one.package, one.siblings) == (str(sources / "pid"), [str(sources / "messages")])
 
 

@@ -10,12 +10,12 @@ import rospy
 
 from nodekit import Node, run
 from pid_control.commands.arguments import number, svg_path, yaml_path
-from pid_control.files import check_writable, write_file
 from pid_control.identification.fit import identify
 from pid_control.identification.model_file import as_yaml
 from pid_control.identification.record import IdentificationError, Record
 from pid_control.identification.report import as_picture, as_text
 from pid_control.identification.step_reading import read_step
+from pid_control.output_files import check_writable, write_file
 from pid_control.recording.bag_record import read_record
 from pid_control.recording.fields import FieldError
 from nodekit.package_version import ShowVersion

@@ -18,7 +18,7 @@ from pid_control.judging.metrics import SCENARIO_METRICS
 from pid_control.judging.picture import as_svg
 from pid_control.judging.record import Record
 from pid_control.judging.scenarios import BY_NAME, MOTOR
-from pid_control.runner.outcome import JudgingError
+from pid_control.runner.judging_errors import JudgingError
 from pid_control.verdicts.judgement import NOT_JUDGED, Judgement
 from nodekit.package_version import ShowVersion
 from pid_control.verdicts.limits import Limits
@@ -143,7 +143,7 @@ def _judge(arguments: argparse.Namespace, limits: Limits) -> Tuple[Judgement, Li
 
 def _judge_class(arguments: argparse.Namespace) -> int:
     from pid_control.programs.batch import Batch
-    from pid_control.programs.judged_part import JudgedProgram
+    from pid_control.programs.program_finder import ProgramFinder
 
     parser = _parser()
     check_class(parser, arguments, ("node", "workspace", "launch", "picture", "csv"))
@@ -159,5 +159,5 @@ def _judge_class(arguments: argparse.Namespace) -> int:
     output = os.path.abspath(arguments.output)
     folder, limit = arguments.class_folder, arguments.time_limit
     name, *rest = arguments.words or [_NAME]
-    part = JudgedProgram(name, rest, SCENARIO_METRICS)
-    return Batch(folder, part, options, output, limit, roster).run()
+    finder = ProgramFinder(name, rest, SCENARIO_METRICS)
+    return Batch(folder, finder, options, output, limit, roster).run()

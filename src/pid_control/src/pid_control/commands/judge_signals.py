@@ -14,7 +14,7 @@ from pid_control.commands.judging_command import (
     class_options,
     roster_of,
 )
-from pid_control.runner.outcome import JudgingError
+from pid_control.runner.judging_errors import JudgingError
 from pid_control.signal_judging.coursework_judgement import judge
 from pid_control.signal_judging.coursework_picture import as_picture
 from pid_control.signal_judging.evidence import GENERATOR, PROCESS, Evidence
@@ -149,7 +149,7 @@ def _judge_class(arguments: argparse.Namespace) -> int:
         if getattr(arguments, name) is not None:
             options += ["--" + name.replace("_", "-"), getattr(arguments, name)]
     roster = roster_of(parser, arguments)
-    part = CourseworkFinder(arguments.words)
+    finder = CourseworkFinder(arguments.words)
     output = os.path.abspath(arguments.output)
     folder, limit = arguments.class_folder, arguments.time_limit
-    return Batch(folder, part, options, output, limit, roster).run()
+    return Batch(folder, finder, options, output, limit, roster).run()

@@ -6,7 +6,7 @@ import sys
 from typing import Callable, Dict, List, NoReturn, Optional, Sequence, Tuple
 
 from pid_control.commands.arguments import svg_path
-from pid_control.files import check_writable, write_file
+from pid_control.output_files import check_writable, write_file
 from pid_control.programs.deferred_signals import exit_on_signals
 from pid_control.runner.default_limits import default_limits
 from pid_control.verdicts.judgement import NOT_JUDGED, STATUS, Judgement
@@ -108,7 +108,7 @@ class Command:
     :param parser: its parser
     :param limits_file: name of the file with the default limits
     :param figures: names of the figures of each scenario
-    :param subject: heading of the judged part in tables
+    :param subject: what it judges, such as a controller: heading in tables
     :param judge: judges one submission; returns the judgement and a function that draws it
     :param judge_class: judges a class, and returns the exit status
     """

@@ -7,8 +7,8 @@ from typing import List, NoReturn
 import rospy
 
 from pid_control.commands.arguments import number, svg_path, yaml_path
-from pid_control.files import write_file
 from pid_control.identification.model_file import ModelError, read_model
+from pid_control.output_files import write_file
 from pid_control.programs.deferred_signals import exit_on_signals
 from pid_control.tuning.closed_loop import Response, as_picture, as_table, respond
 from nodekit.package_version import ShowVersion

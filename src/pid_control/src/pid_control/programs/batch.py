@@ -15,8 +15,8 @@ from typing import Dict, List, Optional, Sequence, Tuple
 import rospkg
 
 from pid_control.programs.archives import stem_of
+from pid_control.programs.program_finder import NothingToJudge, SubjectFinder
 from pid_control.programs.submissions import Submission, missing_in, needed_siblings, submissions_in
-from pid_control.programs.judged_part import JudgedPart, NothingToJudge
 from pid_control.verdicts.batch_page import as_html, as_page_of_student
 from pid_control.verdicts.judgement import FAILED, NOT_JUDGED, PASSED, STATUS, Judgement
 from pid_control.verdicts.reports import as_csv
@@ -49,7 +49,7 @@ class Batch:
     """Batch run over the packages of a class.
 
     :param folder: folder of the packages
-    :param part: the judged part of each package
+    :param finder: finds what to judge in each package
     :param options: options of each judge
     :param output: folder for the files
     :param time_limit: time limit per package [s]
@@ -59,7 +59,7 @@ class Batch:
     def __init__(
         self,
         folder: str,
-        part: JudgedPart,
+        finder: SubjectFinder,
         options: Sequence[str],
         output: str,
         time_limit: float,
@@ -67,7 +67,7 @@ class Batch:
     ) -> None:
         self._roster = roster or {}
         self._folder, self._output = os.path.abspath(folder), output
-        self._part = part
+        self._finder = finder
         self._options, self._time_limit = list(options), time_limit
         self._rows: List[Dict[str, str]] = []
         self._files: Dict[str, List[str]] = {}
@@ -80,7 +80,7 @@ class Batch:
         :returns: exit status: 0 if all passed, 1 if not, 125 if there is no package
         """
         with tempfile.TemporaryDirectory(prefix="judge-") as unpacked:
-            submissions = submissions_in(self._folder, self._part, unpacked)
+            submissions = submissions_in(self._folder, self._finder, unpacked)
             submissions += missing_in(submissions, self._roster)
             if not any(submission.package for submission in submissions):
                 for submission in submissions:
@@ -122,7 +122,7 @@ class Batch:
             environment["ROS_PACKAGE_PATH"] = os.pathsep.join(paths)
             command = [sys.executable, os.path.abspath(sys.argv[0]), *options]
             text, _ = run_bounded(
-                [*command, *self._part.words(package, workspace)],
+                [*command, *self._finder.words(package, workspace)],
                 self._time_limit + _BEYOND_S,
                 environment,
             )
@@ -141,14 +141,14 @@ class Batch:
                 str(error) if isinstance(error, NothingToJudge) else f"it cannot be judged: {error}"
             )
             not_judged = [(name, Judgement(NOT_JUDGED, [], [], why))]
-            text_of_row = as_csv(not_judged, self._part.figures, self._part.subject)
+            text_of_row = as_csv(not_judged, self._finder.figures, self._finder.subject)
             [row] = csv.DictReader(io.StringIO(text_of_row))
         student = self._roster.get(stem_of(submission.entry), "")
         student_cell = {"student": student} if self._roster else {}
-        row = {**student_cell, **row, self._part.subject: name}
+        row = {**student_cell, **row, self._finder.subject: name}
         page = stem + ".html"
         drawn = [file for file in self._files[name] if file == picture]
-        self._put(page, as_page_of_student(row, self._part.subject, text, drawn))
+        self._put(page, as_page_of_student(row, self._finder.subject, text, drawn))
         self._files[name].insert(0, page)
         return row
 
@@ -166,7 +166,7 @@ class Batch:
         writer.writeheader()
         writer.writerows(self._rows)
         self._put("class.csv", text.getvalue())
-        self._put("class.html", as_html(self._rows, self._part.subject, self._files))
+        self._put("class.html", as_html(self._rows, self._finder.subject, self._files))
 
     def _put(self, name: str, content: str) -> None:
         path = os.path.join(self._output, name)

@@ -9,7 +9,7 @@ from typing import Dict, List, NamedTuple, Sequence, Tuple
 from xml.etree import ElementTree
 
 from pid_control.programs.archives import ArchiveError, is_archive, stem_of, unpack
-from pid_control.programs.judged_part import JudgedPart
+from pid_control.programs.program_finder import SubjectFinder
 
 #: Deepest level of a package below a folder, and below a submission.
 _DEEPEST, _DEEPEST_OF_ENTRY = 3, 5
@@ -57,11 +57,11 @@ def packages_in(folder: str, deepest: int = _DEEPEST) -> List[str]:
     return sorted(found)
 
 
-def submissions_in(folder: str, part: JudgedPart, scratch: str) -> List[Submission]:
+def submissions_in(folder: str, finder: SubjectFinder, scratch: str) -> List[Submission]:
     """Return at least one submission for each entry of a folder that is not hidden.
 
     :param folder: absolute path of the folder of the class
-    :param part: the judged part of each package
+    :param finder: finds what to judge in each package
     :param scratch: folder for unpacked archives
     """
     if os.path.isfile(os.path.join(folder, "package.xml")):
@@ -70,11 +70,11 @@ def submissions_in(folder: str, part: JudgedPart, scratch: str) -> List[Submissi
     for index, entry in enumerate(sorted(os.listdir(folder))):
         if entry[0] != ".":
             place = os.path.join(folder, entry)
-            found += _of_entry(entry, place, part, os.path.join(scratch, str(index)))
+            found += _of_entry(entry, place, finder, os.path.join(scratch, str(index)))
     return found
 
 
-def _of_entry(entry: str, place: str, part: JudgedPart, scratch: str) -> List[Submission]:
+def _of_entry(entry: str, place: str, finder: SubjectFinder, scratch: str) -> List[Submission]:
     if is_archive(place):
         try:
             unpack(place, scratch)
@@ -90,7 +90,7 @@ def _of_entry(entry: str, place: str, part: JudgedPart, scratch: str) -> List[Su
             found: List[Submission] = []
             for name in inner:
                 path = os.path.join(place, name)
-                found += _of_entry(name, path, part, f"{scratch}-{len(found)}")
+                found += _of_entry(name, path, finder, f"{scratch}-{len(found)}")
             return [one._replace(name=f"{entry}/{one.name}", entry=entry) for one in found]
     if not packages:
         return [
@@ -98,12 +98,12 @@ def _of_entry(entry: str, place: str, part: JudgedPart, scratch: str) -> List[Su
                 entry,
                 entry,
                 "",
-                f"it has no package.xml: not a ROS package{part.hint(place)}",
+                f"it has no package.xml: not a ROS package{finder.hint(place)}",
             )
         ]
-    # Of several packages, those with the judged part count: the others are messages or tools.
-    chosen = [one for one in packages if part.is_in(one)]
-    chosen = chosen or [one for one in packages if part.is_built_by(one)] or packages[:1]
+    # Of several packages, those with something to judge count: the others are messages or tools.
+    chosen = [one for one in packages if finder.is_in(one)]
+    chosen = chosen or [one for one in packages if finder.is_built_by(one)] or packages[:1]
     return [
         Submission(
             os.path.normpath(os.path.join(entry, os.path.relpath(one, place))),

@@ -16,8 +16,9 @@ from pid_control.programs.program_command import ProgramCommand
 from pid_control.programs.program_process import ProgramProcess
 from pid_control.programs.deferred_signals import deferred_signals
 from pid_control.programs.package_messages import MessageTypeError, class_of
+from pid_control.runner.judging_errors import TimeLimitExceeded
 from pid_control.runner.loop_messages import loop_message
-from pid_control.runner.outcome import BusyDetector, TimeLimitExceeded, completed, failure_of
+from pid_control.runner.failure_detection import BusyDetector, completed, failure_of
 from pid_control.runner.student_messages import describe
 from pid_control.runner.test_bench import TestBench
 

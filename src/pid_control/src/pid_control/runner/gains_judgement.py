@@ -3,14 +3,14 @@
 import time
 from typing import Iterator, List, Sequence, Tuple
 
+from pid_control.judging.controller_judgement import judge
 from pid_control.judging.evidence import adapted
-from pid_control.judging.judgement import judge
 from pid_control.judging.record import Record
+from pid_control.runner.judging_errors import TimeLimitExceeded
 from pid_control.verdicts.reports import as_sentences
 from pid_control.judging.scenarios import SCENARIOS, Scenario
 from pid_control.programs.program_command import find_controller
 from pid_control.runner.default_limits import default_limits
-from pid_control.runner.outcome import TimeLimitExceeded
 from pid_control.programs.private_master import PrivateMaster
 from pid_control.tuning.rules import Gains
 

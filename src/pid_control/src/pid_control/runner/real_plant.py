@@ -47,7 +47,7 @@ class RealPlant:
         self._is_shut_down = False
         self._end_controller: Callable[[], None] = lambda: None
         self._topic = node.resolve("motor_output")
-        self._judged_part = node.create_publisher("set_point", set_point)
+        self._set_points = node.create_publisher("set_point", set_point)
         self._drive = node.create_publisher("motor_input", motor_input)
         self._answers = node.create_subscription("motor_input", motor_input, self._on_input)
         node.create_subscription("motor_output", motor_output, self._on_output, finite=True)
@@ -75,13 +75,13 @@ class RealPlant:
         """
         self.check_node()
         now = time.monotonic()
-        self._judged_part.publish(set_point(speed, now - self._began))
+        self._set_points.publish(set_point(speed, now - self._began))
         if now - self._heard_at > _SILENCE_S:
             raise PlantError(f"the plant is silent: nothing on {self._topic} for {_SILENCE_S:g} s")
 
     def stop(self) -> None:
         """Publish a set point of 0 and an input of 0."""
-        self._judged_part.publish(set_point(0.0, time.monotonic() - self._began))
+        self._set_points.publish(set_point(0.0, time.monotonic() - self._began))
         self._drive.publish(motor_input(0.0, 0.0))
 
     def wait_until_it_stands(self) -> None:
@@ -106,7 +106,7 @@ class RealPlant:
     def connections(self) -> Dict[str, int]:
         """Return the numbers of the set point's subscribers and of the input's publishers."""
         return {
-            "set_point": self._judged_part.get_num_connections(),
+            "set_point": self._set_points.get_num_connections(),
             "motor_input": self._answers.get_num_connections(),
         }
 
@@ -120,7 +120,7 @@ class RealPlant:
                 publishers = dict(master.system_state().publishers)
         except MasterUnreachable as error:
             raise PlantError(str(error)) from None
-        for topic in (self._topic, self._judged_part.resolved_name):
+        for topic in (self._topic, self._set_points.resolved_name):
             several = publishers.get(topic, [])
             if len(several) > 1:
                 raise PlantError(f"{' and '.join(several)} publish {topic}; stop all but one")

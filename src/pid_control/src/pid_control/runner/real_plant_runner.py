@@ -13,12 +13,8 @@ from pid_control.runner.clock import WallClock
 from pid_control.programs.program_command import ProgramCommand
 from pid_control.programs.program_process import ProgramProcess
 from pid_control.programs.deferred_signals import deferred_signals
-from pid_control.runner.outcome import (
-    JudgingError,
-    TimeLimitExceeded,
-    completed,
-    failure_of,
-)
+from pid_control.runner.failure_detection import completed, failure_of
+from pid_control.runner.judging_errors import JudgingError, TimeLimitExceeded
 from pid_control.runner.real_plant import RealPlant
 
 #: Timeout for the controller's connections [s].

@@ -2,10 +2,11 @@
 
 import os
 import time
-from typing import List, Mapping, Optional, Sequence, Tuple
+from typing import List, Mapping, Optional, Protocol, Sequence, Tuple
 
+from pid_control.judging.controller_judgement import is_fatal, judge
 from pid_control.judging.evidence import adapted
-from pid_control.judging.judgement import is_fatal, judge
+from pid_control.runner.judging_errors import BusyMachineError, JudgingError, TimeLimitExceeded
 from pid_control.verdicts.judgement import Judgement
 from pid_control.verdicts.limits import Limits
 from pid_control.judging.record import Record
@@ -13,14 +14,26 @@ from pid_control.judging.scenarios import BY_NAME, Scenario
 from pid_control.programs.program_command import ProgramCommand
 from pid_control.programs.package_messages import MessageTypeError
 from pid_control.runner.loop_messages import given_message
-from pid_control.runner.outcome import (
-    BusyMachineError,
-    JudgingError,
-    Runner,
-    TimeLimitExceeded,
-)
 from pid_control.programs.private_master import PrivateMaster
 from pid_control.runner.student_messages import read_messages
+
+
+class Runner(Protocol):
+    """Runner of scenarios.
+
+    :ivar most_late: largest allowed delay of the judge with the machine's clock [s]
+    :ivar latest: largest delay so far [s]
+    """
+
+    most_late: float
+    latest: float
+
+    def run(self, scenario: Scenario) -> Record:
+        """Run one scenario.
+
+        :raises TimeLimitExceeded: if the deadline has passed
+        :raises OSError: if the controller cannot be started
+        """
 
 
 class Session:

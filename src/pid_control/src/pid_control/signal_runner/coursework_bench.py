@@ -15,7 +15,7 @@ from pid_control.programs.package_messages import (
 )
 from pid_control.programs.private_master import PrivateMaster
 from pid_control.programs.program_command import workspace_environment
-from pid_control.runner.outcome import JudgingError
+from pid_control.runner.judging_errors import JudgingError
 from pid_control.signal_judging.evidence import Evidence
 from pid_control.signal_runner.coursework import find_coursework, package_folder
 

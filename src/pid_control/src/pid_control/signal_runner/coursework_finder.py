@@ -1,4 +1,4 @@
-"""Detection of the first coursework in each package of a batch run, and its arguments."""
+"""Finder of coursework 1 (signal generator and process node) in each package of a batch run."""
 
 from typing import List, Optional, Sequence
 
@@ -8,7 +8,7 @@ from pid_control.verdicts.limits import Figures
 
 
 class CourseworkFinder:
-    """First coursework of each package; the :class:`.JudgedPart` of a batch run.
+    """Finder of the packages with a first coursework; a :class:`.SubjectFinder`.
 
     :param words: launch file of each package, and its arguments; empty to find it
     """

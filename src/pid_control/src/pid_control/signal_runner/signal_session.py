@@ -5,7 +5,7 @@ import time
 from typing import Any, Callable, List, Mapping, Optional, Sequence, Tuple
 
 from pid_control.programs.private_master import PrivateMaster
-from pid_control.runner.outcome import BusyMachineError, JudgingError, TimeLimitExceeded
+from pid_control.runner.judging_errors import BusyMachineError, JudgingError, TimeLimitExceeded
 from pid_control.signal_judging.channels import AmbiguousChannelsError, Channel, signal_of
 from pid_control.signal_judging.clock_pauses import moved_in_pauses
 from pid_control.signal_judging.evidence import (

@@ -13,7 +13,8 @@ from pid_control.programs.package_messages import MessageTypeError
 from pid_control.programs.private_master import PrivateMaster
 from pid_control.programs.program_process import ProgramProcess
 from pid_control.runner.clock import Clock, SimulatedClock, WallClock
-from pid_control.runner.outcome import BusyDetector, TimeLimitExceeded, failure_of
+from pid_control.runner.failure_detection import BusyDetector, failure_of
+from pid_control.runner.judging_errors import TimeLimitExceeded
 from pid_control.signal_runner.coursework import StudentNode
 from pid_control.signal_runner.node_pair import NodePair, choose_pair, describe_topics
 from pid_control.signal_runner.signal_bench import SignalBench

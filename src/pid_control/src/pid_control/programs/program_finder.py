@@ -1,4 +1,4 @@
-"""Search of each package in a batch run for the program to judge, such as ``controller.py``."""
+"""Finder of the program to judge in each package of a batch run, such as ``controller.py``."""
 
 import glob
 import os
@@ -14,10 +14,10 @@ class NothingToJudge(Exception):
     """A package has nothing to judge; the message says why."""
 
 
-class JudgedPart(Protocol):
-    """Part of a package that a batch run judges.
+class SubjectFinder(Protocol):
+    """Finder of what a batch run judges in each package.
 
-    :ivar subject: heading of the judged part in tables
+    :ivar subject: what is judged, such as a controller: heading in tables
     :ivar figures: names of the figures of each scenario
     """
 
@@ -25,10 +25,10 @@ class JudgedPart(Protocol):
     figures: Figures
 
     def is_in(self, package: str) -> bool:
-        """Return True if a package has this part."""
+        """Return True if a package has it."""
 
     def is_built_by(self, package: str) -> bool:
-        """Return True if a package builds this part."""
+        """Return True if a package builds it."""
 
     def words(self, package: str, workspace: Optional[str]) -> List[str]:
         """Return the command-line arguments that name it for the judge.
@@ -42,8 +42,8 @@ class JudgedPart(Protocol):
         """Return a hint about a folder that is not a package, or an empty text."""
 
 
-class JudgedProgram:
-    """Program that a batch run judges, found by its name.
+class ProgramFinder:
+    """Finder of a program by its name.
 
     :param name: name of the program in each package
     :param arguments: its arguments

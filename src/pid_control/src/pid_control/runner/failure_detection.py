@@ -1,48 +1,18 @@
-"""Failures of a controller in a scenario, errors of the judge, and the interface of runners."""
+"""Detection of failures of a controller in a scenario: ended, endless output, or never idle."""
 
 import signal
 import time
-from typing import Callable, Optional, Protocol
+from typing import Callable, Optional
 
 from pid_control.judging.record import ENDED, RESTLESS, SILENT, WRITES_WITHOUT_END, Record
-from pid_control.judging.scenarios import Scenario
 from pid_control.programs.program_process import ProgramProcess
+from pid_control.runner.judging_errors import BusyMachineError, JudgingError
 
 #: A controller that never rests is restless above this processor time; with less, the machine is
 #: too busy after this time [s].
 _RESTLESS_S, _STARVED_S = 3.0, 30.0
 #: Exit status of a killed process, as by the kernel without free memory.
 _KILLED = -signal.SIGKILL
-
-
-class JudgingError(Exception):
-    """The controller cannot be judged; the message says why."""
-
-
-class BusyMachineError(JudgingError):
-    """The machine is too busy for a judgement."""
-
-
-class TimeLimitExceeded(Exception):
-    """The judgement exceeds its time limit."""
-
-
-class Runner(Protocol):
-    """Runner of scenarios.
-
-    :ivar most_late: largest allowed delay of the judge with the machine's clock [s]
-    :ivar latest: largest delay so far [s]
-    """
-
-    most_late: float
-    latest: float
-
-    def run(self, scenario: Scenario) -> Record:
-        """Run one scenario.
-
-        :raises TimeLimitExceeded: if the deadline has passed
-        :raises OSError: if the controller cannot be started
-        """
 
 
 class BusyDetector:

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Checks of the graph: nodes that do not answer, and topics on which no messages arrive."""
+"""Checks of the graph: silent nodes, types that differ, missing connections, and wrong clocks."""
 
 import collections
 import difflib

@@ -1,4 +1,4 @@
-"""Test runner for rostest that reports all failures."""
+"""Test runner for rostest that reports all failures, those of subTest and setUpClass too."""
 
 import os
 import unittest

@@ -1,4 +1,4 @@
-"""Common part of the commands that judge: options, limits, batch runs, and reports."""
+"""Base of the commands judge and judge_signals: options, limits, batch runs, and reports."""
 
 import argparse
 import os

@@ -1,4 +1,4 @@
-"""Verdict on a controller: metrics of its scenarios against limits, and causes of failures."""
+"""Judgement of a controller: metrics of its scenarios against limits, and causes of failures."""
 
 from typing import List, Optional, Sequence
 

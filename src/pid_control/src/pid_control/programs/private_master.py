@@ -1,4 +1,4 @@
-"""Private master of one judgement."""
+"""ROS master of one judgement on a free port, with a folder for the files of its nodes."""
 
 import os
 import shutil

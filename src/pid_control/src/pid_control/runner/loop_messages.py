@@ -1,4 +1,4 @@
-"""Messages of the loop's topics: the course's, or a student's own types."""
+"""Message classes of the loop's topics, of the course or of a student, and their value fields."""
 
 from typing import Any, Dict, NamedTuple, Optional, Tuple
 

@@ -1,4 +1,4 @@
-"""A real plant on the current master: receives set points, and is stopped."""
+"""Judge's node beside a real plant: sends set points, logs the loop's topics, stops the plant."""
 
 import threading
 import time

@@ -1,4 +1,4 @@
-"""Pauses of the simulated clock: whether values moved in them, as only the machine's clock did."""
+"""Check for the machine's clock: whether values changed while the simulated clock was paused."""
 
 import bisect
 from typing import List, Optional, Sequence

@@ -1,4 +1,4 @@
-"""Effects of parameters: the features that change, and whether as predicted."""
+"""Effects of a changed parameter: the nodes whose signals differ, and whether as predicted."""
 
 import math
 from typing import Dict, Optional, Set, Tuple

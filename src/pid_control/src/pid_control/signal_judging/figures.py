@@ -1,4 +1,4 @@
-"""Figures of a coursework that have limits, computed from its evidence."""
+"""Values of a coursework's metrics, such as its frequency error, computed from its records."""
 
 import math
 from typing import Dict, Optional, Sequence, Tuple

@@ -1,4 +1,4 @@
-"""Roles of parameters, by their names, and values to try."""
+"""Roles of a coursework's parameters, such as amplitude, by their names, and values to try."""
 
 import contextlib
 from typing import Any, Dict, Tuple, Union

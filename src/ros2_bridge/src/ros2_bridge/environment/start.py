@@ -1,4 +1,4 @@
-"""Startup of the bridge's process: enters the environment with ROS 2 and keeps ROS 1."""
+"""Startup of a bridge process: rospy and rclpy side by side, with the Python of the environment."""
 
 import importlib
 import os

@@ -1,4 +1,4 @@
-"""Bridged pairs of topics, services or actions, kept up to date; imports neither ROS."""
+"""Base class of bridges: creates and closes pairs as topics come and go; imports neither ROS."""
 
 from typing import (
     Any,

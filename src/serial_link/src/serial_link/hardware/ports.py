@@ -1,4 +1,4 @@
-"""Interface of ports, and their exceptions."""
+"""Interface of a port to a board, such as a serial port, and the exceptions of ports."""
 
 from typing import Protocol
 

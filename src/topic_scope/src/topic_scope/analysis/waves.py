@@ -1,4 +1,4 @@
-"""Measurements of a periodic wave, from all of its periods superposed.
+"""Rise time, overshoot, duty cycle, mean and RMS of a periodic wave, from its averaged period.
 
 Samples at the same phase of different periods are averaged: this reduces noise, and samples a slope
 as densely as all periods together.

@@ -1,4 +1,4 @@
-"""Charts in place of traces over time: spectra, or one trace against another."""
+"""Feed of a page's charts: spectra, or one trace against another, in place of traces over time."""
 
 import time
 from typing import Any, Dict, Optional, Tuple

@@ -1,4 +1,4 @@
-"""Resolution of the names that pages show to recorded traces."""
+"""Resolution of the names on pages and the command line to fields, and their recording."""
 
 from typing import Callable, List, Optional, Sequence
 

@@ -32,7 +32,7 @@ class Goal:
         return self.state in ENDED
 
 
-class Arrival(NamedTuple):
+class AddedGoal(NamedTuple):
     """Result of adding a goal to the list.
 
     :param goal: the listed goal
@@ -55,7 +55,7 @@ class GoalList:
     def __iter__(self) -> Iterator[Goal]:
         return iter(list(self._goals.values()))
 
-    def add(self, id: str, stamp: int, ros_time: int, now: float) -> Arrival:
+    def add(self, id: str, stamp: int, ros_time: int, now: float) -> AddedGoal:
         """Add a goal on arrival.
 
         :param id: its id
@@ -68,14 +68,14 @@ class GoalList:
             is_recalled = known.state is GoalState.RECALLING and known.ended_at is not None
             if is_recalled:
                 self.apply(known, GoalEvent.CANCEL, "cancelled before it arrived", now)
-            return Arrival(known, False, is_recalled)
+            return AddedGoal(known, False, is_recalled)
         goal = self._goals[id] = Goal(id, stamp or ros_time)
         if ros_time < self._cancelled_until:  # the clock was set back
             self._cancelled_until = 0
         is_recalled = 0 < stamp <= self._cancelled_until
         if is_recalled:
             self.apply(goal, GoalEvent.CANCEL, "cancelled before it arrived", now)
-        return Arrival(goal, not is_recalled, is_recalled)
+        return AddedGoal(goal, not is_recalled, is_recalled)
 
     def cancel(self, id: str, stamp: int, ros_time: int, now: float) -> List[Goal]:
         """Return the goals that a cancellation selects.

@@ -16,7 +16,7 @@ from typing import Any, Callable, Deque, List, NamedTuple, Optional, Set
 from nodekit.groups.callback_groups import CallbackGroup
 
 
-class _Arrival(NamedTuple):
+class _WaitingItem(NamedTuple):
     """Waiting item, with its time of arrival on the monotonic clock [s]."""
 
     thing: Any
@@ -54,7 +54,7 @@ class CallQueue:
         self.running = self.made = self.dropped = 0
         self.longest = self.longest_wait = 0.0
         self._most_at_once = depth if together else 1
-        self._waiting: Deque[_Arrival] = deque()
+        self._waiting: Deque[_WaitingItem] = deque()
         self._requested = False
 
     @property
@@ -74,7 +74,7 @@ class CallQueue:
     def add(self, thing: Any) -> List[Any]:
         """Add a waiting item; return the items dropped for it."""
         dropped = [self._waiting.popleft().thing] if len(self._waiting) >= self.depth else []
-        self._waiting.append(_Arrival(thing, time.monotonic()))
+        self._waiting.append(_WaitingItem(thing, time.monotonic()))
         return dropped
 
     def begin_call(self) -> List[Any]:

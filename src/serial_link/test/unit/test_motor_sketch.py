@@ -15,8 +15,8 @@ from serial_link.device.motor_sketch import (
     FULL_SCALE,
     INPUT_TIMEOUT_S,
     TOPICS,
+    BoardControls,
     MotorSketch,
-    Panel,
 )
 from serial_link.framing.decoder import Decoder
 from serial_link.framing.frames import encode
@@ -36,8 +36,8 @@ class Bench:
 
     def __init__(self, floods: bool = False) -> None:
         plant = PlantSettings(13.1, 0.04, 13.0, 0.05)
-        self.motor, self.panel = Motor(plant, 1320, 100.0), Panel(plant)
-        self.sketch = MotorSketch(self.motor, self.panel, 100.0, 100.0, floods)
+        self.motor, self.controls = Motor(plant, 1320, 100.0), BoardControls(plant)
+        self.sketch = MotorSketch(self.motor, self.controls, 100.0, 100.0, floods)
         self.device = Device(self.sketch)
         self.device.receive(100.0, encode(0, b""))
         self.device.output()
@@ -87,7 +87,7 @@ def test_status_describes_motor() -> None:
 
 def test_replaced_motor_is_used() -> None:
     bench = Bench()
-    bench.panel.plant = bench.panel.plant._replace(gain=6.0)
+    bench.controls.plant = bench.controls.plant._replace(gain=6.0)
     bench.drive(100.0, 0.5)
     quantum = bench.motor.speed_of(1, 0.01)
     speed = outputs(bench.run(100.001, 0.4))[-1].output
@@ -115,7 +115,7 @@ def test_button_is_published_on_change_and_potentiometer_periodically() -> None:
     bench = Bench()
     frames = bench.run(100.001, 0.3)
     assert [payload for topic, payload in frames if topic == BUTTON] == [b"\0"]
-    bench.panel.button, bench.panel.potentiometer = True, 1.0
+    bench.controls.button, bench.controls.potentiometer = True, 1.0
     frames = bench.run(100.301, 0.3)
     assert [payload for topic, payload in frames if topic == BUTTON] == [b"\1"]
     turned = [

@@ -46,7 +46,7 @@ TOPICS = (
 )
 
 
-class Panel:
+class BoardControls:
     """Button and potentiometer of the board, and settings of its motor.
 
     :param plant: settings of the connected motor
@@ -63,12 +63,12 @@ class Panel:
 
 
 class MotorSketch:
-    """Sketch that publishes the motor's speed and the panel's values, and drives the motor.
+    """Sketch that publishes the motor's speed and the values of the controls, and drives the motor.
 
     Times in messages have 32-bit precision, as on an 8-bit Arduino.
 
     :param motor: the motor, which keeps turning while the board resets
-    :param panel: button and potentiometer
+    :param controls: button and potentiometer
     :param rate: publishing rate of the speed [Hz]
     :param began_at: start time of the board [s]
     :param floods: whether the speed is published as fast as the line allows
@@ -77,10 +77,15 @@ class MotorSketch:
     topics = TOPICS
 
     def __init__(
-        self, motor: Motor, panel: Panel, rate: float, began_at: float, floods: bool = False
+        self,
+        motor: Motor,
+        controls: BoardControls,
+        rate: float,
+        began_at: float,
+        floods: bool = False,
     ) -> None:
         self.is_lit = False
-        self._motor, self._panel, self._plant = motor, panel, panel.plant
+        self._motor, self._controls, self._plant = motor, controls, controls.plant
         self._period, self._floods = 1.0 / rate, floods
         self._began_at = self._next_at = self._measured_at = self._turn_at = began_at
         self._counts = motor.counts(began_at)
@@ -110,19 +115,19 @@ class MotorSketch:
 
     def loop(self, device: Device, now: float) -> None:
         """Publish the values whose time has come."""
-        if self._panel.plant is not self._plant:
-            self._plant = self._panel.plant
+        if self._controls.plant is not self._plant:
+            self._plant = self._controls.plant
             self._motor.change(now, self._plant)
         if now - self._driven_at > INPUT_TIMEOUT_S and self._motor.pwm:
             self._motor.drive(now, 0.0)
         if device.is_configured and (
-            self._panel.button != self._button or now >= self._button_due_at
+            self._controls.button != self._button or now >= self._button_due_at
         ):
-            self._button, self._button_due_at = self._panel.button, now + BUTTON_EVERY_S
+            self._button, self._button_due_at = self._controls.button, now + BUTTON_EVERY_S
             device.publish("button", bytes((self._button,)))
         if now >= self._turn_at:
             self._turn_at += 1.0 / POTENTIOMETER_HZ
-            value = round(self._panel.potentiometer * FULL_SCALE)
+            value = round(self._controls.potentiometer * FULL_SCALE)
             device.publish("potentiometer", struct.pack("<H", value))
         if now >= self._next_at or self._floods:
             self._next_at = max(self._next_at + self._period, now - self._period)

@@ -11,7 +11,7 @@ from serial_link.board.simulation import SimulatedBoard
 from serial_link.board_parameters import BoardParameters
 from serial_link.device.rosserial_device import Device
 from serial_link.device.motor import Motor
-from serial_link.device.motor_sketch import MotorSketch, Panel
+from serial_link.device.motor_sketch import BoardControls, MotorSketch
 
 
 class SimulatedBoardNode:
@@ -31,7 +31,7 @@ class SimulatedBoardNode:
         self._settings = node.declare_parameters(BoardParameters, on_change=self._on_change)
         values = self._settings.values
         self._motor = Motor(values.plant, values.counts_per_turn, time.monotonic())
-        self._panel = Panel(values.plant)
+        self._controls = BoardControls(values.plant)
         end: Transport = TcpTransport(values.tcp_address, values.tcp_port)
         if values.link:
             end = PtyTransport(values.link)
@@ -54,14 +54,14 @@ class SimulatedBoardNode:
 
     def _make_device(self, now: float) -> Device:
         values = self._settings.values
-        sketch = MotorSketch(self._motor, self._panel, values.rate, now, values.floods)
+        sketch = MotorSketch(self._motor, self._controls, values.rate, now, values.floods)
         return Device(sketch, values.buffer_size, values.buffer_size, values.wrong_md5)
 
     def _on_change(self, new: BoardParameters, _old: BoardParameters) -> None:
         self._board.faults = new.faults
         self._board.boot_s = new.boot_time
-        self._panel.plant = new.plant
-        self._panel.button, self._panel.potentiometer = new.button, new.potentiometer
+        self._controls.plant = new.plant
+        self._controls.button, self._controls.potentiometer = new.button, new.potentiometer
 
     def _reset(self, _request: Any) -> Any:
         self._board.reset()

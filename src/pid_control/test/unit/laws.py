@@ -5,7 +5,7 @@ from typing import Any, Callable, Dict, List
 from hypothesis import strategies as some
 
 from pid_control.controller.pid import BACK_CALCULATION, CLAMPING, PI, PID, PidSettings
-from pid_control.judging.experiment import Output
+from pid_control.judging.experiment import MotorOutput
 from pid_control.judging.simulation import Law, pid_law
 
 #: Returns the input: state, set point, speed, time since the previous turn.
@@ -23,7 +23,7 @@ def law_of(step: Step) -> Callable[[], Law]:
         state: Dict[str, float] = {"integral": 0.0, "before": 0.0, "input": 0.0}
         times: List[float] = []
 
-        def answer(set_point: float, output: Output) -> float:
+        def answer(set_point: float, output: MotorOutput) -> float:
             dt = output.time - times[-1] if times and output.time > times[-1] else 0.0
             times.append(output.time)
             return step(state, set_point, output.speed, dt)

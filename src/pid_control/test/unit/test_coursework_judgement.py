@@ -13,13 +13,13 @@ from pid_control.signal_judging.coursework_picture import as_picture
 from pid_control.signal_judging.evidence import (
     GENERATOR,
     PROCESS,
-    Baseline,
+    BaselineTrial,
+    CourseworkEvidence,
     FailedTrial,
-    Evidence,
-    Features,
-    Parameters,
-    Restart,
     ParameterEffect,
+    ParameterResults,
+    RestartTrial,
+    TrialFeatures,
 )
 from pid_control.signal_judging.features import process_features, signal_features
 from pid_control.signal_judging.figures import frequency_error
@@ -37,11 +37,11 @@ def channel(topic: str, of: Any, delay: float = 0.0, duration: float = 10.0) -> 
     return Channel(topic, "data", [time + delay for time in times], [of(time) for time in times])
 
 
-def features(signal: Channel, output: Channel) -> Features:
+def features(signal: Channel, output: Channel) -> TrialFeatures:
     found = signal_features(signal)
     if found.sine is None:
-        return Features(found, None)
-    return Features(found, process_features(output, signal.times, found.sine))
+        return TrialFeatures(found, None)
+    return TrialFeatures(found, process_features(output, signal.times, found.sine))
 
 
 def evidence(
@@ -50,13 +50,13 @@ def evidence(
     constants: Optional[Dict[str, float]] = None,
     duration: float = 10.0,
     tried: Optional[List[ParameterEffect]] = None,
-) -> Evidence:
+) -> CourseworkEvidence:
     """Return the evidence of a good coursework, with given changes."""
-    found = Evidence()
+    found = CourseworkEvidence()
     one = channel("/signal", signal, 0.0, duration)
     other = channel("/proc_signal", output, 0.04, duration)
-    found.baseline = Baseline(features(one, other), one, other, constants or {})
-    found.restart = Restart(False, found.baseline.features.process, one, other)
+    found.baseline = BaselineTrial(features(one, other), one, other, constants or {})
+    found.restart = RestartTrial(False, found.baseline.features.process, one, other)
     if tried is None:
         tried = [
             ParameterEffect("/amplitude", 2.0, "amplitude", {GENERATOR}, is_predicted=True),
@@ -64,16 +64,16 @@ def evidence(
             ParameterEffect("/gain", 0.5, "gain", {PROCESS}, is_predicted=True),
             ParameterEffect("/angle", 1.0, "phase_shift", {PROCESS}, is_predicted=True),
         ]
-    found.parameters = Parameters(tried, set(), {}, True)
+    found.parameters = ParameterResults(tried, set(), {}, True)
     found.outside = []
     return found
 
 
-def judged(found: Evidence) -> Judgement:
+def judged(found: CourseworkEvidence) -> Judgement:
     return judge(found, LIMITS, ALL)
 
 
-def cause(found: Evidence) -> str:
+def cause(found: CourseworkEvidence) -> str:
     """Return the sentence of the only cause."""
     judgement = judged(found)
     assert judgement.verdict == FAILED
@@ -243,7 +243,7 @@ def test_no_parameter_is_hard_coded_unless_hidden_ones_are_read() -> None:
     found = evidence(tried=[])
     judgement = judged(found)
     assert judgement.flaws() == ["hard-coded"] and len(judgement.failures) == 2
-    found.parameters = Parameters([], {GENERATOR, PROCESS}, {}, False)
+    found.parameters = ParameterResults([], {GENERATOR, PROCESS}, {}, False)
     judgement = judged(found)
     assert judgement.verdict == PASSED
     assert {one.metric: one.value for one in judgement.findings}["unused"] is None
@@ -284,7 +284,7 @@ def test_yaml_namespace_and_launch_name_the_source() -> None:
     ],
 )
 def test_broken_trial_is_a_failure(broken: FailedTrial, says: str) -> None:
-    found = Evidence()
+    found = CourseworkEvidence()
     found.broken["signal"] = broken
     judgement = judge(found, LIMITS, ["signal", "process"])
     assert judgement.verdict == FAILED
@@ -304,15 +304,15 @@ def test_too_short_record_cannot_be_judged() -> None:
 
 def test_reason_without_a_failure_is_not_judged() -> None:
     assert judge(evidence(), LIMITS, ALL, "3 s are over").verdict == NOT_JUDGED
-    assert judge(Evidence(), {}, [], "").reason == "nothing was measured"
+    assert judge(CourseworkEvidence(), {}, [], "").reason == "nothing was measured"
 
 
 def test_silent_nodes_are_named() -> None:
     found = evidence()
     assert found.baseline is not None
     empty = Channel("/signal", "", [], [])
-    nothing = Features(signal_features(empty), None)
-    found.baseline = Baseline(nothing, empty, empty, {})
+    nothing = TrialFeatures(signal_features(empty), None)
+    found.baseline = BaselineTrial(nothing, empty, empty, {})
     found.restart = found.parameters = None
     judgement = judge(found, LIMITS, ["signal", "process"])
     assert judgement.flaws() == ["silent"]
@@ -337,6 +337,6 @@ def test_picture_shows_both_channels_or_a_note() -> None:
     text = as_picture(evidence(), "anna & ben: passed")
     ElementTree.fromstring(text)
     assert "/signal/data" in text and "/proc_signal/data" in text and "anna &amp; ben" in text
-    nothing = as_picture(Evidence(), "x")
+    nothing = as_picture(CourseworkEvidence(), "x")
     ElementTree.fromstring(nothing)
     assert "nothing was received" in nothing

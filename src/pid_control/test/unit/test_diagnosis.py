@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from pid_control.controller.pid import PidSettings
 from pid_control.identification.response import Model
 from pid_control.judging.controller_judgement import judge
-from pid_control.judging.experiment import Output
+from pid_control.judging.experiment import MotorOutput
 from pid_control.verdicts.judgement import Judgement
 from pid_control.verdicts.reports import as_sentences
 from pid_control.judging.simulation import Law, pid_law
@@ -71,7 +71,7 @@ def without(topic: str) -> Callable[[], Law]:
     def make() -> Law:
         law = pi()()
 
-        def answer(set_point: float, output: Output) -> float:
+        def answer(set_point: float, output: MotorOutput) -> float:
             if topic == "set_point":
                 return law(0.0, output)
             return law(set_point, output._replace(speed=0.0))

@@ -5,7 +5,7 @@ from typing import Callable, Optional
 
 import pytest
 
-from pid_control.judging.experiment import Output
+from pid_control.judging.experiment import MotorOutput
 from pid_control.judging.line_fit import fit_line
 from pid_control.judging.metrics import METRICS, SCENARIO_METRICS, metrics_of
 from pid_control.judging.record import Pause, Record, Row
@@ -126,7 +126,7 @@ def slow_pi(interval: Optional[float]) -> Callable[[], Law]:
     def make() -> Law:
         state = {"integral": 0.0, "before": 0.0}
 
-        def answer(set_point: float, output: Output) -> float:
+        def answer(set_point: float, output: MotorOutput) -> float:
             dt = output.time - state["before"] if interval is None else interval
             state["before"] = output.time
             error = set_point - output.speed
@@ -189,7 +189,7 @@ def test_a_derivative_of_the_error_kicks_and_one_of_the_output_does_not() -> Non
     def make_kicking() -> Law:
         law, before = pi()(), [0.0]
 
-        def answer(set_point: float, output: Output) -> float:
+        def answer(set_point: float, output: MotorOutput) -> float:
             error = set_point - output.speed
             kick, before[0] = 0.2 * (error - before[0]), error
             return law(set_point, output) + kick

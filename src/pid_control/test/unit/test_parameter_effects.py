@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pid_control.signal_judging.effects import changed_nodes, is_as_predicted
-from pid_control.signal_judging.evidence import GENERATOR, PROCESS, Features
+from pid_control.signal_judging.evidence import GENERATOR, PROCESS, TrialFeatures
 from pid_control.signal_judging.features import SINE, ProcessFeatures, SignalFeatures
 from pid_control.signal_judging.parameter_roles import (
     GENERATOR_ROLES,
@@ -20,20 +20,20 @@ from pid_control.signal_judging.parameter_roles import (
 )
 from pid_control.signal_judging.sine_fit import SineFit
 
-BEFORE = Features(
+BEFORE = TrialFeatures(
     SignalFeatures(10.0, SineFit(2.0, 3.0, 0.1, 0.0, 0.001, 3.0)),
     ProcessFeatures(10.0, SINE, 0.5, (1.0, 1.0), 1.5, 0.5, 0.001, 0),
 )
 
 
-def with_sine(**changes: float) -> Features:
+def with_sine(**changes: float) -> TrialFeatures:
     assert BEFORE.signal.sine is not None
     return BEFORE._replace(
         signal=BEFORE.signal._replace(sine=BEFORE.signal.sine._replace(**changes))
     )
 
 
-def with_process(**changes: Any) -> Features:
+def with_process(**changes: Any) -> TrialFeatures:
     assert BEFORE.process is not None
     return BEFORE._replace(process=BEFORE.process._replace(**changes))
 
@@ -113,7 +113,9 @@ def test_is_number_excludes_truth_values() -> None:
         (BEFORE._replace(process=None), {PROCESS}),
     ],
 )
-def test_changed_nodes_names_nodes_with_different_features(after: Features, nodes: Any) -> None:
+def test_changed_nodes_names_nodes_with_different_features(
+    after: TrialFeatures, nodes: Any
+) -> None:
     assert changed_nodes(BEFORE, after) == nodes
     assert changed_nodes(after, BEFORE) == nodes
 
@@ -143,6 +145,6 @@ def test_changed_nodes_names_nodes_with_different_features(after: Features, node
     ],
 )
 def test_is_as_predicted(
-    role: str, node: str, values: Any, after: Features, predicted: bool
+    role: str, node: str, values: Any, after: TrialFeatures, predicted: bool
 ) -> None:
     assert is_as_predicted(role, node, values, BEFORE, after) is predicted

@@ -8,7 +8,13 @@ from typing import Any, Callable, List, Mapping, Tuple
 import pytest
 
 from pid_control.signal_judging.channels import Channel
-from pid_control.signal_judging.evidence import GENERATOR, PROCESS, Baseline, Features, Parameters
+from pid_control.signal_judging.evidence import (
+    GENERATOR,
+    PROCESS,
+    BaselineTrial,
+    ParameterResults,
+    TrialFeatures,
+)
 from pid_control.signal_judging.features import SINE, ProcessFeatures, SignalFeatures
 from pid_control.signal_judging.sine_fit import SineFit
 from pid_control.signal_runner.coursework import Coursework, find_coursework
@@ -18,17 +24,19 @@ from pid_control.signal_runner.trial import TrialError
 
 COURSEWORKS = pathlib.Path(__file__).resolve().parents[1] / "courseworks"
 NOTHING = Channel("/x", "", [], [])
-Law = Callable[[Mapping[str, Any]], Features]
+Law = Callable[[Mapping[str, Any]], TrialFeatures]
 
 
-def features(amplitude: float, omega: float, gain: float, angle: float, offset: float) -> Features:
-    return Features(
+def features(
+    amplitude: float, omega: float, gain: float, angle: float, offset: float
+) -> TrialFeatures:
+    return TrialFeatures(
         SignalFeatures(10.0, SineFit(amplitude, omega, 0.0, 0.0, 0.0, 3.0)),
         ProcessFeatures(10.0, SINE, gain, (angle, angle), offset, 0.0, 0.0, 0),
     )
 
 
-def wave_loops(parameters: Mapping[str, Any]) -> Features:
+def wave_loops(parameters: Mapping[str, Any]) -> TrialFeatures:
     return features(
         parameters.get("/signal_amplitude", 1.0),
         parameters.get("/signal_omega", 1.0),
@@ -38,18 +46,20 @@ def wave_loops(parameters: Mapping[str, Any]) -> Features:
     )
 
 
-def tried(folder: pathlib.Path, law: Law) -> Tuple[Parameters, ParameterTrials, List[Coursework]]:
+def tried(
+    folder: pathlib.Path, law: Law
+) -> Tuple[ParameterResults, ParameterTrials, List[Coursework]]:
     """Return the parameters of a coursework that follows a law, its trials, and the run ones."""
     coursework = find_coursework(str(folder), [], {"PATH": "/usr/bin:/bin"})
     process, generator = coursework.nodes
     ran: List[Coursework] = []
 
-    def run(one: Coursework) -> Features:
+    def run(one: Coursework) -> TrialFeatures:
         ran.append(one)
         return law(one.parameters)
 
     pair = NodePair(generator, process, {}, {}, {})
-    baseline = Baseline(law(coursework.parameters), NOTHING, NOTHING, {})
+    baseline = BaselineTrial(law(coursework.parameters), NOTHING, NOTHING, {})
     trials = ParameterTrials(coursework, pair, baseline, run)
     return trials.run(), trials, ran
 
@@ -81,7 +91,7 @@ def test_files_of_the_student_are_not_changed() -> None:
 
 
 def test_parameter_without_effect_is_tried_by_other_names() -> None:
-    def law(parameters: Mapping[str, Any]) -> Features:
+    def law(parameters: Mapping[str, Any]) -> TrialFeatures:
         return wave_loops(
             {**parameters, "/signal_omega": parameters.get("/process/signal_omega", 3)}
         )
@@ -92,7 +102,7 @@ def test_parameter_without_effect_is_tried_by_other_names() -> None:
 
 
 def test_output_that_does_not_follow_other_numbers_is_noted() -> None:
-    def law(parameters: Mapping[str, Any]) -> Features:
+    def law(parameters: Mapping[str, Any]) -> TrialFeatures:
         found = wave_loops(parameters)
         assert found.process is not None
         distortion = 0.0 if parameters["/signal_omega"] == 3 else 1.0
@@ -105,7 +115,7 @@ def test_output_that_does_not_follow_other_numbers_is_noted() -> None:
 
 
 def test_parameter_that_ends_a_node_is_read() -> None:
-    def law(parameters: Mapping[str, Any]) -> Features:
+    def law(parameters: Mapping[str, Any]) -> TrialFeatures:
         if parameters["/process_offset"] != 1.5:
             raise TrialError("ended", "/process")
         return wave_loops(parameters)
@@ -116,7 +126,7 @@ def test_parameter_that_ends_a_node_is_read() -> None:
 
 
 def test_phase_in_degrees_that_is_far_is_seen(tmp_path: pathlib.Path) -> None:
-    def law(parameters: Mapping[str, Any]) -> Features:
+    def law(parameters: Mapping[str, Any]) -> TrialFeatures:
         degrees = math.radians(parameters["/process_angle"])
         return wave_loops({**parameters, "/process_angle": degrees})
 
@@ -187,7 +197,7 @@ def test_file_of_another_launch_file_or_of_a_program_is_noted(tmp_path: pathlib.
 
 
 def test_text_or_list_of_numbers_is_a_parameter(tmp_path: pathlib.Path) -> None:
-    def law(parameters: Mapping[str, Any]) -> Features:
+    def law(parameters: Mapping[str, Any]) -> TrialFeatures:
         amplitude, omega = parameters["/wave"]
         return features(amplitude, omega, 0.5, 1.0, float(parameters["/lift"]))
 

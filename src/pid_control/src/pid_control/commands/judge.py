@@ -6,7 +6,7 @@ import sys
 from typing import Callable, List, Sequence, Tuple
 
 from pid_control.commands.judging_command import (
-    Command,
+    JudgingCommand,
     Parser,
     add_options,
     check_class,
@@ -32,7 +32,7 @@ _FASTEST = 1e6
 
 def main() -> None:
     """Judge a controller or a class, and exit with 0, 1, or 125 if not judged."""
-    command = Command(
+    command = JudgingCommand(
         _parser(), "judge_limits.yaml", SCENARIO_METRICS, "controller", _judge_or_not, _judge_class
     )
     sys.exit(command.run())

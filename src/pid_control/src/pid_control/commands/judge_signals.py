@@ -6,7 +6,7 @@ import sys
 from typing import Callable, List, Optional, Sequence, Tuple
 
 from pid_control.commands.judging_command import (
-    Command,
+    JudgingCommand,
     Parser,
     add_options,
     check_class,
@@ -17,7 +17,7 @@ from pid_control.commands.judging_command import (
 from pid_control.runner.judging_errors import JudgingError
 from pid_control.signal_judging.coursework_judgement import judge
 from pid_control.signal_judging.coursework_picture import as_picture
-from pid_control.signal_judging.evidence import GENERATOR, PROCESS, Evidence
+from pid_control.signal_judging.evidence import GENERATOR, PROCESS, CourseworkEvidence
 from pid_control.signal_judging.scenarios import SCENARIO_METRICS, SCENARIOS
 from pid_control.verdicts.judgement import NOT_JUDGED, Judgement
 from nodekit.package_version import ShowVersion
@@ -29,7 +29,7 @@ _CHANNELS = {GENERATOR: "signal", PROCESS: "proc_signal"}
 
 def main() -> None:
     """Judge a coursework or a class, and exit with 0, 1, or 125 if not judged."""
-    command = Command(
+    command = JudgingCommand(
         _parser(),
         "judge_signals_limits.yaml",
         SCENARIO_METRICS,
@@ -85,7 +85,7 @@ def _judge_or_not(
     arguments: argparse.Namespace, limits: Limits
 ) -> Tuple[Judgement, Callable[[Judgement], str]]:
     """Judge one coursework; an error is a judgement too."""
-    evidence: Optional[Evidence] = None
+    evidence: Optional[CourseworkEvidence] = None
     scenarios: Sequence[str] = arguments.only or list(SCENARIOS)
     try:
         evidence, reason = _evidence(arguments, scenarios)
@@ -95,12 +95,14 @@ def _judge_or_not(
 
     def draw(judgement: Judgement) -> str:
         title = f"{' '.join(arguments.words)}: {judgement.verdict}"
-        return as_picture(evidence or Evidence(), title)
+        return as_picture(evidence or CourseworkEvidence(), title)
 
     return judgement, draw
 
 
-def _evidence(arguments: argparse.Namespace, scenarios: Sequence[str]) -> Tuple[Evidence, str]:
+def _evidence(
+    arguments: argparse.Namespace, scenarios: Sequence[str]
+) -> Tuple[CourseworkEvidence, str]:
     """Run the trials of a coursework; return the evidence, and why some were not run.
 
     :raises JudgingError: if it cannot be judged

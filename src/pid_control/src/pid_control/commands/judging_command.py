@@ -102,7 +102,7 @@ def _without_rostest(words: Sequence[str]) -> Tuple[List[str], Optional[str]]:
     return [word for word in words if not word.startswith((_XML, *_ADDED))], files[-1]
 
 
-class Command:
+class JudgingCommand:
     """A command that judges.
 
     :param parser: its parser

@@ -12,7 +12,7 @@ _STEPS = (0.0, 1.0, 0.0, 0.5, 0.8, 0.3, -1.0, 0.6, -0.5, 0.0)
 _LONGEST_STEP_S = 0.1
 
 
-class Change(NamedTuple):
+class InputChange(NamedTuple):
     """A change of the input.
 
     :ivar time: time of the change [s]
@@ -23,7 +23,7 @@ class Change(NamedTuple):
     value: float
 
 
-def excitation(least: float, largest: float, seconds: float) -> List[Change]:
+def excitation(least: float, largest: float, seconds: float) -> List[InputChange]:
     """Return the changes of the input; the last value is 0.
 
     :param least: the least input, <= 0
@@ -32,13 +32,13 @@ def excitation(least: float, largest: float, seconds: float) -> List[Change]:
     """
     ramp = seconds * _RAMP_SHARE
     changes = [
-        Change(ramp * number / _RAMP_STEPS, largest * _RAMP_END * number / _RAMP_STEPS)
+        InputChange(ramp * number / _RAMP_STEPS, largest * _RAMP_END * number / _RAMP_STEPS)
         for number in range(_RAMP_STEPS)
     ]
     hold = (seconds - ramp) / len(_STEPS)
     for number, share in enumerate(_STEPS):
         value = share * largest if share >= 0.0 else -share * least
-        changes.append(Change(ramp + number * hold, value))
+        changes.append(InputChange(ramp + number * hold, value))
     return changes
 
 
@@ -51,7 +51,7 @@ class Progress:
     :param seconds: duration [s]
     """
 
-    def __init__(self, changes: List[Change], seconds: float) -> None:
+    def __init__(self, changes: List[InputChange], seconds: float) -> None:
         self._changes, self._seconds = changes, seconds
         self._done = 0.0
         self._asked_at: Optional[float] = None

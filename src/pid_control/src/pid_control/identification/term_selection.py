@@ -51,17 +51,17 @@ def best_fit(record: Record) -> Fit:
     :param record: a record of the plant
     """
     few = record.thinned(_CHOICE_OUTPUTS)
-    evidence = _Evidence(few)
+    criterion = _InformationCriterion(few)
     fits = _first_fits(few)
     # The whole model first: the residual of a smaller model is more than noise.
     for term in (DEAD_ZONE, LIMIT, OFFSET):
         closest = min(fits, key=lambda fit: fit.square)
         if term not in closest.terms:
             fits += _fits(few, closest, [closest.terms | {term}])
-    best = evidence.best(fits)
+    best = criterion.best(fits)
     choices = _without_friction
     for _ in range(_MOST_CHANGES):
-        better = evidence.best([best, *_fits(few, best, choices(best.terms))])
+        better = criterion.best([best, *_fits(few, best, choices(best.terms))])
         if better is best and choices is _with_friction:
             break
         # Friction takes the most time, so it is tried last.
@@ -72,7 +72,7 @@ def best_fit(record: Record) -> Fit:
     return _fit(record.thinned(_FIT_OUTPUTS), best.row, best.terms) or best
 
 
-class _Evidence:
+class _InformationCriterion:
     """Bayesian information criterion (Schwarz, Annals of Statistics 6, 1978).
 
     The number of independent outputs is computed from the residual of the closest fit so far: a

@@ -7,7 +7,7 @@ cause is reported as unknown.
 import math
 from typing import Callable, Dict, Optional, Tuple
 
-from pid_control.judging.evidence import Evidence, faultless_figures
+from pid_control.judging.evidence import ControllerEvidence, faultless_figures
 from pid_control.judging.record import (
     ENDED,
     NOT_CONNECTED,
@@ -109,7 +109,7 @@ def cause_of(
     scenario: str,
     metric: str,
     figures: Figures,
-    evidence: Evidence = Evidence(),
+    evidence: ControllerEvidence = ControllerEvidence(),
     is_broken: IsBroken = lambda scenario, metric, figure: True,
 ) -> Cause:
     """Return the cause of a figure beyond its limit.
@@ -153,7 +153,7 @@ def _clock_cause(metric: str, figures: Figures) -> Optional[Cause]:
     return None
 
 
-def _law_cause(metric: str, figures: Figures, evidence: Evidence) -> Optional[Cause]:
+def _law_cause(metric: str, figures: Figures, evidence: ControllerEvidence) -> Optional[Cause]:
     """Return a fault of the control law itself, which explains all other faults."""
     if metric not in (*_RESPONSES, *_CLOSED_LOOP):
         return None
@@ -182,7 +182,7 @@ def _is_late(figures: Figures) -> bool:
 
 
 def _limit_cause(
-    scenario: str, metric: str, figures: Figures, evidence: Evidence
+    scenario: str, metric: str, figures: Figures, evidence: ControllerEvidence
 ) -> Optional[Cause]:
     """Return a fault at the limits, or with NaN."""
     limit = evidence.own_limit
@@ -236,7 +236,7 @@ def _keeps_nan(figures: Figures) -> bool:
     )
 
 
-def _integral_cause(metric: str, figures: Figures, evidence: Evidence) -> Optional[Cause]:
+def _integral_cause(metric: str, figures: Figures, evidence: ControllerEvidence) -> Optional[Cause]:
     """Return a fault of the integral or the derivative."""
     if metric == "interval_error" and evidence.grows_per_turn:
         return Cause("interval", _INTERVAL)
@@ -261,7 +261,7 @@ def _loop_cause(
     scenario: str,
     metric: str,
     figures: Figures,
-    evidence: Evidence,
+    evidence: ControllerEvidence,
     is_broken: IsBroken,
 ) -> Cause:
     """Return the gains as the cause if a faultless controller with them breaks the limit, too."""

@@ -6,7 +6,7 @@ from statistics import median
 from typing import Dict, List, NamedTuple, Optional, Sequence, Tuple
 
 from pid_control.judging.metrics import growths, leave_times, metrics_of
-from pid_control.judging.probes import Fit, best_fit, is_constant
+from pid_control.judging.probes import ProbeFit, best_fit, is_constant
 from pid_control.judging.record import Record
 from pid_control.judging.scenarios import BY_NAME, RATE_PARTS, STAYS, Scenario, scaled
 from pid_control.judging.simulation import pi_law, simulate
@@ -42,7 +42,7 @@ class Law(NamedTuple):
     largest: float = 1.0
 
 
-class Evidence(NamedTuple):
+class ControllerEvidence(NamedTuple):
     """Properties of a control law, from the records. Each is measured, or None or False.
 
     :ivar was_measured: True if there is a complete record
@@ -75,14 +75,14 @@ class Evidence(NamedTuple):
     beyond: Tuple[str, ...] = ()
 
 
-def evidence_of(records: Sequence[Record]) -> Evidence:
+def evidence_of(records: Sequence[Record]) -> ControllerEvidence:
     """Return the evidence in all records that are complete.
 
     :param records: the records
     """
     by_name = {record.scenario.name: record for record in records if not record.failure}
     beyond = _sides_beyond(list(by_name.values()))
-    evidence = Evidence(was_measured=bool(by_name), beyond=beyond)
+    evidence = ControllerEvidence(was_measured=bool(by_name), beyond=beyond)
     if "held" in by_name:
         evidence = _with_probes(evidence, by_name["held"])
     if "rate" in by_name:
@@ -124,7 +124,7 @@ def _sides_beyond(records: Sequence[Record]) -> Tuple[str, ...]:
     return tuple(side for side, value in sides.items() if value > 1.0 + 1e-6)
 
 
-def _with_probes(evidence: Evidence, record: Record) -> Evidence:
+def _with_probes(evidence: ControllerEvidence, record: Record) -> ControllerEvidence:
     topics = {"set_point": False, "motor_output": True}
     ignores = tuple(
         topic for topic, is_output in topics.items() if is_constant(record.answers, is_output)
@@ -149,7 +149,7 @@ def _with_probes(evidence: Evidence, record: Record) -> Evidence:
     )
 
 
-def _one_sided(fits: Sequence[Fit]) -> Optional[bool]:
+def _one_sided(fits: Sequence[ProbeFit]) -> Optional[bool]:
     """Return True if all answers have the wrong sign above 0 only, False if below 0 only."""
     above = [fit.response()[0] < 0.0 for fit in fits]
     below = [fit.response()[1] < 0.0 for fit in fits]
@@ -176,7 +176,7 @@ def _period(record: Record, part: Tuple[float, float, float]) -> float:
     return (times[-1] - times[0]) / (len(times) - 1) if len(times) > 1 else math.nan
 
 
-def _with_limits(evidence: Evidence, record: Record) -> Evidence:
+def _with_limits(evidence: ControllerEvidence, record: Record) -> ControllerEvidence:
     left = leave_times(record)
     stays = [end - begin for begin, end, _ in STAYS]
     # The longer stay is first: a delay that grows with time cannot explain it.

@@ -21,7 +21,7 @@ from pid_control.plant.status import status_of
 _EDGE_S = 1e-6
 
 
-class Output(NamedTuple):
+class MotorOutput(NamedTuple):
     """Content of a motor_output message."""
 
     speed: float
@@ -33,7 +33,7 @@ class OutgoingMessages(NamedTuple):
     """Messages to the controller at one time; None for no message."""
 
     set_point: Optional[float]
-    output: Optional[Output]
+    output: Optional[MotorOutput]
 
 
 class Experiment:
@@ -102,7 +102,7 @@ class Experiment:
         status = status_of(speed, scenario.motor.max_output)
         if self._is_nan(OUTPUT, time):
             speed = math.nan
-        return OutgoingMessages(set_point, Output(speed, clock - self._plant_start, status))
+        return OutgoingMessages(set_point, MotorOutput(speed, clock - self._plant_start, status))
 
     def step_after(self, clock: float) -> float:
         """Return the time until the next step [s]."""

@@ -28,7 +28,7 @@ _FEWEST, _EQUAL, _LEAST_PERIOD_S = 12, 0.1, 1e-3
 Answers = Sequence[Tuple[float, float]]
 
 
-class Fit(NamedTuple):
+class ProbeFit(NamedTuple):
     """Linear law u = c + gain e + growth integral(e) that explains the answers to a probe.
 
     :ivar amplitude: error of the probe [rad/s]
@@ -98,7 +98,7 @@ def is_constant(answers: Answers, is_output: bool) -> bool:
     return True
 
 
-def best_fit(answers: Answers, is_output: bool) -> Optional[Fit]:
+def best_fit(answers: Answers, is_output: bool) -> Optional[ProbeFit]:
     """Return the linear law that explains the answers to two probes of a topic; None without one.
 
     The answer to a single probe may be linear by chance: a switching controller has a gain at each
@@ -107,7 +107,7 @@ def best_fit(answers: Answers, is_output: bool) -> Optional[Fit]:
     :param answers: time [s] and input of each answer
     :param is_output: True for the motor's probes
     """
-    before: Optional[Fit] = None
+    before: Optional[ProbeFit] = None
     for index, amplitude in enumerate(AMPLITUDES):
         begin = begin_of(index, is_output)
         mine = [
@@ -122,12 +122,12 @@ def best_fit(answers: Answers, is_output: bool) -> Optional[Fit]:
     return None
 
 
-def _are_equal(one: Fit, other: Fit) -> bool:
+def _are_equal(one: ProbeFit, other: ProbeFit) -> bool:
     pairs = zip(one.response(), other.response())
     return all(abs(a - b) <= _EQUAL * max(abs(a), abs(b)) for a, b in pairs)
 
 
-def _fit_of(answers: Answers, amplitude: float) -> Optional[Fit]:
+def _fit_of(answers: Answers, amplitude: float) -> Optional[ProbeFit]:
     """Return the law for the answers to a probe; a one-sided law only if no other fits."""
     if len(answers) < _FEWEST:
         return None
@@ -169,7 +169,7 @@ def _fit(
     is_kept: np.ndarray,
     amplitude: float,
     is_one_sided: bool,
-) -> Fit:
+) -> ProbeFit:
     sides = [np.maximum(seen, 0.0), np.minimum(seen, 0.0)] if is_one_sided else [seen]
     columns = [np.ones(len(seen)), *sides, *(np.cumsum(side * intervals) for side in sides)]
     matrix = np.stack(columns, axis=1)
@@ -188,7 +188,7 @@ def _fit(
     ]
     # One iteration's share of the integral is not a jump.
     leap = min(leaps) - 1.5 * period * float(np.abs(growths).max()) if leaps else 0.0
-    return Fit(
+    return ProbeFit(
         amplitude,
         float(gains[0]),
         float(growths[0]),

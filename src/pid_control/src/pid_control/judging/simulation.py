@@ -4,12 +4,12 @@ import math
 from typing import Callable, List
 
 from pid_control.controller.pid import PI, Pid, PidSettings
-from pid_control.judging.experiment import Experiment, Output
+from pid_control.judging.experiment import Experiment, MotorOutput
 from pid_control.judging.record import Pause, Record
 from pid_control.judging.scenarios import Scenario
 
 #: Returns the input for a set point and an output.
-Law = Callable[[float, Output], float]
+Law = Callable[[float, MotorOutput], float]
 #: Time of the loop before a scenario begins [s], and length of a simulated pause [s].
 _SETTLE_S, _PAUSE_S = 0.1, 0.25
 
@@ -48,7 +48,7 @@ def pid_law(settings: PidSettings) -> Law:
     law = Pid(settings)
     times: List[float] = []
 
-    def answer(set_point: float, output: Output) -> float:
+    def answer(set_point: float, output: MotorOutput) -> float:
         dt = output.time - times[-1] if times and output.time > times[-1] else 0.0
         times.append(output.time)
         return law.update(set_point, output.speed, dt).output

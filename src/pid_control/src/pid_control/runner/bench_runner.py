@@ -7,7 +7,7 @@ from typing import Any, Dict, List, Optional, Tuple
 
 import rospy
 
-from pid_control.judging.experiment import Experiment, OutgoingMessages, Output
+from pid_control.judging.experiment import Experiment, MotorOutput, OutgoingMessages
 from pid_control.judging.record import ENDED, NOT_CONNECTED, Pause, Record
 from pid_control.judging.scenarios import STEP_S, Scenario
 from pid_control.plant.status import NOT_TURNING
@@ -218,7 +218,7 @@ class BenchRunner:
     def _wait_until_alone(self) -> None:
         """Wait until the connections of ended controllers are closed."""
         end = time.monotonic() + _GONE_S
-        nothing = OutgoingMessages(0.0, Output(0.0, 0.0, NOT_TURNING))
+        nothing = OutgoingMessages(0.0, MotorOutput(0.0, 0.0, NOT_TURNING))
         while self._bench.is_connected() and time.monotonic() < end:
             self._bench.send(nothing, self._clock)  # only a write detects a dead connection
             time.sleep(STEP_S)

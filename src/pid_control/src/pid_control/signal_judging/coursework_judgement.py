@@ -4,7 +4,13 @@ import math
 from typing import Callable, Dict, List, Mapping, Sequence, Tuple
 
 from pid_control.signal_judging.channels import Channel, oscillates
-from pid_control.signal_judging.evidence import GENERATOR, PROCESS, Baseline, FailedTrial, Evidence
+from pid_control.signal_judging.evidence import (
+    GENERATOR,
+    PROCESS,
+    BaselineTrial,
+    CourseworkEvidence,
+    FailedTrial,
+)
 from pid_control.signal_judging.figures import Figures, figures_of, frequencies_of, is_known
 from pid_control.signal_judging.scenarios import METRICS
 from pid_control.verdicts.judgement import (
@@ -52,7 +58,7 @@ _ENDS = {"signal": ("signal", "process", "restart", "parameters", "yaml", "names
 
 
 def judge(
-    evidence: Evidence, limits: Limits, scenarios: Sequence[str], reason: str = ""
+    evidence: CourseworkEvidence, limits: Limits, scenarios: Sequence[str], reason: str = ""
 ) -> Judgement:
     """Judge a coursework.
 
@@ -87,7 +93,7 @@ def judge(
     return Judgement(PASSED, findings, failures)
 
 
-def _unknown(evidence: Evidence, scenarios: Sequence[str]) -> str:
+def _unknown(evidence: CourseworkEvidence, scenarios: Sequence[str]) -> str:
     """Return why the signal is unknown, or an empty text."""
     baseline = evidence.baseline
     if baseline is None or is_known(baseline.features) or not {"signal", "process"} & {*scenarios}:
@@ -106,17 +112,17 @@ def _cause_of_broken(broken: FailedTrial) -> Cause:
     return Cause("crash", f"{broken.node} ended by itself{words}")
 
 
-def _baseline(evidence: Evidence) -> Baseline:
+def _baseline(evidence: CourseworkEvidence) -> BaselineTrial:
     assert evidence.baseline is not None
     return evidence.baseline
 
 
-def _launch(evidence: Evidence, figures: Figures) -> Cause:
+def _launch(evidence: CourseworkEvidence, figures: Figures) -> Cause:
     return Cause("launch", f"no launch file starts both nodes: {evidence.missing}")
 
 
-def _rate(node: str, channel_of: Callable[[Baseline], Channel]) -> "_Explain":
-    def explain(evidence: Evidence, figures: Figures) -> Cause:
+def _rate(node: str, channel_of: Callable[[BaselineTrial], Channel]) -> "_Explain":
+    def explain(evidence: CourseworkEvidence, figures: Figures) -> Cause:
         channel = channel_of(_baseline(evidence))
         if not channel.rate():
             return Cause("silent", f"the {node} sends nothing")
@@ -131,7 +137,7 @@ def _rate(node: str, channel_of: Callable[[Baseline], Channel]) -> "_Explain":
     return explain
 
 
-def _distorted_signal(evidence: Evidence, figures: Figures) -> Cause:
+def _distorted_signal(evidence: CourseworkEvidence, figures: Figures) -> Cause:
     baseline = _baseline(evidence)
     if len(baseline.signal.values) < 3:
         return Cause("silent", "the signal generator sends nothing")
@@ -152,7 +158,7 @@ def _nan(node: str) -> "_Explain":
     )
 
 
-def _amplitude(evidence: Evidence, figures: Figures) -> Cause:
+def _amplitude(evidence: CourseworkEvidence, figures: Figures) -> Cause:
     assert evidence.parameters is not None
     named = evidence.parameters.value_of(GENERATOR, "amplitude")
     assert named is not None
@@ -160,7 +166,7 @@ def _amplitude(evidence: Evidence, figures: Figures) -> Cause:
     return Cause("amplitude", f"the amplitude is {measured}, where {named[0]} is {named[1]:g}")
 
 
-def _frequency(evidence: Evidence, figures: Figures) -> Cause:
+def _frequency(evidence: CourseworkEvidence, figures: Figures) -> Cause:
     assert evidence.parameters is not None
     named = evidence.parameters.value_of(GENERATOR, "frequency")
     assert named is not None
@@ -190,7 +196,7 @@ def _is_alias(measured: float, frequencies: Sequence[float], rate: float) -> boo
     return False
 
 
-def _fields(evidence: Evidence, figures: Figures) -> Cause:
+def _fields(evidence: CourseworkEvidence, figures: Figures) -> Cause:
     baseline = _baseline(evidence)
     sine = baseline.features.signal.sine
     assert sine is not None
@@ -206,7 +212,7 @@ def _fields(evidence: Evidence, figures: Figures) -> Cause:
     )
 
 
-def _distorted_output(evidence: Evidence, figures: Figures) -> Cause:
+def _distorted_output(evidence: CourseworkEvidence, figures: Figures) -> Cause:
     baseline = _baseline(evidence)
     if len(baseline.output.values) < 3:
         return Cause("silent", "the process node sends nothing")
@@ -220,15 +226,15 @@ def _distorted_output(evidence: Evidence, figures: Figures) -> Cause:
     )
 
 
-def _unchanged_gain(evidence: Evidence, figures: Figures) -> Cause:
+def _unchanged_gain(evidence: CourseworkEvidence, figures: Figures) -> Cause:
     return Cause("unchanged", "the process node does not change the amplitude")
 
 
-def _unchanged_phase(evidence: Evidence, figures: Figures) -> Cause:
+def _unchanged_phase(evidence: CourseworkEvidence, figures: Figures) -> Cause:
     return Cause("unchanged", "the process node does not shift the phase")
 
 
-def _negative(evidence: Evidence, figures: Figures) -> Cause:
+def _negative(evidence: CourseworkEvidence, figures: Figures) -> Cause:
     features = _baseline(evidence).features
     process, sine = features.process, features.signal.sine
     assert process is not None and sine is not None
@@ -241,7 +247,7 @@ def _negative(evidence: Evidence, figures: Figures) -> Cause:
     )
 
 
-def _gain(evidence: Evidence, figures: Figures) -> Cause:
+def _gain(evidence: CourseworkEvidence, figures: Figures) -> Cause:
     assert evidence.parameters is not None
     named = evidence.parameters.value_of(PROCESS, "gain")
     assert named is not None
@@ -251,7 +257,7 @@ def _gain(evidence: Evidence, figures: Figures) -> Cause:
     )
 
 
-def _phase(evidence: Evidence, figures: Figures) -> Cause:
+def _phase(evidence: CourseworkEvidence, figures: Figures) -> Cause:
     assert evidence.parameters is not None
     named = evidence.parameters.value_of(PROCESS, "phase_shift")
     assert named is not None
@@ -259,7 +265,7 @@ def _phase(evidence: Evidence, figures: Figures) -> Cause:
     return Cause("phase", f"the phase shift is {measured}, where {named[0]} is {named[1]:g}")
 
 
-def _free_running(evidence: Evidence, figures: Figures) -> Cause:
+def _free_running(evidence: CourseworkEvidence, figures: Figures) -> Cause:
     return Cause(
         "free-running",
         "the output keeps oscillating without a signal: it is computed from a clock, not from"
@@ -267,7 +273,7 @@ def _free_running(evidence: Evidence, figures: Figures) -> Cause:
     )
 
 
-def _restart(evidence: Evidence, figures: Figures) -> Cause:
+def _restart(evidence: CourseworkEvidence, figures: Figures) -> Cause:
     if evidence.restart is not None and evidence.restart.after is None:
         return Cause("restart", "after a restart of the generator, no output follows the signal")
     return Cause(
@@ -283,7 +289,7 @@ def _hard_coded(node: str) -> "_Explain":
     )
 
 
-def _unread(evidence: Evidence, figures: Figures) -> Cause:
+def _unread(evidence: CourseworkEvidence, figures: Figures) -> Cause:
     assert evidence.parameters is not None
     parts = []
     for one in evidence.parameters.unread():
@@ -296,13 +302,13 @@ def _unread(evidence: Evidence, figures: Figures) -> Cause:
     return Cause("unread", "; ".join(parts))
 
 
-def _yaml(evidence: Evidence, figures: Figures) -> Cause:
+def _yaml(evidence: CourseworkEvidence, figures: Figures) -> Cause:
     assert evidence.parameters is not None
     files: Mapping[str, str] = evidence.parameters.unused_files
     return Cause("yaml", "; ".join(f"{name}: {why}" for name, why in files.items()))
 
 
-def _namespace(evidence: Evidence, figures: Figures) -> Cause:
+def _namespace(evidence: CourseworkEvidence, figures: Figures) -> Cause:
     names = ", ".join(evidence.outside or ())
     stays = "stays" if len(evidence.outside or ()) == 1 else "stay"
     return Cause(
@@ -312,7 +318,7 @@ def _namespace(evidence: Evidence, figures: Figures) -> Cause:
     )
 
 
-_Explain = Callable[[Evidence, Figures], Cause]
+_Explain = Callable[[CourseworkEvidence, Figures], Cause]
 _CAUSES: Dict[Tuple[str, str], _Explain] = {
     ("launch", "missing_nodes"): _launch,
     ("signal", "rate"): _rate(GENERATOR, lambda baseline: baseline.signal),

@@ -3,14 +3,14 @@
 from typing import List
 
 from pid_control.charts.chart import Curve, Panel, as_svg
-from pid_control.signal_judging.evidence import Evidence
+from pid_control.signal_judging.evidence import CourseworkEvidence
 from pid_control.signal_judging.sine_fit import fit_sine
 
 #: Colours that colour-blind readers can distinguish.
 _SIGNAL, _OUTPUT, _SINE, _ZERO = "#0072b2", "#d55e00", "#888888", "#bbbbbb"
 
 
-def as_picture(evidence: Evidence, title: str) -> str:
+def as_picture(evidence: CourseworkEvidence, title: str) -> str:
     """Return the SVG picture; without a trial, only its title.
 
     :param evidence: evidence of the trials

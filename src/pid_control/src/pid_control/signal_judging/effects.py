@@ -3,7 +3,7 @@
 import math
 from typing import Dict, Optional, Set, Tuple
 
-from pid_control.signal_judging.evidence import GENERATOR, PROCESS, Features
+from pid_control.signal_judging.evidence import GENERATOR, PROCESS, TrialFeatures
 from pid_control.signal_judging.features import ProcessFeatures, SignalFeatures
 from pid_control.signal_judging.parameter_roles import Number
 from pid_control.signal_judging.sine_fit import wrapped
@@ -13,7 +13,7 @@ from pid_control.signal_judging.sine_fit import wrapped
 _RATE, _SIZE, _FREQUENCY, _PHASE, _OFFSET, _DISTORTION = 0.05, 0.02, 0.01, 0.06, 0.02, 0.1
 
 
-def changed_nodes(before: Features, after: Features) -> Set[str]:
+def changed_nodes(before: TrialFeatures, after: TrialFeatures) -> Set[str]:
     """Return the nodes whose features have changed.
 
     :param before: features of a trial
@@ -62,7 +62,7 @@ def _differ(one: Optional[float], other: Optional[float], least: float) -> bool:
 
 
 def is_as_predicted(
-    role: str, node: str, values: Tuple[Number, Number], before: Features, after: Features
+    role: str, node: str, values: Tuple[Number, Number], before: TrialFeatures, after: TrialFeatures
 ) -> bool:
     """Return True if one feature has changed as expected from the parameter's role.
 

@@ -25,7 +25,7 @@ class FailedTrial(NamedTuple):
     words: str = ""
 
 
-class Features(NamedTuple):
+class TrialFeatures(NamedTuple):
     """Features of both nodes in one trial.
 
     :ivar signal: of the generator
@@ -44,7 +44,7 @@ class Features(NamedTuple):
         return 1.0 if process is None else min(1.0, process.distortion)
 
 
-class Baseline(NamedTuple):
+class BaselineTrial(NamedTuple):
     """Trial of the unchanged coursework, to which the other trials are compared.
 
     :ivar features: features of both nodes
@@ -53,13 +53,13 @@ class Baseline(NamedTuple):
     :ivar constants: constant fields of the signal's messages, by name
     """
 
-    features: Features
+    features: TrialFeatures
     signal: Channel
     output: Channel
     constants: Mapping[str, float]
 
 
-class Restart(NamedTuple):
+class RestartTrial(NamedTuple):
     """Trial in which the generator is stopped and started again.
 
     :ivar oscillates: whether the output kept oscillating without an input
@@ -95,7 +95,7 @@ class ParameterEffect(NamedTuple):
     is_predicted: bool = False
 
 
-class Parameters(NamedTuple):
+class ParameterResults(NamedTuple):
     """Effects of the parameters.
 
     :ivar tried: parameters of the launch file
@@ -145,7 +145,7 @@ class Parameters(NamedTuple):
         return (found[0].name, found[0].value) if len(found) == 1 else None
 
 
-class Evidence:
+class CourseworkEvidence:
     """Evidence about a coursework from all its trials.
 
     :ivar missing: why no launch file starts both nodes; empty if one does
@@ -158,8 +158,8 @@ class Evidence:
 
     def __init__(self) -> None:
         self.missing = ""
-        self.baseline: Optional[Baseline] = None
-        self.restart: Optional[Restart] = None
-        self.parameters: Optional[Parameters] = None
+        self.baseline: Optional[BaselineTrial] = None
+        self.restart: Optional[RestartTrial] = None
+        self.parameters: Optional[ParameterResults] = None
         self.outside: Optional[List[str]] = None
         self.broken: Dict[str, FailedTrial] = {}

@@ -3,7 +3,13 @@
 import math
 from typing import Dict, Optional, Sequence, Tuple
 
-from pid_control.signal_judging.evidence import DISTORTED, GENERATOR, PROCESS, Evidence, Features
+from pid_control.signal_judging.evidence import (
+    DISTORTED,
+    GENERATOR,
+    PROCESS,
+    CourseworkEvidence,
+    TrialFeatures,
+)
 from pid_control.signal_judging.features import ProcessFeatures
 from pid_control.signal_judging.parameter_roles import GENERATOR_ROLES, role_of, values_in_rad
 
@@ -13,7 +19,7 @@ Figures = Dict[Tuple[str, str], Optional[float]]
 _FEWEST_PERIODS = 1.2
 
 
-def figures_of(evidence: Evidence) -> Figures:
+def figures_of(evidence: CourseworkEvidence) -> Figures:
     """Return all figures that can be measured; the others are missing."""
     found: Figures = {("launch", "missing_nodes"): 2.0 if evidence.missing else 0.0}
     if evidence.baseline is not None:
@@ -37,13 +43,13 @@ def figures_of(evidence: Evidence) -> Figures:
     return found
 
 
-def is_known(features: Features) -> bool:
+def is_known(features: TrialFeatures) -> bool:
     """Return True if the signal is a sine that was recorded for long enough."""
     sine = features.signal.sine
     return sine is not None and sine.periods >= _FEWEST_PERIODS
 
 
-def _of_signal(evidence: Evidence) -> Dict[str, Optional[float]]:
+def _of_signal(evidence: CourseworkEvidence) -> Dict[str, Optional[float]]:
     assert evidence.baseline is not None
     baseline = evidence.baseline
     signal, values = baseline.features.signal, baseline.signal.values
@@ -77,7 +83,7 @@ def _of_signal(evidence: Evidence) -> Dict[str, Optional[float]]:
     return found
 
 
-def _of_process(evidence: Evidence) -> Dict[str, Optional[float]]:
+def _of_process(evidence: CourseworkEvidence) -> Dict[str, Optional[float]]:
     assert evidence.baseline is not None
     baseline = evidence.baseline
     output, process = baseline.output, baseline.features.process

@@ -16,11 +16,11 @@ from pid_control.programs.package_messages import (
 from pid_control.programs.private_master import PrivateMaster
 from pid_control.programs.program_command import workspace_environment
 from pid_control.runner.judging_errors import JudgingError
-from pid_control.signal_judging.evidence import Evidence
+from pid_control.signal_judging.evidence import CourseworkEvidence
 from pid_control.signal_runner.coursework import find_coursework, package_folder
 
 
-class Request(NamedTuple):
+class CourseworkRequest(NamedTuple):
     """A coursework to judge, and the options of the judgement.
 
     :ivar folder: folder of the package
@@ -47,7 +47,7 @@ class Request(NamedTuple):
 
 def find_request(
     words: Sequence[str], scenarios: Sequence[str], workspace: Optional[str] = None
-) -> Request:
+) -> CourseworkRequest:
     """Return the request to judge a coursework, after a check of the words.
 
     :param words: package or its folder, and its launch file with arguments, if given
@@ -58,7 +58,7 @@ def find_request(
     is_built = workspace is not None
     environment = dict(os.environ) if workspace is None else workspace_environment(workspace)
     folder = package_folder(words[0], environment)
-    return Request(folder, words[1:], scenarios, environment, is_built)
+    return CourseworkRequest(folder, words[1:], scenarios, environment, is_built)
 
 
 class CourseworkBench:
@@ -87,7 +87,7 @@ class CourseworkBench:
         finally:
             self._master.close()
 
-    def run(self, request: Request) -> Tuple[Evidence, str]:
+    def run(self, request: CourseworkRequest) -> Tuple[CourseworkEvidence, str]:
         """Find a coursework, and run its trials.
 
         :param request: the coursework, and how to judge it
@@ -120,7 +120,9 @@ class CourseworkBench:
             raise JudgingError("the judge's own master ended; is this machine out of memory?")
         return session.evidence, reason
 
-    def _classes(self, request: Request, environment: Dict[str, str]) -> Mapping[str, Any]:
+    def _classes(
+        self, request: CourseworkRequest, environment: Dict[str, str]
+    ) -> Mapping[str, Any]:
         """Return the message classes of a package, generated for its nodes too unless built."""
         texts, name = definitions(request.folder), package_name(request.folder)
         if not texts:

@@ -11,10 +11,10 @@ from pid_control.signal_judging.effects import changed_nodes, is_as_predicted
 from pid_control.signal_judging.evidence import (
     GENERATOR,
     PROCESS,
-    Baseline,
-    Features,
-    Parameters,
+    BaselineTrial,
     ParameterEffect,
+    ParameterResults,
+    TrialFeatures,
 )
 from pid_control.signal_judging.parameter_roles import (
     GENERATOR_ROLES,
@@ -57,8 +57,8 @@ class ParameterTrials:
         self,
         coursework: Coursework,
         pair: NodePair,
-        baseline: Baseline,
-        features: Callable[[Coursework], Features],
+        baseline: BaselineTrial,
+        features: Callable[[Coursework], TrialFeatures],
     ) -> None:
         self._coursework, self._pair, self._features = coursework, pair, features
         self._before = baseline.features
@@ -67,7 +67,7 @@ class ParameterTrials:
         self._numbered: Dict[str, Set[str]] = {}
         self.notes: List[str] = []
 
-    def run(self) -> Parameters:
+    def run(self) -> ParameterResults:
         """Run the trials.
 
         :returns: effects of the parameters
@@ -99,7 +99,7 @@ class ParameterTrials:
         hidden = {
             node for node in (GENERATOR, PROCESS) if node not in read and self._reads_hidden(node)
         }
-        parameters = Parameters(tried, hidden, unused, bool(self._numbered))
+        parameters = ParameterResults(tried, hidden, unused, bool(self._numbered))
         unread = parameters.unread()
         idle = [one.name for one in tried if not one.of and one not in unread]
         if idle:
@@ -246,7 +246,7 @@ class ParameterTrials:
         after = self._after(values)
         return {GENERATOR, PROCESS} if after is None else changed_nodes(self._before, after)
 
-    def _after(self, values: Mapping[str, Any]) -> Optional[Features]:
+    def _after(self, values: Mapping[str, Any]) -> Optional[TrialFeatures]:
         """Return the features with parameters; None if a node ends with them."""
         parameters = {**self._coursework.parameters, **values}
         try:
@@ -314,7 +314,7 @@ def _roles(node: str) -> Dict[str, Tuple[str, ...]]:
     return GENERATOR_ROLES if node == GENERATOR else PROCESS_ROLES
 
 
-def _is_distorted(features: Features) -> bool:
+def _is_distorted(features: TrialFeatures) -> bool:
     """Return True if the signal is a sine, but not the output."""
     process = features.process
     return process is not None and process.distortion > _DISTORTED

@@ -12,11 +12,11 @@ from pid_control.signal_judging.evidence import (
     DISTORTED,
     GENERATOR,
     PROCESS,
-    Baseline,
+    BaselineTrial,
+    CourseworkEvidence,
     FailedTrial,
-    Evidence,
-    Features,
-    Restart,
+    RestartTrial,
+    TrialFeatures,
 )
 from pid_control.signal_judging.features import (
     ProcessFeatures,
@@ -83,7 +83,7 @@ class SignalSession:
         self._coursework, self._scenarios = coursework, scenarios
         self._real_time, self._given = real_time, given
         self._deadline, self._time_limit = time.monotonic() + time_limit, time_limit
-        self.evidence = Evidence()
+        self.evidence = CourseworkEvidence()
         self.evidence.missing = coursework.missing
         self.notes: List[str] = []
         self._pair: Optional[NodePair] = None
@@ -172,7 +172,7 @@ class SignalSession:
         if not self._real_time and not is_constant(baseline.output.values):
             self._repeat_if_distorted(baseline, pair)
 
-    def _repeat_if_distorted(self, first: Baseline, pair: NodePair) -> None:
+    def _repeat_if_distorted(self, first: BaselineTrial, pair: NodePair) -> None:
         """Repeat a record that a busy machine may have distorted; a flaw distorts each."""
         baseline, repeated = first, 0
         while baseline.features.distortion > DISTORTED and repeated < _MOST_REPEATED:
@@ -183,7 +183,7 @@ class SignalSession:
                 " of: the machine was busy, or the nodes do not always do the same"
             )
 
-    def _repeat_baseline(self, pair: NodePair) -> Baseline:
+    def _repeat_baseline(self, pair: NodePair) -> BaselineTrial:
         self.evidence.baseline = self.evidence.restart = None
         self.evidence.broken.clear()
         with self._trial() as trial:
@@ -207,7 +207,7 @@ class SignalSession:
             )
         return True
 
-    def _record_baseline(self, trial: Trial, pair: NodePair) -> Baseline:
+    def _record_baseline(self, trial: Trial, pair: NodePair) -> BaselineTrial:
         trial.connect(pair)
         trial.run(_SETTLE_S)
         begin = trial.now
@@ -221,7 +221,7 @@ class SignalSession:
         end = trial.now
         features = self._features_of(signal, output)
         constants = self._constants(signal, begin)
-        self.evidence.baseline = baseline = Baseline(features, signal, output, constants)
+        self.evidence.baseline = baseline = BaselineTrial(features, signal, output, constants)
         rate = signal.rate()
         if rate and not self._real_time:
             self._check_clock(trial, pair, rate)
@@ -275,9 +275,9 @@ class SignalSession:
         signal, _ = self._channels(pair, again)
         process = self._features_of(signal, output).process
         whole = self._channels(pair, begin)
-        self.evidence.restart = Restart(goes_on, process, whole[0], whole[1])
+        self.evidence.restart = RestartTrial(goes_on, process, whole[0], whole[1])
 
-    def _features(self, coursework: Coursework) -> Features:
+    def _features(self, coursework: Coursework) -> TrialFeatures:
         """Return the features of the coursework with other parameters.
 
         :raises TrialError: if a node fails
@@ -377,12 +377,12 @@ class SignalSession:
             return Channel(topics[0], "", [], [])
         return channels[0] if len(channels) == 1 else channels[0]._replace(field="")
 
-    def _features_of(self, signal: Channel, output: Channel) -> Features:
+    def _features_of(self, signal: Channel, output: Channel) -> TrialFeatures:
         found = signal_features(signal)
         process: Optional[ProcessFeatures] = None
         if found.sine is not None and found.sine.distortion <= DISTORTED:
             process = process_features(output, signal.times, found.sine)
-        return Features(found, process)
+        return TrialFeatures(found, process)
 
     def _constants(self, signal: Channel, begin: float) -> Mapping[str, float]:
         channels = [one.between(begin) for one in self._bench.channels(signal.topic)]

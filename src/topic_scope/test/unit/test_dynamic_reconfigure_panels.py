@@ -4,7 +4,7 @@ import pytest
 from dynamic_reconfigure.msg import ConfigDescription, Group, ParamDescription
 
 from nodekit import ParameterError
-from topic_scope.controls.panel import Panel
+from topic_scope.controls.panel import ParameterPanel
 from topic_scope.controls.dynamic_reconfigure_panels import _words, config_of, described, values_in
 
 VALUES = {"gain": 2.5, "count": -7, "on": False, "mode": "fast"}
@@ -26,9 +26,9 @@ def description(counts: str = "") -> ConfigDescription:
     )
 
 
-def panel() -> Panel:
+def panel() -> ParameterPanel:
     entries = described(description(), config_of(VALUES))
-    return Panel("/foreign", entries, {})
+    return ParameterPanel("/foreign", entries, {})
 
 
 def test_all_types_have_values_and_limits() -> None:
@@ -62,7 +62,7 @@ def test_non_enum_has_no_labels(text: str) -> None:
 
 def test_enum_numbers_have_labels() -> None:
     entries = described(description(COUNTS), config_of(VALUES))
-    shown = Panel("/foreign", entries, {}).message()["parameters"]
+    shown = ParameterPanel("/foreign", entries, {}).message()["parameters"]
     labels = {entry["name"]: entry["labels"] for entry in shown}
     assert labels == {"gain": [], "count": [(1, "Few"), (9, "Many")], "on": [], "mode": []}
 
@@ -70,4 +70,4 @@ def test_enum_numbers_have_labels() -> None:
 @pytest.mark.parametrize("pairs", [3, [3], [["a", "b"]], [[1, 2, 3]], None])
 def test_invalid_labels_are_left_out(pairs: object) -> None:
     entry = {"name": "a", "type": "int", "default": 1, "value": 1, "labels": pairs}
-    assert Panel("/foreign", [entry], {}).message()["parameters"][0]["labels"] == []
+    assert ParameterPanel("/foreign", [entry], {}).message()["parameters"][0]["labels"] == []

@@ -12,7 +12,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float32, Float64MultiArray, Header, MultiArrayDimension, String
 
 from topic_scope.messages import arrays, decoding, fields
-from topic_scope.messages.definitions import Array, DefinitionError, Record, layout_of, parse
+from topic_scope.messages.definitions import Array, DefinitionError, MessageLayout, layout_of, parse
 
 NAMES = st.from_regex(r"[a-z][a-z0-9_]{0,8}", fullmatch=True)
 
@@ -237,7 +237,7 @@ def test_recursive_definition_is_rejected() -> None:
 
 def test_sizes_are_known_where_they_are_fixed() -> None:
     layout = parse("a/A", "float32[4] x\nstring[] y\nuint8[] z\nstring[0] w")
-    assert isinstance(layout, Record) and layout.size is None
+    assert isinstance(layout, MessageLayout) and layout.size is None
     sizes = [field.size for _, field in layout.fields if isinstance(field, Array)]
     assert sizes == [16, None, None, 0]
 
@@ -271,5 +271,5 @@ def test_elements_without_names_have_numbers_only() -> None:
     with pytest.raises(fields.FieldError, match="frame_id is not an array|no names"):
         fields.resolve(layout_of(JointState), "header/frame_id[arm]")
     assert fields.resolve(layout_of(JointState), "effort[arm]") == [
-        (("effort", fields.Key("arm")), "float64")
+        (("effort", fields.ElementKey("arm")), "float64")
     ]

@@ -52,10 +52,10 @@ def test_a_laser_is_found_through_its_robot_and_the_map() -> None:
     frames.set_transform("/tf", "/map", "odom", turned(0.0, 10.0, 0.0))
     frames.set_transform("/tf", "odom", "base", turned(math.pi / 2, 1.0, 2.0))
     frames.set_transform("/tf", "base", "/laser", turned(0.0, 0.5, 0.0))
-    place = frames.place("laser")
+    place = frames.pose_of("laser")
     assert place.root == "map" and frames.knows("/laser") and not frames.knows("map")
     assert place.transform.position == pytest.approx((11.0, 2.5, 0.0))
-    assert frames.place("elsewhere") == ("elsewhere", IDENTITY)
+    assert frames.pose_of("elsewhere") == ("elsewhere", IDENTITY)
 
 
 def test_odometry_is_used_without_transforms() -> None:
@@ -63,18 +63,18 @@ def test_odometry_is_used_without_transforms() -> None:
     frames.set_odometry("/b/odom", "odom", "base", turned(0.0, 2.0))
     frames.set_odometry("/a/odom", "odom", "base", turned(0.0, 1.0))
     frames.set_odometry("/b/odom", "odom", "base", turned(0.0, 3.0))
-    assert frames.place("base").transform.position[0] == 1.0
+    assert frames.pose_of("base").transform.position[0] == 1.0
     frames.set_transform("/tf", "odom", "base", turned(0.0, 7.0))
-    assert frames.place("base").transform.position[0] == 7.0
+    assert frames.pose_of("base").transform.position[0] == 7.0
 
 
 def test_another_topic_replaces_a_removed_one() -> None:
     frames = Frames()
     frames.set_transform("/tf_static", "map", "odom", turned(0.0, 1.0))
     frames.set_transform("/tf", "map", "odom", turned(0.0, 2.0))
-    assert frames.place("odom").transform.position[0] == 2.0
+    assert frames.pose_of("odom").transform.position[0] == 2.0
     frames.keep(["/tf_static"])
-    assert frames.place("odom").transform.position[0] == 1.0
+    assert frames.pose_of("odom").transform.position[0] == 1.0
     frames.keep([])
     assert not frames.knows("odom")
 
@@ -83,7 +83,7 @@ def test_a_ring_of_frames_ends() -> None:
     frames = Frames()
     frames.set_transform("/tf", "a", "b", IDENTITY)
     frames.set_transform("/tf", "b", "a", IDENTITY)
-    assert frames.place("a").root in ("a", "b")
+    assert frames.pose_of("a").root in ("a", "b")
 
 
 def test_non_finite_transform_is_rejected() -> None:

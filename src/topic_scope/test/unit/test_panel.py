@@ -21,7 +21,7 @@ from nodekit import (
     StringParameter,
     describe,
 )
-from topic_scope.controls.panel import Panel
+from topic_scope.controls.panel import ParameterPanel
 
 NODE = "/lab/gauge"
 
@@ -40,9 +40,9 @@ class Gauge(ParameterSet):
     marks = ListParameter([1.0, 2.0], element=FloatParameter(0.0, help=""), help="marks")
 
 
-def panel(**values: Any) -> Panel:
+def panel(**values: Any) -> ParameterPanel:
     services = {NODE + "/reset": "Trigger"}
-    return Panel(NODE, describe(Gauge(**values)), services)
+    return ParameterPanel(NODE, describe(Gauge(**values)), services)
 
 
 def shown(name: str) -> Any:
@@ -124,7 +124,7 @@ def test_bytes_are_shown_and_written_as_yaml() -> None:
     class Lock(ParameterSet):
         key = BytesParameter(b"\x00\xff", max_length=2, help="what opens it")
 
-    locked = Panel(NODE, describe(Lock()), {})
+    locked = ParameterPanel(NODE, describe(Lock()), {})
     assert json.loads(json.dumps(locked.message()))["parameters"][0]["value"] == "[0, 255]"
     for text in ("[1]", "!!binary AQ=="):
         assert locked.check("key", text) == b"\x01"
@@ -157,4 +157,4 @@ GOOD = {"name": "a", "value": 1, "type": "int", "unit": "", "help": "", "minimum
 )
 def test_invalid_description_is_rejected(entry: Mapping[str, Any]) -> None:
     with pytest.raises(DescriptionError):
-        Panel(NODE, [entry], {})
+        ParameterPanel(NODE, [entry], {})

@@ -6,8 +6,8 @@ import pytest
 
 from nodekit import FloatParameter, ListParameter, ParameterError, ParameterSet, describe, rule
 from nodekit.testing.offline_parameters import OfflineParameters
-from topic_scope.controls.panel import Panel
-from topic_scope.controls.parameter_sender import Changed, ParameterSender
+from topic_scope.controls.panel import ParameterPanel
+from topic_scope.controls.parameter_sender import ChangeReply, ParameterSender
 from topic_scope.graph.worker import Worker
 
 NODE = "/gauge"
@@ -68,10 +68,10 @@ class World:
         self.answers: List[Dict[str, Any]] = []
         self.reply: List[Tuple[str, Any]] = []
         self.worker = SlowWorker()
-        self.panel = Panel(NODE, describe(self.node.values), {})
+        self.panel = ParameterPanel(NODE, describe(self.node.values), {})
         self.sender = ParameterSender(self.worker, self.change, self.send, self.read_again)
 
-    def change(self, node: str, values: Mapping[str, Any]) -> Changed:
+    def change(self, node: str, values: Mapping[str, Any]) -> ChangeReply:
         assert node == NODE
         if self.is_silent:
             raise TimeoutError("no answer within 2 s")
@@ -79,8 +79,8 @@ class World:
         try:
             self.node.change(values)
         except ParameterError as error:
-            return Changed(False, str(error), self.values())
-        answer = Changed(True, "", self.values())
+            return ChangeReply(False, str(error), self.values())
+        answer = ChangeReply(True, "", self.values())
         self.node.change(self.overtaking)
         self.read_again(NODE)
         return answer
@@ -92,7 +92,7 @@ class World:
     def values(self) -> Dict[str, Any]:
         return dict(self.node.server)
 
-    def send(self, panel: Panel, names: List[str]) -> None:
+    def send(self, panel: ParameterPanel, names: List[str]) -> None:
         self.reply += [(name, panel.values[name]) for name in names]
 
     def ask(self, name: str, value: Any) -> None:

@@ -94,9 +94,12 @@ GOOD = [
         {"type": "chart", "kind": "spectrum", "window": "flattop", "averages": 4},
         Chart("spectrum", "", "flattop", 4),
     ),
-    ({"type": "set", "node": "/n", "name": "a", "value": 1}, requests.Set("/n", "a", 1)),
-    ({"type": "call", "service": "/n/reset"}, requests.Call("/n/reset", None)),
-    ({"type": "call", "service": "/n/enable", "data": True}, requests.Call("/n/enable", True)),
+    ({"type": "set", "node": "/n", "name": "a", "value": 1}, requests.SetParameter("/n", "a", 1)),
+    ({"type": "call", "service": "/n/reset"}, requests.CallService("/n/reset", None)),
+    (
+        {"type": "call", "service": "/n/enable", "data": True},
+        requests.CallService("/n/enable", True),
+    ),
     (
         {"type": "transition", "node": "/n", "label": "configure"},
         requests.Transition("/n", "configure"),

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from topic_scope.timing.clocks import Clocks
 from topic_scope.timing.lag import SETTLED_NS, TOLERANCE_NS
 from topic_scope.timing.nanoseconds import NO_TIME, NS, array_to_ns, to_ns
-from topic_scope.timing.topic_time import Placed, TopicTime
+from topic_scope.timing.topic_time import PlacedMessages, TopicTime
 
 EPOCH = 1_700_000_000 * NS
 MS = NS // 1000
@@ -48,7 +48,7 @@ class Topic:
         for placed in self.time.place(self._own, self._received, is_final):
             self._show(placed)
 
-    def _show(self, placed: Placed) -> None:
+    def _show(self, placed: PlacedMessages) -> None:
         count = len(placed.times)
         self._own, self._received = self._own[count:], self._received[count:]
         if placed.moved and len(self._placed):

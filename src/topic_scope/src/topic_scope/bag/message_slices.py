@@ -4,7 +4,7 @@ from typing import Collection, Dict, Iterator, List, NamedTuple, Optional
 
 import numpy
 
-from topic_scope.bag.recording import BagError, Part, Recording
+from topic_scope.bag.recording import BagError, ConnectionMessages, Recording
 from topic_scope.messages import definitions
 
 
@@ -33,7 +33,7 @@ class FirstMessage(NamedTuple):
     :param data: the serialized message
     """
 
-    layout: definitions.Record
+    layout: definitions.MessageLayout
     data: bytes
 
 
@@ -78,7 +78,7 @@ def slices(
     first = bag.start + start
     last = bag.end if end is None else min(bag.start + end, bag.end)
     numbers, starts = bag.chunks_after(first - 1)
-    waiting: List[Part] = []
+    waiting: List[ConnectionMessages] = []
     for number, known_until in zip(numbers, [*starts[1:], last + 1]):
         try:
             waiting += bag.read(number, wanted)
@@ -92,9 +92,9 @@ def slices(
         waiting = [part for part in waiting if part.messages]
 
 
-def _sliced(bag: Recording, parts: List[Part], start: int, end: int) -> List[Slice]:
+def _sliced(bag: Recording, parts: List[ConnectionMessages], start: int, end: int) -> List[Slice]:
     """Join the messages of each topic from a start up to, but excluding, an end [ns]."""
-    of_topic: Dict[str, List[Part]] = {}
+    of_topic: Dict[str, List[ConnectionMessages]] = {}
     for part in parts:
         part = part.between(start, end)
         if part.messages:

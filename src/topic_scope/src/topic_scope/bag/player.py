@@ -12,7 +12,7 @@ from typing import Callable, Collection, Deque, Dict, Iterator, List, Mapping, S
 
 import numpy
 
-from topic_scope.bag.recording import BagError, Part, Recording
+from topic_scope.bag.recording import BagError, ConnectionMessages, Recording
 from topic_scope.sampling.message_source import TICK_NS, Batch
 
 #: Longest reading time of a call [s]: while pages are updated, and while they wait.
@@ -90,7 +90,7 @@ class BagPlayer:
         self._connections: Set[int] = set()
         #: Chunks to read, as number and start [ns]; and messages read ahead of the clock.
         self._chunks: Deque[Tuple[int, int]] = deque()
-        self._parts: List[Part] = []
+        self._parts: List[ConnectionMessages] = []
         #: Output time of the latest message of each topic [ns].
         self._latest: Dict[str, int] = {}
         #: All messages up to this time have been output; and the target of a seek [ns].
@@ -237,21 +237,23 @@ class BagPlayer:
     def _put(self) -> None:
         """Output the messages up to the time of the clock."""
         parts, self._parts = self._parts, []
-        ready: Dict[str, List[Part]] = {}
+        ready: Dict[str, List[ConnectionMessages]] = {}
         for connection, times, messages in parts:
             last = int(times.searchsorted(self._at, "right"))
             if last:
                 topic = self._bag.connections[connection].topic
-                ready.setdefault(topic, []).append(Part(connection, times[:last], messages[:last]))
+                ready.setdefault(topic, []).append(
+                    ConnectionMessages(connection, times[:last], messages[:last])
+                )
             if last < len(messages):
-                self._parts.append(Part(connection, times[last:], messages[last:]))
+                self._parts.append(ConnectionMessages(connection, times[last:], messages[last:]))
         for topic, found in ready.items():
             output = _distinct_times([part.times for part in found], self._latest.get(topic, 0))
             self._latest[topic] = max(int(one[-1]) for one in output)
             for part, one in zip(found, output):
                 self._let_out(topic, part, one.tolist())
 
-    def _let_out(self, topic: str, part: Part, times: List[int]) -> None:
+    def _let_out(self, topic: str, part: ConnectionMessages, times: List[int]) -> None:
         header = self._bag.connections[part.connection].header
         first, recent = part.times.searchsorted([self._start, self._recent], "right").tolist()
         recent = min(recent, len(times) - 1)

@@ -22,7 +22,7 @@ class Connection(NamedTuple):
     header: Mapping[str, str]
 
 
-class Part(NamedTuple):
+class ConnectionMessages(NamedTuple):
     """Messages of one connection.
 
     :param connection: its number
@@ -34,10 +34,12 @@ class Part(NamedTuple):
     times: numpy.ndarray
     messages: List[bytes]
 
-    def between(self, start: int, end: int) -> "Part":
+    def between(self, start: int, end: int) -> "ConnectionMessages":
         """Return the messages from a start up to, but excluding, an end, since the epoch [ns]."""
         first, last = self.times.searchsorted([start, end]).tolist()
-        return Part(self.connection, self.times[first:last], self.messages[first:last])
+        return ConnectionMessages(
+            self.connection, self.times[first:last], self.messages[first:last]
+        )
 
 
 class Recording:
@@ -103,7 +105,7 @@ class Recording:
         """
         raise NotImplementedError
 
-    def read(self, number: int, wanted: Collection[int]) -> List[Part]:
+    def read(self, number: int, wanted: Collection[int]) -> List[ConnectionMessages]:
         """Read the messages of some connections in a chunk.
 
         :param number: number of the chunk

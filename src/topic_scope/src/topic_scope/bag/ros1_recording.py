@@ -13,7 +13,7 @@ from typing import Collection, Dict, Iterable, List, Mapping, NamedTuple, Tuple
 
 import numpy
 
-from topic_scope.bag.recording import BagError, Connection, Part, Recording
+from topic_scope.bag.recording import BagError, Connection, ConnectionMessages, Recording
 
 #: First bytes of all bags, and of bags of the supported version.
 _ANY, _MAGIC = b"#ROSBAG V", b"#ROSBAG V2.0\n"
@@ -26,7 +26,7 @@ _ENTRY = numpy.dtype([("s", "<u4"), ("ns", "<u4"), ("offset", "<u4")])
 _ERRORS = (OSError, EOFError, LookupError, MemoryError, ValueError, struct.error)
 
 
-class Record(NamedTuple):
+class RecordHeader(NamedTuple):
     """Header of a record.
 
     :param fields: fields of the header
@@ -153,7 +153,7 @@ class Ros1Recording(Recording):
         numbers = numpy.flatnonzero(counts)
         return numbers.tolist(), self._chunks["start"][numbers].tolist()
 
-    def read(self, number: int, wanted: Collection[int]) -> List[Part]:
+    def read(self, number: int, wanted: Collection[int]) -> List[ConnectionMessages]:
         """Read the messages of some connections in a chunk; see :class:`.Recording`."""
         try:
             return self._read_chunk(int(self._chunks["position"][number]), wanted)
@@ -173,7 +173,7 @@ class Ros1Recording(Recording):
         text = "%s is damaged (%s); recover its messages by: rosbag reindex %s"
         return BagError(text % (self.path, reason, self.path))
 
-    def _read_chunk(self, position: int, wanted: Collection[int]) -> List[Part]:
+    def _read_chunk(self, position: int, wanted: Collection[int]) -> List[ConnectionMessages]:
         self._file.seek(position)
         head, length = self._record("chunk")
         start = self._file.tell()
@@ -215,7 +215,7 @@ class Ros1Recording(Recording):
             raise ValueError("a chunk does not have the size that it states")
         return data
 
-    def _record(self, kind: str = "") -> Record:
+    def _record(self, kind: str = "") -> RecordHeader:
         """Read the header of a record.
 
         :param kind: expected type of record; empty for any
@@ -223,7 +223,7 @@ class Ros1Recording(Recording):
         fields = _fields(self._read(_U32.unpack(self._read(4))[0]))
         if kind and fields["op"] != bytes([_OPERATIONS[kind]]):
             raise ValueError(f"unexpected record, not a {kind}")
-        return Record(fields, _U32.unpack(self._read(4))[0])
+        return RecordHeader(fields, _U32.unpack(self._read(4))[0])
 
     def _read(self, length: int) -> bytes:
         if length > self._size:  # checked before memory is allocated
@@ -256,11 +256,11 @@ def _time(fields: Mapping[str, bytes], name: str) -> int:
     return int(seconds) * 10**9 + int(nanoseconds)
 
 
-def _part(data: bytes, connection: int, entries: numpy.ndarray) -> Part:
+def _part(data: bytes, connection: int, entries: numpy.ndarray) -> ConnectionMessages:
     times = entries["s"].astype(numpy.int64) * 10**9 + entries["ns"]
     order = numpy.argsort(times, kind="stable")
     messages = [_message_or_nothing(data, at) for at in entries["offset"][order].tolist()]
-    return Part(connection, times[order], messages)
+    return ConnectionMessages(connection, times[order], messages)
 
 
 def _message_or_nothing(data: bytes, offset: int) -> bytes:

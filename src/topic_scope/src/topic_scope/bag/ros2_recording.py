@@ -15,7 +15,7 @@ import numpy
 import yaml
 
 from topic_scope.bag import rosbags_library
-from topic_scope.bag.recording import BagError, Connection, Part, Recording
+from topic_scope.bag.recording import BagError, Connection, ConnectionMessages, Recording
 from topic_scope.bag.ros2_types import Ros2Type, TypeProblem
 
 #: Approximate size of a span [bytes], and its number of messages.
@@ -161,7 +161,7 @@ class Ros2Recording(Recording):
                 return [number]
         return []
 
-    def read(self, number: int, wanted: Collection[int]) -> List[Part]:
+    def read(self, number: int, wanted: Collection[int]) -> List[ConnectionMessages]:
         """Read the messages of some connections in a chunk; see :class:`.Recording`."""
         found: Dict[int, Tuple[List[int], List[bytes]]] = {}
         try:
@@ -273,7 +273,9 @@ def _check_index(reader: Any) -> None:
         raise BagError(f"{reader.path} {text}")
 
 
-def _part(connection: int, times: List[int], messages: List[bytes]) -> Part:
+def _part(connection: int, times: List[int], messages: List[bytes]) -> ConnectionMessages:
     moments = numpy.array(times, numpy.int64)
     order = numpy.argsort(moments, kind="stable")
-    return Part(connection, moments[order], [messages[index] for index in order.tolist()])
+    return ConnectionMessages(
+        connection, moments[order], [messages[index] for index in order.tolist()]
+    )

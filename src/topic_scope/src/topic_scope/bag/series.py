@@ -16,7 +16,7 @@ from topic_scope.messages.fields import FieldError, Path
 from topic_scope.messages.timestamp_source import longest_step, oddities
 from topic_scope.timing.clocks import Clocks
 from topic_scope.timing.nanoseconds import NS, array_to_ns
-from topic_scope.timing.topic_time import Placed
+from topic_scope.timing.topic_time import PlacedMessages
 
 #: Larger values would overflow in a plot.
 _LARGEST = 1e300
@@ -56,7 +56,7 @@ class _Placement:
     def __init__(self, clocks: Clocks, reader: ColumnReader) -> None:
         self._reader = reader
         self.time = reader.topic_time(clocks)
-        self._placed: List[Placed] = []
+        self._placed: List[PlacedMessages] = []
         self._own = self._received = numpy.empty(0, numpy.int64)
 
     def add(self, found: Slice) -> None:

@@ -11,7 +11,7 @@ from typing import Any, Dict, List, Mapping
 import rospy
 
 from nodekit import call_service
-from topic_scope.controls.parameter_sender import Changed
+from topic_scope.controls.parameter_sender import ChangeReply
 
 try:
     from dynamic_reconfigure.msg import (
@@ -61,7 +61,7 @@ def describe(node: str) -> List[Dict[str, Any]]:
     return described(description, values)
 
 
-def change(node: str, values: Mapping[str, Any]) -> Changed:
+def change(node: str, values: Mapping[str, Any]) -> ChangeReply:
     """Change parameters of a node, all in one request.
 
     :param node: namespace of the parameters
@@ -72,7 +72,7 @@ def change(node: str, values: Mapping[str, Any]) -> Changed:
     known = values_in(answer.config)
     made = {name: known[name] for name in values if name in known}
     other = [f"{name} = {made[name]!r}" for name in made if made[name] != values[name]]
-    return Changed(not other, f"{node} changed it to {', '.join(other)}", made)
+    return ChangeReply(not other, f"{node} changed it to {', '.join(other)}", made)
 
 
 def values_in(config: "Config") -> Dict[str, Any]:

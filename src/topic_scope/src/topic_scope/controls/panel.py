@@ -25,7 +25,7 @@ _ENDS = ("minimum", "maximum", "above", "below")
 _LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 
 
-class Entry(NamedTuple):
+class PanelEntry(NamedTuple):
     """Parameter of a panel.
 
     :param parameter: validator of values
@@ -36,7 +36,7 @@ class Entry(NamedTuple):
     shown: Mapping[str, Any]
 
 
-class Panel:
+class ParameterPanel:
     """Parameters of a node, and its services that have a button.
 
     :param node: namespace of the parameters
@@ -50,7 +50,7 @@ class Panel:
     ) -> None:
         self.node = node
         self.services = services
-        self.entries: Dict[str, Entry] = {}
+        self.entries: Dict[str, PanelEntry] = {}
         self.values: Dict[str, Any] = {}
         for one in described:
             name, entry, value = _entry(node, one)
@@ -122,7 +122,7 @@ def _labels(pairs: Any) -> List[Tuple[float, str]]:
         return []
 
 
-def _entry(node: str, described: Mapping[str, Any]) -> Tuple[str, Entry, Any]:
+def _entry(node: str, described: Mapping[str, Any]) -> Tuple[str, PanelEntry, Any]:
     name = str(described.get("name"))
     try:
         parameter = parameter_of(described)
@@ -139,4 +139,4 @@ def _entry(node: str, described: Mapping[str, Any]) -> Tuple[str, Entry, Any]:
         "choices": list(getattr(parameter, "choices", [])),
         "labels": _labels(described.get("labels", [])),
     }
-    return name, Entry(parameter, shown), value
+    return name, PanelEntry(parameter, shown), value

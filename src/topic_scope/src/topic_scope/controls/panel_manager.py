@@ -17,9 +17,14 @@ from nodekit import (
 )
 from topic_scope.controls import dynamic_reconfigure_panels, services
 from topic_scope.controls.managed_nodes import ManagedNodes
-from topic_scope.controls.panel import Panel
+from topic_scope.controls.panel import ParameterPanel
 from topic_scope.controls.node_status import PERIOD_S, NodeStatuses, topics_of
-from topic_scope.controls.parameter_sender import Answer, Changed, ParameterSender, value_message
+from topic_scope.controls.parameter_sender import (
+    Answer,
+    ChangeReply,
+    ParameterSender,
+    value_message,
+)
 from topic_scope.graph.worker import Worker
 from topic_scope.graph.master_watch import GraphState
 from topic_scope.sampling.raw_subscriptions import RawSubscriptions, SteadyClock
@@ -53,7 +58,7 @@ class PanelManager:
     ) -> None:
         self._deliver, self._send = deliver, send
         self._worker = Worker(deliver)
-        self._panels: Dict[str, Panel] = {}
+        self._panels: Dict[str, ParameterPanel] = {}
         self._followed: Dict[str, FollowedParameter] = {}
         self._failed: Dict[str, float] = {}
         self._throttle = Throttle(60.0)
@@ -102,7 +107,9 @@ class PanelManager:
                 inspect = partial(self._inspect, node, list(names))
                 self._worker.run(node, inspect, partial(self._on_inspected, node))
 
-    def _inspect(self, node: str, names: Collection[str]) -> Tuple[Panel, FollowedParameter]:
+    def _inspect(
+        self, node: str, names: Collection[str]
+    ) -> Tuple[ParameterPanel, FollowedParameter]:
         own = [name for name in names if name.startswith(node + "/")]
         own = [name for name in own if name[len(node) + 1 :] not in _INTERNAL]
         datatype = services.type_of(node + _FOREIGN) if node in self._foreign else None
@@ -115,7 +122,7 @@ class PanelManager:
         )
         try:
             offered = {name: kind for name, kind in types.items() if kind}
-            return Panel(node, self._describe(node), offered), followed
+            return ParameterPanel(node, self._describe(node), offered), followed
         except Exception:
             followed.close()
             raise
@@ -142,7 +149,7 @@ class PanelManager:
         if followed is not None:
             followed.report_again()
 
-    def _send_values(self, panel: Panel, names: List[str]) -> None:
+    def _send_values(self, panel: ParameterPanel, names: List[str]) -> None:
         for name in names:
             self._send(value_message(panel, name), panel.node, name)
 
@@ -189,7 +196,7 @@ class PanelManager:
             return dynamic_reconfigure_panels.describe(node)
         return ParameterClient(node).describe().values()
 
-    def _change(self, node: str, values: Mapping[str, Any]) -> Changed:
+    def _change(self, node: str, values: Mapping[str, Any]) -> ChangeReply:
         """Change parameters of a node.
 
         :raises CallError: if the node does not answer in time
@@ -197,6 +204,6 @@ class PanelManager:
         if node in self._foreign:
             return dynamic_reconfigure_panels.change(node, values)
         try:
-            return Changed(True, "", ParameterClient(node).change(values))
+            return ChangeReply(True, "", ParameterClient(node).change(values))
         except ChangeRefused as error:
-            return Changed(False, str(error), {})
+            return ChangeReply(False, str(error), {})

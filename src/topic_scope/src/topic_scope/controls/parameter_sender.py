@@ -11,14 +11,14 @@ from functools import partial
 from typing import Any, Callable, Dict, List, Mapping, NamedTuple
 
 from nodekit import ParameterError, to_wire
-from topic_scope.controls.panel import Panel
+from topic_scope.controls.panel import ParameterPanel
 from topic_scope.graph.worker import Worker
 
 #: Sends a message to one page.
 Answer = Callable[[Dict[str, Any]], None]
 
 
-class Changed(NamedTuple):
+class ChangeReply(NamedTuple):
     """Reply of a node to a change.
 
     :param success: whether all values were accepted
@@ -31,7 +31,7 @@ class Changed(NamedTuple):
     values: Mapping[str, Any]
 
 
-class Asked(NamedTuple):
+class ChangeRequest(NamedTuple):
     """Value that a page has set.
 
     :param panel: the node's panel
@@ -39,7 +39,7 @@ class Asked(NamedTuple):
     :param answer: sends a message to the page
     """
 
-    panel: Panel
+    panel: ParameterPanel
     value: Any
     answer: Answer
 
@@ -56,18 +56,18 @@ class ParameterSender:
     def __init__(
         self,
         worker: Worker,
-        change: Callable[[str, Mapping[str, Any]], Changed],
-        send_values: Callable[[Panel, List[str]], None],
+        change: Callable[[str, Mapping[str, Any]], ChangeReply],
+        send_values: Callable[[ParameterPanel, List[str]], None],
         read_again: Callable[[str], None],
     ) -> None:
         self._worker, self._change, self._send_values = worker, change, send_values
         self._read_again = read_again
         #: By node and parameter: the newest value to send; and rejected values, which may be
         #: accepted together with other values.
-        self._waiting: Dict[str, Dict[str, Asked]] = {}
+        self._waiting: Dict[str, Dict[str, ChangeRequest]] = {}
         self._rejected: Dict[str, Dict[str, Any]] = {}
 
-    def set(self, panel: Panel, name: str, value: Any, answer: Answer) -> None:
+    def set(self, panel: ParameterPanel, name: str, value: Any, answer: Answer) -> None:
         """Set a parameter; if the value is rejected, the page receives the reason.
 
         :param panel: its panel
@@ -81,7 +81,7 @@ class ParameterSender:
             _refuse(panel, name, value, str(error), answer)
             return
         self._rejected.get(panel.node, {}).pop(name, None)
-        self._waiting.setdefault(panel.node, {})[name] = Asked(panel, checked, answer)
+        self._waiting.setdefault(panel.node, {})[name] = ChangeRequest(panel, checked, answer)
         self._send(panel.node)
 
     def forget(self, node: str) -> None:
@@ -101,17 +101,19 @@ class ParameterSender:
         if self._worker.run(("change", node), work, partial(self._on_answer, node, asked)):
             del self._waiting[node]
 
-    def _try(self, node: str, wanted: Mapping[str, Any], rejected: Mapping[str, Any]) -> Changed:
+    def _try(
+        self, node: str, wanted: Mapping[str, Any], rejected: Mapping[str, Any]
+    ) -> ChangeReply:
         """Change values together with those rejected before, or without them if that fails."""
         answer = self._change(node, {**rejected, **wanted})
         if rejected and not answer.success:
             answer = self._change(node, wanted)
         return answer
 
-    def _on_answer(self, node: str, asked: Mapping[str, Asked], result: Any) -> None:
+    def _on_answer(self, node: str, asked: Mapping[str, ChangeRequest], result: Any) -> None:
         self._send(node)
         if isinstance(result, Exception):
-            result = Changed(False, f"{node} does not answer: {result}", {})
+            result = ChangeReply(False, f"{node} does not answer: {result}", {})
         panel = next(iter(asked.values())).panel
         self._send_values(panel, panel.follow(result.values))
         self._read_again(panel.node)  # another client's change may be newer than this reply
@@ -126,13 +128,13 @@ class ParameterSender:
                 _refuse(panel, name, ask.value, result.message, ask.answer, kept=True)
 
 
-def value_message(panel: Panel, name: str) -> Dict[str, Any]:
+def value_message(panel: ParameterPanel, name: str) -> Dict[str, Any]:
     """Return the message with a parameter's value."""
     return {"type": "value", "node": panel.node, "name": name, "value": panel.shown_value(name)}
 
 
 def _refuse(
-    panel: Panel, name: str, value: Any, text: str, answer: Answer, kept: bool = False
+    panel: ParameterPanel, name: str, value: Any, text: str, answer: Answer, kept: bool = False
 ) -> None:
     """Send a page the reason for a rejection, and whether the value will be tried again."""
     message = {"type": "refused", "node": panel.node, "name": name, "value": to_wire(value)}

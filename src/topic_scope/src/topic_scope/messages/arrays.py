@@ -7,10 +7,10 @@ from functools import partial
 from typing import Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 from topic_scope.messages.decoding import COUNT, ElementMissing, follow, labels, steps_to, texts
-from topic_scope.messages.definitions import Array, Record, Text
+from topic_scope.messages.definitions import Array, MessageLayout, Text
 from topic_scope.messages.fields import (
+    ElementKey,
     FieldError,
-    Key,
     Lengths,
     Path,
     leaf_at,
@@ -31,7 +31,7 @@ _VALUE = re.compile(r'[^]["\n]{1,100}\Z')
 _SHOWN = 10
 
 
-def lengths_in(layout: Record, data: bytes) -> Lengths:
+def lengths_in(layout: MessageLayout, data: bytes) -> Lengths:
     """Return the function that returns the lengths of arrays of a serialized message.
 
     :param layout: its layout
@@ -47,7 +47,7 @@ def lengths_in(layout: Record, data: bytes) -> Lengths:
     return length
 
 
-def names_in(layout: Record, data: bytes, path: Path, field: str = "") -> List[str]:
+def names_in(layout: MessageLayout, data: bytes, path: Path, field: str = "") -> List[str]:
     """Return the names of an array's elements in a serialized message.
 
     :param layout: its layout
@@ -67,7 +67,7 @@ def names_in(layout: Record, data: bytes, path: Path, field: str = "") -> List[s
         return []
 
 
-def keys_in(layout: Record, data: bytes, path: Path) -> List[str]:
+def keys_in(layout: MessageLayout, data: bytes, path: Path) -> List[str]:
     """Return the keys of the elements of an array, as written in brackets.
 
     :param layout: layout of the message
@@ -99,12 +99,12 @@ def with_names(path: Path, names_at: Callable[[Path], Sequence[str]], typed: int
             name = names[part] if part < len(names) else ""
             # Names may be duplicates.
             if name and names.count(name) == 1:
-                part = Key(name)
+                part = ElementKey(name)
         found += (part,)
     return found
 
 
-def has_names(layout: Record) -> bool:
+def has_names(layout: MessageLayout) -> bool:
     """Return whether any array in a message has named elements."""
     parts = [name for name, node in layout.fields if isinstance(node, Array) and node.numeric]
     try:
@@ -113,7 +113,7 @@ def has_names(layout: Record) -> bool:
         return False
 
 
-def check_elements(layout: Record, path: Path, data: bytes) -> None:
+def check_elements(layout: MessageLayout, path: Path, data: bytes) -> None:
     """Check that the array elements of a path exist in a message.
 
     :param layout: layout of the messages
@@ -122,7 +122,7 @@ def check_elements(layout: Record, path: Path, data: bytes) -> None:
     :raises FieldError: if an array is too short, or none of its elements has the name
     """
     place, part = first_missing(layout, path, data)
-    if isinstance(part, Key):
+    if isinstance(part, ElementKey):
         names = ", ".join(names_in(layout, data, place, part.field)[:_SHOWN])
         raise FieldError(f"{missing_text(place, part)} now, but {names or '-'}")
     if part is not None:
@@ -130,14 +130,16 @@ def check_elements(layout: Record, path: Path, data: bytes) -> None:
         raise FieldError(f"{to_text(place)} has {count} elements now")
 
 
-def missing_text(place: Path, key: Key) -> str:
+def missing_text(place: Path, key: ElementKey) -> str:
     """Return the error text for an array without an element of a name or value."""
     if key.field:
         return f"no element of {to_text(place)} has the {key.field} {key.value}"
     return f"no element of {to_text(place)} is named {key}"
 
 
-def first_missing(layout: Record, path: Path, data: bytes) -> Tuple[Path, Union[str, int, None]]:
+def first_missing(
+    layout: MessageLayout, path: Path, data: bytes
+) -> Tuple[Path, Union[str, int, None]]:
     """Return the first array of a path that lacks an element, and the missing element.
 
     :param layout: layout of the messages
@@ -150,7 +152,9 @@ def first_missing(layout: Record, path: Path, data: bytes) -> Tuple[Path, Union[
     for position, part in enumerate(path):
         place = path[:position]
         node = leaf_at(layout, place)
-        if isinstance(part, Key) and part.value not in names_in(layout, data, place, part.field):
+        if isinstance(part, ElementKey) and part.value not in names_in(
+            layout, data, place, part.field
+        ):
             return place, part
         if isinstance(part, int) and isinstance(node, Array) and node.length is None:
             if part >= lengths(place):
@@ -158,11 +162,11 @@ def first_missing(layout: Record, path: Path, data: bytes) -> Tuple[Path, Union[
     return path, None
 
 
-def _kind(layout: Record, message: bytes) -> Tuple[str, ...]:
+def _kind(layout: MessageLayout, message: bytes) -> Tuple[str, ...]:
     """Return the names that distinguish messages about different elements."""
     found = names_in(layout, message, ("",))
     for name, node in layout.fields:
-        if isinstance(node, Array) and isinstance(node.element, Record):
+        if isinstance(node, Array) and isinstance(node.element, MessageLayout):
             fields = dict(node.element.fields)
             own = [one for one in LABELS if isinstance(fields.get(one), Text)]
             found += names_in(layout, message, (name,), own[0]) if own else []
@@ -175,11 +179,11 @@ class Arrays:
     def __init__(self) -> None:
         self._known: Dict[Path, int] = {}
         self._named: Dict[Path, List[Path]] = {}
-        self._layout: Optional[Record] = None
+        self._layout: Optional[MessageLayout] = None
         #: Time of receipt [s] and latest message by its names; publishers may differ in names.
         self._messages: Dict[Tuple[str, ...], Tuple[float, bytes]] = {}
 
-    def add_message(self, layout: Record, message: bytes, time: float = 0.0) -> None:
+    def add_message(self, layout: MessageLayout, message: bytes, time: float = 0.0) -> None:
         """Add the latest message.
 
         :param layout: its layout
@@ -211,7 +215,7 @@ class Arrays:
         """Return the stored messages, the latest first."""
         return [message for _, message in sorted(self._messages.values(), reverse=True)]
 
-    def check(self, layout: Record, path: Path) -> None:
+    def check(self, layout: MessageLayout, path: Path) -> None:
         """Check that one of the latest messages contains a path.
 
         :param layout: current layout of the messages

@@ -12,8 +12,8 @@ from typing import Any, Callable, Iterator, List, Optional, Sequence, Tuple, Uni
 
 import numpy
 
-from topic_scope.messages.definitions import Array, Layout, Record, Scalar
-from topic_scope.messages.fields import FieldError, Key, Path, label_of, names_of, to_path
+from topic_scope.messages.definitions import Array, Layout, MessageLayout, Scalar
+from topic_scope.messages.fields import ElementKey, FieldError, Path, label_of, names_of, to_path
 from topic_scope.timing.nanoseconds import NO_TIME, NS, array_to_ns
 
 #: Step over data: a number of bytes, or a function from data and offset to the next offset.
@@ -37,7 +37,7 @@ class Decoder:
     :ivar is_time: whether the number is a time or a duration
     """
 
-    def __init__(self, layout: Record, path: Path) -> None:
+    def __init__(self, layout: MessageLayout, path: Path) -> None:
         steps, leaf = steps_to(layout, path)
         if not isinstance(leaf, Scalar):
             raise FieldError("the field is not a number")
@@ -143,19 +143,19 @@ def follow(steps: Sequence[Advance], data: bytes, offset: int = 0) -> int:
     return offset
 
 
-def steps_to(layout: Record, path: Path) -> Tuple[List[Advance], Layout]:
+def steps_to(layout: MessageLayout, path: Path) -> Tuple[List[Advance], Layout]:
     """Return the steps from the start of a message to a path, and the layout there."""
     steps: List[Advance] = []
     node: Layout = layout
     for position, part in enumerate(path):
-        if isinstance(part, Key) and part.field and isinstance(node, Array):
+        if isinstance(part, ElementKey) and part.field and isinstance(node, Array):
             steps.append(_step_to_labelled(node, part))
             node = node.element
-        elif isinstance(part, Key) and isinstance(node, Array):
+        elif isinstance(part, ElementKey) and isinstance(node, Array):
             names, _ = steps_to(layout, names_of(layout, path[:position]))
             steps.append(_step_to_named(node, part.encode(), names))
             node = node.element
-        elif isinstance(part, str) and isinstance(node, Record):
+        elif isinstance(part, str) and isinstance(node, MessageLayout):
             fields = [name for name, _ in node.fields]
             if part not in fields:
                 raise FieldError(f"there is no {part} in {node.datatype}")
@@ -175,7 +175,7 @@ def _skip(layout: Layout) -> List[Advance]:
     """Return the steps over a part of a message."""
     if layout.size is not None:
         return [layout.size]
-    if isinstance(layout, Record):
+    if isinstance(layout, MessageLayout):
         return _merged([step for _, field in layout.fields for step in _skip(field)])
     if isinstance(layout, Array):
         return [_step_over_array(layout)]
@@ -228,7 +228,7 @@ def _step_to_named(array: Array, name: bytes, names: Sequence[Advance]) -> Advan
     return step
 
 
-def _step_to_labelled(array: Array, key: Key) -> Advance:
+def _step_to_labelled(array: Array, key: ElementKey) -> Advance:
     """Return the step to the first element with a given value of a field."""
     read = labels(array, key.field)
 

@@ -33,8 +33,8 @@ class Text(NamedTuple):
     numeric: bool = False
 
 
-class Record(NamedTuple):
-    """Message: its fields in sequence.
+class MessageLayout(NamedTuple):
+    """Layout of a message: its fields in sequence.
 
     :param datatype: name of its type
     :param fields: name and layout of each, in order
@@ -74,7 +74,7 @@ class Array(NamedTuple):
         return f"{self.element.datatype}[{count}]"
 
 
-Layout = Union[Scalar, Text, Record, Array]
+Layout = Union[Scalar, Text, MessageLayout, Array]
 
 SCALARS: Mapping[str, Scalar] = {
     name: Scalar(name, format, size)
@@ -102,7 +102,7 @@ SCALARS: Mapping[str, Scalar] = {
 _DEPTH, _FIELDS = 50, 20000
 
 
-def layout_of(message_class: Any) -> Record:
+def layout_of(message_class: Any) -> MessageLayout:
     """Return the layout of a message class, generated or created at run time.
 
     :param message_class: class of the messages
@@ -111,30 +111,30 @@ def layout_of(message_class: Any) -> Record:
     return parse(message_class._type, message_class._full_text)
 
 
-def parse(datatype: str, text: str) -> Record:
+def parse(datatype: str, text: str) -> MessageLayout:
     """Parse a definition.
 
     :param datatype: name of the type, e.g. ``std_msgs/Float32``
     :param text: its definition, followed by the definitions of the types that it uses
     :raises DefinitionError: if it is malformed
     """
-    return _Parser(parts_of(datatype, text)).record(datatype, 0)
+    return _Parser(parts_of(datatype, text)).layout_of_message(datatype, 0)
 
 
 class _Parser:
     def __init__(self, texts: Mapping[str, str]) -> None:
         self._texts = texts
-        self._known: Dict[str, Record] = {}
+        self._known: Dict[str, MessageLayout] = {}
         self._counts: Dict[str, int] = {}
 
-    def record(self, datatype: str, depth: int) -> Record:
+    def layout_of_message(self, datatype: str, depth: int) -> MessageLayout:
         if datatype not in self._texts:
             raise DefinitionError(f"the type {datatype} is not defined")
         if depth > _DEPTH:
             raise DefinitionError(f"the type {datatype} is nested too deeply")
         if datatype not in self._known:
             declared = fields_of(datatype, self._texts[datatype])
-            fields = tuple((field.name, self._layout(field, depth)) for field in declared)
+            fields = tuple((field.name, self._layout_of_field(field, depth)) for field in declared)
             sizes = [layout.size for _, layout in fields]
             size = None if None in sizes else sum(sizes)  # type: ignore[arg-type]
             numeric = any(layout.numeric for _, layout in fields)
@@ -144,17 +144,17 @@ class _Parser:
             if self._counts[datatype] > _FIELDS:
                 raise DefinitionError(f"the type {datatype} has too many fields")
             names = value_names(datatype, self._texts[datatype])
-            self._known[datatype] = Record(datatype, fields, size, numeric, names)
+            self._known[datatype] = MessageLayout(datatype, fields, size, numeric, names)
         return self._known[datatype]
 
-    def _layout(self, field: Field, depth: int) -> Layout:
+    def _layout_of_field(self, field: Field, depth: int) -> Layout:
         layout: Layout
         if field.base in SCALARS:
             layout = SCALARS[field.base]
         elif field.base == "string":
             layout = Text()
         else:
-            layout = self.record(field.base, depth + 1)
+            layout = self.layout_of_message(field.base, depth + 1)
         if field.is_array:
             layout = Array(layout, field.length, _size_of_array(layout, field.length))
         return layout

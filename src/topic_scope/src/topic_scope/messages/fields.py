@@ -19,12 +19,12 @@ import itertools
 import re
 from typing import Callable, Collection, Iterator, List, NamedTuple, Optional, Tuple, Union
 
-from topic_scope.messages.definitions import Array, Layout, Record, Scalar, Text
+from topic_scope.messages.definitions import Array, Layout, MessageLayout, Scalar, Text
 from topic_scope.messages.constants import ValueNames
 from topic_scope.messages.field_functions import FUNCTIONS, QUATERNION, STATE
 
 
-class Key(str):
+class ElementKey(str):
     """Key of an array element in place of its index: ``arm``, ``frame_id=base``."""
 
     @property
@@ -196,18 +196,18 @@ def to_path(text: str) -> Path:
             raise FieldError(f"{part!r} is not the name of a field")
         path.append(match.group(1))
         elements = [one[1:-1] for one in _BRACKETS.findall(match.group(2))]
-        path += [int(one) if one.isdigit() else Key(one) for one in elements]
+        path += [int(one) if one.isdigit() else ElementKey(one) for one in elements]
     return tuple(path)
 
 
 def to_text(path: Path) -> str:
     """Return a path as text."""
-    parts = [f"[{part}]" if isinstance(part, (int, Key)) else "/" + part for part in path]
+    parts = [f"[{part}]" if isinstance(part, (int, ElementKey)) else "/" + part for part in path]
     return "".join(parts).lstrip("/")
 
 
 def resolve(
-    layout: Record, text: str, lengths: Lengths = one_element, function: str = ""
+    layout: MessageLayout, text: str, lengths: Lengths = one_element, function: str = ""
 ) -> List[NumericField]:
     """Return the numeric fields that a text denotes in a message.
 
@@ -231,12 +231,12 @@ def resolve(
     return found
 
 
-def quaternions(layout: Record, lengths: Lengths = one_element) -> List[NumericField]:
+def quaternions(layout: MessageLayout, lengths: Lengths = one_element) -> List[NumericField]:
     """List the quaternions of a message; as :func:`numeric_fields`."""
     return list(itertools.islice(_found(layout, (), lengths, _is_quaternion), LISTED_FIELDS))
 
 
-def states(layout: Record, lengths: Lengths = one_element) -> List[NumericField]:
+def states(layout: MessageLayout, lengths: Lengths = one_element) -> List[NumericField]:
     """List the texts and the numbers with named values of a message; as :func:`numeric_fields`.
 
     Arrays of texts, and the frame of a header, are not listed; they can be named.
@@ -244,7 +244,7 @@ def states(layout: Record, lengths: Lengths = one_element) -> List[NumericField]
     return list(itertools.islice(_states(layout, (), lengths), LISTED_FIELDS))
 
 
-def is_text(layout: Record, text: str) -> bool:
+def is_text(layout: MessageLayout, text: str) -> bool:
     """Return whether a text such as ``status[0]/name`` denotes a string in a message."""
     try:
         return isinstance(leaf_at(layout, to_path(text)), Text)
@@ -252,13 +252,13 @@ def is_text(layout: Record, text: str) -> bool:
         return False
 
 
-def value_names_at(layout: Record, path: Path) -> ValueNames:
+def value_names_at(layout: MessageLayout, path: Path) -> ValueNames:
     """Return the value names of the field at a path; empty without any."""
     parent = leaf_at(layout, path[:-1])
-    return parent.value_names.get(str(path[-1]), {}) if isinstance(parent, Record) else {}
+    return parent.value_names.get(str(path[-1]), {}) if isinstance(parent, MessageLayout) else {}
 
 
-def leaf_at(layout: Record, path: Path) -> Layout:
+def leaf_at(layout: MessageLayout, path: Path) -> Layout:
     """Return the layout at a path in a message.
 
     :param layout: layout of the messages
@@ -267,15 +267,15 @@ def leaf_at(layout: Record, path: Path) -> Layout:
     """
     node: Layout = layout
     for position, part in enumerate(path):
-        if isinstance(part, Key) and not part.field:
+        if isinstance(part, ElementKey) and not part.field:
             names_of(layout, path[:position])
-        elif isinstance(part, Key) and isinstance(node, Array):
+        elif isinstance(part, ElementKey) and isinstance(node, Array):
             label_of(node.element, part.field)
         node = _step(node, part, to_text(path[:position]) or layout.datatype)
     return node
 
 
-def names_of(layout: Record, path: Path) -> Path:
+def names_of(layout: MessageLayout, path: Path) -> Path:
     """Return the path of the names of an array's elements.
 
     :param layout: layout of the messages
@@ -299,7 +299,7 @@ def label_of(element: Layout, field: str) -> Layout:
     :param field: name of the field
     :raises FieldError: if the field does not exist, or is neither a text nor an integer
     """
-    if not isinstance(element, Record):
+    if not isinstance(element, MessageLayout):
         raise FieldError(f"{element.datatype} has no {field}")
     leaf = leaf_at(element, to_path(field))
     is_whole = isinstance(leaf, Scalar) and leaf.format in "bBhHiIqQ"
@@ -308,7 +308,7 @@ def label_of(element: Layout, field: str) -> Layout:
     return leaf
 
 
-def numeric_fields(layout: Record, lengths: Lengths = one_element) -> List[NumericField]:
+def numeric_fields(layout: MessageLayout, lengths: Lengths = one_element) -> List[NumericField]:
     """List the numeric fields of a message; only the first of long arrays and messages.
 
     :param layout: layout of the messages
@@ -318,13 +318,13 @@ def numeric_fields(layout: Record, lengths: Lengths = one_element) -> List[Numer
 
 
 def _step(node: Layout, part: Union[str, int], place: str) -> Layout:
-    if isinstance(part, (int, Key)):
+    if isinstance(part, (int, ElementKey)):
         if not isinstance(node, Array):
             raise FieldError(f"{place} is not an array")
         if isinstance(part, int) and node.length is not None and part >= node.length:
             raise FieldError(f"{place} has only {node.length} elements")
         return node.element
-    fields = dict(node.fields) if isinstance(node, Record) else {}
+    fields = dict(node.fields) if isinstance(node, MessageLayout) else {}
     if part not in fields:
         raise FieldError(f"there is no {part} in {place}")
     return fields[part]
@@ -335,7 +335,7 @@ def _is_number(node: Layout) -> bool:
 
 
 def _is_quaternion(node: Layout) -> bool:
-    if not isinstance(node, Record) or tuple(name for name, _ in node.fields) != QUATERNION:
+    if not isinstance(node, MessageLayout) or tuple(name for name, _ in node.fields) != QUATERNION:
         return False
     return all(isinstance(field, Scalar) for _, field in node.fields)
 
@@ -345,7 +345,7 @@ def _found(
 ) -> Iterator[NumericField]:
     if is_wanted(node):
         yield NumericField(path, node.datatype)
-    elif isinstance(node, Record) and node.numeric:
+    elif isinstance(node, MessageLayout) and node.numeric:
         for name, field in node.fields:
             yield from _found(field, path + (name,), lengths, is_wanted)
     elif isinstance(node, Array) and node.numeric:
@@ -354,18 +354,18 @@ def _found(
             yield from _found(node.element, path + (index,), lengths, is_wanted)
 
 
-def _states(layout: Record, path: Path, lengths: Lengths) -> Iterator[NumericField]:
+def _states(layout: MessageLayout, path: Path, lengths: Lengths) -> Iterator[NumericField]:
     """Return the states at and below a path in a message."""
     node = leaf_at(layout, path)
     if isinstance(node, Text) or (path and value_names_at(layout, path)):
         yield NumericField(path, node.datatype)
-    elif isinstance(node, Record):
+    elif isinstance(node, MessageLayout):
         for name, field in node.fields:
             if node.datatype != "std_msgs/Header" and not isinstance(field, Scalar):
                 yield from _states(layout, path + (name,), lengths)
             elif name in node.value_names:
                 yield NumericField(path + (name,), field.datatype)
-    elif isinstance(node, Array) and isinstance(node.element, Record):
+    elif isinstance(node, Array) and isinstance(node.element, MessageLayout):
         count = lengths(path) if node.length is None else node.length
         for index in range(min(count, LISTED_ELEMENTS)):
             yield from _states(layout, path + (index,), lengths)

@@ -4,18 +4,18 @@ from typing import Any, Dict, Mapping, Optional, Tuple
 
 import roslib.message
 
-from topic_scope.messages.definitions import DefinitionError, Record, layout_of, parse
+from topic_scope.messages.definitions import DefinitionError, MessageLayout, layout_of, parse
 
 
 class Layouts:
     """Layouts of types, each looked up once."""
 
     def __init__(self) -> None:
-        self._installed: Dict[str, Optional[Record]] = {}
-        self._received: Dict[Tuple[str, str], Optional[Record]] = {}
+        self._installed: Dict[str, Optional[MessageLayout]] = {}
+        self._received: Dict[Tuple[str, str], Optional[MessageLayout]] = {}
         self._problems: Dict[str, str] = {}
 
-    def installed(self, datatype: str) -> Optional[Record]:
+    def installed(self, datatype: str) -> Optional[MessageLayout]:
         """Return the layout of a type.
 
         :param datatype: e.g. ``std_msgs/Float32``
@@ -31,7 +31,7 @@ class Layouts:
             self._installed[datatype] = layout
         return self._installed[datatype]
 
-    def received(self, header: Mapping[str, str]) -> Optional[Record]:
+    def received(self, header: Mapping[str, str]) -> Optional[MessageLayout]:
         """Return the layout of the messages of a connection.
 
         :param header: connection header of the publisher
@@ -40,7 +40,9 @@ class Layouts:
         key = (header.get("type", ""), header.get("md5sum", ""))
         if key not in self._received:
             try:
-                layout: Optional[Record] = parse(key[0], header.get("message_definition", ""))
+                layout: Optional[MessageLayout] = parse(
+                    key[0], header.get("message_definition", "")
+                )
             except DefinitionError as error:
                 layout = None
                 self._problems[key[0]] = f"its definition cannot be read: {error}"

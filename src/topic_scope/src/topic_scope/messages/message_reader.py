@@ -10,7 +10,7 @@ from typing import Any, Callable, Dict, List, Tuple
 
 import numpy
 
-from topic_scope.messages.definitions import Array, Layout, Record, Scalar
+from topic_scope.messages.definitions import Array, Layout, MessageLayout, Scalar
 
 #: From data and offset to the value there and the next offset.
 Reader = Callable[[bytes, int], Tuple[Any, int]]
@@ -28,7 +28,7 @@ class MessageReader:
     :param layout: their layout
     """
 
-    def __init__(self, layout: Record) -> None:
+    def __init__(self, layout: MessageLayout) -> None:
         self._read = _reader(layout)
 
     def read(self, data: bytes) -> Dict[str, Any]:
@@ -47,7 +47,7 @@ class MessageReader:
 def _reader(layout: Layout) -> Reader:
     if isinstance(layout, Scalar):
         return _scalar(layout)
-    if isinstance(layout, Record):
+    if isinstance(layout, MessageLayout):
         return _record(layout)
     if isinstance(layout, Array):
         return _array(layout)
@@ -73,7 +73,7 @@ def _text(data: bytes, offset: int) -> Tuple[str, int]:
     return data[start:end].decode(errors="replace"), end
 
 
-def _record(layout: Record) -> Reader:
+def _record(layout: MessageLayout) -> Reader:
     readers = [(name, _reader(field)) for name, field in layout.fields]
 
     def read(data: bytes, offset: int) -> Tuple[Dict[str, Any], int]:

@@ -11,7 +11,7 @@ from typing import Dict, List, Optional, Sequence
 import numpy
 
 from topic_scope.messages.decoding import COUNT, ElementMissing, follow, steps_to
-from topic_scope.messages.definitions import Record, Scalar, Text
+from topic_scope.messages.definitions import MessageLayout, Scalar, Text
 from topic_scope.messages.fields import FieldError, Path, to_text, value_names_at
 
 #: Most different texts of a trace, and most characters of each.
@@ -68,7 +68,7 @@ class StateDecoder:
 
     is_time = False
 
-    def __init__(self, layout: Record, path: Path, table: StateTable) -> None:
+    def __init__(self, layout: MessageLayout, path: Path, table: StateTable) -> None:
         self._table = table
         self._steps, leaf = steps_to(layout, path)
         self._names = value_names_at(layout, path)

@@ -14,7 +14,7 @@ from typing import Optional, Sequence
 import numpy
 
 from topic_scope.messages.decoding import Decoder
-from topic_scope.messages.definitions import Record, Scalar
+from topic_scope.messages.definitions import MessageLayout, Scalar
 from topic_scope.messages.fields import FieldError, Path, leaf_at, to_path, to_text
 from topic_scope.timing.clocks import ELSEWHERE_NS, Clocks
 from topic_scope.timing.nanoseconds import NO_TIME, NS
@@ -31,7 +31,7 @@ _FIELD_PATH: Path = ("time_x",)
 _FEW, _MISSING, _LONGEST_DELAY_S = 4, 5.0, 0.25
 
 
-def path_of(timestamp: str, layout: Record) -> Optional[Path]:
+def path_of(timestamp: str, layout: MessageLayout) -> Optional[Path]:
     """Return the path of the stamp in messages.
 
     :param timestamp: ``received``, ``stamp``, the name of a field, or empty for the best source: a
@@ -56,7 +56,7 @@ def name_of(path: Optional[Path]) -> str:
     return RECEIVED if path is None else STAMP if path == _STAMP_PATH else to_text(path)
 
 
-def is_exact(timestamp: str, layout: Record) -> bool:
+def is_exact(timestamp: str, layout: MessageLayout) -> bool:
     """Return whether samples keep their stamps, whatever the scope's clock.
 
     :param timestamp: as for :func:`path_of`, which must have accepted it
@@ -69,7 +69,7 @@ def is_exact(timestamp: str, layout: Record) -> bool:
     return isinstance(leaf, Scalar) and leaf.datatype == "time"
 
 
-def topic_time(clocks: Clocks, timestamp: str, layout: Record) -> TopicTime:
+def topic_time(clocks: Clocks, timestamp: str, layout: MessageLayout) -> TopicTime:
     """Return the object that places the messages of a topic in time.
 
     :param clocks: clocks of all topics
@@ -136,7 +136,7 @@ def longest_step(path: Optional[Path], times: numpy.ndarray) -> float:
     return several if path is not None else max(several, _LONGEST_DELAY_S)
 
 
-def _is_time(layout: Record, path: Path) -> bool:
+def _is_time(layout: MessageLayout, path: Path) -> bool:
     """Return whether a field is precise enough for a time."""
     try:
         leaf = leaf_at(layout, path)

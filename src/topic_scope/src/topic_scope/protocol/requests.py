@@ -230,7 +230,7 @@ def graph_of(request: Dict[str, Any]) -> bool:
     return flag_of(request, "graph", "on")
 
 
-class Set(NamedTuple):
+class SetParameter(NamedTuple):
     """Set a parameter.
 
     :param node: namespace of the parameter
@@ -243,17 +243,17 @@ class Set(NamedTuple):
     value: Any
 
 
-def set_of(request: Dict[str, Any]) -> Set:
+def set_of(request: Dict[str, Any]) -> SetParameter:
     """Return the parameter to set, and its value."""
     if "value" not in request:
         raise RequestError("set: missing value")
     value = request["value"]
     if not isinstance(value, (bool, int, float, str)):
         raise RequestError("set: the value must be a number, a string or a Boolean")
-    return Set(name_of(request, "set", "node"), name_of(request, "set", "name"), value)
+    return SetParameter(name_of(request, "set", "node"), name_of(request, "set", "name"), value)
 
 
-class Call(NamedTuple):
+class CallService(NamedTuple):
     """Call a service.
 
     :param service: its name
@@ -264,10 +264,10 @@ class Call(NamedTuple):
     data: Optional[bool]
 
 
-def call_of(request: Dict[str, Any]) -> Call:
+def call_of(request: Dict[str, Any]) -> CallService:
     """Return the service to call."""
     data = None if request.get("data") is None else flag_of(request, "call", "data")
-    return Call(name_of(request, "call", "service"), data)
+    return CallService(name_of(request, "call", "service"), data)
 
 
 class Transition(NamedTuple):

@@ -68,7 +68,7 @@ def transform_of(
     return Transform(place, unit)  # type: ignore[arg-type]
 
 
-class Place(NamedTuple):
+class FramePose(NamedTuple):
     """Pose of a frame in the root of its tree.
 
     :param root: root frame of the tree
@@ -124,7 +124,7 @@ class Frames:
         """Return whether a frame has a known pose."""
         return bare(frame) in self._parents or bare(frame) in self._guesses
 
-    def place(self, frame: str) -> Place:
+    def pose_of(self, frame: str) -> FramePose:
         """Return the pose of a frame; an unknown frame is its own root."""
         frame, transform = bare(frame), IDENTITY
         for _ in range(_DEPTH):
@@ -135,7 +135,7 @@ class Frames:
             else:
                 break
             transform = step.then(transform)
-        return Place(frame, transform)
+        return FramePose(frame, transform)
 
 
 def bare(frame: str) -> str:

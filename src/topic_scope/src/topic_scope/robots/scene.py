@@ -6,8 +6,8 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 import numpy
 
-from topic_scope.messages.definitions import Array, Record, Scalar, Text
-from topic_scope.robots.frames import Frames, Place, Transform, bare, transform_of
+from topic_scope.messages.definitions import Array, MessageLayout, Scalar, Text
+from topic_scope.robots.frames import FramePose, Frames, Transform, bare, transform_of
 from topic_scope.robots.markers import Markers, finite
 
 #: Types that are shown from all topics of the graph.
@@ -38,7 +38,7 @@ class _Latest(NamedTuple):
     when: float
 
 
-def is_status(layout: Optional[Record]) -> bool:
+def is_status(layout: Optional[MessageLayout]) -> bool:
     """Return whether messages have the fields of robot_custom_interfaces/RobotStatus."""
     fields = dict(layout.fields) if layout is not None else {}
     name, mode, readings = (fields.get(key) for key in ("robot_name", "mode", "sensor_readings"))
@@ -158,7 +158,7 @@ class Scene:
         }
 
     def _scan(self, topic: str, scan: Message) -> Optional[Message]:
-        place = self._frames.place(scan["frame"]).transform
+        place = self._frames.pose_of(scan["frame"]).transform
         if not self._frames.knows(scan["frame"]):  # assume the pose of the robot in its namespace
             space = topic.rpartition("/")[0]
             near = [name for name in self._odometry if name.rpartition("/")[0] == space]
@@ -168,9 +168,9 @@ class Scene:
             place = self._placed(odometry["frame"], odometry["transform"]).transform
         return {"topic": topic, "at": _numbers(place.flat()), **scan["rays"]}
 
-    def _placed(self, frame: str, transform: Transform) -> Place:
-        place = self._frames.place(frame)
-        return Place(place.root, place.transform.then(transform))
+    def _placed(self, frame: str, transform: Transform) -> FramePose:
+        place = self._frames.pose_of(frame)
+        return FramePose(place.root, place.transform.then(transform))
 
     def standing(self, now: float) -> Message:
         """Return the parts that change rarely: markers, paths, goals.
@@ -191,7 +191,7 @@ class Scene:
         return {**shown, "at": _numbers(place.flat())}
 
     def _path(self, topic: str, path: Message) -> Message:
-        at = self._frames.place(path["frame"]).transform.flat()
+        at = self._frames.pose_of(path["frame"]).transform.flat()
         return {"topic": topic, "at": _numbers(at), "points": path["points"]}
 
     def _goal(self, topic: str, goal: Message) -> Message:

@@ -8,7 +8,7 @@ import numpy
 
 from topic_scope.analysis.ring import Rows
 from topic_scope.messages.arrays import Arrays
-from topic_scope.messages.definitions import Record
+from topic_scope.messages.definitions import MessageLayout
 from topic_scope.messages.fields import Path
 from topic_scope.messages.states import StateTable
 from topic_scope.sampling.traces import Stream, Trace
@@ -25,7 +25,7 @@ class Overlay(Protocol):
         """Start by the scope's clock [ns]."""
 
     @property
-    def layouts(self) -> Mapping[str, Record]:
+    def layouts(self) -> Mapping[str, MessageLayout]:
         """Layouts of its messages by topic."""
 
     @property

@@ -11,7 +11,7 @@ from topic_scope.analysis.ring import Samples
 from topic_scope.formulas.names import expand_with, formula_of, problem_of, terms
 from topic_scope.messages import fields, timestamp_source
 from topic_scope.messages.arrays import Arrays, has_names
-from topic_scope.messages.definitions import Record
+from topic_scope.messages.definitions import MessageLayout
 from topic_scope.messages.field_functions import STATE
 from topic_scope.messages.layouts import Layouts
 from topic_scope.sampling.computed_trace import ComputedTrace, Recorded
@@ -33,7 +33,7 @@ _NEVER = (math.inf, -math.inf)
 _NOTHING: Samples = (numpy.empty(0), numpy.empty(0))
 
 
-class Choice(NamedTuple):
+class OfferedField(NamedTuple):
     """Field offered for selection.
 
     :param field: its name
@@ -71,8 +71,8 @@ class Recorder:
         self._overlaid = {topic: overlay for overlay in overlays for topic in overlay.layouts}
         self._arrays = {topic: one.arrays[topic] for topic, one in self._overlaid.items()}
         #: The latest message of each subscribed topic: a latched message arrives only once.
-        self._latest: Dict[str, Tuple[Record, Batch]] = {}
-        self._choices: Dict[Tuple[str, str, bool], List[Choice]] = {}
+        self._latest: Dict[str, Tuple[MessageLayout, Batch]] = {}
+        self._choices: Dict[Tuple[str, str, bool], List[OfferedField]] = {}
         self._traces: Dict[str, Trace] = {}
         self._streams: Dict[Tuple[str, str], Stream] = {}
         self._clocks = Clocks()
@@ -87,7 +87,7 @@ class Recorder:
         kept = {*types, *(topic for topic, _ in self._streams)}
         self._arrays = {topic: one for topic, one in self._arrays.items() if topic in kept}
 
-    def choices(self) -> List[Choice]:
+    def choices(self) -> List[OfferedField]:
         """List the available fields."""
         # Only shown topics are listed again: listing all would dominate the cost.
         known, self._choices = self._choices, {}
@@ -102,13 +102,13 @@ class Recorder:
             self._choices[key] = known[key]
         return [choice for listed in self._choices.values() for choice in listed][:LISTED]
 
-    def _listed(self, topic: str, layout: Record) -> List[Choice]:
+    def _listed(self, topic: str, layout: MessageLayout) -> List[OfferedField]:
         arrays = self._arrays.get(topic, Arrays())
         found = [(field, "") for field in fields.numeric_fields(layout, arrays)]
         found += [(field, ".yaw") for field in fields.quaternions(layout, arrays)]
         found += [(field, f".{STATE}") for field in fields.states(layout, arrays)]
         choices = (
-            Choice(fields.name_of(topic, path, self._types) + end, field.datatype, topic)
+            OfferedField(fields.name_of(topic, path, self._types) + end, field.datatype, topic)
             for field, end in found
             for path in arrays.named(field.path)
         )
@@ -123,7 +123,7 @@ class Recorder:
                 unknown.append(topic)
         return unknown[:UNKNOWN]
 
-    def _layout_of(self, topic: str) -> Optional[Record]:
+    def _layout_of(self, topic: str) -> Optional[MessageLayout]:
         """Return the layout of the messages of an existing topic; None if unknown."""
         laid = self._overlaid.get(topic)
         return laid.layouts[topic] if laid else self._layouts.installed(self._types[topic])

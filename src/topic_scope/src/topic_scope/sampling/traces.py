@@ -10,12 +10,12 @@ from topic_scope.analysis.ring import NOWHERE, Ring, Rows, Samples
 from topic_scope.formulas.signals import Signal
 from topic_scope.messages import field_functions, fields, timestamp_source
 from topic_scope.messages.decoding import Decoder, rounding_text
-from topic_scope.messages.definitions import Record
+from topic_scope.messages.definitions import MessageLayout
 from topic_scope.messages.states import StateDecoder, StateTable
 from topic_scope.sampling.message_source import Batch
 from topic_scope.timing.clocks import ELSEWHERE_NS, Clocks
 from topic_scope.timing.nanoseconds import NS, ROUNDED_NS, shifted, to_ns
-from topic_scope.timing.topic_time import Placed, TopicTime
+from topic_scope.timing.topic_time import PlacedMessages, TopicTime
 
 #: Number of samples that determine the usual interval.
 _USUAL = 200
@@ -26,7 +26,7 @@ _NO_LATENCY = "the stamps are of another clock: no latency"
 
 
 class Stream:
-    """Topic whose messages are sampled into traces, all with the same timestamp source.
+    """Stream of samples of one topic: traces with the same timestamp source.
 
     :param topic: the topic
     :param timestamp: name of the timestamp source; see :func:`.timestamp_source.path_of`
@@ -40,7 +40,7 @@ class Stream:
         self.traces: List["Trace"] = []
         self._timestamp = timestamp
         self._clocks = clocks or Clocks()
-        self._layout: Optional[Record] = None
+        self._layout: Optional[MessageLayout] = None
         self._path: Optional[fields.Path] = None
         self._decoder: Optional[Decoder] = None
         self._latest: Optional[Tuple[List[bytes], numpy.ndarray, numpy.ndarray]] = None
@@ -84,7 +84,7 @@ class Stream:
         self.traces.append(trace)
         return trace
 
-    def add(self, layout: Record, batch: Batch) -> float:
+    def add(self, layout: MessageLayout, batch: Batch) -> float:
         """Add messages.
 
         :param layout: their layout
@@ -95,7 +95,9 @@ class Stream:
             self._read_as(layout)
         if self._decoder is None or self._path is None:
             received = numpy.array(batch.times, numpy.int64)
-            return self._add([Placed(self._time.clock, received, 0, 0)], batch.messages, received)
+            return self._add(
+                [PlacedMessages(self._time.clock, received, 0, 0)], batch.messages, received
+            )
         own = timestamp_source.read_times(self._decoder, self._path, batch.messages)
         if self._waiting is not None:
             before, stamps = self._waiting
@@ -124,7 +126,9 @@ class Stream:
             self._waiting = rest, own[count:]
         return self._add(placed, batch.messages[:count], received[:count])
 
-    def _add(self, placed: List[Placed], messages: List[bytes], received: numpy.ndarray) -> float:
+    def _add(
+        self, placed: List[PlacedMessages], messages: List[bytes], received: numpy.ndarray
+    ) -> float:
         start, earliest = 0, math.inf
         for _, times, newest, moved in placed:
             if moved:
@@ -139,7 +143,7 @@ class Stream:
             self._latest = (messages[part][-1:], times[-1:], received[part][-1:])
         return earliest
 
-    def _read_as(self, layout: Record) -> None:
+    def _read_as(self, layout: MessageLayout) -> None:
         if self._waiting is not None:
             self._place(*self._waiting, True)
         self._layout, self._latest = layout, None
@@ -185,7 +189,7 @@ class Trace:
         self._function = field_functions.make(function)
         self._is_derivative = function == field_functions.DERIVATIVE
         #: Whether the path names an element: messages without it have no sample, and make no gap.
-        self._is_named = any(isinstance(part, fields.Key) for part in path)
+        self._is_named = any(isinstance(part, fields.ElementKey) for part in path)
         self._paths = [path + part for part in field_functions.parts(function)]
         self.states = StateTable() if function == field_functions.STATE else None
         self._decoders: List[Union[Decoder, StateDecoder]] = []
@@ -208,7 +212,7 @@ class Trace:
         """Why the trace may jump, as text; None if it does not."""
         return JUMPS if self._is_derivative and self.stream.path is None else None
 
-    def read_as(self, layout: Record) -> None:
+    def read_as(self, layout: MessageLayout) -> None:
         """Read messages of this layout from now on, if it has the field."""
         if self.states is not None:
             self._decoders = list(filter(None, [state_decoder_of(layout, self.path, self.states)]))
@@ -336,7 +340,7 @@ class Trace:
         return self.stream.offset
 
 
-def decoder_of(layout: Record, path: fields.Path) -> Optional[Decoder]:
+def decoder_of(layout: MessageLayout, path: fields.Path) -> Optional[Decoder]:
     """Return the decoder of a path; None if the messages do not have it."""
     try:
         return Decoder(layout, path)
@@ -345,7 +349,7 @@ def decoder_of(layout: Record, path: fields.Path) -> Optional[Decoder]:
 
 
 def state_decoder_of(
-    layout: Record, path: fields.Path, table: StateTable
+    layout: MessageLayout, path: fields.Path, table: StateTable
 ) -> Optional[StateDecoder]:
     """Return the decoder of a state; None if the messages do not have it."""
     try:

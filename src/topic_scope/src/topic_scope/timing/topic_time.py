@@ -29,7 +29,7 @@ _FASTEST, _STUBBORN = 20, 10
 _PART_NS = NS
 
 
-class Placed(NamedTuple):
+class PlacedMessages(NamedTuple):
     """Messages of a topic, placed by one clock.
 
     :param clock: the clock
@@ -108,7 +108,7 @@ class TopicTime:
 
     def place(
         self, own: numpy.ndarray, received: numpy.ndarray, is_final: bool = False
-    ) -> List[Placed]:
+    ) -> List[PlacedMessages]:
         """Place messages in time.
 
         :param own: their stamps [ns], or NO_TIME
@@ -117,7 +117,7 @@ class TopicTime:
         :returns: their times in parts. Messages at the end that are in no part wait for others, and
             must precede the messages of the next call
         """
-        placed: List[Placed] = []
+        placed: List[PlacedMessages] = []
         start = stop = 0
         while start < len(own):
             stop = max(stop, int(received.searchsorted(received[start] + _PART_NS, "right")))
@@ -246,7 +246,7 @@ class TopicTime:
         received: numpy.ndarray,
         early: int,
         is_early: Optional[numpy.ndarray] = None,
-    ) -> Placed:
+    ) -> PlacedMessages:
         """Place messages at their stamps, or at receipt without a stamp.
 
         :param early: number of early stamps
@@ -255,7 +255,7 @@ class TopicTime:
         self._alone = 0
         moved, self._moved = self._moved, 0
         if not self.has_stamps:
-            return Placed(self.clock, received, int(received[-1]), 0)
+            return PlacedMessages(self.clock, received, int(received[-1]), 0)
         if int(own.min()) > NO_TIME:
             self._learn(own, received)
             times = own
@@ -268,7 +268,7 @@ class TopicTime:
             self.outliers = self.outliers._replace(early=self.outliers.early + early)
             own = own[~is_early]
         self._newest = max(self._newest, int(own.max(initial=NO_TIME)))
-        return Placed(self.clock, times, self._newest, moved)
+        return PlacedMessages(self.clock, times, self._newest, moved)
 
     def _learn(self, stamps: numpy.ndarray, received: numpy.ndarray) -> None:
         """Update the usual lag with messages."""
@@ -287,7 +287,7 @@ class TopicTime:
                 self._moved = 0 if before is None else before - self.clock.offset
         self._clocks.follow(self.clock, lag.received)
 
-    def _placed_alone(self, own: numpy.ndarray, received: numpy.ndarray) -> Placed:
+    def _placed_alone(self, own: numpy.ndarray, received: numpy.ndarray) -> PlacedMessages:
         """Place messages that no others confirm, at their stamps if these are plausible."""
         self._alone += len(own)
         there = own != NO_TIME
@@ -305,7 +305,7 @@ class TopicTime:
             furthest=max(furthest, key=abs),
         )
         times = numpy.where(is_late, own, received - self.clock.offset)
-        return Placed(self.clock, times, self._newest, 0)
+        return PlacedMessages(self.clock, times, self._newest, 0)
 
 
 def _is_steady(own: numpy.ndarray, received: numpy.ndarray) -> bool:

@@ -10,7 +10,7 @@ from topic_scope.page.open_page import Page
 from topic_scope.protocol import requests
 from topic_scope.protocol.checks import RequestError
 from topic_scope.protocol.options import Options
-from topic_scope.sampling.recorder import Choice, Recorder
+from topic_scope.sampling.recorder import OfferedField, Recorder
 from topic_scope.web.data_source import DataSource
 from topic_scope.web.field_selection import FieldSelection
 from topic_scope.web.frame_sender import FrameSender
@@ -37,7 +37,7 @@ class ScopeSession:
         self._recorder = Recorder(source.source, source.layouts, options.history, bags)
         self._options, self._source = options, source
         self._knows_topics = self._is_halted = False
-        self._choices: List[Choice] = []
+        self._choices: List[OfferedField] = []
         self._listed = choices_message([], {})
         loop = tornado.ioloop.IOLoop.current()
         self._overlays = OverlayLoader(bags, loop.add_callback, self._on_overlays)
@@ -171,7 +171,7 @@ class ScopeSession:
         self.send_to_pages(self._overlays.message())
 
 
-def choices_message(choices: Sequence[Choice], types: Mapping[str, str]) -> Dict[str, Any]:
+def choices_message(choices: Sequence[OfferedField], types: Mapping[str, str]) -> Dict[str, Any]:
     """Return the message with the available fields.
 
     :param choices: the fields

@@ -1,4 +1,4 @@
-"""The set point node: the motor's desired speed."""
+"""Set point node: publishes the motor's desired speed as any waveform."""
 
 from basic_comms.signals.run_control import RUNNING, RunControl
 from basic_comms.signals.signal_source import SignalSource

@@ -1,4 +1,4 @@
-"""Time series of the fields and formulas of a bag that given names select."""
+"""Lines of a plot that names select in a bag: their time series, without unreadable topics."""
 
 from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 

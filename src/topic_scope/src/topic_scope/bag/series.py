@@ -1,4 +1,4 @@
-"""Time series of a bag's fields and formulas."""
+"""Time series of numbers and states, collected from a bag's messages or computed by formulas."""
 
 import itertools
 import math

@@ -1,4 +1,4 @@
-"""Names of traces, including computed traces.
+"""Names of traces: fields, formulas and differences, and the fields that each needs.
 
 ``=/a/x - 2*/b/y`` is computed by a formula, see :mod:`.parser`; so is the difference
 ``/a/x-/b/y``, which needs no ``=``. Everything else is the name of a field.

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Statistics over time of the measurements of traces."""
+"""Running mean, deviation, minimum and maximum of each measurement on one page."""
 
 import math
 from typing import Any, Dict, Iterable, Mapping, Tuple

@@ -27,17 +27,20 @@ def added(values: Sequence[int]) -> int:
     return min(values[-tenth:]) - max(values[:tenth])
 
 
-def not_grown(name: str, seen: List[Usage], limit: float = 1.0) -> List[Check]:
+def not_grown(
+    name: str, seen: List[Usage], limit: float = 1.0, typical: Any = np.median
+) -> List[Check]:
     """Check that memory, threads and descriptors of a process do not grow.
 
     :param seen: its usage over time
     :param limit: of the memory's growth [%]
+    :param typical: value of a part of the time, see :func:`growth`
     """
     memory, threads, descriptors = zip(*seen)
     first, last = memory[0] / 1024.0, memory[-1] / 1024.0
     return [
         reported("memory of " + name, f"{first:.1f} MB, then {last:.1f} MB"),
-        at_most("its growth", growth(memory), limit, "%"),
+        at_most("its growth", growth(memory, typical), limit, "%"),
         at_most("its new threads", added(threads), 0),
         at_most("its new descriptors", added(descriptors), 0),
     ]

@@ -128,6 +128,13 @@ def test_pair_is_not_accused_without_an_answer(name: str, value: Any) -> None:
     assert not faults(graph_checks.check_links(graph(nodes=nodes)))
 
 
+@pytest.mark.parametrize("name", ["/talker", "/listener"])
+def test_node_with_its_connections_at_a_proxy_is_not_accused(name: str) -> None:
+    nodes = {**with_node("/talker", links=frozenset()).nodes}
+    nodes[name] = dataclasses.replace(nodes[name], has_proxy=True)
+    assert not faults(graph_checks.check_links(graph(nodes=nodes)))
+
+
 def test_connection_that_a_subscriber_only_attempts_is_missing() -> None:
     """Rospy lists it from the first attempt on."""
     nodes = {**with_node("/talker", links=frozenset()).nodes}

@@ -6,6 +6,7 @@ import pathlib
 import signal
 import socket
 import struct
+import subprocess
 import threading
 import time
 from functools import partial
@@ -143,6 +144,25 @@ def test_only_the_loopback_interface_is_listened_to(ros: both.Both) -> None:
         recorder.wait()
         assert udp_addresses(bridge.popen.pid) == {"127.0.0.1"}
         recorder.end()
+
+
+def test_doctor_calls_a_bridge_with_nodes_on_both_sides_healthy(
+    ros: both.Both, tmp_path: pathlib.Path
+) -> None:
+    with both.Running("basic_comms", "talker.py"), both.Bridge():
+        recorder = ros.hear2("/chatter", String)
+        recorder.wait()
+        done = subprocess.run(
+            ["rosrun", "nodekit", "doctor"],
+            cwd=tmp_path,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            universal_newlines=True,
+            timeout=60.0,
+        )
+        recorder.end()
+    assert done.returncode == 0, done.stdout
+    assert done.stdout.endswith("healthy\n")
 
 
 def test_killed_and_started_again(ros: both.Both) -> None:

@@ -120,6 +120,8 @@ def check_links(graph: Snapshot) -> List[Finding]:
                     continue
                 if sender.links is None or receiver.error:
                     continue
+                if sender.has_proxy or receiver.has_proxy:
+                    continue
                 if (topic, subscriber) in sender.links:
                     connected += 1
                     continue

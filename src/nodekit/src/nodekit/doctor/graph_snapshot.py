@@ -26,6 +26,7 @@ class NodeState:
     :param subscriptions: type by topic
     :param links: pairs of a topic and the name of a subscriber, or the URI of a publisher, that it
         is connected to; None if it does not list them
+    :param has_proxy: whether another node has its connections, such as a bridge to its ROS 2
     """
 
     uri: str
@@ -36,6 +37,7 @@ class NodeState:
     pid: Optional[int] = None
     subscriptions: Dict[str, str] = dataclasses.field(default_factory=dict)
     links: Optional[FrozenSet[Tuple[str, str]]] = None
+    has_proxy: bool = False
 
 
 @dataclasses.dataclass(frozen=True)

@@ -16,7 +16,7 @@ from urllib.parse import urlsplit
 import rosgraph.network
 
 from nodekit.doctor.graph_snapshot import NodeState, Publication, Snapshot, is_loopback
-from nodekit.master import MasterClient, TimeoutTransport
+from nodekit.master import CONNECTED_ELSEWHERE, MasterClient, TimeoutTransport
 
 #: Name under which requests are sent.
 CALLER = "/doctor"
@@ -88,8 +88,15 @@ def ask_node(uri: str) -> NodeState:
         subscriptions = {
             topic: msg_type for topic, msg_type in _value(node.getSubscriptions(CALLER)) or []
         }
+        links, has_proxy = _links(node)
         return NodeState(
-            uri, host, is_local, pid=pid, subscriptions=subscriptions, links=_links(node)
+            uri,
+            host,
+            is_local,
+            pid=pid,
+            subscriptions=subscriptions,
+            links=links,
+            has_proxy=has_proxy,
         )
     except _ERRORS as error:
         return NodeState(uri, host, is_local, *_reason(error, uri, host))
@@ -133,13 +140,17 @@ def _value(reply: Any) -> Any:
     return value if code == 1 else None
 
 
-def _links(node: xmlrpc.client.ServerProxy) -> Optional[FrozenSet[Tuple[str, str]]]:
-    """Return the topics and other ends of a node's connections, None if it does not list them."""
+def _links(
+    node: xmlrpc.client.ServerProxy,
+) -> Tuple[Optional[FrozenSet[Tuple[str, str]]], bool]:
+    """Return links and has_proxy of a NodeState."""
     try:
-        rows: Any = _value(node.getBusInfo(CALLER))
-        return None if rows is None else frozenset((row[4], row[1]) for row in rows)
+        reply: Any = node.getBusInfo(CALLER)
+        rows = _value(reply)
+        links = None if rows is None else frozenset((row[4], row[1]) for row in rows)
+        return links, reply[1] == CONNECTED_ELSEWHERE
     except (*_ERRORS, TypeError, ValueError, IndexError):
-        return None
+        return None, False
 
 
 def ask_publisher(uri: str, topic: str) -> Optional[Publication]:

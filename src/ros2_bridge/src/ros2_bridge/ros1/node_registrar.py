@@ -19,7 +19,7 @@ from typing import AbstractSet, Any, Dict, List, Mapping, NamedTuple, Set
 import rosgraph
 import rosgraph.xmlrpc
 
-from nodekit.master import Call, MasterClient
+from nodekit.master import CONNECTED_ELSEWHERE, Call, MasterClient
 from ros2_bridge.ros1.graph import Ros1Graph
 
 #: Timeout for the address, for the master and for another node [s].
@@ -211,7 +211,15 @@ class _SlaveApi(rosgraph.xmlrpc.XmlRpcHandler):
         return [1, "", os.getpid()]
 
     def getBusInfo(self, _caller: str) -> List[Any]:  # noqa: N802
-        """Answer ``rosnode info``: there are no connections."""
+        """Answer ``rosnode info``: these nodes have no connections, as the bridge has them."""
+        return [1, CONNECTED_ELSEWHERE, []]
+
+    def getSubscriptions(self, _caller: str) -> List[Any]:  # noqa: N802
+        """Answer ``rosrun nodekit doctor``: the bridge subscribes for these nodes."""
+        return [1, "", []]
+
+    def getPublications(self, _caller: str) -> List[Any]:  # noqa: N802
+        """Return no topics: the bridge publishes for these nodes."""
         return [1, "", []]
 
     def publisherUpdate(self, *_: Any) -> List[Any]:  # noqa: N802

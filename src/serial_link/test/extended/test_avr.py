@@ -13,7 +13,7 @@ import rospy
 import rostest
 from pid_control.msg import motor_input, motor_output
 from rosgraph_msgs.msg import Log
-from std_msgs.msg import Float32, UInt16
+from std_msgs.msg import Float32, String, UInt16
 
 from nodekit.testing.processes import Process
 from nodekit.testing.waiting import wait_until
@@ -58,23 +58,74 @@ void loop() {
   delay(100);
 }
 """
+LATE = """
+#include <ros.h>
+#include <std_msgs/UInt16.h>
+
+ros::NodeHandle host;
+std_msgs::UInt16 count;
+ros::Publisher heard("heard", &count);
+void on_command(const std_msgs::UInt16 &message) { count.data = message.data; }
+ros::Subscriber<std_msgs::UInt16> command("command", on_command);
+
+void setup() {
+  host.initNode();
+  while (!host.connected()) host.spinOnce();
+  host.subscribe(command);
+  host.advertise(heard);
+}
+
+void loop() { heard.publish(&count); host.spinOnce(); delay(50); }
+"""
+FLOOD = """
+#include <ros.h>
+#include <std_msgs/String.h>
+
+ros::NodeHandle host;
+std_msgs::String text;
+ros::Publisher heard("heard", &text);
+char line[100];
+uint16_t count;
+
+void setup() {
+  host.initNode();
+  host.advertise(heard);
+  text.data = line;
+}
+
+void loop() {
+  sprintf(line, "%05u %090u", count, 0);
+  if (heard.publish(&text) > 0) count++;
+  host.spinOnce();
+}
+"""
+#: The second topic is announced as by a library that reads its type from the wrong memory.
 WRONG = """
 #include <ros.h>
 #include <std_msgs/Bool.h>
 
+class Unreadable : public std_msgs::Bool {
+ public:
+  const char *getType() { return "\\x0e\\x94 std_msgs"; }
+};
+
 ros::NodeHandle host;
 std_msgs::Bool value;
-ros::Publisher dash("my-topic", &value), digit("1st", &value), slash("chatter/", &value);
+Unreadable garbage;
+ros::Publisher dash("my-topic", &value), unreadable("unreadable", &garbage), digit("1st", &value),
+    slash("chatter/", &value);
 
 void setup() {
   host.initNode();
   host.advertise(dash);
+  host.advertise(unreadable);
   host.advertise(digit);
   host.advertise(slash);
 }
 
 void loop() {
   dash.publish(&value);
+  unreadable.publish(&garbage);
   digit.publish(&value);
   slash.publish(&value);
   host.spinOnce();
@@ -165,12 +216,34 @@ class TestAvr(unittest.TestCase):
             found.clear()
         wait_until(lambda: found, lambda: f"{messages} {found}", PATIENCE)
 
+    def test_topics_advertised_after_the_connection_appear(self) -> None:
+        messages = self.collect(f"{self.space}/heard", UInt16)
+        publisher = rospy.Publisher(f"{self.space}/command", UInt16, queue_size=1, latch=True)
+        publisher.publish(7)
+        self.start(LATE)
+        wait_until(lambda: messages and messages[-1].data == 7, lambda: f"{messages}", PATIENCE)
+
+    def test_reset_in_the_middle_of_a_message_delivers_none_that_is_damaged(self) -> None:
+        messages = self.collect(f"{self.space}/heard", String)
+        board = self.start(FLOOD)
+
+        def numbers() -> List[int]:
+            return [int(message.data.split()[0]) for message in list(messages)]
+
+        for boot_s in (0.0, 0.003, 0.4):
+            wait_until(lambda: len(messages) > 20, lambda: f"{messages[-2:]}", PATIENCE)
+            board.reset(boot_s)
+            # The sketch that was restarted counts from 0.
+            wait_until(lambda: numbers() != sorted(numbers()), lambda: f"{numbers()}", PATIENCE)
+            assert all(message.data[5:] == f" {0:090}" for message in messages)
+            messages.clear()
+
     def test_wrong_names_are_refused_by_name_and_a_slash_too_many_is_not(self) -> None:
         lines = self.collect("/rosout", Log)
         messages = self.collect(f"{self.space}/chatter", rospy.AnyMsg)
         self.start(WRONG)
         wait_until(lambda: messages, lambda: f"{lines[-3:]}", PATIENCE)
-        for name in ("my-topic", "1st"):
+        for name in ("my-topic", "1st", "unreadable"):
 
             def is_refused(wanted: str = name) -> bool:
                 texts = [line.msg for line in lines if line.name.startswith(self.space)]

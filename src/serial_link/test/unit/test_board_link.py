@@ -265,6 +265,18 @@ def test_an_exception_is_logged_and_ends_no_thread(
     assert "RuntimeError: no time today" in caplog.text
 
 
+def test_request_on_demand_is_sent_only_to_a_synchronized_board(rig: Rig) -> None:
+    rig.link.request_topics()  # dropped: no board
+    rig.start()
+    rig.fetch_until(Synced)
+    wait_until(lambda: rig.link._topics.is_settled, lambda: "the round does not end")
+    asked = rig.link.all_counters()["asked"]
+    rig.link.request_topics()
+    wait_until(lambda: rig.link.all_counters()["asked"] > asked, lambda: "it is not asked")
+    rig.fetch_until(Topics)
+    assert rig.link.is_synced and rig.link.all_counters()["asked"] == asked + 1
+
+
 def test_board_is_stopped_at_shutdown(rig: Rig) -> None:
     rig.start()
     rig.fetch_until(Synced)

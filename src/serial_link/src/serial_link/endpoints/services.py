@@ -117,7 +117,8 @@ class OfferedService(_Service):
 class CalledService(_Service):
     """Service called by the board.
 
-    The protocol has no error response: the board keeps waiting, and the failure is logged.
+    The protocol has no error response: a failure is logged, and the board's topics are requested,
+    after which rosserial's library stops waiting.
 
     :param scope: creates the client
     :param endpoint: of the board
@@ -148,7 +149,7 @@ class CalledService(_Service):
         try:
             future = self._client.call_async(request, self._timeout())
         except CallError as error:
-            self._warn(error)
+            self._fail(error)
         else:
             future.add_done_callback(partial(self._answer, self._era))
 
@@ -162,7 +163,8 @@ class CalledService(_Service):
             if era == self._era:
                 self.send(response)
         except (CallError, MalformedMessage) as error:
-            self._warn(error)
+            self._fail(error)
 
-    def _warn(self, error: Exception) -> None:
+    def _fail(self, error: Exception) -> None:
         self._throttled_log.log(rospy.logwarn, f"the board's call failed: {error}")
+        self._link.request_topics()

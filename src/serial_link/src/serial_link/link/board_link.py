@@ -83,7 +83,7 @@ class BoardLink:
         frame_s = _TOPIC_BYTES * _BITS / port.baud if port.baud else 0.0
         self._sync, self._topics = SyncMonitor(frame_s), TopicTable(frame_s)
         self._is_over = threading.Event()
-        self._is_open = self._is_ending = False
+        self._is_open = self._is_ending = self._is_request_due = False
         #: Why the port is not open, or the board does not answer; empty without a problem.
         self._trouble = ""
         self._throttled_log = ThrottledLog(_LOG_EVERY_S)
@@ -190,6 +190,10 @@ class BoardLink:
         if self._is_open:
             self._outgoing_queue.put_reliable(encode(topic_id, payload))
 
+    def request_topics(self) -> None:
+        """Request the topics of a synchronized board again, which ends a wait for a response."""
+        self._is_request_due = True
+
     def send_stop(self) -> None:
         """Stop the board's publishing, because the host ends; return when the frame is sent."""
         self._is_ending = True
@@ -232,6 +236,10 @@ class BoardLink:
         now = time.monotonic()
         self._receive_bytes(now, data)
         self._execute(now, self._sync.poll(now))
+        if self._is_request_due:
+            self._is_request_due = False
+            if self.is_synced:
+                self._execute(now, self._sync.ask(now))
         self._end_round(now)
         self._explain_silence(now)
 

@@ -1,5 +1,6 @@
 """The link's threads and a board at the other end of a real pseudo terminal, without ROS."""
 
+import logging
 import math
 import pathlib
 import socket
@@ -246,6 +247,25 @@ def test_missing_board_is_logged_once_per_absence(
         rig.fetch_until(Synced)
         rig.board.faults = Faults(is_plugged=False)
         wait_until(lambda: caplog.text.count(missing) == losses, lambda: caplog.text)
+
+
+def test_wait_for_the_first_board_is_logged_once_with_the_address(
+    caplog: "pytest.LogCaptureFixture",
+) -> None:
+    caplog.set_level(logging.INFO, "rosout")
+    number = free_port()
+    link = BoardLink(TcpServer("localhost", number).ports[0], Counters(), lambda: (0, 0))
+    link._throttled_log = ThrottledLog(math.inf)  # time alone lifts no limit
+    waits = f"tcp localhost:{number}: no board has connected yet"
+    link.start()
+    try:
+        wait_until(lambda: waits in caplog.text, lambda: caplog.text)
+        with socket.create_connection(("localhost", number)):
+            wait_until(lambda: ": open" in caplog.text, lambda: caplog.text)
+        wait_until(lambda: link.trouble == waits, lambda: link.trouble)
+        assert caplog.text.count(waits) == 1
+    finally:
+        link.close()
 
 
 def test_an_exception_is_logged_and_ends_no_thread(

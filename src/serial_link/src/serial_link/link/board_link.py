@@ -252,7 +252,10 @@ class BoardLink:
             self._is_over.wait(_OPEN_EVERY_S)
             return
         if not is_open:
-            self._trouble = f"{self._port.name}: no board has connected yet"
+            trouble = f"{self._port.name}: no board has connected yet"
+            if not self._trouble:
+                rospy.loginfo("%s", trouble)
+            self._trouble = trouble
             return
         now = time.monotonic()
         self._throttled_log.reset()

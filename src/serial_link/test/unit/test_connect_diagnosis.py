@@ -1,5 +1,7 @@
 """Diagnosis of a board that does not answer."""
 
+import pytest
+
 from serial_link.framing.frames import PROBE, encode
 from serial_link.host.connect_diagnosis import MOST_KEPT, ConnectDiagnosis
 
@@ -40,3 +42,15 @@ def test_only_the_latest_words_are_kept() -> None:
     words.add(OLD + OLD, False)
     words.add(bytes(MOST_KEPT), False)
     assert words.explain(9600).startswith("the received bytes are not rosserial messages")
+
+
+@pytest.mark.parametrize(
+    "baud, usual", [(56700, "57600"), (11520, ""), (119200, "115200"), (2400, ""), (500000, "")]
+)
+def test_mistyped_baud_rate_is_named_with_the_usual_one(baud: int, usual: str) -> None:
+    words = ConnectDiagnosis()
+    silent = words.explain(baud)
+    words.add(b"\x00\x80garbled", False)
+    for text in (silent, words.explain(baud)):
+        assert f"{baud} baud" in text
+        assert (f"{usual} is usual" in text) if usual else "usual" not in text

@@ -6,6 +6,14 @@ from serial_link.framing.frames import count_old_frames
 MOST_KEPT = 4096
 #: This many frames of the old protocol cannot be a coincidence.
 _ENOUGH = 2
+#: Usual baud rates, including those of AVRs at 16 MHz and of an ESP8266's bootloader [Bd].
+_USUAL_BAUD = [
+    *(2400, 4800, 9600, 14400, 19200, 28800, 38400, 57600, 74880, 115200, 230400, 250000, 460800),
+    *(500000, 576000, 921600, 1000000, 1152000, 1500000, 2000000, 2500000, 3000000, 3500000),
+    4000000,
+]
+#: Largest relative difference of a mistyped rate from the usual one, such as 56700 from 57600.
+_MISTYPED = 0.05
 
 
 class ConnectDiagnosis:
@@ -44,13 +52,20 @@ class ConnectDiagnosis:
                 "this node needs 0xfe): build its sketch with a newer library"
             )
         if self._unread:
-            what = f"{baud} baud" if baud else "rosserial"
+            what = _describe(baud) if baud else "rosserial"
             return (
                 f"the received bytes are not rosserial messages: does the sketch use {what}, and "
                 "does nothing else write to its port?"
             )
-        place = f"at {baud} baud" if baud else "for this port"
+        place = f"at {_describe(baud)}" if baud else "for this port"
         return (
             "the board sends nothing: does its sketch call initNode, and spinOnce in its loop, "
             f"{place}?"
         )
+
+
+def _describe(baud: int) -> str:
+    """Return the baud rate in words; if it may be a mistyped usual one, with that one."""
+    usual = min(_USUAL_BAUD, key=lambda one: abs(one - baud))
+    is_near = 0 < abs(usual - baud) < _MISTYPED * baud
+    return f"{baud} baud" + (f" ({usual} is usual)" if is_near else "")

@@ -201,12 +201,16 @@ class RosSide:
             resolved = self._scope.resolve(self._placed(name))
             raw = self._find_parameter(resolved)
             if raw is None:
-                rospy.logwarn("the board asks for %s, which is not set", resolved)
+                self._warn(f"the board asks for {resolved}, which is not set")
             else:
                 payload = encode_answer(raw, self._buffer_size())
         except (UnsupportedValue, IllegalName, ConnectionError) as error:
-            rospy.logwarn("the board asks for %s: %s", name, error)
+            self._warn(f"the board asks for {name}: {error}")
         self._link.answer(PARAMETER, payload)
+
+    def _warn(self, text: str) -> None:
+        """Log a warning, throttled: a sketch may ask for the same parameter in its loop."""
+        self._throttled_log.log(rospy.logwarn, text)
 
     def _placed(self, name: str) -> str:
         """Return a name with the board's namespace, unless it is global or private."""

@@ -127,6 +127,7 @@ class TopicBridge(PairBridge[_Pair]):
     def _update_publishers(self, pair: TopicToRos2) -> None:
         callers = self._ros1.publishers.get(pair.topic, set())
         pair.publishers.update_publishers(callers, self._owners, self._is_heard(pair.topic))
+        pair.forget_all_but(callers)
 
     def _is_heard(self, name: str) -> bool:
         """Return whether a topic has subscribers in ROS 2."""

@@ -18,6 +18,7 @@ from ros2_bridge.rules.active_pairs import BridgedResources
 from ros2_bridge.rules.rates import RateLimit
 from ros2_bridge.rules.settings import QosProfiles, QosProfile
 from ros2_bridge.topics.publishers import TopicPublishers
+from ros2_bridge.topics.static_transforms import JOINED_TYPE, StaticTransforms
 from ros2_bridge.types.codec import ConversionError
 from ros2_bridge.types.type_registry import MessageType
 
@@ -76,6 +77,19 @@ class LatchedMessage(NamedTuple):
         """Do nothing: there are no resources."""
 
 
+class LatchedTransforms(NamedTuple):
+    """Static transforms that a ROS 1 node latches.
+
+    :param header: of its connection, which is another one after a restart of the node
+    """
+
+    header: Any
+    transforms: StaticTransforms
+
+    def close(self) -> None:
+        """Do nothing: there are no resources."""
+
+
 class TopicToRos2:
     """ROS 1 topic in ROS 2.
 
@@ -103,6 +117,8 @@ class TopicToRos2:
         self._other, self._qualities = other, qualities
         self.count, self.limit = PairCounters(), RateLimit()
         self._subscription = OnDemandSubscription(self._subscribe)
+        #: Latched transforms by node.
+        self._transforms: BridgedResources[str, LatchedTransforms] = BridgedResources()
         self.publishers = TopicPublishers(participant, self._make_publisher, self._quality)
 
     def _quality(self, latched: bool, size: int) -> QosProfile:
@@ -140,6 +156,8 @@ class TopicToRos2:
                 continue
             try:
                 data = self.kind.codec.to_cdr(serialized(message))
+                if is_latched and self.kind.ros1 == JOINED_TYPE:
+                    data = self.kind.codec.to_cdr(self._joined(header, serialized(message)))
             except ConversionError as error:
                 self.count.refused += 1
                 if self._throttle.is_due():
@@ -147,6 +165,26 @@ class TopicToRos2:
                 continue
             self.publishers.publish(header.get("callerid", ""), data, is_latched)
             self.count.passed += 1
+
+    def _joined(self, header: Any, data: bytes) -> bytes:
+        """Return a message with all transforms that a connection has brought so far.
+
+        :param header: of the connection
+        :param data: valid message, the latest one
+        """
+        caller = header.get("callerid", "")
+        latched = self._transforms.get(caller)
+        if latched is None or latched.header is not header:
+            latched = self._transforms[caller] = LatchedTransforms(header, StaticTransforms())
+        return latched.transforms.join(data)
+
+    def forget_all_but(self, callers: Set[str]) -> None:
+        """Forget the transforms of nodes that have ended.
+
+        :param callers: the nodes that publish the topic; empty after a restart of the master
+        """
+        if callers:
+            self._transforms.close_missing(callers)
 
     def close(self) -> None:
         """Close publishers and subscription."""

@@ -186,6 +186,8 @@ class ServiceBridge(CallBridge[_Pair]):
         self._types1.begin_poll(in_ros1)
         # A name with servers in both ROSes is not bridged.
         self.update_pairs(select_routes(rules, in_ros1 - in_ros2, in_ros2 - in_ros1))
+        for name, why in self._types1.unanswered().items():
+            self._skip_log.report(f"{name} of ROS 1: its server does not answer ({why})")
 
     def servers(self) -> Dict[str, str]:
         """Return the current or last ROS 2 node of each service that is bridged to ROS 1.

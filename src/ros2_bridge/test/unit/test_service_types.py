@@ -60,6 +60,18 @@ def test_the_silent_are_asked_again_in_turn(servers: Servers) -> None:
     assert sum(servers.asked.values()) == 8 + 8 + 2 + 1
 
 
+def test_silent_server_is_reported_from_its_second_query_until_it_answers(
+    servers: Servers,
+) -> None:
+    types = service_types.ServiceTypes(cast(Any, servers))
+    poll(types, ["/silent"])
+    assert not types.unanswered()
+    poll(types, ["/silent", "/good"])
+    assert types.unanswered() == {"/silent": "/silent"}
+    poll(types, ["/good"])
+    assert not types.unanswered()
+
+
 def test_missing_service_is_dropped(servers: Servers) -> None:
     types = service_types.ServiceTypes(cast(Any, servers))
     poll(types, ["/good", "/silent"])

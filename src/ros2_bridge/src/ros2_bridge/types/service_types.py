@@ -2,7 +2,7 @@
 
 import itertools
 import threading
-from typing import Dict, Optional, Sequence, Set
+from typing import Dict, Optional, Sequence, Set, Tuple
 
 from nodekit import CallError, MasterUnreachable, RoundRobin, probe_service
 from nodekit.master import MasterClient
@@ -11,6 +11,8 @@ from nodekit.master import MasterClient
 _TIMEOUT_S, _MOST = 2.0, 8
 #: Most servers queried again per poll: the master lists all killed servers.
 _AGAIN = 2
+#: A server counts as unreachable after this many queries: the first one may be too early.
+_TRIES = 2
 #: Most servers per poll whose addresses are compared with the previous ones.
 _LOOKUPS = 20
 
@@ -28,8 +30,8 @@ class ServiceTypes:
         self._found: Dict[str, str] = {}
         #: Address of each server before the query: at a new address, the type may differ.
         self._places: Dict[str, str] = {}
-        #: Services without an answer, in the order of the queries.
-        self._silent: Dict[str, None] = {}
+        #: Services without an answer, in the order of the queries: their number, and the reason.
+        self._silent: Dict[str, Tuple[int, str]] = {}
         self._again: Set[str] = set()
 
     def of(self, name: str) -> Optional[str]:
@@ -54,7 +56,7 @@ class ServiceTypes:
         with self._lock:
             self._found = {name: kind for name, kind in self._found.items() if name in there}
             self._places = {name: self._places[name] for name in self._found}
-            self._silent = {name: None for name in self._silent if name in there}
+            self._silent = {name: told for name, told in self._silent.items() if name in there}
             self._again = set(itertools.islice(self._silent, _AGAIN))
             turn = self._round_robin.next(sorted(self._found))
         places = self._look_up(turn)
@@ -63,24 +65,31 @@ class ServiceTypes:
                 if places[name] != self._places[name]:
                     del self._found[name]
 
+    def unanswered(self) -> Dict[str, str]:
+        """Return the reason for each service whose server has not answered repeatedly."""
+        with self._lock:
+            return {name: why for name, (tries, why) in self._silent.items() if tries >= _TRIES}
+
     def _look_up(self, names: Sequence[str]) -> Dict[str, str]:
         """Request the addresses of servers from the master."""
         answers = self._client.request([("lookupService", name) for name in names])
         return {name: str(uri) for name, (_, _, uri) in zip(names, answers)}
 
     def _ask(self, name: str) -> None:
-        header, places = {}, {}
+        header, places, why = {}, {}, ""
         try:
             places = self._look_up([name])
             header = probe_service(name, _TIMEOUT_S)
-        except (CallError, MasterUnreachable):
-            pass  # a later poll queries it again
+        except CallError as error:  # a later poll queries it again
+            why = str(error)
+        except MasterUnreachable:
+            pass  # this says nothing about the server
         finally:
             with self._lock:
                 self._asked.discard(name)
-                self._silent.pop(name, None)
+                tries, _ = self._silent.pop(name, (0, ""))
                 if "type" in header:
                     self._found[name] = header["type"]
                     self._places.update(places)
                 else:
-                    self._silent[name] = None
+                    self._silent[name] = tries + bool(why), why

@@ -1,4 +1,4 @@
-"""Command ``rosrun nodekit callbacks``: callbacks of a node, and the time that they take."""
+"""Command ``rosrun nodekit callbacks``: calls, drops and longest times of executor callbacks."""
 
 import argparse
 import sys

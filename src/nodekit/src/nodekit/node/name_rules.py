@@ -1,4 +1,4 @@
-"""Rules for names in ROS: http://wiki.ros.org/Names, as roscpp enforces them.
+"""Validation of graph resource names (http://wiki.ros.org/Names), as strict as roscpp's.
 
 rospy only warns, and ``rosgraph.names.is_legal_name`` accepts letters of any script. But the
 master rejects blanks and colons, and programs in C++, rosout and ``rosbag record`` among them,

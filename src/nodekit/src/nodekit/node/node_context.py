@@ -1,4 +1,4 @@
-"""State that all scopes of a node share."""
+"""State shared by a node and its scopes: names, callback group, ready queue, live parameters."""
 
 from typing import Any, Optional
 

@@ -1,4 +1,4 @@
-"""Processes that a test starts and ends, including a master, and a client of the master."""
+"""Processes that a test starts and ends, such as a ROS master; client of the parameter server."""
 
 import contextlib
 import os

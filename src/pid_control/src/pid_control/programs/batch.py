@@ -1,4 +1,4 @@
-"""Batch run: judges all packages in a folder, each in its own process."""
+"""Batch run over a folder: builds each package, judges it in its own process, writes reports."""
 
 import contextlib
 import csv

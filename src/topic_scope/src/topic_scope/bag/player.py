@@ -1,4 +1,4 @@
-"""Player of a bag: a message source that follows the clock of the bag.
+"""Bag player with pause, seek and speed: a message source inside the scope, without ROS topics.
 
 The bag is read in the thread that calls :meth:`now`, a few chunks at each call, so no locks or
 queues are needed, and only the messages between the chunks in progress and the clock are in memory.

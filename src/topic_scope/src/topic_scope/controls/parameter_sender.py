@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Sender of parameter changes from pages to nodes, with one retry of rejected values.
+"""Sender of parameter changes to nodes; resends rejected values together with the next change.
 
 A value is sent to the node's service ``~change``, whose reply states whether it was accepted, and
 why not. The service changes several parameters in one step, so rejected values are kept, and

@@ -1,4 +1,4 @@
-"""Driving of robots by pages: velocity commands and goals."""
+"""Teleoperation from pages: velocity commands (one page per robot) and PoseStamped goals."""
 
 import math
 import time

@@ -1,10 +1,10 @@
 # Pure: knows no ROS.
-"""Sender of parameter changes to nodes; resends rejected values together with the next change.
+"""Sender of parameter changes to nodes; resends rejected values with later changes.
 
 A value is sent to the node's service ``~change``, whose reply states whether it was accepted, and
-why not. The service changes several parameters in one step, so rejected values are kept, and
-retried once together with the next change. This makes it possible to change, one after another,
-lists that must have the same length.
+why not. The service changes several parameters in one step, so rejected values are kept, and sent
+again together with each later change, until they are accepted or set anew. This makes it possible
+to change, one after another, lists that must have the same length.
 """
 
 from functools import partial

@@ -93,6 +93,14 @@ FLAWED = (
         "/proc_signal/data is constant, whatever the signal",
     ),
     Case(
+        "silent_process",
+        "wave_loops",
+        [(PROCESS, "        pub.publish(gain * shifted + offset)\n", "")],
+        ["signal", "process"],
+        ["silent"],
+        "the process node sends nothing",
+    ),
+    Case(
         "too_seldom",
         "wave_loops",
         [(GENERATOR, "rospy.Rate(10)", "rospy.Rate(4)")],

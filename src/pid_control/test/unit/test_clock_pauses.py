@@ -51,6 +51,17 @@ def test_no_function_of_the_simulated_clock_moves_in_pauses(
     assert moved_in_pauses(found, PAUSES) is not True
 
 
+@given(repeats=st.integers(2, 20), phase=st.floats(0.0, 1.0), late=st.floats(0.0, 1.0))
+def test_loop_that_sends_each_value_several_times_moves_in_no_pause(
+    repeats: int, phase: float, late: float
+) -> None:
+    step = INTERVAL / repeats
+    times = [step * (index + late) for index in range(27 * repeats)]
+    values = [math.sin(math.floor(time / INTERVAL + phase)) for time in times]
+    pauses = [INTERVAL * round(pause / INTERVAL) for pause in PAUSES]  # as long as full periods
+    assert moved_in_pauses(Channel("/signal", "x", times, values), pauses) is not True
+
+
 def test_constant_does_not_move() -> None:
     assert moved_in_pauses(record(lambda _: 1.0), PAUSES) is False
 

@@ -1,7 +1,8 @@
 """Check for the machine's clock: whether values changed while the simulated clock was paused."""
 
 import bisect
-from typing import List, Optional, Sequence
+import itertools
+from typing import List, Optional, Sequence, Tuple
 
 from pid_control.signal_judging.channels import Channel
 
@@ -23,9 +24,9 @@ def moved_in_pauses(record: Channel, pauses: Sequence[float]) -> Optional[bool]:
     :param record: the values, before and after the pauses
     :param pauses: times of the pauses by the simulated clock, in increasing order [s]
     """
-    record = record.finite()
-    changes = [abs(after - one) for one, after in zip(record.values, record.values[1:])]
-    over_pauses = {bisect.bisect_right(record.times, pause) - 1 for pause in pauses}
+    times, values = _distinct(record.finite())
+    changes = [abs(after - one) for one, after in zip(values, values[1:])]
+    over_pauses = {bisect.bisect_right(times, pause) - 1 for pause in pauses}
     jumps = [changes[one] for one in over_pauses if 0 <= one < len(changes)]
     usual = sorted(one for index, one in enumerate(changes) if index not in over_pauses)
     if len(usual) < _FEWEST or 2 * len(jumps) < len(pauses):
@@ -33,6 +34,13 @@ def moved_in_pauses(record: Channel, pauses: Sequence[float]) -> Optional[bool]:
     largest = _FACTOR * usual[int(_USUAL * len(usual))]
     share = _share_above(jumps, largest)
     return True if share >= _MOVED else False if share < _STOOD else None
+
+
+def _distinct(record: Channel) -> Tuple[List[float], List[float]]:
+    """Return times and values without repeated values: a loop may send each several times."""
+    pairs = zip(record.times, record.values)
+    first = [next(equal) for _, equal in itertools.groupby(pairs, key=lambda pair: pair[1])]
+    return [time for time, _ in first], [value for _, value in first]
 
 
 def _share_above(values: List[float], limit: float) -> float:

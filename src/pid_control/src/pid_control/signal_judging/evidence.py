@@ -8,7 +8,7 @@ from pid_control.signal_judging.features import ProcessFeatures, SignalFeatures
 #: Roles of parameters that every signal and output has.
 _ALWAYS = ("amplitude", "frequency", "gain", "phase_shift")
 GENERATOR, PROCESS = "signal generator", "process node"
-#: Distortion from which a signal is not a sine, and a trial is repeated by the machine's clock.
+#: Distortion from which a signal is not a sine, and its record is repeated.
 DISTORTED = 0.05
 
 

@@ -6,7 +6,12 @@ from typing import Any, Callable, List, Mapping, Optional, Sequence, Tuple
 
 from pid_control.programs.private_master import PrivateMaster
 from pid_control.runner.judging_errors import BusyMachineError, JudgingError, TimeLimitExceeded
-from pid_control.signal_judging.channels import AmbiguousChannelsError, Channel, signal_of
+from pid_control.signal_judging.channels import (
+    AmbiguousChannelsError,
+    Channel,
+    oscillates,
+    signal_of,
+)
 from pid_control.signal_judging.clock_pauses import moved_in_pauses
 from pid_control.signal_judging.evidence import (
     DISTORTED,
@@ -169,7 +174,7 @@ class SignalSession:
         baseline = self.evidence.baseline
         assert baseline is not None
         self.notes.append(f"signal: {baseline.signal.name}; output: {baseline.output.name}")
-        if not self._real_time and not is_constant(baseline.output.values):
+        if not self._real_time and oscillates(baseline.output):
             self._repeat_if_distorted(baseline, pair)
 
     def _repeat_if_distorted(self, first: BaselineTrial, pair: NodePair) -> None:
@@ -178,9 +183,10 @@ class SignalSession:
         while baseline.features.distortion > DISTORTED and repeated < _MOST_REPEATED:
             baseline, repeated = self._repeat_baseline(pair), repeated + 1
         if repeated and baseline.features.distortion <= DISTORTED:
+            before = first.features.distortion
             self.notes.append(
-                f"a record with a distortion of {first.features.distortion:.2f} was repeated: one"
-                " of: the machine was busy, or the nodes do not always do the same"
+                f"a record was repeated, because its distortion was {before:.2f}: the machine was"
+                " busy, or the nodes do not always behave the same"
             )
 
     def _repeat_baseline(self, pair: NodePair) -> BaselineTrial:

@@ -293,6 +293,8 @@ class Trial:
         :param durations: times to run by the clock [s]
         :returns: times of the pauses by the clock [s]
         :raises TrialError: if a node fails
+        :raises TimeLimitExceeded: if the deadline has passed
+        :raises JudgingError: if the machine is too busy
         """
         pauses: List[float] = []
         for duration in durations:

@@ -147,11 +147,10 @@ class AnySketch(BoardRig):
         )
         node.wait_for_log("~tree: it must be a number")
         node.wait_for_log("/serial_node/missing, which is not set")
-        for name in ("~missing", "~tree", "~absent"):  # as a loop that asks again and again
+        for name in (*["~missing"] * 20, "~absent"):  # as a loop that asks again and again
             self.do(lambda device, name=name: device.request_parameter(name))  # type: ignore[misc]
         node.wait_for_log("/serial_node/absent, which is not set")
-        self.assertEqual(len(node.logged("missing, which is not set")), 1)
-        self.assertEqual(len(node.logged("~tree: it must be")), 1)
+        self.assertLess(len(node.logged("missing, which is not set")), 10)
         line = log.wait_for(lambda line: line.msg == "it is hot")
         self.assertEqual((line.name, line.level), (self.space + "/serial_node/board", Log.ERROR))
         node.wait_for_log("[ERROR]", "/serial_node/board: it is hot")

@@ -4,12 +4,13 @@ import logging
 import math
 import pathlib
 import socket
+import threading
 from typing import Any, Iterator, List, Optional, Sequence
 
 import pytest
 
 from nodekit.testing.processes import free_port
-from nodekit.testing.waiting import wait_until
+from nodekit.testing.waiting import in_thread, wait_until
 from serial_link.board.transports import PtyTransport
 from serial_link.board.simulation import Faults, SimulatedBoard
 from serial_link.device.rosserial_device import Device, Endpoint
@@ -285,8 +286,7 @@ def test_an_exception_is_logged_and_ends_no_thread(
     assert "RuntimeError: no time today" in caplog.text
 
 
-def test_request_on_demand_is_sent_only_to_a_synchronized_board(rig: Rig) -> None:
-    rig.link.request_topics()  # dropped: no board
+def test_request_on_demand_is_sent_once(rig: Rig) -> None:
     rig.start()
     rig.fetch_until(Synced)
     wait_until(lambda: rig.link._topics.is_settled, lambda: "the round does not end")
@@ -295,6 +295,24 @@ def test_request_on_demand_is_sent_only_to_a_synchronized_board(rig: Rig) -> Non
     wait_until(lambda: rig.link.all_counters()["asked"] > asked, lambda: "it is not asked")
     rig.fetch_until(Topics)
     assert rig.link.is_synced and rig.link.all_counters()["asked"] == asked + 1
+
+
+def test_requests_on_demand_without_pause_let_a_round_end(rig: Rig) -> None:
+    """As of a sketch that calls a service without a server in its loop."""
+    is_over = threading.Event()
+
+    def request() -> None:
+        while not is_over.wait(0.01):
+            rig.link.request_topics()
+
+    thread = in_thread(request)
+    try:
+        rig.start()
+        rig.fetch_until(Synced)
+        rig.fetch_until(Topics)
+    finally:
+        is_over.set()
+        thread.join()
 
 
 def test_board_is_stopped_at_shutdown(rig: Rig) -> None:

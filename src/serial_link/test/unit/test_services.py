@@ -1,12 +1,14 @@
 """Services that a board calls."""
 
-from typing import Any, Callable
+from typing import Any, Callable, List
+
+import pytest
 
 from std_srvs.srv import SetBool, SetBoolRequest, SetBoolResponse
 
 from nodekit import CallError
 from serial_link.endpoints.services import CalledService
-from serial_link.endpoints.types import encode
+from serial_link.endpoints.types import MalformedMessage, encode
 from serial_link.host.counters import Counters
 from serial_link.negotiation.payloads import SERVICE_CLIENT, TopicInfo
 from serial_link.negotiation.topic_table import Endpoint
@@ -24,11 +26,14 @@ ENDPOINT = Endpoint(
 class Call:
     """Call with a result, or one that fails."""
 
-    def __init__(self, answer: Any) -> None:
+    def __init__(self, answer: Any, is_late: bool) -> None:
         self.answer = answer
+        self.is_late = is_late
 
     def add_done_callback(self, callback: Callable[[Any], None]) -> None:
-        callback(self)
+        self.end = lambda: callback(self)
+        if not self.is_late:
+            self.end()
 
     def result(self) -> Any:
         if isinstance(self.answer, Exception):
@@ -36,7 +41,7 @@ class Call:
         return self.answer
 
 
-class Surroundings:
+class FakeContext:
     """Scope, client and link of the service."""
 
     trouble = ""
@@ -44,17 +49,20 @@ class Surroundings:
     def __init__(self, answer: Any) -> None:
         self.answer = answer
         self.sent = self.requests = 0
+        self.is_late = False
+        self.running: List[Call] = []
 
     def resolve(self, name: str) -> str:
         return "/" + name
 
-    def create_client(self, *arguments: Any, **options: Any) -> "Surroundings":
+    def create_client(self, *arguments: Any, **options: Any) -> "FakeContext":
         return self
 
     def call_async(self, request: Any, timeout: float) -> Call:
         if self.answer is None:
             raise CallError("no node offers it")
-        return Call(self.answer)
+        self.running.append(Call(self.answer, self.is_late))
+        return self.running[-1]
 
     def send_reliable(self, info: TopicInfo, payload: bytes) -> bool:
         self.sent += 1
@@ -70,7 +78,25 @@ def test_call_that_fails_requests_the_topics_and_an_answered_one_does_not() -> N
         (CallError("not answered within 5 s"), 0, 1),
         (None, 0, 1),
     ):
-        around: Any = Surroundings(answer)
+        around: Any = FakeContext(answer)
         service = CalledService(around, ENDPOINT, around, Counters(), lambda: 5.0)
         service.receive(encode(SetBoolRequest(True)))
         assert (around.sent, around.requests) == (sent, requests)
+
+
+def test_call_from_before_a_restart_requests_nothing_after_it() -> None:
+    around: Any = FakeContext(CallError("not answered within 5 s"))
+    around.is_late = True
+    service = CalledService(around, ENDPOINT, around, Counters(), lambda: 5.0)
+    service.receive(encode(SetBoolRequest(True)))
+    service.on_lost("the board was restarted")
+    around.running[0].end()
+    assert (around.sent, around.requests) == (0, 0)
+
+
+def test_malformed_request_requests_the_topics() -> None:
+    around: Any = FakeContext(None)
+    service = CalledService(around, ENDPOINT, around, Counters(), lambda: 5.0)
+    with pytest.raises(MalformedMessage):
+        service.receive(b"")
+    assert around.requests == 1

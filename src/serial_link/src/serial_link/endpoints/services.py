@@ -145,11 +145,14 @@ class CalledService(_Service):
 
         :raises MalformedMessage: if the request is malformed
         """
-        request = decode(self.service_class._request_class, payload)
         try:
+            request = decode(self.service_class._request_class, payload)
             future = self._client.call_async(request, self._timeout())
+        except MalformedMessage:
+            self._link.request_topics()
+            raise
         except CallError as error:
-            self._fail(error)
+            self._fail(self._era, error)
         else:
             future.add_done_callback(partial(self._answer, self._era))
 
@@ -163,8 +166,9 @@ class CalledService(_Service):
             if era == self._era:
                 self.send(response)
         except (CallError, MalformedMessage) as error:
-            self._fail(error)
+            self._fail(era, error)
 
-    def _fail(self, error: Exception) -> None:
+    def _fail(self, era: int, error: Exception) -> None:
         self._throttled_log.log(rospy.logwarn, f"the board's call failed: {error}")
-        self._link.request_topics()
+        if era == self._era:  # else the board was restarted, and may wait for a later call
+            self._link.request_topics()

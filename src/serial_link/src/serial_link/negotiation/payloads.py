@@ -85,7 +85,8 @@ def problem_of(info: TopicInfo) -> str:
         return (
             f"its type {info.type[:_SHOWN]!r} and md5sum {info.md5sum[:_SHOWN]!r} are not those of "
             "a message; rosserial's Arduino library 0.7.9 reads those of other headers than its "
-            "own from the wrong memory: build the sketch with 0.7.8; if it is, its RAM may be full"
+            "own from the wrong memory: build the sketch with 0.7.8; if it already is, its RAM may "
+            "be full"
         )
     if not _NAME.fullmatch(info.name):
         return (

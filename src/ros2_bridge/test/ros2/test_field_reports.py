@@ -252,10 +252,8 @@ def test_bag_that_is_recorded_has_the_time_of_a_simulation_in_ros2(
     thread = threading.Thread(target=tick)
     thread.start()
     try:
-        with running(
-            ["/usr/lib/rosbag/record", "-q", "-O", str(path), "-l", "3", "/simulated"]
-        ) as p:
-            p.wait(30.0)
+        with running([*RECORD, str(path), "/simulated"]) as recorder:
+            recorder.wait(30.0)
     finally:
         ticking.set()
         thread.join()

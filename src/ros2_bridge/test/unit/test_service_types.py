@@ -6,7 +6,7 @@ from typing import Any, Counter, Dict, Iterator, List, cast
 
 import pytest
 
-from nodekit import CallError
+from nodekit import CallError, MasterUnreachable
 from nodekit.testing.waiting import wait_until
 from ros2_bridge.types import service_types
 
@@ -17,6 +17,7 @@ class Servers:
     def __init__(self) -> None:
         self.asked: "Counter[str]" = collections.Counter()
         self.places: Dict[str, str] = {}
+        self.is_reachable = True
 
     def probe(self, name: str, _: float) -> Dict[str, str]:
         self.asked[name] += 1
@@ -28,6 +29,8 @@ class Servers:
 
     def request(self, calls: List[Any]) -> List[Any]:
         """Return the servers' addresses, as the master does."""
+        if not self.is_reachable:
+            raise MasterUnreachable("no master")
         return [(1, "", self.places.get(name, "first")) for _, name in calls]
 
 
@@ -70,6 +73,27 @@ def test_silent_server_is_reported_from_its_second_query_until_it_answers(
     assert types.unanswered() == {"/silent": "/silent"}
     poll(types, ["/good"])
     assert not types.unanswered()
+
+
+def test_silent_servers_that_are_not_requested_take_no_turn(servers: Servers) -> None:
+    types = service_types.ServiceTypes(cast(Any, servers))
+    unwanted, last = ["/gone", "/denied"], "/silent"
+    poll(types, [*unwanted, last])
+    for _ in range(2):
+        types.begin_poll({*unwanted, last})
+        types.of(last)
+        wait_until(lambda: not types._asked, lambda: str(types._asked))
+    assert servers.asked[last] == 2 and servers.asked["/gone"] == 1
+
+
+def test_master_that_does_not_answer_changes_no_reason(servers: Servers) -> None:
+    types = service_types.ServiceTypes(cast(Any, servers))
+    for _ in range(2):
+        poll(types, ["/silent"])
+    reasons = types.unanswered()
+    servers.is_reachable = False
+    types._ask("/silent")
+    assert types.unanswered() == reasons == {"/silent": "/silent"}
 
 
 def test_missing_service_is_dropped(servers: Servers) -> None:

@@ -81,6 +81,7 @@ class LatchedTransforms(NamedTuple):
     """Static transforms that a ROS 1 node latches.
 
     :param header: of its connection, which is another one after a restart of the node
+    :param transforms: all that this connection has brought
     """
 
     header: Any

@@ -32,6 +32,8 @@ class ServiceTypes:
         self._places: Dict[str, str] = {}
         #: Services without an answer, in the order of the queries: their number, and the reason.
         self._silent: Dict[str, Tuple[int, str]] = {}
+        #: Services that were requested since the last poll; and of those, which to query again.
+        self._requested: Set[str] = set()
         self._again: Set[str] = set()
 
     def of(self, name: str) -> Optional[str]:
@@ -39,6 +41,7 @@ class ServiceTypes:
         with self._lock:
             if name in self._found:
                 return self._found[name]
+            self._requested.add(name)
             if name in self._asked or len(self._asked) >= _MOST:
                 return None
             if name in self._silent and name not in self._again:
@@ -57,7 +60,8 @@ class ServiceTypes:
             self._found = {name: kind for name, kind in self._found.items() if name in there}
             self._places = {name: self._places[name] for name in self._found}
             self._silent = {name: told for name, told in self._silent.items() if name in there}
-            self._again = set(itertools.islice(self._silent, _AGAIN))
+            again = (name for name in self._silent if name in self._requested)
+            self._again, self._requested = set(itertools.islice(again, _AGAIN)), set()
             turn = self._round_robin.next(sorted(self._found))
         places = self._look_up(turn)
         with self._lock:
@@ -80,6 +84,7 @@ class ServiceTypes:
         try:
             places = self._look_up([name])
             header = probe_service(name, _TIMEOUT_S)
+            why = "its header has no type"
         except CallError as error:  # a later poll queries it again
             why = str(error)
         except MasterUnreachable:
@@ -87,9 +92,9 @@ class ServiceTypes:
         finally:
             with self._lock:
                 self._asked.discard(name)
-                tries, _ = self._silent.pop(name, (0, ""))
+                tries, before = self._silent.pop(name, (0, ""))
                 if "type" in header:
                     self._found[name] = header["type"]
                     self._places.update(places)
                 else:
-                    self._silent[name] = tries + bool(why), why
+                    self._silent[name] = tries + bool(why), why or before

@@ -18,6 +18,7 @@ def run(hosts: Hosts) -> List[Check]:
     command = ["roslaunch", "basic_comms", "cw1_two_hosts.launch"]
     launch = hosts.start_on("near", [*command, "host:=" + ADDRESSES["far"], "user:=root"])
     wait_until(lambda: "/process" in hosts.nodes(), 60.0, "process on the other host")
+    hosts.run_on("near", ["rostopic", "echo", "-n", "1", "/proc_signal"])  # all are connected
     checks = [none_of(f"faults found on {host}", faults(hosts, host)) for host in ADDRESSES]
     local = {**hosts.environment_of("far"), "ROS_HOSTNAME": "localhost"}
     del local["ROS_IP"]
@@ -31,7 +32,11 @@ def run(hosts: Hosts) -> List[Check]:
 
 
 def faults(hosts: Hosts, host: str) -> List[str]:
-    """Return the faults that doctor finds on a host."""
+    """Return the faults that doctor finds on a host.
+
+    :raises RuntimeError: if its exit status does not agree
+    :raises subprocess.TimeoutExpired: if it does not end
+    """
     done = subprocess.run(
         hosts.within(host, DOCTOR),
         env=hosts.environment_of(host),

@@ -32,7 +32,7 @@ from nodekit.argument_checks import check_timeout
 from nodekit.parameters.parameter_types import MISSING as MISSING
 from nodekit.parameters.parameter_types import UNREADABLE as UNREADABLE
 
-#: Status in a reply to getBusInfo of a node whose connections are another's, such as a bridge's.
+#: Status in a reply to getBusInfo of a node whose connections another node has, such as a bridge.
 CONNECTED_ELSEWHERE = "another node has the connections of this one"
 _SUCCESS = 1
 #: Most calls in one request; the master serves other clients between two requests.

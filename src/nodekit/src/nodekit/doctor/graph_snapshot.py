@@ -26,7 +26,7 @@ class NodeState:
     :param subscriptions: type by topic
     :param links: pairs of a topic and the name of a subscriber, or the URI of a publisher, that it
         is connected to; None if it does not list them
-    :param has_proxy: whether another node has its connections, such as a bridge to its ROS 2
+    :param has_proxy: whether another node has its connections, as the bridge has those of ROS 2
     """
 
     uri: str

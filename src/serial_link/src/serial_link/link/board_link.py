@@ -236,7 +236,7 @@ class BoardLink:
         now = time.monotonic()
         self._receive_bytes(now, data)
         self._execute(now, self._sync.poll(now))
-        if self._is_request_due and self._topics.is_settled:  # a request begins the round anew
+        if self._is_request_due and self._topics.is_settled:  # a request begins the round again
             self._is_request_due = False
             if self.is_synced:
                 self._execute(now, self._sync.ask(now))

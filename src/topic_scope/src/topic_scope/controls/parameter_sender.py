@@ -3,7 +3,7 @@
 
 A value is sent to the node's service ``~change``, whose reply states whether it was accepted, and
 why not. The service changes several parameters in one step, so rejected values are kept, and sent
-again together with each later change, until they are accepted or set anew. This makes it possible
+again together with each later change, until they are accepted or set again. This makes it possible
 to change, one after another, lists that must have the same length.
 """
 

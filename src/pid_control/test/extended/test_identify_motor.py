@@ -4,6 +4,8 @@
 import os
 import tempfile
 import unittest
+from functools import partial
+from typing import Callable
 from xmlrpc.client import ServerProxy
 
 import rosgraph
@@ -27,12 +29,14 @@ class IdentifyMotor(unittest.TestCase):
     """The motor of the launch file: dead time 0.02 s, greatest speed 9."""
 
     def setUp(self) -> None:
-        self.clock = rospy.Publisher("/clock", Clock, queue_size=10)
+        self.clock, self.motor_clock = (
+            rospy.Publisher(topic, Clock, queue_size=10) for topic in ("/clock", "/motor_clock")
+        )
         self.inputs = MessageRecorder("motor_input", motor_input)
         self.outputs = MessageRecorder("motor_output", motor_output)
         self.time = 1.0
         graph = Graph()
-        graph.wait_until_heard(rospy.get_name(), "/clock", "/system")
+        graph.wait_until_heard(rospy.get_name(), "/motor_clock", "/system")
         graph.wait_until_heard("/system", "/motor_output", rospy.get_name())
         self.motor = ServerProxy(rosgraph.Master("/test").lookupNode("/system"))
 
@@ -42,15 +46,24 @@ class IdentifyMotor(unittest.TestCase):
         subscriptions = node.getBusStats("/test")[2][1]
         return sum(link[2] for name, links in subscriptions if name == topic for link in links)
 
-    def step(self) -> None:
-        """Move the clock, and wait until the motor has published."""
+    def step(self, before_motor: Callable[[], None] = lambda: None) -> None:
+        """Move the clock, and then the motor's; wait until the motor has published.
+
+        :param before_motor: called between both
+        """
         before = self.outputs.count()
         self.time += PERIOD_S
-        self.clock.publish(Clock(rospy.Time.from_sec(self.time)))
+        now = Clock(rospy.Time.from_sec(self.time))
+        self.clock.publish(now)
+        before_motor()
+        self.motor_clock.publish(now)
         wait_until(lambda: self.outputs.count() > before, lambda: f"no output at {self.time}")
 
     def drive(self, command: Process) -> None:
-        """Advance the clock until the command has ended, whenever the motor has the input."""
+        """Advance the clocks until the command has ended; each node waits for the other.
+
+        Without that, inputs and outputs would be a period too early at random.
+        """
         graph = Graph()
         graph.wait_until_heard(rospy.get_name(), "/clock", "/identify")
         graph.wait_until_heard("/identify", "/motor_input", rospy.get_name())
@@ -58,34 +71,29 @@ class IdentifyMotor(unittest.TestCase):
         graph.wait_until_heard("/system", "/motor_output", "/identify")
         identify = ServerProxy(rosgraph.Master("/test").lookupNode("/identify"))
 
-        def step_and_wait(topic: str) -> None:
-            """Advance the clock until identify receives it; outputs would be too early before."""
-            heard = {name: self.received(identify, name) for name in ("/clock", topic)}
-            self.step()
+        def is_over() -> bool:
+            return command.popen.poll() is not None
+
+        def wait_for(condition: Callable[[], bool], what: str) -> None:
             wait_until(
-                lambda: (
-                    command.popen.poll() is not None
-                    or all(self.received(identify, name) > heard[name] for name in heard)
-                ),
-                lambda: f"heard {heard} at {self.time}, and not each since: {command.logged()}",
+                lambda: is_over() or condition(),
+                lambda: f"no {what} at {self.time}: {command.logged()}",
             )
 
-        # It begins at the motor's first message: the clock waits for it.
-        while not self.inputs.count() and command.popen.poll() is None:
-            step_and_wait("/motor_output")
-        while command.popen.poll() is None:
-            sent = self.inputs.count()
-            step_and_wait("/clock")
-            wait_until(
-                lambda: self.inputs.count() > sent or command.popen.poll() is not None,
-                lambda: f"no input at {self.time}: {command.logged()}",
-            )
-            wait_until(
-                lambda: (
-                    self.received(self.motor, "/motor_input") >= self.inputs.count()
-                    or command.popen.poll() is not None
-                ),
-                lambda: f"the motor has not got all of {self.inputs.count()} inputs",
+        def wait_for_input(clocks: int, sent: int) -> None:
+            wait_for(lambda: self.received(identify, "/clock") > clocks, "clock")
+            if sent:  # it has begun, at the motor's first message
+                wait_for(lambda: self.inputs.count() > sent, "input")
+                wait_for(
+                    lambda: self.received(self.motor, "/motor_input") >= self.inputs.count(),
+                    "input at the motor",
+                )
+
+        while not is_over():
+            clocks, outputs = (self.received(identify, n) for n in ("/clock", "/motor_output"))
+            self.step(partial(wait_for_input, clocks, self.inputs.count()))
+            wait_for(
+                lambda before=outputs: self.received(identify, "/motor_output") > before, "output"
             )
 
     def test_identify_running_motor_finds_its_parameters(self) -> None:
@@ -115,10 +123,9 @@ class IdentifyMotor(unittest.TestCase):
         self.assertEqual((min(given), max(given), given[-1]), (-0.5, 1.0, 0.0))
         self.assertAlmostEqual(found.gain, 13.1, delta=0.1)
         self.assertAlmostEqual(found.time_constant, 0.04, delta=0.001)
-        # The motor samples its input every 2 ms, which is 1 ms of dead time in the mean. Where an
-        # output was received before /clock, all times are a period too early.
-        self.assertLess(found.dead_time, 0.022)
-        self.assertGreater(found.dead_time, 0.019 - PERIOD_S)
+        # The motor samples its input every 2 ms, which is 1 ms of dead time in the mean; and its
+        # clock is a period behind when it receives an input.
+        self.assertAlmostEqual(found.dead_time, 0.021 - PERIOD_S, delta=0.001)
         self.assertAlmostEqual(found.dead_zone, 0.05, delta=0.01)
         self.assertAlmostEqual(found.limit, 9.0, delta=0.05)
         self.assertTrue(command.logged("63.2 % reading"))

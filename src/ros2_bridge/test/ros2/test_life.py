@@ -149,6 +149,8 @@ def test_only_the_loopback_interface_is_listened_to(ros: both.Both) -> None:
 def test_doctor_calls_a_bridge_with_nodes_on_both_sides_healthy(
     ros: both.Both, tmp_path: pathlib.Path
 ) -> None:
+    ros.master.kill()  # it lists nodes that earlier tests have killed
+    ros.master.start()
     with both.Running("basic_comms", "talker.py"), both.Bridge():
         recorder = ros.hear2("/chatter", String)
         recorder.wait()

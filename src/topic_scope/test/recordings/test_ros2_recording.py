@@ -19,7 +19,7 @@ from topic_scope.bag.player import BagPlayer
 from topic_scope.bag.recording import BagError, Recording
 from topic_scope.bag.ros2_types import Ros2Type, TypeProblem
 from topic_scope.messages.decoding import Decoder, ElementMissing
-from topic_scope.messages.fields import ElementKey
+from topic_scope.messages.fields import Key
 
 KINDS = [("MCAP", ""), ("MCAP", "STORAGE"), ("SQLITE3", ""), ("SQLITE3", "MESSAGE")]
 
@@ -44,7 +44,7 @@ def told_of(bag: Recording, *span: int) -> Dict[str, List[Tuple[int, bytes]]]:
 def value_in(message: Any, path: Tuple[Any, ...]) -> Any:
     """Return the value at a path of a ROS 2 message; None for a missing element."""
     for part in path:
-        if isinstance(part, ElementKey):
+        if isinstance(part, Key):
             part = message.name.index(part)
         if isinstance(part, int) and part >= len(message):
             return None
@@ -71,9 +71,7 @@ def test_every_value_equals_the_written_one(recording: str) -> None:
             except ElementMissing:
                 value = None
             place = column.path
-            wanted = value_in(
-                message, tuple(one for one in place if not isinstance(one, ElementKey))
-            )
+            wanted = value_in(message, tuple(one for one in place if not isinstance(one, Key)))
             if hasattr(wanted, "nanosec"):
                 wanted = wanted.sec * 10**9 + wanted.nanosec
             if place == ("raw",):

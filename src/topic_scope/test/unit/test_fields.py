@@ -271,5 +271,5 @@ def test_elements_without_names_have_numbers_only() -> None:
     with pytest.raises(fields.FieldError, match="frame_id is not an array|no names"):
         fields.resolve(layout_of(JointState), "header/frame_id[arm]")
     assert fields.resolve(layout_of(JointState), "effort[arm]") == [
-        (("effort", fields.ElementKey("arm")), "float64")
+        (("effort", fields.Key("arm")), "float64")
     ]

@@ -12,7 +12,7 @@ from topic_scope.bag.message_slices import FirstMessage, Slice
 from topic_scope.messages.arrays import first_missing, lengths_in, missing_text
 from topic_scope.messages.decoding import Decoder, ElementMissing, rounding_text
 from topic_scope.messages.field_functions import STATE, make, parts
-from topic_scope.messages.fields import ElementKey, FieldError, to_text
+from topic_scope.messages.fields import Key, FieldError, to_text
 from topic_scope.messages.states import StateDecoder, StateTable
 from topic_scope.messages.timestamp_source import is_exact, path_of, read_times, topic_time
 from topic_scope.timing.clocks import ELSEWHERE_NS, Clocks
@@ -54,11 +54,11 @@ class ColumnReader:
         )
         self._function = make(column.function)
         #: Whether the path names an element; messages without that element are ignored.
-        self._is_named = any(isinstance(part, ElementKey) for part in column.path)
+        self._is_named = any(isinstance(part, Key) for part in column.path)
         #: Rounding step of integers that a float cannot represent exactly.
         self.rounding = 1
         #: Whether the field was found; a field without elements is in each message.
-        self._was_there = not any(isinstance(part, (int, ElementKey)) for part in column.path)
+        self._was_there = not any(isinstance(part, (int, Key)) for part in column.path)
         #: Longest array seen, and the text for a missing field.
         self._longest = -1
         self._missing = "not in any message"
@@ -171,7 +171,7 @@ class ColumnReader:
 
     def _explain(self, message: bytes) -> None:
         place, part = first_missing(self._layout, self.column.path, message)
-        if isinstance(part, ElementKey):
+        if isinstance(part, Key):
             self._missing = missing_text(place, part)
         elif part is not None:
             self._longest = max(self._longest, lengths_in(self._layout, message)(place))

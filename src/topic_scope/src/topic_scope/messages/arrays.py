@@ -9,7 +9,7 @@ from typing import Callable, Dict, List, Optional, Sequence, Tuple, Union
 from topic_scope.messages.decoding import COUNT, ElementMissing, follow, labels, steps_to, texts
 from topic_scope.messages.definitions import Array, MessageLayout, Text
 from topic_scope.messages.fields import (
-    ElementKey,
+    Key,
     FieldError,
     Lengths,
     Path,
@@ -99,7 +99,7 @@ def with_names(path: Path, names_at: Callable[[Path], Sequence[str]], typed: int
             name = names[part] if part < len(names) else ""
             # Names may be duplicates.
             if name and names.count(name) == 1:
-                part = ElementKey(name)
+                part = Key(name)
         found += (part,)
     return found
 
@@ -122,7 +122,7 @@ def check_elements(layout: MessageLayout, path: Path, data: bytes) -> None:
     :raises FieldError: if an array is too short, or none of its elements has the name
     """
     place, part = first_missing(layout, path, data)
-    if isinstance(part, ElementKey):
+    if isinstance(part, Key):
         names = ", ".join(names_in(layout, data, place, part.field)[:_SHOWN])
         raise FieldError(f"{missing_text(place, part)} now, but {names or '-'}")
     if part is not None:
@@ -130,7 +130,7 @@ def check_elements(layout: MessageLayout, path: Path, data: bytes) -> None:
         raise FieldError(f"{to_text(place)} has {count} elements now")
 
 
-def missing_text(place: Path, key: ElementKey) -> str:
+def missing_text(place: Path, key: Key) -> str:
     """Return the error text for an array without an element of a name or value."""
     if key.field:
         return f"no element of {to_text(place)} has the {key.field} {key.value}"
@@ -152,9 +152,7 @@ def first_missing(
     for position, part in enumerate(path):
         place = path[:position]
         node = leaf_at(layout, place)
-        if isinstance(part, ElementKey) and part.value not in names_in(
-            layout, data, place, part.field
-        ):
+        if isinstance(part, Key) and part.value not in names_in(layout, data, place, part.field):
             return place, part
         if isinstance(part, int) and isinstance(node, Array) and node.length is None:
             if part >= lengths(place):

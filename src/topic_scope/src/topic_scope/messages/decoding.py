@@ -13,7 +13,7 @@ from typing import Any, Callable, Iterator, List, Optional, Sequence, Tuple, Uni
 import numpy
 
 from topic_scope.messages.definitions import Array, Layout, MessageLayout, Scalar
-from topic_scope.messages.fields import ElementKey, FieldError, Path, label_of, names_of, to_path
+from topic_scope.messages.fields import Key, FieldError, Path, label_of, names_of, to_path
 from topic_scope.timing.nanoseconds import NO_TIME, NS, array_to_ns
 
 #: Step over data: a number of bytes, or a function from data and offset to the next offset.
@@ -148,10 +148,10 @@ def steps_to(layout: MessageLayout, path: Path) -> Tuple[List[Advance], Layout]:
     steps: List[Advance] = []
     node: Layout = layout
     for position, part in enumerate(path):
-        if isinstance(part, ElementKey) and part.field and isinstance(node, Array):
+        if isinstance(part, Key) and part.field and isinstance(node, Array):
             steps.append(_step_to_labelled(node, part))
             node = node.element
-        elif isinstance(part, ElementKey) and isinstance(node, Array):
+        elif isinstance(part, Key) and isinstance(node, Array):
             names, _ = steps_to(layout, names_of(layout, path[:position]))
             steps.append(_step_to_named(node, part.encode(), names))
             node = node.element
@@ -228,7 +228,7 @@ def _step_to_named(array: Array, name: bytes, names: Sequence[Advance]) -> Advan
     return step
 
 
-def _step_to_labelled(array: Array, key: ElementKey) -> Advance:
+def _step_to_labelled(array: Array, key: Key) -> Advance:
     """Return the step to the first element with a given value of a field."""
     read = labels(array, key.field)
 

@@ -24,7 +24,7 @@ from topic_scope.messages.constants import ValueNames
 from topic_scope.messages.field_functions import FUNCTIONS, QUATERNION, STATE
 
 
-class ElementKey(str):
+class Key(str):
     """Key of an array element in place of its index: ``arm``, ``frame_id=base``."""
 
     @property
@@ -196,13 +196,13 @@ def to_path(text: str) -> Path:
             raise FieldError(f"{part!r} is not the name of a field")
         path.append(match.group(1))
         elements = [one[1:-1] for one in _BRACKETS.findall(match.group(2))]
-        path += [int(one) if one.isdigit() else ElementKey(one) for one in elements]
+        path += [int(one) if one.isdigit() else Key(one) for one in elements]
     return tuple(path)
 
 
 def to_text(path: Path) -> str:
     """Return a path as text."""
-    parts = [f"[{part}]" if isinstance(part, (int, ElementKey)) else "/" + part for part in path]
+    parts = [f"[{part}]" if isinstance(part, (int, Key)) else "/" + part for part in path]
     return "".join(parts).lstrip("/")
 
 
@@ -267,9 +267,9 @@ def leaf_at(layout: MessageLayout, path: Path) -> Layout:
     """
     node: Layout = layout
     for position, part in enumerate(path):
-        if isinstance(part, ElementKey) and not part.field:
+        if isinstance(part, Key) and not part.field:
             names_of(layout, path[:position])
-        elif isinstance(part, ElementKey) and isinstance(node, Array):
+        elif isinstance(part, Key) and isinstance(node, Array):
             label_of(node.element, part.field)
         node = _step(node, part, to_text(path[:position]) or layout.datatype)
     return node
@@ -318,7 +318,7 @@ def numeric_fields(layout: MessageLayout, lengths: Lengths = one_element) -> Lis
 
 
 def _step(node: Layout, part: Union[str, int], place: str) -> Layout:
-    if isinstance(part, (int, ElementKey)):
+    if isinstance(part, (int, Key)):
         if not isinstance(node, Array):
             raise FieldError(f"{place} is not an array")
         if isinstance(part, int) and node.length is not None and part >= node.length:

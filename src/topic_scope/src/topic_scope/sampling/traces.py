@@ -189,7 +189,7 @@ class Trace:
         self._function = field_functions.make(function)
         self._is_derivative = function == field_functions.DERIVATIVE
         #: Whether the path names an element: messages without it have no sample, and make no gap.
-        self._is_named = any(isinstance(part, fields.ElementKey) for part in path)
+        self._is_named = any(isinstance(part, fields.Key) for part in path)
         self._paths = [path + part for part in field_functions.parts(function)]
         self.states = StateTable() if function == field_functions.STATE else None
         self._decoders: List[Union[Decoder, StateDecoder]] = []

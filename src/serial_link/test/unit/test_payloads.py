@@ -85,7 +85,10 @@ GOOD = TopicInfo(125, "speed", "std_msgs/Float32", "0" * 32, 512)
         ({"name": "/"}, "'/' is not a name"),
         ({"type": "Float32"}, "type 'Float32' .* build the sketch with 0.7.8"),
         ({"type": "std_msgs/Float32/x"}, "build the sketch with 0.7.8"),
-        ({"md5sum": "0" * 31}, "build the sketch with 0.7.8; if it is, its RAM may be full"),
+        (
+            {"md5sum": "0" * 31},
+            "build the sketch with 0.7.8; if it already is, its RAM may be full",
+        ),
         ({"md5sum": "G" * 32}, "md5sum 'G"),
         ({"buffer_size": 0}, "0 bytes: in the sketch, give NodeHandle_ buffers of 1 to 32767"),
         ({"buffer_size": -25536}, "-25536 bytes"),

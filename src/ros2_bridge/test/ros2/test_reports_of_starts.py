@@ -1,7 +1,6 @@
 """Faults that users of other bridges report, of a bridge that a test starts in its own way."""
 
 import signal
-import struct
 import threading
 from typing import List
 
@@ -14,32 +13,14 @@ from rclpy.context import Context
 from rclpy.executors import SingleThreadedExecutor
 from rclpy.node import Node
 from std_msgs.msg import Float32
-from test_topics import publisher1
+from test_topics import check_no_echo
 
 from nodekit.testing.waiting import wait_until
 
 
 def test_bridge_of_another_name_in_a_namespace_has_no_echo(ros: both.Both) -> None:
-    out1 = publisher1(ros, "/both", "std_msgs/Float32")
-    out2 = ros.node.create_publisher(Float32, "/both", 100)
     with both.Bridge("__name:=link", "__ns:=/lab"):
-        recorder1, recorder2 = ros.hear1("/both", "std_msgs/Float32"), ros.hear2("/both", Float32)
-        wait_until(lambda: out1.get_num_connections() == 2, lambda: "no subscribers in ROS 1")
-        wait_until(lambda: out2.get_subscription_count() == 2, lambda: "no subscribers in ROS 2")
-        for number in range(3):
-            out1.send(struct.pack("<f", number))
-            out2.publish(Float32(data=10.0 + number))
-        recorder1.wait(6), recorder2.wait(6)
-        out1.send(struct.pack("<f", -1.0))
-        out2.publish(Float32(data=-2.0))  # behind an echo, if there was one
-        recorder1.wait(8), recorder2.wait(8)
-        expected = [-2.0, -1.0, 0.0, 1.0, 2.0, 10.0, 11.0, 12.0]
-        assert sorted(message.data for message in recorder2.heard) == expected
-        assert sorted(struct.unpack("<f", m._buff)[0] for m in recorder1.heard) == expected
-        for recorder in (recorder1, recorder2):
-            recorder.end()
-    out1.unregister()
-    ros.node.destroy_publisher(out2)
+        check_no_echo(ros)
 
 
 def test_bridge_ends_at_sigterm_and_leaves_nothing_listed(ros: both.Both) -> None:

@@ -218,10 +218,6 @@ class _SlaveApi(rosgraph.xmlrpc.XmlRpcHandler):
         """Answer ``rosrun nodekit doctor``: the bridge subscribes for these nodes."""
         return [1, "", []]
 
-    def getPublications(self, _caller: str) -> List[Any]:  # noqa: N802
-        """Return no topics: the bridge publishes for these nodes."""
-        return [1, "", []]
-
     def publisherUpdate(self, *_: Any) -> List[Any]:  # noqa: N802
         """Ignore the publishers in ROS 1: the bridge finds them itself."""
         return [1, "", 0]

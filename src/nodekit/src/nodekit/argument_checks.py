@@ -112,7 +112,7 @@ def check_timeout(timeout: object) -> None:
 
 
 def check_wait(timeout: object) -> None:
-    """Check a longest wait.
+    """Check the time-out of a wait, which may be infinite.
 
     :param timeout: the argument [s]; infinity for no limit
     :raises ValueError: if it is not a number
@@ -123,5 +123,5 @@ def check_wait(timeout: object) -> None:
 
 
 def _shown(given: object) -> str:
-    """Return an argument as its author knows it."""
+    """Return an argument as short text for an error message."""
     return str(getattr(given, "__qualname__", " ".join(repr(given).split())[:80]))

@@ -1,4 +1,4 @@
-"""Entry point of node scripts: imports rospy quickly, and calls the main of the node's module."""
+"""Entry point of node scripts: imports only needed parts of rospy, and calls a module's main."""
 
 import contextlib
 import importlib

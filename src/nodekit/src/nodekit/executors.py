@@ -50,10 +50,10 @@ class _Executor:
         PROCESS.instances(_Executor).add(self)
 
     def add_node(self, node: Node) -> None:
-        """Make the calls of a node from now on: its timers, subscriptions, services, changes.
+        """Run a node's callbacks from now on: timers, messages, services, parameter changes.
 
         The node is removed from its previous executor. Nodes that it hosts must be added
-        separately. A closed node has no calls to make.
+        separately. A closed node has no callbacks to run.
 
         :param node: the node, started or not
         """
@@ -68,9 +68,9 @@ class _Executor:
             report.create_service(f"~{SERVICE}", Trigger, lambda _: _report(node), group=NoGroup())
 
     def remove_node(self, node: Node) -> None:
-        """Make no calls of a node from now on; rospy's threads make them again.
+        """Stop running a node's callbacks; rospy's threads run them again.
 
-        Calls that are waiting are still made.
+        Waiting calls are still made.
 
         :param node: a node that was added
         """

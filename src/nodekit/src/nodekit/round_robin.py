@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Round-robin selection from a list: each call returns the next few items. Knows no ROS."""
+"""Round-robin selection from a list: each call returns the next few items; independent of ROS."""
 
 from typing import List, Sequence, TypeVar
 

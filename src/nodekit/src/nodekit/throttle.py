@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Rate limit of log lines, one per instance and key. Pure: it knows no ROS.
+"""Rate limit of log lines, one per instance and key; independent of ROS.
 
 rospy's own throttles are keyed by the line of code: two topics or two hosted nodes silence each
 other. rospy's "identical" throttles log each time that a number in the text changes.

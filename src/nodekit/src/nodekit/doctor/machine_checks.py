@@ -1,4 +1,4 @@
-"""Checks of this machine: its address, listening sockets, and ignored roslaunch arguments."""
+"""Checks of this machine: its address, ports open to the network, ignored roslaunch arguments."""
 
 import contextlib
 import glob

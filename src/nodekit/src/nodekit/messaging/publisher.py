@@ -12,7 +12,7 @@ import rospy
 from nodekit.argument_checks import check_message_class
 from nodekit.rospy_internals import outgoing_topic, registry
 
-#: Queue size of the plain publisher that is used with an unknown rospy.
+#: Queue size of the plain publisher that is used with an unknown version of rospy.
 FALLBACK_QUEUE_SIZE = 100
 
 

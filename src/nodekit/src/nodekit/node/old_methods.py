@@ -1,4 +1,4 @@
-"""Old names of a node's methods."""
+"""Deprecated names of NodeScope's methods, from nodekit 1.0."""
 
 from nodekit.deprecated import OldMethod, warn_once
 from nodekit.groups.callback_groups import (

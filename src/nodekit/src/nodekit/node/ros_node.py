@@ -1,4 +1,4 @@
-"""Node: the scope of a whole node, which starts it and hosts others."""
+"""Node: NodeScope of a whole node; starts it, and hosts other nodes in the same process."""
 
 from typing import Any, Callable, Optional
 

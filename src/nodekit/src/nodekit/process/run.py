@@ -1,4 +1,4 @@
-"""Life of a node's process: start, spin, exit status."""
+"""Main function of a node's process: starts and spins the node, and sets the exit status."""
 
 import importlib
 import os

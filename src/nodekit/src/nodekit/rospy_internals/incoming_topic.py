@@ -66,7 +66,7 @@ def subscriber_mismatch() -> str:
         add = inspect.signature(get_topic_manager()._add)
         if list(add.parameters) != ["ps", "rmap", "reg_type"]:
             return "topics are added in another way"
-    except Exception as error:  # an unknown rospy may raise anything
+    except Exception as error:  # an unknown version of rospy may raise anything
         return repr(error)
     return ""
 
@@ -132,7 +132,7 @@ def cache_statistics_setting() -> None:
         logger.is_enabled = functools.lru_cache(maxsize=None)(logger.is_enabled)
 
 
-#: rospy's class of a subscribed topic; in an unknown rospy this module is not used.
+#: rospy's class of a subscribed topic; this module is not used with unknown versions.
 _Topic: Any = getattr(rospy.topics, "_SubscriberImpl", object)
 
 

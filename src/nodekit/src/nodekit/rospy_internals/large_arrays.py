@@ -1,4 +1,4 @@
-"""Serialization of messages with one large array of bytes, such as a picture, without a copy.
+"""Serialization of messages with one large array of bytes, such as an image, without a copy.
 
 genpy's ``serialize`` copies each field several times, and its ``deserialize`` needs the whole
 message in one object. Here they are given the message without the array, which is put in its place

@@ -1,4 +1,4 @@
-"""Published topic that is sent by the publishing thread, in place of rospy's implementation object.
+"""Replacement of rospy's publisher implementation, which sends in the publishing thread.
 
 One object serves all publishers of a topic in a process; rospy uses it to send the last message of
 a latched topic to a new subscriber. Subscribers in the same process get messages directly.
@@ -72,7 +72,7 @@ def publisher_mismatch() -> str:
         if not isinstance(get_topic_manager().subs, dict):
             return "subscriptions are kept in another way"
         return subscriber_mismatch()
-    except Exception as error:  # an unknown rospy may raise anything
+    except Exception as error:  # an unknown version of rospy may raise anything
         return repr(error)
 
 
@@ -113,7 +113,7 @@ def send_directly(
 _NO_CONNECTIONS: Dict[Any, RosSubscriberConnection] = {}
 
 
-#: rospy's class of a published topic; in an unknown rospy this module is not used.
+#: rospy's class of a published topic; this module is not used with unknown versions.
 _Topic: Any = getattr(rospy.topics, "_PublisherImpl", object)
 
 

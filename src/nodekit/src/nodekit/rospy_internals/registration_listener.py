@@ -189,7 +189,7 @@ class _BatchListener(RegistrationListener):
 
 
 class _PublisherUpdateListener:
-    """Listener that sends this node publisherUpdate as the master does, for an unknown rospy."""
+    """Listener that sends this node publisherUpdate as the master does, for an unknown version."""
 
     @staticmethod
     def publisher_update(name: str, publishers: List[str]) -> None:
@@ -200,7 +200,7 @@ class _PublisherUpdateListener:
 
 
 def _listeners() -> List[Any]:
-    """Return rospy's registration listeners; exactly one in a known rospy."""
+    """Return rospy's registration listeners; exactly one in known versions."""
     return list(getattr(get_registration_listeners(), "listeners", ()))
 
 

@@ -1,4 +1,4 @@
-"""Registry of the topics and services of this process, read from rospy.
+"""Queries of rospy's registry of this process's topics and services, and a check of topic types.
 
 A topic has one type: rospy would silently use the first type for all its users in the process.
 """

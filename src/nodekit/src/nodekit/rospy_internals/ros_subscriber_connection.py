@@ -1,4 +1,4 @@
-"""Connection of a published topic to a subscriber, which logs lost messages."""
+"""Publisher's connection over a rospy transport to one subscriber, which logs lost messages."""
 
 import contextlib
 import socket
@@ -13,7 +13,7 @@ from nodekit.shared_memory.shared_connection import SharedConnection, TopicMemor
 
 
 class RosSubscriberConnection(SharedConnection):
-    """Connection to a subscriber, which logs lost messages.
+    """Publisher's connection over a rospy transport to one subscriber, which logs lost messages.
 
     :param transport: rospy's object for it
     :param lock: the topic's lock

@@ -1,4 +1,4 @@
-"""Patches, signal handlers and the start of rospy, before a node starts."""
+"""Preparation of rospy before a node starts: patches, signal handlers, and a faster init_node."""
 
 import contextlib
 import functools
@@ -61,7 +61,7 @@ def _ignore(_number: int, _frame: Optional[FrameType]) -> None:
 def fast_init_poll() -> Iterator[None]:
     """Poll fast within ``rospy.init_node``, which checks every 0.1 s whether it is registered."""
     module = rospy.impl.init
-    if getattr(module, "time", None) is not time:  # an unknown rospy
+    if getattr(module, "time", None) is not time:  # an unknown version of rospy
         yield
         return
     module.time = types.SimpleNamespace(sleep=lambda s: time.sleep(min(s, _POLL_S)))

@@ -58,7 +58,7 @@ class Reader:
         self._have = self._need = 0
 
     def _offered(self) -> Dict[str, str]:
-        """Return the header's field with the offer of a new connection."""
+        """Return the header field that offers shared memory on a new connection, if possible."""
         self._is_shared = False
         shared_memory_offers.name_transport(self._transport, is_shared=False)
         self._channel = None

@@ -43,7 +43,7 @@ _LONGEST_REASON = 500
 _CLOSED = (errno.EBADF, errno.EINVAL, errno.ENOTSOCK)
 
 _LENGTH = struct.Struct("<I")
-#: rospy's own methods, and the names that a known rospy uses in them.
+#: rospy's own methods, and the names that known versions use in them.
 _RUN, _START = TCPServer.run, TCPROSServer.start_server
 _HANDLE = getattr(TCPROSServer, "_tcp_server_callback", None)
 _RUN_USES = {"is_shutdown", "server_sock", "accept", "inbound_handler"}

@@ -20,7 +20,7 @@ INTERRUPT = "^C"
 
 
 class Instruction(NamedTuple):
-    """One thing that a reader types, and what is to be seen then.
+    """Command that a reader types, and the output to expect.
 
     :param line: line of the page
     :param typed: a command, INTERRUPT, or None to go on watching a terminal

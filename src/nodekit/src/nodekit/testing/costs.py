@@ -71,7 +71,7 @@ def delay(executor: Executor) -> float:
 
 
 def time_in_a_group() -> float:
-    """Measure what it costs that the callbacks of a node exclude each other.
+    """Measure the cost of mutual exclusion between a node's callbacks.
 
     :returns: by how much a call takes longer in a group without contention [us]
     """

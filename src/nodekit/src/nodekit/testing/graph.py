@@ -1,4 +1,4 @@
-"""Observer of the ROS graph for tests, which queries the master and is not a node."""
+"""Client of the ROS master for tests, not a node: queries and kills nodes, and sets parameters."""
 
 import os
 from typing import Any, Dict, Set

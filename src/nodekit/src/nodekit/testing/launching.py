@@ -92,7 +92,7 @@ class Launched:
 def launched(*commands: str) -> Iterator[Launched]:
     """Start launch files as roslaunch does; on exit, end their nodes and delete their parameters.
 
-    Several together take little longer than one; ``__ns:=`` separates them.
+    Starting several together takes little longer than one; ``__ns:=`` keeps their nodes apart.
 
     :param commands: arguments of ``roslaunch``: ``basic_comms cw1.launch ns:=a``, or
         a path and arguments

@@ -1,4 +1,4 @@
-"""Processes that a test starts and ends, such as a ROS master; client of the parameter server."""
+"""Processes for tests (Python program, ROS master), and a client of the parameter server."""
 
 import contextlib
 import os

@@ -12,7 +12,7 @@ class _Server(socketserver.ThreadingMixIn, SimpleXMLRPCServer):
 
 
 class SlowMaster:
-    """Proxy that forwards every call to a real master, one of them only on :attr:`go_on`.
+    """Proxy that forwards each call to a real master, but holds one until :attr:`go_on` is set.
 
     :param master_uri: URI of the real master
     :param method: name of the call to hold, e.g. registerService

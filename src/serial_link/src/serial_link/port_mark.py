@@ -1,4 +1,4 @@
-"""Mark file beside the link to a simulated board's port, to detect links of ended processes.
+"""Mark file beside the symbolic link to a simulated board's port, to detect stale links.
 
 A killed board leaves its link behind, and the system reuses the terminal's number for the next
 program. The folder may be world-writable, so a mark may be another user's file.

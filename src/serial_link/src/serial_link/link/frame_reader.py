@@ -1,4 +1,4 @@
-"""Reader of frames from a board's port, which counts damaged frames and explains silence."""
+"""Reader of frames from a board's port: counts damaged frames, and diagnoses a silent board."""
 
 from typing import Dict, List, NamedTuple
 
@@ -40,7 +40,7 @@ class FrameReader:
         self._diagnosis.clear()
 
     def accept_up_to(self, longest: int) -> None:
-        """Set the length above which a frame is damage.
+        """Set the length above which a frame counts as damaged.
 
         :param longest: size of the board's send buffer, for one frame [bytes]; 0 if it is unknown
         """

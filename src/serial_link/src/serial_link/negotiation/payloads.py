@@ -141,7 +141,7 @@ def decode_name(payload: bytes) -> str:
 
 
 class ParameterValues(NamedTuple):
-    """A parameter as a board gets it: it takes the list of the type that it asks for."""
+    """Answer to a parameter request: one list per type; the board uses the requested one."""
 
     ints: Sequence[int] = ()
     floats: Sequence[float] = ()
@@ -211,7 +211,7 @@ def _text(text: str) -> bytes:
 
 
 class _Reader:
-    """Reads one value after the other, and no further than there is."""
+    """Sequential reader of a payload's values, which rejects a truncated payload."""
 
     def __init__(self, data: bytes) -> None:
         self._data, self._place = data, 0

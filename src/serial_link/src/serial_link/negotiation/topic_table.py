@@ -1,4 +1,4 @@
-"""Table of a board's topics and services, filled in rounds of announcements."""
+"""Table of a board's topics and services, from its announcements after each topic request."""
 
 from typing import Dict, List, NamedTuple, Optional, Set, Tuple
 

@@ -1,4 +1,4 @@
-"""Environment variables of the ROS 2 middleware."""
+"""Environment variables for the ROS 2 middleware (Fast DDS): UDP, this machine only by default."""
 
 import pathlib
 from typing import Dict, Mapping

@@ -38,7 +38,7 @@ BUILDER = pathlib.Path(__file__).with_name("twin_builder.py")
 
 
 class Unavailable(Exception):
-    """The environment cannot be created; the text gives the cause."""
+    """Error of an environment that cannot be created; the text gives the cause."""
 
 
 def say(text: str) -> None:

@@ -1,4 +1,4 @@
-"""ROS 1 graph without the bridge: nodes, topics and services."""
+"""Snapshot of the ROS 1 graph (nodes, topics, services), without the bridge's own nodes."""
 
 from typing import Dict, NamedTuple, Set
 

@@ -1,4 +1,4 @@
-"""ROS 2 graph without the bridge: nodes, topics and services."""
+"""Reader of the ROS 2 graph (nodes, topics, services), without the bridge's own nodes."""
 
 import collections
 from typing import Any, Callable, Dict, List, NamedTuple, Optional, Set, Tuple
@@ -170,7 +170,7 @@ def _asked(ask: Callable[[str, str], Any], node: str) -> List[Any]:
 
 
 def _is_of_use(topic: str) -> bool:
-    """Return whether the users of a topic matter."""
+    """Return whether to search for users of a topic: not of reserved ones, except /rosout."""
     return topic == ROSOUT or not is_reserved(topic)
 
 

@@ -1,4 +1,4 @@
-"""Base class of bridges: creates and closes pairs as topics come and go; imports neither ROS."""
+"""Base class of bridges: opens and closes ROS 1/ROS 2 pairs of topics, services or actions."""
 
 from typing import (
     Any,

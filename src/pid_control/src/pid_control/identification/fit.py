@@ -52,7 +52,7 @@ def identify(record: Record) -> Identification:
     :meth:`.Fit.uncertainty`.
 
     :param record: a record of the plant
-    :raises IdentificationError: if the record does not determine the plant; the message says why
+    :raises IdentificationError: if the record does not determine the plant
     """
     fit = best_fit(record)
     row = fit.row

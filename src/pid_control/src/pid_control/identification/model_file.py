@@ -27,7 +27,7 @@ _UNLIMITED = 1e9
 
 
 class ModelError(ValueError):
-    """The text is not a valid model; the message says why."""
+    """Error of an invalid model file; the text gives the reason."""
 
 
 def as_yaml(found: Identification, origin: str) -> str:

@@ -12,7 +12,7 @@ _STREAM_HZ = 5.0
 
 
 class IdentificationError(ValueError):
-    """The record does not determine the plant; the message says why."""
+    """Error of a record that does not determine the plant; the text gives the reason."""
 
 
 class Record(NamedTuple):

@@ -1,4 +1,4 @@
-"""Selection of the terms of a model by evidence: dead zone, limit, offset and friction."""
+"""Selection of a plant model's terms (dead zone, limit, offset, friction) by Bayesian criterion."""
 
 import math
 from typing import List, Optional

@@ -1,4 +1,4 @@
-"""Probes of a controller with a held motor: small to large errors of both signs."""
+"""Test errors for a controller while the motor is held, and the law fitted to its answers."""
 
 from typing import List, NamedTuple, Optional, Sequence, Tuple
 

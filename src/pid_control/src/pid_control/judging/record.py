@@ -1,4 +1,4 @@
-"""Record of one run of a scenario: the loop over time, the answers, and a failure."""
+"""Record of one run of a scenario: set point, speed and input over time, and any failure."""
 
 from typing import List, NamedTuple, Sequence, Tuple
 

@@ -25,7 +25,7 @@ _DRIVE = re.compile("[A-Za-z]:")
 
 
 class ArchiveError(Exception):
-    """An archive is not unpacked; the message says why."""
+    """Error of an archive that is not unpacked; the text gives the reason."""
 
 
 def stem_of(name: str) -> str:

@@ -20,7 +20,7 @@ _INIT = "import pkgutil\n\n__path__ = pkgutil.extend_path(__path__, __name__)\n"
 
 
 class MessageTypeError(Exception):
-    """A type cannot be used for a topic; the message says why."""
+    """Error of a type that cannot be used for a topic; the text gives the reason."""
 
 
 def definitions(package: str) -> Dict[str, str]:

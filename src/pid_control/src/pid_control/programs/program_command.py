@@ -23,7 +23,7 @@ _NEAR = 0.75
 
 
 class CommandError(Exception):
-    """The controller cannot be found or started; the message says why."""
+    """Error of a controller that cannot be found or started; the text gives the reason."""
 
 
 class ProgramCommand(NamedTuple):
@@ -161,7 +161,7 @@ def package_environment(package: str, environment: Mapping[str, str]) -> Iterato
 
 
 def load_launch_file(path: str, arguments: Sequence[str]) -> Any:
-    """Return the configuration of a launch file, without roscore's, which starts two commands.
+    """Return the configuration of a launch file, without roscore.xml, which runs two commands.
 
     :param path: path of the launch file
     :param arguments: its arguments, ``NAME:=VALUE``

@@ -11,7 +11,7 @@ from pid_control.verdicts.limits import Figures
 
 
 class NothingToJudge(Exception):
-    """A package has nothing to judge; the message says why."""
+    """Error of a package with nothing to judge; the text gives the reason."""
 
 
 class SubjectFinder(Protocol):

@@ -20,7 +20,7 @@ _NEEDS = ("depend", "build_depend", "exec_depend", "run_depend")
 
 
 class RosterError(Exception):
-    """A roster cannot be read; the message says why."""
+    """Error of a roster that cannot be read; the text gives the reason."""
 
 
 class Submission(NamedTuple):

@@ -9,7 +9,7 @@ _PART = re.compile(r"([A-Za-z]\w*)(?:\[(\d+)\])?\Z", re.ASCII)
 
 
 class FieldError(ValueError):
-    """A field is missing or not a number; the message says why."""
+    """Error of a field that is missing or not a number; the text gives the reason."""
 
 
 class Field(NamedTuple):

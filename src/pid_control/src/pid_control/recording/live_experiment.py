@@ -36,7 +36,7 @@ class DriveSettings(NamedTuple):
 
 
 class DriveError(Exception):
-    """The plant cannot be driven; the message says why."""
+    """Error of a plant that cannot be driven; the text gives the reason."""
 
 
 class LiveExperiment:

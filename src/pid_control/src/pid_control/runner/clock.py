@@ -1,4 +1,4 @@
-"""Pacing of a scenario's steps: by an idle controller in simulated time, or by the wall clock."""
+"""Clocks that pace a scenario: simulated (advanced when the controller is idle), or wall clock."""
 
 import time
 from typing import Callable, List, Optional, Protocol

@@ -2,12 +2,12 @@
 
 
 class JudgingError(Exception):
-    """The controller cannot be judged; the message says why."""
+    """Error of a controller that cannot be judged; the text gives the reason."""
 
 
 class BusyMachineError(JudgingError):
-    """The machine is too busy for a judgement."""
+    """Error of a machine that is too busy for a judgement."""
 
 
 class TimeLimitExceeded(Exception):
-    """The judgement exceeds its time limit."""
+    """Error of a judgement that exceeds its time limit."""

@@ -24,7 +24,7 @@ _STANDS = 0.5
 
 
 class PlantError(Exception):
-    """The plant cannot be used for judging; the message says why."""
+    """Error of a plant that cannot be used for judging; the text gives the reason."""
 
 
 class RealPlant:

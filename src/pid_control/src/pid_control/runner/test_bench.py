@@ -19,7 +19,7 @@ NAME = "judge"
 
 
 class PublisherConflict(Exception):
-    """Another node publishes a topic of the bench; the message names it."""
+    """Error of another node that publishes a topic of the bench; the text names the node."""
 
 
 def ask_types(uris: Dict[str, str]) -> Tuple[Dict[str, str], List[str]]:

@@ -58,7 +58,7 @@ class Channel(NamedTuple):
 
 
 class AmbiguousChannelsError(Exception):
-    """Several channels may be the signal; the message lists them."""
+    """Error of several channels that may be the signal; the text lists them."""
 
 
 def oscillates(channel: Channel) -> bool:

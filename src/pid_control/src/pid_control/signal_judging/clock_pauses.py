@@ -1,4 +1,4 @@
-"""Check for the machine's clock: whether values changed while the simulated clock was paused."""
+"""Detection of nodes that use the wall clock: their values change while /clock is paused."""
 
 import bisect
 import itertools

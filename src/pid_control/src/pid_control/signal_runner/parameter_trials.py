@@ -1,4 +1,4 @@
-"""Trials with other parameters: from the YAML files, the launch file, and the sources."""
+"""Trials with changed parameters (YAML, launch file, sources), to see which nodes use them."""
 
 import os
 import shutil

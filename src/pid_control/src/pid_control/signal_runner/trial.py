@@ -46,7 +46,7 @@ _FLOOD = 200
 
 
 class TrialError(Exception):
-    """A node fails in a trial.
+    """Error of a node that fails in a trial.
 
     :ivar flaw: short name
     :ivar node: name of the node; empty if unknown
@@ -59,7 +59,7 @@ class TrialError(Exception):
 
 
 class NotConnectedError(Exception):
-    """Neither node subscribes to the other; the message has the topics of each."""
+    """Error of two nodes that are not connected; the text lists the topics of each."""
 
 
 class Trial:
@@ -171,7 +171,7 @@ class Trial:
         """Run until one node receives another's topic, and return both.
 
         :raises TrialError: if a node ends
-        :raises NotConnectedError: if no node does
+        :raises NotConnectedError: if no node receives another's topic
         """
         found: Dict[str, NodeTopics] = {}
         changed_at = self.now, time.monotonic()

@@ -1,4 +1,4 @@
-"""Judgement of a submission: figures, failures, and their causes."""
+"""Judgement of a submission: measured values and their limits, failures, and their causes."""
 
 import math
 from typing import Dict, List, NamedTuple, Optional, Sequence

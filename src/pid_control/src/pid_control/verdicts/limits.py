@@ -12,7 +12,7 @@ Figures = Mapping[str, Sequence[str]]
 
 
 class LimitsError(ValueError):
-    """The limits are invalid; the message names them and the allowed ones."""
+    """Error of invalid limits; the text names them and the allowed ones."""
 
 
 class _Loader(yaml.SafeLoader):

@@ -54,7 +54,7 @@ def phase(samples: Samples, reference: Samples, longest: float = math.inf) -> Me
     """Return the phase lead of a trace over a reference, at the frequency of the reference.
 
     :param samples: times in s, ascending, and values of the trace
-    :param reference: the same of the reference
+    :param reference: times in s, ascending, and values of the reference
     :param longest: longest time between connected samples of the reference [s]
     :returns: above -180 and up to 180 [degrees]
     """

@@ -1,4 +1,4 @@
-"""Lines of a plot that names select in a bag: their time series, without unreadable topics."""
+"""Time series of the fields and formulas that names select in a bag, without unreadable topics."""
 
 from typing import Dict, Iterable, List, Mapping, Optional, Sequence, Tuple
 

@@ -22,7 +22,7 @@ _VENV_LIMIT_S, _FETCH_LIMIT_S = 300.0, 600.0
 
 
 class Unavailable(Exception):
-    """The library cannot be fetched; the text states the reason."""
+    """Error of a library that cannot be fetched; the text states the reason."""
 
 
 def enter() -> None:

@@ -41,7 +41,7 @@ _FOREIGN = "/" + dynamic_reconfigure_panels.SERVICE
 
 
 class _NoPanel(Exception):
-    """The node does not describe its parameters."""
+    """Error of a node that does not describe its parameters."""
 
 
 class PanelManager:

@@ -1,4 +1,4 @@
-"""Services with a button: SetBool and Trigger."""
+"""Calls of SetBool and Trigger services, for which pages show buttons."""
 
 from typing import Any, Callable, Dict, List
 

@@ -99,7 +99,7 @@ class Elementwise:
         )
 
     def signal(self, operands: Operands, start: int, end: int) -> Signal:
-        """As of :class:`Field`."""
+        """See :meth:`Field.signal`."""
         first, *others = self._signals
         base = first.signal(operands, start, end)
         rows = [one.at(operands, base.times, start, end) for one in others]
@@ -117,11 +117,11 @@ class Elementwise:
             )
 
     def until(self, operands: Operands) -> int:
-        """As of :class:`Field`."""
+        """See :meth:`Field.until`."""
         return min(one.until(operands) for one in self._signals)
 
     def lookaround(self, operands: Operands) -> Tuple[float, float]:
-        """As of :class:`Field`."""
+        """See :meth:`Field.lookaround`."""
         back, ahead = self._signals[0].lookaround(operands)
         for other in self._signals[1:]:
             before, after = other.lookaround(operands)
@@ -141,7 +141,7 @@ class Windowed(_Sampled):
         self.fields = of.fields
 
     def until(self, operands: Operands) -> int:
-        """As of :class:`Field`."""
+        """See :meth:`Field.until`."""
         return self._of.until(operands)
 
 
@@ -157,16 +157,16 @@ class Delay(Windowed):
         self._seconds, self._ns = seconds, to_ns(seconds)
 
     def signal(self, operands: Operands, start: int, end: int) -> Signal:
-        """As of :class:`Field`."""
+        """See :meth:`Field.signal`."""
         found = self._of.signal(operands, shifted(start, -self._ns), shifted(end, -self._ns))
         return delayed(found, self._ns)
 
     def until(self, operands: Operands) -> int:
-        """As of :class:`Field`."""
+        """See :meth:`Field.until`."""
         return shifted(self._of.until(operands), self._ns)
 
     def lookaround(self, operands: Operands) -> Tuple[float, float]:
-        """As of :class:`Field`."""
+        """See :meth:`Field.lookaround`."""
         back, ahead = self._of.lookaround(operands)
         return back + self._seconds, ahead - self._seconds
 
@@ -175,19 +175,19 @@ class Derivative(Windowed):
     """Derivative of a signal per second, at the middle of each two samples."""
 
     def signal(self, operands: Operands, start: int, end: int) -> Signal:
-        """As of :class:`Field`."""
+        """See :meth:`Field.signal`."""
         more = to_ns(operands.longest_step(self.fields[0]))
         return slope(self._of.signal(operands, shifted(start, -more), shifted(end, more)))
 
     def until(self, operands: Operands) -> int:
-        """As of :class:`Field`."""
+        """See :meth:`Field.until`."""
         end = self._of.until(operands)
         begin = shifted(end, -to_ns(operands.longest_step(self.fields[0])))
         times = self._of.signal(operands, begin, end).between(to_ns(-math.inf), end).times[-2:]
         return int(times[0] + (times[1] - times[0]) // 2) if len(times) > 1 else to_ns(-math.inf)
 
     def lookaround(self, operands: Operands) -> Tuple[float, float]:
-        """As of :class:`Field`."""
+        """See :meth:`Field.lookaround`."""
         back, ahead = self._of.lookaround(operands)
         more = operands.longest_step(self.fields[0])
         return back + more, ahead + more
@@ -206,12 +206,12 @@ class LowPass(Windowed):
         self._past = SETTLED / (2.0 * math.pi * cutoff)
 
     def signal(self, operands: Operands, start: int, end: int) -> Signal:
-        """As of :class:`Field`."""
+        """See :meth:`Field.signal`."""
         begin = shifted(start, -to_ns(self._past))
         return low_passed(self._of.signal(operands, begin, end), self._cutoff)
 
     def lookaround(self, operands: Operands) -> Tuple[float, float]:
-        """As of :class:`Field`."""
+        """See :meth:`Field.lookaround`."""
         back, ahead = self._of.lookaround(operands)
         return back + self._past, ahead
 
@@ -228,11 +228,11 @@ class Mean(Windowed):
         self._seconds, self._ns = seconds, to_ns(seconds)
 
     def signal(self, operands: Operands, start: int, end: int) -> Signal:
-        """As of :class:`Field`."""
+        """See :meth:`Field.signal`."""
         return averaged(self._of.signal(operands, shifted(start, -self._ns), end), self._ns)
 
     def lookaround(self, operands: Operands) -> Tuple[float, float]:
-        """As of :class:`Field`."""
+        """See :meth:`Field.lookaround`."""
         back, ahead = self._of.lookaround(operands)
         return back + self._seconds, ahead
 
@@ -251,20 +251,20 @@ class Extreme(Windowed):
         self._seconds, self._ns = seconds, to_ns(seconds)
 
     def signal(self, operands: Operands, start: int, end: int) -> Signal:
-        """As of :class:`Field`."""
+        """See :meth:`Field.signal`."""
         found = self._around(operands, start, end)
         return found._replace(values=extreme(found, found.times, self._ns, self.pick))
 
     def at(self, operands: Operands, times: numpy.ndarray, start: int, end: int) -> numpy.ndarray:
-        """As of :class:`Field`, but around the given times, not around the sample times."""
+        """Return the maxima or minima around some times, not around the sample times."""
         return extreme(self._around(operands, start, end), times, self._ns, self.pick)
 
     def until(self, operands: Operands) -> int:
-        """As of :class:`Field`."""
+        """See :meth:`Field.until`."""
         return shifted(self._of.until(operands), -self._ns)
 
     def lookaround(self, operands: Operands) -> Tuple[float, float]:
-        """As of :class:`Field`."""
+        """See :meth:`Field.lookaround`."""
         back, ahead = self._of.lookaround(operands)
         more = self._seconds + operands.longest_step(self.fields[0])
         return back + more, ahead + more

@@ -1,4 +1,4 @@
-"""Mask: limits around a reference trace, by a distance in value and in time.
+"""Mask test: limits around a reference trace, and the check of each sample against them.
 
 The limits are formulas, so they are drawn and saved like all traces; another formula computes the
 excess of each sample over the limits.

@@ -24,7 +24,7 @@ COUNT = struct.Struct("<I")
 
 
 class ElementMissing(Exception):
-    """An array ends before the element, or no element has the name."""
+    """Error of an array that ends before the element, or has no element of the name."""
 
 
 class Decoder:

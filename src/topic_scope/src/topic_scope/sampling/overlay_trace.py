@@ -116,6 +116,6 @@ class OverlayTrace(Trace):
         return 0.0 if len(self.ring) else None
 
     def rows(self, start: int, end: int) -> Rows:
-        """As of :class:`.Trace`; the receipt times are the times of recording."""
+        """See :meth:`.Trace.rows`; the receipt times are the times of recording."""
         times, values, _ = super().rows(start, end)
         return times, values, times

@@ -90,7 +90,7 @@ def owner_of_master(uri: str, pid: int) -> Optional[str]:
     """Return the name of the user that runs the master on this machine.
 
     :param uri: URI of the master
-    :param pid: its process id, as it reports it
+    :param pid: its process id, as reported by the master
     :returns: None for a master elsewhere, as in a container
     """
     if not rosgraph.network.is_local_address(urlsplit(uri).hostname or ""):

@@ -38,7 +38,7 @@ class _Admission(NamedTuple):
 
 
 class CallbackGroup:
-    """Base class of callback groups; as a context manager, it is entered and left.
+    """Base class of callback groups; a ``with`` statement enters and leaves the group.
 
     :param urgent: whether an executor runs its callbacks before those of other groups
     """

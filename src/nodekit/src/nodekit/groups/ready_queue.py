@@ -24,7 +24,7 @@ class _WaitingItem(NamedTuple):
 
 
 class CallQueue:
-    """Queue of the items that one callback is to be called for.
+    """Queue of the items that wait for one callback.
 
     :param ready: where it waits for a thread once its group is reserved for it
     :param group: its group
@@ -87,7 +87,7 @@ class CallQueue:
         return [self._waiting.popleft().thing for _ in range(count)]
 
     def must_request(self) -> bool:
-        """Return whether it must request admission now: an item waits, and no request does."""
+        """Return whether to request admission now: an item waits, and no request is pending."""
         requested, self._requested = self._requested, bool(self._waiting)
         return self._requested and not requested
 

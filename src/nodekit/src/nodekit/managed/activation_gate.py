@@ -98,7 +98,7 @@ class ManagedPublisher(Publisher):
     Messages at other times are dropped. The last message of a latched topic is a state: it is kept
     and sent when the node becomes active.
 
-    :param gate: says whether the node is active
+    :param gate: holds whether the node is active
     :param name: topic, resolved
     :param data_class: message class
     :param latch: whether later subscribers get the last message
@@ -184,7 +184,7 @@ class ManagedPublisher(Publisher):
 class ManagedTimer(NodeTimer):
     """Timer that ticks only while its node is active.
 
-    :param gate: says whether the node is active
+    :param gate: holds whether the node is active
     :param options: as for :class:`.NodeTimer`
     """
 
@@ -211,7 +211,7 @@ class ManagedTimer(NodeTimer):
         self.update()
 
     def update(self) -> None:
-        """Start or stop ticking, as the gate says."""
+        """Start or stop ticking, according to the gate."""
         ticks: Optional[bool] = None
         while ticks is not self._gate.ticks:  # the gate may change while the rate function runs
             ticks = self._gate.ticks

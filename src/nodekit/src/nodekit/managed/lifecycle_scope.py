@@ -29,7 +29,7 @@ class LifecycleScope(NodeScope):
     Its publishers publish and its timers tick only while the node is active.
 
     :param parent: the scope that this one is closed with
-    :param gate: says whether the node is active
+    :param gate: holds whether the node is active
     :param created_at: label of the transition that creates it
     :param start_queue: opens what is created; a new one by default
     """

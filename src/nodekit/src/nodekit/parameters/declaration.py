@@ -73,7 +73,7 @@ def read_once(parameter: Kind) -> Kind:
     """Mark a parameter that a node reads only when it is created.
 
     A change is validated like any other, and takes effect at the next start or, for objects that a
-    managed node creates, at the next configure or activate. Descriptions say so.
+    managed node creates, at the next configure or activate. Descriptions show that.
 
     :param parameter: the parameter
     :returns: the same parameter

@@ -31,7 +31,7 @@ def host(name: str, members: Sequence[Member]) -> None:
 def host_all(node: Node, members: Sequence[Member]) -> List[Node]:
     """Host many nodes in one; read their parameters with a few requests.
 
-    A node whose parameters are rejected is not started, and the log says why.
+    A node whose parameters are rejected is not started, and the log has the reason.
 
     :param node: the hosting node
     :param members: base name, namespace and class of each

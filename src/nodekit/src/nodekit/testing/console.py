@@ -71,7 +71,7 @@ def plain(output: str) -> str:
 
 
 def is_all(expected: Sequence[str], output: str) -> bool:
-    """Tell whether output is what is expected, from the first line to the last."""
+    """Return whether the whole output is as expected, from the first line to the last."""
     parts = [r"(?:.*\n)*?" if line == ANYTHING else _pattern(line) + r"\s*\n" for line in expected]
     text = output.rstrip("\n") + "\n" if output.strip() else ""
     return re.fullmatch("".join(parts), text) is not None

@@ -20,7 +20,7 @@ def wait_until(
     """Poll until the condition holds.
 
     :param condition: called repeatedly, until its result is truthy
-    :param what: called on failure, for a text that says what was missing
+    :param what: called on failure; returns a description of what was missing
     :param timeout: longest wait [s]
     :returns: the truthy result
     :raises AssertionError: after the time-out

@@ -13,7 +13,7 @@ _SAME = {"tf/tfMessage": "tf2_msgs/TFMessage"}
 
 
 class TypeRefused(ValueError):
-    """A type that is not installed, or has another md5sum; the text says which."""
+    """A type that is not installed, or has another md5sum; the text gives the reason."""
 
 
 class MalformedMessage(ValueError):

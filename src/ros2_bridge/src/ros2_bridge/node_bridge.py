@@ -166,7 +166,7 @@ class NodeBridge:
         return self._names.in_ros2(name) or name
 
     def _chosen(self, nodes: Set[str], describing: Set[str], most: int) -> List[str]:
-        """Return the nodes to show: nodes before the parts of nodes, which describe parameters."""
+        """Return the nodes to show: registered ones first, then hosted ones with ~describe."""
         order = rank_names(self._to_ros2, nodes, describing)
         legal = [name for name in order if _LEGAL.match(self._names.in_ros2(name) or "")]
         return self._at_most(legal, most, "nodes of ROS 1")

@@ -88,7 +88,7 @@ class ServiceTypes:
         except CallError as error:  # a later poll queries it again
             why = str(error)
         except MasterUnreachable:
-            pass  # this says nothing about the server
+            pass  # the server may still answer
         finally:
             with self._lock:
                 self._asked.discard(name)

@@ -178,7 +178,7 @@ class SignalSession:
             self._repeat_if_distorted(baseline, pair)
 
     def _repeat_if_distorted(self, first: BaselineTrial, pair: NodePair) -> None:
-        """Repeat a record that a busy machine may have distorted; a flaw distorts each."""
+        """Repeat a record that a busy machine may have distorted; a flaw distorts every record."""
         baseline, repeated = first, 0
         while baseline.features.distortion > DISTORTED and repeated < _MOST_REPEATED:
             baseline, repeated = self._repeat_baseline(pair), repeated + 1

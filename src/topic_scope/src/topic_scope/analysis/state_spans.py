@@ -32,7 +32,7 @@ def state_spans(
     If there are more than ``most``, spans that start within one width are merged, except the last
     of them.
 
-    :param times: when samples were taken, ascending [ns]
+    :param times: times of the samples, ascending [ns]
     :param numbers: number of the state of each; NaN if unknown
     :param start: spans that end earlier are left out [ns]
     :param width: time in which spans are merged if there are too many [ns]

@@ -16,7 +16,7 @@ def paired(x: Samples, y: Samples, longest: float) -> numpy.ndarray:
     """Return one trace against another.
 
     :param x: times in s or ns, ascending, and values of the horizontal trace
-    :param y: the same of the vertical trace
+    :param y: times and values of the vertical trace
     :param longest: the longest time between two samples of x to interpolate in [s]
     :returns: x and y at the times of y; both NaN if x is unknown, or either is not finite
     """

@@ -3,6 +3,7 @@
 
 import json
 import os
+import re
 import signal
 import socket
 import subprocess
@@ -25,7 +26,7 @@ from nodekit.rospy_internals import outgoing_topic
 from nodekit.testing.processes import hanging
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
-from nodekit.transport import delivery
+from nodekit.transport import delivery, subscriber_connection
 
 HELPERS = os.path.join(os.path.dirname(os.path.realpath(__file__)), os.pardir, "helpers")
 
@@ -286,6 +287,36 @@ class PublishingTest(unittest.TestCase):
         self.assertNotIn(self.topic, [connection[4] for connection in connections])
         with self.assertRaises(rospy.ROSException):
             publisher.publish(String())
+
+    def test_closing_waits_for_a_subscriber_that_takes_what_is_held(self):
+        for limit in ("CLOSING_STALL_S", "CLOSING_PATIENCE_S"):  # a busy machine is slow
+            module = subscriber_connection if limit == "CLOSING_STALL_S" else delivery
+            patience = mock.patch.object(module, limit, TIME_OUT)
+            patience.start()
+            self.addCleanup(patience.stop)
+        publisher = self.publisher(queue_size=20)
+        _, node = self.subscriber(publisher)
+        for number in range(20):
+            publisher.publish(String(numbered("a", number, 5_000_000)))
+        publisher.close()
+        record = self.wait_for(node, self.last(19), "the last one has arrived")
+        self.assertEqual((record["numbers"]["a"], record["torn"]), (list(range(20)), 0))
+
+    def test_closing_counts_what_a_stopped_subscriber_loses(self):
+        publisher = self.publisher(queue_size=5)
+        name, node = self.subscriber(publisher)
+        with hanging(node.process.pid), self.assertLogs("rosout", "WARNING") as logged:
+            self.publish_until_stalled(publisher, name)
+            self.publish(publisher, 10)
+            lost = self.statistics_of(publisher, name).lost
+            publisher.close()
+        (warning,) = [line for line in logged.output if ": closing;" in line]
+        expected = rf"{self.topic}: closing; subscriber {name} does not read: (\d+) messages lost"
+        (unsent,) = re.findall(expected, warning)
+        received = self.count - lost - int(unsent)
+        record = self.wait_for(node, lambda one: len(one["numbers"]["a"]) >= received, "it reads")
+        self.assertEqual(record["numbers"]["a"], list(range(received)))
+        self.assertGreaterEqual(int(unsent), 5)
 
     def test_closing_during_opening_leaves_nothing(self):
         publisher = Publisher(self.topic, String)

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from nodekit.testing.waiting import wait_until
-from nodekit.transport import delivery
+from nodekit.transport import delivery, subscriber_connection
 from nodekit.transport.subscriber_connection import (
     PROBATION_S,
     REPORT_PERIOD_S,
@@ -254,6 +254,27 @@ def test_receiver_that_takes_data_has_not_stalled(pairs, clock):
         assert not link.takes_nothing(clock.now)
     clock.now += 1.1 * STALL_S
     assert link.takes_nothing(clock.now)
+
+
+@pytest.mark.parametrize("reads", [True, False])
+def test_closing_topic_waits_only_for_a_receiver_that_takes_data(pairs, monkeypatch, reads):
+    monkeypatch.setattr(delivery, "CLOSING_PATIENCE_S", TIME_OUT)
+    if reads:
+        monkeypatch.setattr(subscriber_connection, "CLOSING_STALL_S", TIME_OUT)
+    ours, theirs = pairs()
+    link = SubscriberConnection("slow", ours, threading.RLock(), depth=2)
+    for number in range(3):
+        delivery.deliver(packet(number, len(BIG)), [link])
+    reader = threading.Thread(target=receive, args=(theirs, 3 * len(packet(0, len(BIG)))))
+    if reads:
+        reader.start()
+    began = time.monotonic()
+    assert delivery.finish([link]) == ([] if reads else [link])
+    assert time.monotonic() - began < TIME_OUT / 2
+    assert link.unsent_messages == (0 if reads else 3)
+    if reads:
+        reader.join(TIME_OUT)
+        assert not reader.is_alive()
 
 
 def test_receiver_is_served_immediately_while_another_is_watched(pairs, monkeypatch):

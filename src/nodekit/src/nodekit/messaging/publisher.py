@@ -133,11 +133,14 @@ class Publisher:
             self.close()
 
     def close(self) -> None:
-        """Stop publishing."""
+        """Stop publishing, after up to 2 s for subscribers that still take held messages."""
         self._is_closed = True
         with self._lock:
-            publisher, self._publisher, self._topic = self._publisher, None, None
+            publisher, topic = self._publisher, self._topic
+            self._publisher = self._topic = None
         if publisher is not None:
+            if topic is not None:
+                topic.finish()
             publisher.unregister()
 
     def publish(self, *args: Any, **kwds: Any) -> None:

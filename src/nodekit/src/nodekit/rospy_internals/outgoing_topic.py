@@ -30,7 +30,7 @@ from nodekit.rospy_internals.ros_subscriber_connection import RosSubscriberConne
 from nodekit.shared_memory.frame import NO_FIELD
 from nodekit.shared_memory.segment_pool import Segment
 from nodekit.shared_memory.shared_connection import LEAST_BYTES, TopicMemory
-from nodekit.transport.delivery import deliver, send_to_all, serve_later
+from nodekit.transport.delivery import deliver, finish, send_to_all, serve_later
 from nodekit.transport.subscriber_connection import SubscriberConnection
 
 _PUBLISHER_ATTRIBUTES = (
@@ -263,6 +263,15 @@ class OutgoingTopic(_Topic):
         start = len(body.head)
         stop = start + len(body.array)
         return self._memory.write([body.head, body.array, body.tail], start, stop, body.field)
+
+    def finish(self) -> None:
+        """Wait for subscribers that still take held messages; report unsent messages as lost.
+
+        To be called without locks before the topic closes; not if it has another publisher.
+        """
+        if self.ref_count <= 1:
+            for link in finish(self.links()):
+                link.report_unsent()
 
     def close(self) -> None:
         """Close the topic's connections, and give back its memory."""

@@ -64,3 +64,8 @@ class RosSubscriberConnection(SharedConnection):
             rospy.logwarn("%s: subscriber %s does not keep up: %d messages lost, %d in all", *what)
         else:
             rospy.loginfo("%s: subscriber %s keeps up again: %d more lost, %d in all", *what)
+
+    def report_unsent(self) -> None:
+        """Report that the messages that are still held are lost, as the topic closes."""
+        what = (self._topic, self.name, self.unsent_messages)
+        rospy.logwarn("%s: closing; subscriber %s does not read: %d messages lost", *what)

@@ -15,12 +15,15 @@ import os
 import select
 import threading
 import time
-from typing import Dict, Iterable, Iterator, List, Optional, Set
+from typing import Dict, Iterable, Iterator, List, Optional, Sequence, Set
 
 from nodekit.transport.subscriber_connection import SubscriberConnection
 
 #: Longest wait of one delivery for all its receivers together [s].
 PATIENCE_S = 0.05
+#: Longest wait for the receivers of a closing topic, if they take data [s]; time between checks.
+CLOSING_PATIENCE_S = 2.0
+CLOSING_PERIOD_S = 0.005
 #: Longest time between two checks of stalled receivers for closed sockets and reports [s].
 DRAIN_PERIOD_S = 0.1
 #: Pause of the background thread [s]: a socket short of memory is "writable" but accepts nothing.
@@ -66,6 +69,22 @@ def serve_later(full: List[SubscriberConnection]) -> None:
             _wait(full)
         finally:  # also if a signal handler raises: otherwise held data would never be sent
             _mark_stalled([link for link in full if link.held])
+
+
+def finish(links: Sequence[SubscriberConnection]) -> List[SubscriberConnection]:
+    """Wait until held data is sent, at most :data:`CLOSING_PATIENCE_S`, if receivers take it.
+
+    :param links: connections to the receivers of a topic that is about to close, without their lock
+    :returns: connections with unsent data
+    """
+    deadline = time.monotonic() + CLOSING_PATIENCE_S
+    now = 0.0
+    while now < deadline:
+        now = time.monotonic()
+        if not any(link.takes_held_data(now) for link in links):
+            break
+        time.sleep(CLOSING_PERIOD_S)
+    return [link for link in links if link.held]
 
 
 def _wait(full: List[SubscriberConnection]) -> None:

@@ -22,8 +22,10 @@ MOST_HELD = 256_000_000
 MOST_AT_ONCE = 100
 #: Memory of an empty delivery [bytes], measured with CPython 3.11.
 _OVERHEAD = 400
-#: A receiver that takes no data for this long has stalled [s].
+#: A receiver that takes no data for this long has stalled [s]; when its topic closes, and it may
+#: be at work on the message before.
 STALL_S = 0.05
+CLOSING_STALL_S = 0.2
 #: Shortest time between two reports of the same type about the same receiver [s].
 REPORT_PERIOD_S = 10.0
 
@@ -167,6 +169,18 @@ class SubscriberConnection:
         :param now: monotonic time [s]
         """
         return self.stalled and now - self._took_data_at > STALL_S
+
+    def takes_held_data(self, now: float) -> bool:
+        """Return whether data is held that a receiver of a closing topic still takes.
+
+        :param now: monotonic time [s]
+        """
+        return bool(self.held) and now - self._took_data_at <= CLOSING_STALL_S
+
+    @property
+    def unsent_messages(self) -> int:
+        """Number of held messages, with a partly sent one."""
+        return self._held_messages
 
     @property
     def stalled(self) -> bool:

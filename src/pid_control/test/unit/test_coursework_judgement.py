@@ -22,7 +22,7 @@ from pid_control.signal_judging.evidence import (
     TrialFeatures,
 )
 from pid_control.signal_judging.features import process_features, signal_features
-from pid_control.signal_judging.figures import frequency_error
+from pid_control.signal_judging.metric_values import frequency_error
 from pid_control.signal_judging.scenarios import METRICS, SCENARIO_METRICS, SCENARIOS
 from pid_control.verdicts.judgement import FAILED, NOT_JUDGED, PASSED, Judgement
 from pid_control.verdicts.limits import read_limits

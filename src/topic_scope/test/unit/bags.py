@@ -11,7 +11,7 @@ import rosbag
 from topic_scope.bag.columns import Column
 from topic_scope.bag.message_slices import FirstMessage, Slice
 from topic_scope.bag.column_reader import ColumnReader
-from topic_scope.messages.definitions import layout_of
+from topic_scope.messages.message_layout import layout_of
 from topic_scope.timing.nanoseconds import to_ns
 
 #: Start of all bags, since the epoch [ns]: a time that a float cannot represent exactly.

@@ -8,7 +8,7 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float64MultiArray
 
 from topic_scope.messages.arrays import Arrays, has_names
-from topic_scope.messages.definitions import layout_of
+from topic_scope.messages.message_layout import layout_of
 from topic_scope.messages.fields import FieldError, to_path, to_text
 
 LAYOUT = layout_of(JointState)

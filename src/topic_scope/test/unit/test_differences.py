@@ -16,7 +16,7 @@ from test_recorder import FakeSubscription, FakeSource, header
 
 from topic_scope.formulas.names import expand, terms
 from topic_scope.messages.fields import FieldError
-from topic_scope.messages.layouts import Layouts
+from topic_scope.messages.layout_cache import Layouts
 from topic_scope.page.view import LiveView
 from topic_scope.protocol.checks import fields_of
 from topic_scope.protocol.requests import View

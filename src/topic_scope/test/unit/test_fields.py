@@ -12,7 +12,13 @@ from sensor_msgs.msg import JointState
 from std_msgs.msg import Float32, Float64MultiArray, Header, MultiArrayDimension, String
 
 from topic_scope.messages import arrays, decoding, fields
-from topic_scope.messages.definitions import Array, DefinitionError, MessageLayout, layout_of, parse
+from topic_scope.messages.message_layout import (
+    Array,
+    DefinitionError,
+    MessageLayout,
+    layout_of,
+    parse,
+)
 
 NAMES = st.from_regex(r"[a-z][a-z0-9_]{0,8}", fullmatch=True)
 

@@ -19,7 +19,7 @@ from topic_scope.bag.overlay import BagOverlay
 from topic_scope.formulas.names import expand, terms
 from topic_scope.messages.arrays import Arrays
 from topic_scope.messages.decoding import Decoder
-from topic_scope.messages.definitions import layout_of, parse
+from topic_scope.messages.message_layout import layout_of, parse
 from topic_scope.messages.fields import FieldError, leaf_at, parted, split, to_path, to_text
 
 X = "transform/translation/x"

@@ -14,7 +14,7 @@ from test_differences import TimedSource, recording
 from test_one_clock import MS, NOW, received, stamped
 
 from topic_scope.commands import mask as mask_command
-from topic_scope.masks.limits import Mask, MaskCheck, MaskResult
+from topic_scope.masks.mask_check import Mask, MaskCheck, MaskResult
 from topic_scope.sampling.recorder import Recorder
 from topic_scope.timing.nanoseconds import NS
 

@@ -8,7 +8,7 @@ from nodekit.master import SystemState
 from nodekit.testing.waiting import wait_until
 from topic_scope.graph import master_watch
 from topic_scope.graph.master_watch import GraphState, MasterWatch
-from topic_scope.messages.layouts import Layouts
+from topic_scope.messages.layout_cache import Layouts
 
 
 def test_an_exception_does_not_end_it() -> None:

@@ -13,7 +13,7 @@ from sensor_msgs.msg import JointState, LaserScan
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from topic_scope.messages.definitions import layout_of, parse
+from topic_scope.messages.message_layout import layout_of, parse
 from topic_scope.messages.message_reader import TruncatedMessage, MessageReader
 
 

@@ -14,10 +14,10 @@ from test_recorder import FakeSource, FakeSubscription, header
 
 from topic_scope.analysis.waveform import phase
 from topic_scope.bag.player import BagPlayer
-from topic_scope.bag.line_series import chosen, series_of
+from topic_scope.bag.selected_series import chosen, series_of
 from topic_scope.bag.message_slices import first_messages, slices
 from topic_scope.bag.ros1_recording import Ros1Recording
-from topic_scope.messages.layouts import Layouts
+from topic_scope.messages.layout_cache import Layouts
 from topic_scope.page.csv_export import parts
 from topic_scope.sampling.message_source import Batch
 from topic_scope.sampling.recorder import Recorder

@@ -13,7 +13,7 @@ from std_msgs.msg import Float64, Float64MultiArray
 
 from topic_scope.bag.recording import BagError
 from topic_scope.bag.overlay import BagOverlay
-from topic_scope.messages.layouts import Layouts
+from topic_scope.messages.layout_cache import Layouts
 from topic_scope.sampling.recorder import Recorder
 from topic_scope.timing.nanoseconds import NS, to_ns
 

@@ -14,7 +14,7 @@ from std_msgs.msg import Float32
 from test_recorder import FakeSource, header, recording
 
 from basic_comms.msg import signal_msg
-from topic_scope.messages.definitions import layout_of
+from topic_scope.messages.message_layout import layout_of
 from topic_scope.sampling.message_source import Batch
 from topic_scope.sampling.recorder import Recorder
 from topic_scope.sampling.traces import Stream

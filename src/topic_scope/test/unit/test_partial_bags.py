@@ -16,7 +16,7 @@ from topic_scope.bag.overlay import BagOverlay
 from topic_scope.bag.player import BagPlayer
 from topic_scope.bag.ros1_recording import Ros1Recording
 from topic_scope.commands import plot_bag
-from topic_scope.messages.layouts import Layouts
+from topic_scope.messages.layout_cache import Layouts
 from topic_scope.sampling.recorder import Recorder
 
 Run = Tuple[int, str, str]

@@ -11,7 +11,7 @@ from bags import nanoseconds
 from sensor_msgs.msg import JointState
 from std_msgs.msg import Float32, Float64, Float64MultiArray
 
-from topic_scope.messages.layouts import Layouts
+from topic_scope.messages.layout_cache import Layouts
 from topic_scope.sampling import recorder
 from topic_scope.sampling.message_source import Batch
 from topic_scope.sampling.recorder import Recorder

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from topic_scope.masks.limits import Mask
+from topic_scope.masks.mask_check import Mask
 from topic_scope.protocol import formula_request, requests
 from topic_scope.protocol.checks import RequestError
 from topic_scope.protocol.overlay_request import OverlayRequest, overlay_of

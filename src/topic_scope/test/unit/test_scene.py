@@ -14,7 +14,7 @@ from test_message_reader import serialized
 from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import Marker, MarkerArray
 
-from topic_scope.messages.definitions import layout_of, parse
+from topic_scope.messages.message_layout import layout_of, parse
 from topic_scope.messages.message_reader import MessageReader
 from topic_scope.robots import scene
 from topic_scope.robots.scene import Scene

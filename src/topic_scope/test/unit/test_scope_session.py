@@ -6,7 +6,7 @@ from unittest import mock
 
 import pytest
 
-from topic_scope.messages.layouts import Layouts
+from topic_scope.messages.layout_cache import Layouts
 from topic_scope.protocol import options, requests
 from topic_scope.protocol.requests import Handler
 from topic_scope.web.scope_session import ScopeSession

@@ -16,7 +16,7 @@ from topic_scope.analysis.waveform import phase
 from topic_scope.bag.columns import Column
 from topic_scope.bag.series import collect
 from topic_scope.bag.column_reader import write_csv
-from topic_scope.messages.definitions import layout_of
+from topic_scope.messages.message_layout import layout_of
 from topic_scope.messages.timestamp_source import correction
 from topic_scope.page.csv_export import parts
 from topic_scope.sampling.message_source import Batch

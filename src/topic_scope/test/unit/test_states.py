@@ -23,14 +23,14 @@ from visualization_msgs.msg import Marker
 from topic_scope.analysis.state_spans import SEVERAL, StateSpan, state_spans
 from topic_scope.bag.opening import open_bag
 from topic_scope.bag.overlay import BagOverlay
-from topic_scope.bag.line_series import chosen, series_of
+from topic_scope.bag.selected_series import chosen, series_of
 from topic_scope.bag.message_slices import first_messages, slices
 from topic_scope.bag.plot import draw
 from topic_scope.formulas.names import is_state
 from topic_scope.messages.constants import value_names
-from topic_scope.messages.definitions import layout_of
+from topic_scope.messages.message_layout import layout_of
 from topic_scope.messages.fields import FieldError, to_path
-from topic_scope.messages.layouts import Layouts
+from topic_scope.messages.layout_cache import Layouts
 from topic_scope.messages.states import CHARACTERS, TEXTS, StateDecoder, StateTable
 from topic_scope.page.csv_export import parts
 from topic_scope.page.open_page import Page

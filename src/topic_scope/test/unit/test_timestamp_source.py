@@ -7,7 +7,7 @@ from std_msgs.msg import Float32
 
 from basic_comms.msg import signal_msg
 from topic_scope.messages import timestamp_source
-from topic_scope.messages.definitions import layout_of
+from topic_scope.messages.message_layout import layout_of
 from topic_scope.messages.fields import FieldError
 from topic_scope.timing.nanoseconds import NS
 

@@ -9,7 +9,7 @@ from bags import nanoseconds, write_bag
 from std_msgs.msg import Int32, Int64, UInt64
 from test_recorder import FakeSource, header, recording
 
-from topic_scope.bag.line_series import chosen, series_of
+from topic_scope.bag.selected_series import chosen, series_of
 from topic_scope.bag.message_slices import first_messages, slices
 from topic_scope.bag.ros1_recording import Ros1Recording
 from topic_scope.sampling.message_source import Batch

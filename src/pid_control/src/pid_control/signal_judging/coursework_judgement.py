@@ -11,7 +11,7 @@ from pid_control.signal_judging.evidence import (
     CourseworkEvidence,
     FailedTrial,
 )
-from pid_control.signal_judging.figures import Figures, figures_of, frequencies_of, is_known
+from pid_control.signal_judging.metric_values import Figures, figures_of, frequencies_of, is_known
 from pid_control.signal_judging.scenarios import METRICS
 from pid_control.verdicts.judgement import (
     FAILED,

@@ -5,7 +5,7 @@ from typing import Collection, Dict, Iterator, List, NamedTuple, Optional
 import numpy
 
 from topic_scope.bag.recording import BagError, ConnectionMessages, Recording
-from topic_scope.messages import definitions
+from topic_scope.messages import message_layout
 
 
 class Slice(NamedTuple):
@@ -33,7 +33,7 @@ class FirstMessage(NamedTuple):
     :param data: the serialized message
     """
 
-    layout: definitions.MessageLayout
+    layout: message_layout.MessageLayout
     data: bytes
 
 
@@ -54,8 +54,8 @@ def first_messages(bag: Recording) -> Dict[str, FirstMessage]:
         topic, header = bag.connections[number]
         text = header.get("message_definition", "")
         try:
-            layout = definitions.parse(header.get("type", ""), text)
-        except definitions.DefinitionError as error:
+            layout = message_layout.parse(header.get("type", ""), text)
+        except message_layout.DefinitionError as error:
             bag.faults.setdefault(topic, f"its definition cannot be read: {error}")
         if topic not in bag.faults:
             found[topic] = FirstMessage(layout, data)

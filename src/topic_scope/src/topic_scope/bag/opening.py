@@ -6,7 +6,7 @@ from typing import Dict
 from topic_scope.bag.recording import Recording
 from topic_scope.bag.ros1_recording import Ros1Recording
 from topic_scope.bag.ros2_recording import Ros2Recording
-from topic_scope.messages.layouts import Layouts
+from topic_scope.messages.layout_cache import Layouts
 
 #: First bytes of MCAP and SQLite files.
 _ROS2 = (b"\x89MCAP", b"SQLite format 3\0")

@@ -6,7 +6,7 @@ import numpy
 
 from topic_scope.bag.columns import choose
 from topic_scope.bag.opening import open_bag
-from topic_scope.bag.line_series import chosen, series_of
+from topic_scope.bag.selected_series import chosen, series_of
 from topic_scope.bag.message_slices import first_messages, slices
 from topic_scope.bag.series import Series
 from topic_scope.formulas.names import formula_of, terms

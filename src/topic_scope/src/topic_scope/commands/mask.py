@@ -17,9 +17,9 @@ from topic_scope.bag.player import BagPlayer
 from topic_scope.formulas.parser import SECONDS
 from topic_scope.graph.master_watch import GraphState, MasterWatch
 from topic_scope.masks.failure_file import BEFORE_S, save_failure
-from topic_scope.masks.limits import Mask, MaskCheck, MaskResult
+from topic_scope.masks.mask_check import Mask, MaskCheck, MaskResult
 from topic_scope.messages.fields import FieldError
-from topic_scope.messages.layouts import Layouts
+from topic_scope.messages.layout_cache import Layouts
 from topic_scope.sampling.raw_subscriptions import RawSubscriptions, SteadyClock
 from nodekit.package_version import ShowVersion
 from topic_scope.sampling.recorder import Recorder

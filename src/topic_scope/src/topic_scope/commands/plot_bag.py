@@ -10,7 +10,7 @@ from tqdm import tqdm
 
 from topic_scope.bag.opening import open_bag
 from topic_scope.bag.recording import BagError, Recording
-from topic_scope.bag.line_series import chosen, series_of
+from topic_scope.bag.selected_series import chosen, series_of
 from topic_scope.bag.message_slices import Slice, first_messages, slices
 from topic_scope.bag.series import Series, crossing, moved
 from topic_scope.bag.column_reader import ColumnReader, write_csv

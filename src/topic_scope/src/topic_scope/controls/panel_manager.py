@@ -15,7 +15,7 @@ from nodekit import (
     Throttle,
     follow_parameter,
 )
-from topic_scope.controls import dynamic_reconfigure_panels, services
+from topic_scope.controls import dynamic_reconfigure_panels, service_buttons
 from topic_scope.controls.managed_nodes import ManagedNodes
 from topic_scope.controls.panel import ParameterPanel
 from topic_scope.controls.node_status import PERIOD_S, NodeStatuses, topics_of
@@ -112,10 +112,10 @@ class PanelManager:
     ) -> Tuple[ParameterPanel, FollowedParameter]:
         own = [name for name in names if name.startswith(node + "/")]
         own = [name for name in own if name[len(node) + 1 :] not in _INTERNAL]
-        datatype = services.type_of(node + _FOREIGN) if node in self._foreign else None
+        datatype = service_buttons.type_of(node + _FOREIGN) if node in self._foreign else None
         if datatype not in (None, dynamic_reconfigure_panels.TYPE):
             raise _NoPanel
-        types = {name: services.kind_of(name) for name in own}
+        types = {name: service_buttons.kind_of(name) for name in own}
         # Before the description is read, so that no later change is missed.
         followed = follow_parameter(
             node, lambda raw: self._deliver(partial(self._on_values, node, raw))
@@ -177,7 +177,7 @@ class PanelManager:
         """
         for panel in self._panels.values():
             if service in panel.services:
-                services.call(self._worker, service, panel.services[service], data, answer)
+                service_buttons.call(self._worker, service, panel.services[service], data, answer)
                 return
         raise ValueError(f"no service {service} to call")
 

@@ -9,7 +9,7 @@ import rospy
 
 from nodekit import Throttle
 from nodekit.master import MasterClient
-from topic_scope.messages.layouts import Layouts
+from topic_scope.messages.layout_cache import Layouts
 from topic_scope.sampling.raw_subscriptions import RawSubscriptions
 
 #: Polling period [s].

@@ -5,7 +5,7 @@ import os
 from typing import Iterator
 
 from topic_scope.analysis.csv_rows import CsvColumn, header, rows
-from topic_scope.masks.limits import Mask, SampleReader
+from topic_scope.masks.mask_check import Mask, SampleReader
 from topic_scope.timing.nanoseconds import exact_seconds, to_ns
 
 #: Time to save before the failure [s].

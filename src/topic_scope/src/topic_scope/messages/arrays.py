@@ -7,7 +7,7 @@ from functools import partial
 from typing import Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 from topic_scope.messages.decoding import COUNT, ElementMissing, follow, labels, steps_to, texts
-from topic_scope.messages.definitions import Array, MessageLayout, Text
+from topic_scope.messages.message_layout import Array, MessageLayout, Text
 from topic_scope.messages.fields import (
     Key,
     FieldError,

@@ -12,7 +12,7 @@ from typing import Any, Callable, Iterator, List, Optional, Sequence, Tuple, Uni
 
 import numpy
 
-from topic_scope.messages.definitions import Array, Layout, MessageLayout, Scalar
+from topic_scope.messages.message_layout import Array, Layout, MessageLayout, Scalar
 from topic_scope.messages.fields import Key, FieldError, Path, label_of, names_of, to_path
 from topic_scope.timing.nanoseconds import NO_TIME, NS, array_to_ns
 

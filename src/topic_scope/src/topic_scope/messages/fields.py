@@ -19,7 +19,7 @@ import itertools
 import re
 from typing import Callable, Collection, Iterator, List, NamedTuple, Optional, Tuple, Union
 
-from topic_scope.messages.definitions import Array, Layout, MessageLayout, Scalar, Text
+from topic_scope.messages.message_layout import Array, Layout, MessageLayout, Scalar, Text
 from topic_scope.messages.constants import ValueNames
 from topic_scope.messages.field_functions import FUNCTIONS, QUATERNION, STATE
 

@@ -10,7 +10,7 @@ from typing import Any, Callable, Dict, List, Tuple
 
 import numpy
 
-from topic_scope.messages.definitions import Array, Layout, MessageLayout, Scalar
+from topic_scope.messages.message_layout import Array, Layout, MessageLayout, Scalar
 
 #: From data and offset to the value there and the next offset.
 Reader = Callable[[bytes, int], Tuple[Any, int]]

@@ -11,7 +11,7 @@ from typing import Dict, List, Optional, Sequence
 import numpy
 
 from topic_scope.messages.decoding import COUNT, ElementMissing, follow, steps_to
-from topic_scope.messages.definitions import MessageLayout, Scalar, Text
+from topic_scope.messages.message_layout import MessageLayout, Scalar, Text
 from topic_scope.messages.fields import FieldError, Path, to_text, value_names_at
 
 #: Most different texts of a trace, and most characters of each.

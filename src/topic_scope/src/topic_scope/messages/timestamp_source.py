@@ -14,7 +14,7 @@ from typing import Optional, Sequence
 import numpy
 
 from topic_scope.messages.decoding import Decoder
-from topic_scope.messages.definitions import MessageLayout, Scalar
+from topic_scope.messages.message_layout import MessageLayout, Scalar
 from topic_scope.messages.fields import FieldError, Path, leaf_at, to_path, to_text
 from topic_scope.timing.clocks import ELSEWHERE_NS, Clocks
 from topic_scope.timing.nanoseconds import NO_TIME, NS

@@ -3,7 +3,7 @@
 from collections import deque
 from typing import Any, Deque, Dict, List, Optional, Tuple
 
-from topic_scope.masks.limits import MaskCheck
+from topic_scope.masks.mask_check import MaskCheck
 from topic_scope.page.charts import ChartFeed
 from topic_scope.page.state_feed import StateFeed
 from topic_scope.page.statistics_table import statistics_of
@@ -72,9 +72,9 @@ class Page:
             self._statistics_history = StatisticsHistory()
         self._statistics_history.forget(changed)
         self.view.stepped = scaling.is_stepped
-        self.show_anew()
+        self.show_again()
 
-    def show_anew(self) -> None:
+    def show_again(self) -> None:
         """Send its traces again: their samples have changed."""
         self.view.restart()
         self.chart = ChartFeed(self.chart.request)

@@ -5,7 +5,7 @@ from typing import Any, Dict, NamedTuple, Optional, Tuple
 
 from topic_scope.formulas.names import is_formula
 from topic_scope.formulas.parser import SECONDS
-from topic_scope.masks.limits import Mask
+from topic_scope.masks.mask_check import Mask
 from topic_scope.protocol.checks import RequestError, field_in, fields_of, number_of
 
 

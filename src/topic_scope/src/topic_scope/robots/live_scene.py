@@ -7,7 +7,7 @@ import tornado.ioloop
 from nodekit import NodeScope
 from topic_scope.graph.worker import Worker
 from topic_scope.graph.master_watch import GraphState
-from topic_scope.messages.layouts import Layouts
+from topic_scope.messages.layout_cache import Layouts
 from topic_scope.page.open_page import Page
 from topic_scope.sampling.raw_subscriptions import RawSubscriptions, SteadyClock
 from topic_scope.robots import scene_feed

@@ -6,7 +6,7 @@ from typing import Any, Dict, List, Mapping, NamedTuple, Optional, Tuple
 
 import numpy
 
-from topic_scope.messages.definitions import Array, MessageLayout, Scalar, Text
+from topic_scope.messages.message_layout import Array, MessageLayout, Scalar, Text
 from topic_scope.robots.frames import FramePose, Frames, Transform, bare, transform_of
 from topic_scope.robots.markers import Markers, finite
 

@@ -5,7 +5,7 @@ from typing import Any, Dict, Mapping, Optional, Set, Tuple
 import rospy
 
 from nodekit import Throttle
-from topic_scope.messages.layouts import Layouts
+from topic_scope.messages.layout_cache import Layouts
 from topic_scope.messages.message_reader import MessageReader
 from topic_scope.page.open_page import Page
 from topic_scope.sampling.message_source import Batch, MessageSource

@@ -8,7 +8,7 @@ import numpy
 
 from topic_scope.analysis.ring import Rows
 from topic_scope.messages.arrays import Arrays
-from topic_scope.messages.definitions import MessageLayout
+from topic_scope.messages.message_layout import MessageLayout
 from topic_scope.messages.fields import Path
 from topic_scope.messages.states import StateTable
 from topic_scope.sampling.traces import Stream, Trace

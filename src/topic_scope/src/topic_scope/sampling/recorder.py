@@ -11,9 +11,9 @@ from topic_scope.analysis.ring import Samples
 from topic_scope.formulas.names import expand_with, formula_of, problem_of, terms
 from topic_scope.messages import fields, timestamp_source
 from topic_scope.messages.arrays import Arrays, has_names
-from topic_scope.messages.definitions import MessageLayout
+from topic_scope.messages.message_layout import MessageLayout
 from topic_scope.messages.field_functions import STATE
-from topic_scope.messages.layouts import Layouts
+from topic_scope.messages.layout_cache import Layouts
 from topic_scope.sampling.computed_trace import ComputedTrace, Recorded
 from topic_scope.sampling.overlay_trace import OverlayTrace, Overlay
 from topic_scope.sampling.message_source import Batch, MessageSource

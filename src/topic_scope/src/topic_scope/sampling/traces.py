@@ -10,7 +10,7 @@ from topic_scope.analysis.ring import NOWHERE, Ring, Rows, Samples
 from topic_scope.formulas.signals import Signal
 from topic_scope.messages import field_functions, fields, timestamp_source
 from topic_scope.messages.decoding import Decoder, rounding_text
-from topic_scope.messages.definitions import MessageLayout
+from topic_scope.messages.message_layout import MessageLayout
 from topic_scope.messages.states import StateDecoder, StateTable
 from topic_scope.sampling.message_source import Batch
 from topic_scope.timing.clocks import ELSEWHERE_NS, Clocks

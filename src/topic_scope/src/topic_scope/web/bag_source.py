@@ -8,7 +8,7 @@ import tornado.ioloop
 
 from topic_scope.bag.opening import learn_types, open_bag
 from topic_scope.bag.player import BagPlayer
-from topic_scope.messages.layouts import Layouts
+from topic_scope.messages.layout_cache import Layouts
 from topic_scope.page.open_page import Page
 from topic_scope.protocol import requests
 from topic_scope.protocol.checks import RequestError

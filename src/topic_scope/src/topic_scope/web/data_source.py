@@ -2,7 +2,7 @@
 
 from typing import Any, Dict, List, Mapping, Protocol
 
-from topic_scope.messages.layouts import Layouts
+from topic_scope.messages.layout_cache import Layouts
 from topic_scope.page.open_page import Page
 from topic_scope.protocol.requests import Handler
 from topic_scope.sampling.message_source import MessageSource

@@ -9,7 +9,7 @@ from topic_scope.controls.panel_manager import PanelManager
 from topic_scope.graph.graph_feed import GraphFeed
 from topic_scope.graph.worker import Worker
 from topic_scope.graph.master_watch import GraphState, MasterWatch
-from topic_scope.messages.layouts import Layouts
+from topic_scope.messages.layout_cache import Layouts
 from topic_scope.page.open_page import Page
 from topic_scope.protocol import requests
 from topic_scope.protocol.checks import RequestError

@@ -167,7 +167,7 @@ class ScopeSession:
     def _on_overlays(self) -> None:
         """Show new samples of overlaid bags, or their new positions."""
         for page in self.pages():
-            page.show_anew()
+            page.show_again()
         self.send_to_pages(self._overlays.message())
 
 

@@ -4,7 +4,7 @@ from typing import Any, Callable, Dict, Optional, Sequence
 
 from topic_scope.formulas.names import with_letters
 from topic_scope.formulas.parser import FUNCTIONS
-from topic_scope.masks.limits import Mask, MaskCheck
+from topic_scope.masks.mask_check import Mask, MaskCheck
 from topic_scope.messages.fields import FieldError
 from topic_scope.page.open_page import Page
 from topic_scope.page.trigger import TriggerWatch

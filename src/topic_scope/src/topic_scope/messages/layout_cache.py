@@ -4,7 +4,7 @@ from typing import Any, Dict, Mapping, Optional, Tuple
 
 import roslib.message
 
-from topic_scope.messages.definitions import DefinitionError, MessageLayout, layout_of, parse
+from topic_scope.messages.message_layout import DefinitionError, MessageLayout, layout_of, parse
 
 
 class Layouts:

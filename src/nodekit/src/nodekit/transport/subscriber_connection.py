@@ -163,6 +163,9 @@ class SubscriberConnection:
         :param lost: messages lost since the last report
         """
 
+    def report_unsent(self) -> None:
+        """Report that the messages that are still held are lost, as the topic closes."""
+
     def takes_nothing(self, now: float) -> bool:
         """Return whether the receiver has stalled: data is held that it does not take.
 

@@ -41,7 +41,7 @@ class GraphLoop:
 
     :param node: the bridge in ROS 1
     :param parameters: of the bridge
-    :raises ParameterError: if a quality of service is malformed
+    :raises ParameterError: if a quality of service or a mapping rule is malformed
     """
 
     def __init__(self, node: Node, parameters: "LiveParameters[BridgeParameters]") -> None:
@@ -50,14 +50,14 @@ class GraphLoop:
         self._master = MasterClient(node.name)
         # A separate client: it caches the latest replies.
         self._poller = MasterClient(node.name, timeout=_MASTER_S)
-        qos = self._master.read([node.resolve("~qos")]).values[node.resolve("~qos")]
-        qualities = QosProfiles(parameters.values.depth, None if qos is MISSING else qos)
+        qos, mappings = (self._read(node.resolve(name)) for name in ("~qos", "~mappings"))
+        qualities = QosProfiles(parameters.values.depth, qos)
         self._renaming = names = parameters.values.names()
         self._participant = participant = Participant(names.in_ros2(node.name) or node.name)
         self._graph, self._skip_log, types = (
             Ros2Graph(participant, names),
             SkipLog(),
-            TypeRegistry(),
+            TypeRegistry(mappings),
         )
         self._topics = TopicBridge(node, participant, types, qualities, self._skip_log)
         self._description = RobotDescription(node, participant, types, self._skip_log)
@@ -89,6 +89,11 @@ class GraphLoop:
         self._thread = threading.Thread(target=self._run, name="graph loop", daemon=True)
         self._thread.start()
         node.on_shutdown(self.close)
+
+    def _read(self, name: str) -> Any:
+        """Return a parameter, or None if it is not set."""
+        value = self._master.read([name]).values[name]
+        return None if value is MISSING else value
 
     def _run(self) -> None:
         tick = 0

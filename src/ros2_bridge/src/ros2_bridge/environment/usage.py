@@ -6,7 +6,7 @@ from nodekit import describe, format_value
 from ros2_bridge.rules.settings import BridgeParameters
 
 _HEAD = """\
-usage: bridge [--print-pairs] [_PARAMETER:=VALUE ...]
+usage: bridge [--print-pairs | --draft-mapping ROS1_TYPE ROS2_TYPE] [_PARAMETER:=VALUE ...]
 
 Bridge topics, services, actions, parameters and managed nodes between ROS 1 and ROS 2,
 until Ctrl-C.
@@ -14,6 +14,9 @@ until Ctrl-C.
 options:
   -h, --help     print this help and exit
   --print-pairs  print the bridged types (the others, with the reason, on standard error) and exit
+  --draft-mapping ROS1_TYPE ROS2_TYPE
+                 print a mapping rule for two types, such as a/Arm b/msg/Arm, in which fields
+                 without a counterpart are left out, and exit
 
 parameters, such as _direction:=to_ros2; while the bridge runs, rosparam and dynamic_reconfigure
 change those that are not read at startup:

@@ -1,16 +1,18 @@
 """Bridge node: offers the topics, services and actions of each ROS in the other."""
 
 import sys
-from typing import Any, Callable, Dict
+from typing import Any, Callable, Dict, List
 
 import yaml
 
 from nodekit import Node, run
+from nodekit.entry_point import end
 from ros2_bridge.environment.ros1_messages import String, Trigger
 from ros2_bridge.graph_loop import GraphLoop
 from ros2_bridge.ros1.single_instance import marker, exit_if_second
 from ros2_bridge.rules.settings import BridgeParameters
 from ros2_bridge.rules.skip_log import Unbridgeable
+from ros2_bridge.types.mapping_rules import MappingRuleError
 from ros2_bridge.types.type_registry import TypeRegistry, shared_types
 
 
@@ -24,12 +26,12 @@ class Bridge:
         - ``/ros2_bridge_of_domain_N`` (std_srvs/Trigger): returns the bridge's name
 
     :ROS Parameters:
-        - private, can be changed at run time: see :class:`.BridgeParameters`; and ``~qos``, read at
-          startup
+        - private, can be changed at run time: see :class:`.BridgeParameters`; ``~qos`` and
+          ``~mappings``, read at startup
     """
 
     def __init__(self, node: Node) -> None:
-        parameters = node.declare_parameters(BridgeParameters, exempt=("qos",))
+        parameters = node.declare_parameters(BridgeParameters, exempt=("qos", "mappings"))
         self._loop = GraphLoop(node, parameters)
         self._statistics = node.create_publisher("~statistics", String)
         node.create_timer(1.0, self._publish_statistics, steady=True)
@@ -58,10 +60,27 @@ def print_pairs() -> None:
         print(f"{name} <=> {package}/{kind}/{base}")
 
 
+def print_draft(names: List[str]) -> None:
+    """Print a draft of a mapping rule for two types.
+
+    :param names: the ROS 1 type, ``package/Name``, and the ROS 2 type, ``package/msg/Name``
+    """
+    if len(names) != 2:
+        end("bridge: --draft-mapping needs a ROS 1 type and a ROS 2 type, such as a/Arm b/msg/Arm")
+    try:
+        rule = TypeRegistry().draft(*names)
+    except (MappingRuleError, Unbridgeable) as error:
+        end(f"bridge: {error}")
+    print(yaml.safe_dump({"mappings": [rule]}, sort_keys=False), end="")
+
+
 def main() -> None:
     """Run the bridge until it is shut down."""
     if "--print-pairs" in sys.argv:
         print_pairs()
+        return
+    if "--draft-mapping" in sys.argv:
+        print_draft(sys.argv[sys.argv.index("--draft-mapping") + 1 :])
         return
     exit_if_second()
     run("ros2_bridge", Bridge)

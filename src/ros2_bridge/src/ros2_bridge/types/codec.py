@@ -9,9 +9,10 @@ byte.
 """
 
 import struct
-from typing import Any, Dict, List
+from typing import Any, Dict, List, Tuple
 
 from nodekit.message_definitions import SIZES, TIMES, Field, Fields
+from ros2_bridge.types.field_mapping import FieldMapping
 from ros2_bridge.types.codec_ops import (
     EMPTY,
     SEQ,
@@ -92,8 +93,7 @@ class Codec:
     def __init__(self, datatype: str, fields: Fields) -> None:
         self._type = datatype
         self._down, self._up = chain(_Compiler(fields).message(datatype))
-        first = fields[datatype][:1]
-        self.has_header = [(f.base, f.is_array) for f in first] == [("std_msgs/Header", False)]
+        self.has_header = begins_with_header(fields[datatype])
 
     def to_cdr(self, data: bytes) -> bytes:
         """Convert a ROS 1 message to CDR.
@@ -128,3 +128,41 @@ class Codec:
             return instruction(source, 0, out)
         except _FAILURES as error:
             raise ConversionError(f"{self._type}: {error}") from None
+
+
+class MappedCodec:
+    """Converter of messages between types with other fields; see :class:`Codec`.
+
+    :param codec: of the ROS 2 type in ROS 1's terms
+    :param mapping: from the ROS 1 type to these
+    :param fields: definition of the ROS 1 type
+    :param datatype: its name
+    """
+
+    def __init__(self, codec: Codec, mapping: FieldMapping, fields: Fields, datatype: str) -> None:
+        self._codec, self._mapping = codec, mapping
+        self.has_header = begins_with_header(fields[datatype])
+
+    def to_cdr(self, data: bytes) -> bytes:
+        """Convert a ROS 1 message to CDR.
+
+        :raises ConversionError: if it is not a message of this type
+        """
+        return self._codec.to_cdr(self._mapping.to_second(data))
+
+    def to_ros1(self, cdr: bytes, seq: int = 0) -> bytes:
+        """Convert a CDR message to ROS 1.
+
+        :param cdr: the message
+        :param seq: for its Header, if it begins with one
+        :raises ConversionError: if it is not a message of this type
+        """
+        out = bytearray(self._mapping.to_first(self._codec.to_ros1(cdr)))
+        if self.has_header:
+            _LENGTH.pack_into(out, 0, seq & 0xFFFFFFFF)
+        return bytes(out)
+
+
+def begins_with_header(fields: Tuple[Field, ...]) -> bool:
+    """Return whether the first field of a message is its Header."""
+    return [(f.base, f.is_array) for f in fields[:1]] == [("std_msgs/Header", False)]

@@ -2,9 +2,9 @@
 """Comparison of a ROS 1 type with a ROS 2 type, field by field."""
 
 import re
-from typing import Callable, Mapping, Optional, Tuple
+from typing import Callable, Dict, Mapping, Optional, Tuple
 
-from nodekit.message_definitions import SIZES, TIMES, Fields
+from nodekit.message_definitions import SIZES, TIMES, Field, Fields
 
 #: Returns the fields of a ROS 2 type with their types, in rclpy's notation.
 Describe = Callable[[str], Mapping[str, str]]
@@ -17,6 +17,14 @@ _NUMBERS = {
     **dict.fromkeys(("int64", "uint64"), "8 bytes"),
     **{"float": "float32", "double": "float64"},
 }
+#: Number types of rclpy that have other names in ROS 1.
+_ROS1_NUMBERS = {"boolean": "bool", "octet": "byte", "float": "float32", "double": "float64"}
+#: ROS 1's Header, whose `seq` ROS 2's has not.
+_HEADER = (
+    Field("uint32", False, None, "seq"),
+    Field("time", False, None, "stamp"),
+    Field("string", False, None, "frame_id"),
+)
 _SEQUENCE = re.compile(r"sequence<(.*?)(, \d+)?>\Z")
 _ARRAY = re.compile(r"(.*)\[(\d+)\]\Z")
 
@@ -49,6 +57,35 @@ def difference(datatype: str, fields: Fields, other: str, describe: Describe) ->
         which = f"{datatype} of ROS 1" if len(ours) > len(theirs) else f"{other} of ROS 2"
         return f"only {which} has field {longer[0][0]}"
     return None
+
+
+def in_ros1_terms(datatype: str, describe: Describe) -> Fields:
+    """Return the definition of a ROS 2 type, and of those it contains, as of a ROS 1 type.
+
+    :param datatype: the ROS 2 type
+    :param describe: returns the fields of a ROS 2 type
+    :raises ValueError: if a field has a type that ROS 1 lacks, such as wstring
+    """
+    found: Dict[str, Tuple[Field, ...]] = {}
+    if datatype == "std_msgs/Header":
+        return {datatype: _HEADER}
+    fields = []
+    for name, kind in describe(datatype).items():
+        sequence, array = _SEQUENCE.match(kind), _ARRAY.match(kind)
+        base, length = kind, None
+        if sequence is not None:
+            base = sequence.group(1)
+        elif array is not None:
+            base, length = array.group(1), int(array.group(2))
+        base = "string" if base.startswith("string") else _ROS1_NUMBERS.get(base, base)
+        if base in ("builtin_interfaces/Time", "builtin_interfaces/Duration"):
+            base = base.rpartition("/")[2].lower()
+        elif "/" in base:
+            found.update(in_ros1_terms(base, describe))
+        elif base not in SIZES and base != "string":
+            raise ValueError(f"{datatype}: {name}: ROS 1 has no type {base}")
+        fields.append(Field(base, sequence is not None or array is not None, length, name))
+    return {datatype: tuple(fields), **found}
 
 
 def _ours(base: str) -> str:

@@ -6,7 +6,7 @@ import os
 import pathlib
 import sys
 import threading
-from typing import Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Tuple, Union
 
 import genmsg.gentools
 import genmsg.msg_loader
@@ -14,16 +14,20 @@ import rospkg
 import rospy
 import yaml
 
-from nodekit.message_definitions import parse
+from nodekit.message_definitions import Fields, parse
 from ros2_bridge.rules.skip_log import Unbridgeable
-from ros2_bridge.types.codec import Codec
-from ros2_bridge.types.compatibility import difference
+from ros2_bridge.types.codec import Codec, MappedCodec
+from ros2_bridge.types.compatibility import difference, in_ros1_terms
+from ros2_bridge.types.field_mapping import FieldMapping, MappingError, unassigned
+from ros2_bridge.types.mapping_rules import PARTS, MappingRuleError, MappingRules
 from ros2_bridge.types.ros2_interfaces import twin_type
 
 #: Debian's folder of packages.
 SHARE = pathlib.Path("/usr/share")
 #: Exceptions for a type that does not exist.
 _UNKNOWN = (genmsg.msg_loader.MsgNotFound, ImportError, AttributeError)
+#: Converter of a type: with the same fields in both ROSes, or by mapping rules.
+AnyCodec = Union[Codec, MappedCodec]
 
 
 class MessageType(NamedTuple):
@@ -38,7 +42,7 @@ class MessageType(NamedTuple):
     ros2: str
     raw: Any
     cls: Any
-    codec: Codec
+    codec: AnyCodec
 
 
 class ServiceType(NamedTuple):
@@ -53,8 +57,8 @@ class ServiceType(NamedTuple):
     ros2: str
     raw: Any
     cls: Any
-    request: Codec
-    response: Codec
+    request: AnyCodec
+    response: AnyCodec
 
 
 class ActionType(NamedTuple):
@@ -70,18 +74,22 @@ class ActionType(NamedTuple):
     ros1: str
     ros2: str
     cls: Any
-    goal: Codec
-    result: Codec
-    feedback: Codec
+    goal: AnyCodec
+    result: AnyCodec
+    feedback: AnyCodec
     raw_goal: Any
     raw_result: Any
     raw_feedback: Any
 
 
 class TypeRegistry:
-    """Registry of types; thread-safe."""
+    """Registry of types; thread-safe.
 
-    def __init__(self) -> None:
+    :param mappings: the user's mapping rules, see :class:`.MappingRules`; None for none
+    :raises MappingRuleError: if one is malformed, or does not fit its types
+    """
+
+    def __init__(self, mappings: Any = None) -> None:
         names = pathlib.Path(sys.prefix, "share", "ros2_bridge", "names.yaml")
         self._names: Mapping[str, str] = yaml.safe_load(names.read_text("utf-8"))
         left_out = names.with_name("left_out.yaml")
@@ -92,16 +100,31 @@ class TypeRegistry:
         self._folders = _Folders(rospkg.RosPack())
         self._known: Dict[Tuple[str, str], Any] = {}
         self._lock = threading.Lock()
+        builtin = pathlib.Path(rospkg.RosPack().get_path("ros2_bridge"), "config", "mappings.yaml")
+        own = [] if mappings is None else mappings
+        self._rules = MappingRules(own, yaml.safe_load(builtin.read_text("utf-8"))["mappings"])
+        self._check_rules()
+
+    def _check_rules(self) -> None:
+        finders = {"msg": self.message, "srv": self.service, "action": self.action}
+        errors = []
+        for rule in self._rules.own:
+            try:
+                finders[rule.kind](rule.ros1)
+            except Unbridgeable as reason:
+                errors.append(str(reason))
+        if errors:
+            raise MappingRuleError("; ".join(errors))
 
     def ros2_name(self, name: str) -> str:
         """Return the ROS 2 name, ``package/Name``, of a ROS 1 type."""
-        return self._names.get(name) or twin_type(name)
+        return self._rules.ros2_name(name) or self._names.get(name) or twin_type(name)
 
     def ros1_name(self, name: str) -> str:
         """Return the ROS 1 name of a ROS 2 type, ``package/msg/Name``."""
         package, _, rest = name.partition("/")
         short = f"{package}/{rest.rpartition('/')[2]}"
-        return self._back.get(short, short)
+        return self._rules.ros1_name(short) or self._back.get(short, short)
 
     def message(self, name: str) -> MessageType:
         """Return the message type with a ROS 1 name.
@@ -124,6 +147,37 @@ class TypeRegistry:
         """
         found: ActionType = self._find("action", name, self._make_action)
         return found
+
+    def draft(self, ros1: str, ros2: str) -> Dict[str, Any]:
+        """Return a mapping rule for two types, which leaves out fields without a counterpart.
+
+        :param ros1, ros2: names as in a rule
+        :raises MappingRuleError: if they are malformed
+        :raises Unbridgeable: if one is not installed, or has a type that the other ROS lacks
+        """
+        rule = MappingRules([{"ros1": ros1, "ros2": ros2}]).own[0]
+        context = genmsg.MsgContext.create_default()
+        with _explaining(f"{rule.kind} {ros1} is not installed in ROS 1"):
+            if rule.kind == "srv":
+                service = genmsg.msg_loader.load_srv_by_type(context, ros1, self._folders)
+                specs = [service.request, service.response]
+            else:
+                names = [ros1 + part for part in PARTS[rule.kind]]
+                load = genmsg.msg_loader.load_msg_by_type
+                specs = [load(context, name, self._folders) for name in names]
+        package, kind, base = ros2.split("/")
+        with _explaining(f"{ros2} is not installed in ROS 2"):
+            top = getattr(importlib.import_module(f"{package}.{kind}"), base)
+        left_out: Dict[str, List[str]] = {"ros1": [], "ros2": []}
+        for part, spec in zip(PARTS[rule.kind], specs):
+            cls = getattr(top, part) if part else top
+            fields = parse(ros1 + part, self._raw(context, spec, ros1 + part)._full_text)
+            other, theirs = self._ros2_fields(cls)
+            missing = unassigned(ros1 + part, fields, other, theirs, self._rules.fields)
+            prefix = f"{part.lower()}." if part else ""
+            for side, paths in zip(left_out.values(), missing):
+                side += [prefix + path for path in paths]
+        return {"ros1": ros1, "ros2": ros2, "fields": {}, "left_out": left_out}
 
     def _find(self, kind: str, name: str, make: Callable[[str], Any]) -> Any:
         with self._lock:
@@ -190,16 +244,41 @@ class TypeRegistry:
         # The class is never pickled, so its module does not matter.
         return type("Raw", (rospy.AnyMsg,), {**attributes, "__slots__": ["_buff"]})
 
-    def _part(self, context: Any, spec: Any, name: str, cls: Any) -> Tuple[Codec, Any]:
+    def _part(self, context: Any, spec: Any, name: str, cls: Any) -> Tuple[AnyCodec, Any]:
         """Return codec and raw class of a message, or of a part of a service or action."""
         raw = self._raw(context, spec, name)
         with _explaining(f"invalid definition of {name} in ROS 1"):
             fields = parse(name, raw._full_text)
             codec = Codec(name, fields)
-        found = difference(name, fields, self.ros2_name(name), lambda its: self._describe(its, cls))
-        if found:
+        other = _name_of(cls)
+        found = difference(name, fields, other, lambda its: self._describe(its, cls))
+        if not found and not self._rules.assigns_fields(name):
+            return codec, raw
+        if not set(self._rules.fields).intersection(fields):
             raise Unbridgeable(f"{name} differs between ROS 1 and ROS 2: {found}")
-        return codec, raw
+        return self._mapped(name, fields, cls), raw
+
+    def _ros2_fields(self, cls: Any) -> Tuple[str, Fields]:
+        """Return name and fields of a ROS 2 class, in ROS 1's terms."""
+        name = _name_of(cls)
+        try:
+            return name, in_ros1_terms(name, lambda its: self._describe(its, cls))
+        except ValueError as error:
+            raise Unbridgeable(str(error)) from None
+
+    def _mapped(self, name: str, fields: Fields, cls: Any) -> MappedCodec:
+        """Return the codec of a type that mapping rules convert."""
+        other, theirs = self._ros2_fields(cls)
+        try:
+
+            def default(datatype: str) -> bytes:
+                serialize = importlib.import_module("rclpy.serialization").serialize_message
+                return Codec(datatype, theirs).to_ros1(serialize(self._class(datatype, cls)()))
+
+            mapping = FieldMapping(name, fields, other, theirs, self._rules.fields, default)
+        except MappingError as error:
+            raise Unbridgeable(f"{name}: its mapping rule does not fit: {error}") from None
+        return MappedCodec(Codec(other, theirs), mapping, fields, name)
 
     def _import(self, name: str, kind: str) -> Any:
         package, _, base = self.ros2_name(name).partition("/")
@@ -215,13 +294,22 @@ class TypeRegistry:
 
     def _describe(self, name: str, top: Any) -> Mapping[str, str]:
         """Return the fields of a ROS 2 type: of the class itself, or of a nested one."""
-        package, _, base = name.partition("/")
-        cls = top
-        if base.partition("_")[0] != top.__name__.partition("_")[0]:
-            with contextlib.suppress(ImportError, AttributeError):
-                cls = getattr(importlib.import_module(f"{package}.msg"), base)
-        fields: Mapping[str, str] = cls.get_fields_and_field_types()
+        fields: Mapping[str, str] = self._class(name, top).get_fields_and_field_types()
         return fields
+
+    @staticmethod
+    def _class(name: str, top: Any) -> Any:
+        """Return a ROS 2 class: the class itself, or the class of a nested message."""
+        package, _, base = name.partition("/")
+        if name != _name_of(top):
+            with contextlib.suppress(ImportError, AttributeError):
+                return getattr(importlib.import_module(f"{package}.msg"), base)
+        return top
+
+
+def _name_of(cls: Any) -> str:
+    """Return the name of a ROS 2 class, ``package/Name``."""
+    return f"{cls.__module__.partition('.')[0]}/{cls.__name__}"
 
 
 def package_folder(packages: rospkg.RosPack, name: str) -> Optional[pathlib.Path]:

@@ -1,0 +1,391 @@
+# Pure: knows no ROS.
+"""Conversion between serialized ROS 1 messages of two types, field by field, with mapping rules.
+
+The second type is a ROS 2 type in ROS 1's terms. Fields correspond by name, unless a rule gives a
+field another counterpart, or none. A converter is compiled once; it slices messages into their
+fields and joins them in the other type's order, so it copies numbers and text as they are.
+"""
+
+import struct
+from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+
+from nodekit.message_definitions import SIZES, TIMES, Field, Fields
+from ros2_bridge.types.codec_ops import ConversionError
+
+#: Returns the position behind a field that begins at a position.
+_Skip = Callable[[bytes, int], int]
+#: Converts a serialized field.
+_Convert = Callable[[bytes], bytes]
+_COUNT = struct.Struct("<I")
+
+
+class MappingError(ValueError):
+    """Error of two types whose fields do not correspond; the text has all reasons."""
+
+
+class FieldRules(NamedTuple):
+    """Rules for the fields of a ROS 1 type; paths have dots, and may name a nested message.
+
+    :param other: the ROS 2 type
+    :param counterparts: ROS 2 path by ROS 1 path
+    :param left_out1: ROS 1 paths without a counterpart, which are zero in ROS 1
+    :param left_out2: ROS 2 paths without a counterpart, which have ROS 2's default
+    """
+
+    other: str
+    counterparts: Mapping[str, str]
+    left_out1: Sequence[str] = ()
+    left_out2: Sequence[str] = ()
+
+
+#: Rules by ROS 1 type.
+RulesByType = Mapping[str, FieldRules]
+
+
+class _Leaf(NamedTuple):
+    """Field that is not a nested message, and its path; arrays of messages are leaves."""
+
+    path: str
+    field: Field
+
+
+class _Part(NamedTuple):
+    """Field of the converted message: a converted field of the original, or a default.
+
+    :param source: index of the original's field; None for the default
+    """
+
+    source: Optional[int]
+    default: bytes
+    convert: Optional[_Convert]
+
+
+class _Direction:
+    """Compiled conversion in one direction.
+
+    :param skips: functions that find the end of each field of the original
+    :param parts: fields of the converted message
+    """
+
+    def __init__(self, skips: List[_Skip], parts: List[_Part]) -> None:
+        self._skips, self._parts = skips, parts
+
+    @property
+    def is_copy(self) -> bool:
+        """Whether the fields are copied in their order."""
+        copies = [_Part(index, b"", None) for index in range(len(self._skips))]
+        return self._parts == copies
+
+    def skip(self, data: bytes, at: int) -> int:
+        """Return the position behind a message."""
+        for skip in self._skips:
+            at = skip(data, at)
+        return at
+
+    def convert(self, data: bytes) -> bytes:
+        """Convert a message.
+
+        :raises ConversionError: if it has another length than its fields
+        """
+        ends, at = [0], 0
+        try:
+            for skip in self._skips:
+                at = skip(data, at)
+                ends.append(at)
+        except struct.error:
+            at = -1
+        if at != len(data):
+            raise ConversionError(f"{len(data)} bytes are not a message of this type")
+        pieces = []
+        for source, default, convert in self._parts:
+            piece = default if source is None else data[ends[source] : ends[source + 1]]
+            pieces.append(piece if convert is None or source is None else convert(piece))
+        return b"".join(pieces)
+
+
+class FieldMapping:
+    """Converter between a ROS 1 type and a ROS 2 type in ROS 1's terms, in both directions.
+
+    :param first: the ROS 1 type
+    :param fields1: its definition, from :func:`nodekit.message_definitions.parse`
+    :param second: the ROS 2 type
+    :param fields2: its definition, with ``time``, ``duration`` and ROS 1's Header
+    :param rules: rules of this and of nested types
+    :param default: returns the serialized default of a ROS 2 type, in ROS 1's terms
+    :raises MappingError: if fields of either type are unassigned, or rules name unknown fields
+    """
+
+    def __init__(
+        self,
+        first: str,
+        fields1: Fields,
+        second: str,
+        fields2: Fields,
+        rules: RulesByType,
+        default: Callable[[str], bytes],
+    ) -> None:
+        self._fields1, self._fields2, self._rules, self._default = fields1, fields2, rules, default
+        self._known: Dict[Tuple[str, str], Tuple[_Direction, _Direction]] = {}
+        self._errors: List[str] = []
+        self._forward, self._back = self._directions(first, second)
+        if self._errors:
+            raise MappingError("; ".join(dict.fromkeys(self._errors)))
+
+    def to_second(self, data: bytes) -> bytes:
+        """Convert a message of the first type to the second.
+
+        :raises ConversionError: if it is not a message of the first type
+        """
+        return self._forward.convert(data)
+
+    def to_first(self, data: bytes) -> bytes:
+        """Convert a message of the second type to the first.
+
+        :raises ConversionError: if it is not a message of the second type
+        """
+        return self._back.convert(data)
+
+    def _directions(self, first: str, second: str) -> Tuple[_Direction, _Direction]:
+        if (first, second) not in self._known:
+            self._known[first, second] = self._compile(first, second)
+        return self._known[first, second]
+
+    def _compile(self, first: str, second: str) -> Tuple[_Direction, _Direction]:
+        leaves1, leaves2 = _leaves(self._fields1, first), _leaves(self._fields2, second)
+        paths2 = [leaf.path for leaf in leaves2]
+        targets = _targets(self._fields1, first, self._rules)
+        self._errors += _unknown_paths(first, second, leaves1, leaves2, self._rules.get(first))
+        sources: Dict[int, int] = {}  # index in the first by index in the second
+        for index, (leaf, target) in enumerate(zip(leaves1, targets)):
+            if target is None:
+                continue
+            if target not in paths2:
+                self._errors.append(f"{first}: {leaf.path} has no counterpart {target} in {second}")
+            elif paths2.index(target) in sources:
+                self._errors.append(f"{second}: {target} has several counterparts in {first}")
+            else:
+                sources[paths2.index(target)] = index
+        left_out = _left_out2(self._fields2, second, self._rules)
+        for index, leaf in enumerate(leaves2):
+            is_left_out = _is_within(leaf.path, left_out)
+            if index in sources and is_left_out:
+                self._errors.append(f"{second}: {leaf.path} is left out, but has a counterpart")
+            elif index not in sources and not is_left_out:
+                self._errors.append(f"{second}: {leaf.path} has no counterpart in {first}")
+        skips1 = [_skip(leaf.field, self._fields1) for leaf in leaves1]
+        skips2 = [_skip(leaf.field, self._fields2) for leaf in leaves2]
+        defaults = self._defaults(second, skips2) if len(sources) < len(leaves2) else []
+        parts1 = [_Part(None, _zero(leaf.field, self._fields1), None) for leaf in leaves1]
+        parts2 = [_Part(None, default, None) for default in defaults or [b""] * len(leaves2)]
+        for its, ours in sources.items():
+            down, up = self._converters(first, second, leaves1[ours], leaves2[its])
+            parts2[its], parts1[ours] = _Part(ours, b"", down), _Part(its, b"", up)
+        return _Direction(skips1, parts2), _Direction(skips2, parts1)
+
+    def _defaults(self, second: str, skips: List[_Skip]) -> List[bytes]:
+        data, at, found = self._default(second), 0, []
+        for skip in skips:
+            end = skip(data, at)
+            found.append(data[at:end])
+            at = end
+        return found
+
+    def _converters(
+        self, first: str, second: str, ours: _Leaf, its: _Leaf
+    ) -> Tuple[Optional[_Convert], Optional[_Convert]]:
+        """Return the converters of a field in both directions; None to copy it."""
+        one, other = ours.field, its.field
+        if not _are_alike(one, other, self._fields1, self._fields2):
+            text = f"{first}: {ours.path} and {its.path} of {second} have different types"
+            self._errors.append(text)
+        elif one.base in self._fields1:
+            forward, back = self._directions(one.base, other.base)
+            if not (forward.is_copy and back.is_copy):
+                return _each(forward, one.length), _each(back, one.length)
+        return None, None
+
+
+def unassigned(
+    first: str, fields1: Fields, second: str, fields2: Fields, rules: RulesByType
+) -> Tuple[List[str], List[str]]:
+    """Return the paths of fields of both types that have no counterpart yet, for a draft of a rule.
+
+    :param first, fields1, second, fields2, rules: as of :class:`FieldMapping`
+    """
+    targets = _targets(fields1, first, rules)
+    theirs = {leaf.path: leaf.field for leaf in _leaves(fields2, second)}
+    left_out1 = []
+    for (path, field), target in zip(_leaves(fields1, first), targets):
+        its = theirs.get(target or "")
+        if its is not None and _are_alike(field, its, fields1, fields2):
+            del theirs[target or ""]
+        elif target is not None:
+            left_out1.append(path)
+    done = _left_out2(fields2, second, rules)
+    return left_out1, [path for path in theirs if not _is_within(path, done)]
+
+
+def _leaves(fields: Fields, datatype: str, prefix: str = "") -> List[_Leaf]:
+    found: List[_Leaf] = []
+    for field in fields[datatype]:
+        if field.base in fields and not field.is_array:
+            found += _leaves(fields, field.base, f"{prefix}{field.name}.")
+        else:
+            found.append(_Leaf(prefix + field.name, field))
+    return found
+
+
+def _targets(fields: Fields, datatype: str, rules: RulesByType) -> List[Optional[str]]:
+    """Return the path of each field's counterpart, in the order of :func:`_leaves`."""
+    found: List[Optional[str]] = []
+    rule = rules.get(datatype, FieldRules("", {}))
+    for field in fields[datatype]:
+        name = field.name.lower()  # ROS 2 has lower case only
+        if field.base in fields and not field.is_array:
+            paths = [f"{field.name}.{leaf.path}" for leaf in _leaves(fields, field.base)]
+            inner = _targets(fields, field.base, rules)
+            targets = [None if target is None else f"{name}.{target}" for target in inner]
+        else:
+            paths, targets = [field.name], [name]
+        found += [_assigned(path, target, rule) for path, target in zip(paths, targets)]
+    return found
+
+
+def _assigned(path: str, target: Optional[str], rule: FieldRules) -> Optional[str]:
+    """Return a field's counterpart by a rule that names it, or a message that contains it."""
+    if _is_within(path, rule.left_out1):
+        return None
+    names = path.split(".")
+    for count in range(len(names), 0, -1):
+        counterpart = rule.counterparts.get(".".join(names[:count]))
+        if counterpart is not None and target is not None:
+            return ".".join([counterpart, *target.split(".")[count:]])
+    return target
+
+
+def _left_out2(fields: Fields, datatype: str, rules: RulesByType, prefix: str = "") -> List[str]:
+    found = [
+        prefix + path
+        for rule in rules.values()
+        if rule.other == datatype
+        for path in rule.left_out2
+    ]
+    for field in fields[datatype]:
+        if field.base in fields and not field.is_array:
+            found += _left_out2(fields, field.base, rules, f"{prefix}{field.name}.")
+    return found
+
+
+def _is_within(path: str, places: Sequence[str]) -> bool:
+    return any(path == place or path.startswith(f"{place}.") for place in places)
+
+
+def _unknown_paths(
+    first: str,
+    second: str,
+    leaves1: List[_Leaf],
+    leaves2: List[_Leaf],
+    rule: Optional[FieldRules],
+) -> Iterator[str]:
+    if rule is None:
+        return
+    for datatype, leaves, named in (
+        (first, leaves1, [*rule.counterparts, *rule.left_out1]),
+        (second, leaves2, [*rule.counterparts.values(), *rule.left_out2]),
+    ):
+        for path in named:
+            if not any(_is_within(leaf.path, [path]) for leaf in leaves):
+                yield f"{datatype} has no field {path}"
+
+
+def _are_alike(one: Field, other: Field, fields1: Fields, fields2: Fields) -> bool:
+    """Return whether fields can be converted, if their elements can that are messages."""
+    same_array = (one.is_array, one.length) == (other.is_array, other.length)
+    nested = one.base in fields1 and other.base in fields2
+    return same_array and (nested or _kind(one.base) == _kind(other.base))
+
+
+def _kind(base: str) -> object:
+    """Return what two types must have in common to be copied; signs need not agree."""
+    if base in SIZES:
+        return "float" if base.startswith("float") else "integer", SIZES[base]
+    return base
+
+
+def _skip(field: Field, fields: Fields) -> _Skip:
+    element, size = _skip_element(field.base, fields)
+    if not field.is_array:
+        return element
+    if field.length is not None:
+        return _skip_fixed(element, size, field.length)
+
+    def skip(data: bytes, at: int) -> int:
+        (count,) = _COUNT.unpack_from(data, at)
+        return _skip_fixed(element, size, count)(data, at + _COUNT.size)
+
+    return skip
+
+
+def _skip_fixed(element: _Skip, size: Optional[int], count: int) -> _Skip:
+    def skip(data: bytes, at: int) -> int:
+        if size is not None:
+            at += size * count
+        else:
+            for _ in range(count):
+                at = element(data, at)
+        if at > len(data):
+            raise struct.error("the data ends early")
+        return at
+
+    return skip
+
+
+def _skip_element(base: str, fields: Fields) -> Tuple[_Skip, Optional[int]]:
+    """Return the function for an element, and its size if it is fixed [bytes]."""
+    if base == "string":
+        return (lambda data, at: at + _COUNT.size + _COUNT.unpack_from(data, at)[0]), None
+    size = _fixed_size(Field(base, False, None, ""), fields)
+    if size is not None:
+        fixed = size
+        return (lambda data, at: at + fixed), size
+    skips = [_skip(leaf.field, fields) for leaf in _leaves(fields, base)]
+    return _Direction(skips, []).skip, None
+
+
+def _fixed_size(field: Field, fields: Fields) -> Optional[int]:
+    """Return the size of a field whose size does not depend on its value [bytes]."""
+    if field.base == "string" or (field.is_array and field.length is None):
+        return None
+    size: Optional[int] = SIZES.get(field.base, 2 * _COUNT.size if field.base in TIMES else None)
+    if size is None:
+        sizes = [_fixed_size(inner, fields) for inner in fields[field.base]]
+        size = None if None in sizes else sum(filter(None, sizes))
+    return None if size is None else size * (field.length or 1)
+
+
+def _zero(field: Field, fields: Fields) -> bytes:
+    """Return a field of zeros, empty texts and empty arrays."""
+    if field.is_array and field.length is None:
+        return _COUNT.pack(0)
+    if field.base in fields:
+        one = b"".join(_zero(inner, fields) for inner in fields[field.base])
+    else:
+        one = bytes(SIZES.get(field.base, 2 * _COUNT.size if field.base in TIMES else _COUNT.size))
+    return one * (field.length or 1)
+
+
+def _each(direction: _Direction, length: Optional[int]) -> _Convert:
+    """Return the converter of an array of messages."""
+
+    def convert(data: bytes) -> bytes:
+        at = 0 if length is not None else _COUNT.size
+        pieces = [data[:at]]
+        while at < len(data):
+            end = direction.skip(data, at)
+            pieces.append(direction.convert(data[at:end]))
+            if end == at:  # messages without fields
+                break
+            at = end
+        return b"".join(pieces)
+
+    return convert

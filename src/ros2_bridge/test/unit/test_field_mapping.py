@@ -1,0 +1,157 @@
+"""Tests of the conversion of messages between types with other fields."""
+
+import struct
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from nodekit.message_definitions import parse
+from ros2_bridge.types.codec_ops import ConversionError
+from ros2_bridge.types.field_mapping import FieldMapping, FieldRules, MappingError, unassigned
+
+SEPARATOR = "\n" + "=" * 80 + "\n"
+#: A ROS 1 type, and a ROS 2 type with the same content in another order, with other names.
+FIRST = parse(
+    "a/Drive",
+    "Header header\nfloat64 v\nstring name\nSide left\nSide[] all\nbool old\nint32[2] pair"
+    + SEPARATOR
+    + "MSG: a/Side\nfloat32 speed\nstring[] notes\ntime at"
+    + SEPARATOR
+    + "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id",
+)
+SECOND = parse(
+    "b/Drive",
+    "string label\nHeader header\nSide port\nfloat64 speed\nint32[2] pair\nSide[] all\nuint8 mode"
+    + SEPARATOR
+    + "MSG: b/Side\ntime at\nfloat32 speed\nuint16 id\nstring[] notes"
+    + SEPARATOR
+    + "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame_id",
+)
+RULES = {
+    "a/Drive": FieldRules(
+        "b/Drive", {"v": "speed", "name": "label", "left": "port"}, ["old"], ["mode"]
+    ),
+    "a/Side": FieldRules("b/Side", {}, [], ["id"]),
+}
+
+
+def text(value):
+    data = value.encode()
+    return struct.pack("<I", len(data)) + data
+
+
+def texts(values):
+    return struct.pack("<I", len(values)) + b"".join(map(text, values))
+
+
+def default(datatype):
+    """Return a message of zeros, but mode 7 and id 9."""
+    if datatype == "b/Side":
+        return bytes(12) + b"\x09\0" + bytes(4)
+    header = struct.pack("<III", 0, 0, 0) + text("")
+    side = bytes(8) + bytes(4) + b"\x09\0" + bytes(4)
+    return text("") + header + side + bytes(8) + bytes(8) + bytes(4) + b"\7"
+
+
+def mapping(rules=None):
+    chosen = RULES if rules is None else rules
+    return FieldMapping("a/Drive", FIRST, "b/Drive", SECOND, chosen, default)
+
+
+SIDES = st.tuples(
+    st.floats(width=32, allow_nan=False),
+    st.lists(st.text(max_size=3), max_size=3),
+    st.tuples(st.integers(0, 2**32 - 1), st.integers(0, 2**32 - 1)),
+)
+
+
+@given(
+    st.integers(0, 2**32 - 1),
+    st.text(max_size=5),
+    st.floats(allow_nan=False),
+    SIDES,
+    st.lists(SIDES, max_size=3),
+    st.booleans(),
+)
+def test_fields_are_joined_in_the_other_order_and_back(seq, name, speed, left, sides, old):
+    def side1(one):
+        return struct.pack("<f", one[0]) + texts(one[1]) + struct.pack("<II", *one[2])
+
+    def side2(one):
+        return struct.pack("<IIfH", *one[2], one[0], 9) + texts(one[1])
+
+    header = struct.pack("<III", seq, 5, 6) + text("base")
+    count, pair = struct.pack("<I", len(sides)), struct.pack("<ii", -1, 2)
+    start = header + struct.pack("<d", speed) + text(name) + side1(left)
+    middle = count + b"".join(map(side1, sides))
+    first = start + middle + bytes([old]) + pair
+    second = text(name) + header + side2(left) + struct.pack("<d", speed) + pair
+    second += count + b"".join(map(side2, sides)) + b"\7"
+    assert mapping().to_second(first) == second
+    assert mapping().to_first(second) == start + middle + b"\0" + pair
+
+
+@pytest.mark.parametrize("cut", [-1, -9, 3, 0])
+def test_message_of_another_length_is_rejected(cut):
+    first = bytes(12) + text("") + bytes(8) + text("") + bytes(16) + bytes(4) + bytes(9)
+    assert mapping().to_second(first)
+    for data in (first[:cut], first + b"\0"):
+        with pytest.raises(ConversionError, match=f"{len(data)} bytes are not a message"):
+            mapping().to_second(data)
+
+
+def changed(**fields):
+    rule = RULES["a/Drive"]._replace(**fields)
+    return {**RULES, "a/Drive": rule}
+
+
+@pytest.mark.parametrize(
+    ("rules", "reason"),
+    [
+        ({}, "a/Drive: v has no counterpart v in b/Drive"),
+        ({}, "b/Drive: mode has no counterpart in a/Drive"),
+        (changed(left_out1=[]), "a/Drive: old has no counterpart old in b/Drive"),
+        (changed(left_out2=[]), "b/Drive: mode has no counterpart in a/Drive"),
+        (changed(left_out2=["mode", "pair"]), "b/Drive: pair is left out, but has a counterpart"),
+        (changed(left_out2=["mode", "mod"]), "b/Drive has no field mod"),
+        (changed(left_out1=["old", "older"]), "a/Drive has no field older"),
+        (
+            changed(counterparts={**RULES["a/Drive"].counterparts, "old": "mode", "x": "y"}),
+            "a/Drive has no field x; b/Drive has no field y",
+        ),
+        (
+            changed(counterparts={"v": "label", "name": "speed", "left": "port"}),
+            "a/Drive: v and label of b/Drive have different types",
+        ),
+        (
+            changed(counterparts={**RULES["a/Drive"].counterparts, "left": "all"}),
+            "a/Drive: left.speed has no counterpart all.speed in b/Drive",
+        ),
+        ({"a/Drive": RULES["a/Drive"]}, "b/Side: id has no counterpart in a/Side"),
+        (
+            changed(counterparts={"v": "speed", "name": "label", "left": "port", "pair": "speed"}),
+            "b/Drive: speed has several counterparts in a/Drive",
+        ),
+    ],
+)
+def test_rules_that_do_not_fit_are_rejected_with_each_reason(rules, reason):
+    with pytest.raises(MappingError) as caught:
+        mapping(rules)
+    assert reason in str(caught.value)
+
+
+def test_draft_names_the_fields_without_a_counterpart():
+    found = unassigned("a/Drive", FIRST, "b/Drive", SECOND, {})
+    missing1 = ["v", "name", "left.speed", "left.notes", "left.at", "old"]
+    missing2 = ["label", "port.at", "port.speed", "port.id", "port.notes", "speed", "mode"]
+    assert found == (missing1, missing2)
+    assert unassigned("a/Drive", FIRST, "b/Drive", SECOND, RULES) == ([], [])
+
+
+def test_upper_case_names_correspond_to_lower_case():
+    first, second = parse("a/K", "float64[2] K\nstring R"), parse("b/K", "string r\nfloat64[2] k")
+    converter = FieldMapping("a/K", first, "b/K", second, {}, default)
+    data = struct.pack("<dd", 1.5, 2.5) + text("x")
+    assert converter.to_second(data) == text("x") + struct.pack("<dd", 1.5, 2.5)
+    assert converter.to_first(converter.to_second(data)) == data

@@ -1,0 +1,80 @@
+"""Tests of the rules that map ROS 1 types to ROS 2 types."""
+
+import pytest
+
+from ros2_bridge.types.mapping_rules import MappingRules, MappingRuleError
+
+RANGE = {"ros1": "sensor_msgs/Range", "ros2": "sensor_msgs/msg/Range"}
+MOVE = {
+    "ros1": "move_base_msgs/MoveBase",
+    "ros2": "nav2_msgs/action/NavigateToPose",
+    "fields": {"goal.target_pose": "goal.pose", "feedback.base_position": "feedback.current_pose"},
+    "left_out": {"ros2": ["goal.behavior_tree", "result.error_code", "feedback.distance"]},
+}
+
+
+def test_type_has_its_name_in_both():
+    rules = MappingRules([RANGE, MOVE])
+    assert rules.ros2_name("move_base_msgs/MoveBase") == "nav2_msgs/NavigateToPose"
+    assert rules.ros1_name("nav2_msgs/NavigateToPose") == "move_base_msgs/MoveBase"
+    assert rules.ros2_name("std_msgs/String") == rules.ros1_name("std_msgs/String") == ""
+    assert [rule.kind for rule in rules.own] == ["msg", "action"]
+
+
+def test_fields_of_an_action_belong_to_its_parts():
+    fields = MappingRules([MOVE]).fields
+    goal = fields["move_base_msgs/MoveBaseGoal"]
+    assert goal.other == "nav2_msgs/NavigateToPose_Goal"
+    assert (goal.counterparts, goal.left_out2) == ({"target_pose": "pose"}, ["behavior_tree"])
+    assert fields["move_base_msgs/MoveBaseResult"].left_out2 == ["error_code"]
+    feedback = fields["move_base_msgs/MoveBaseFeedback"]
+    assert feedback.counterparts == {"base_position": "current_pose"}
+    assert feedback.left_out2 == ["distance"]
+
+
+def test_renamed_package_keeps_the_names_of_its_types():
+    rules = MappingRules([{"ros1": "acme_msgs", "ros2": "acme_interfaces"}])
+    assert rules.ros2_name("acme_msgs/Arm") == "acme_interfaces/Arm"
+    assert rules.ros1_name("acme_interfaces/Arm") == "acme_msgs/Arm"
+    assert rules.own == []
+
+
+def test_rule_of_the_user_replaces_one_that_is_built_in():
+    own = {**RANGE, "left_out": {"ros2": ["variance"]}}
+    rules = MappingRules([own], [RANGE, MOVE])
+    assert rules.fields["sensor_msgs/Range"].left_out2 == ["variance"]
+    assert [rule.ros1 for rule in rules.own] == ["sensor_msgs/Range"]
+    assert rules.ros2_name("move_base_msgs/MoveBase")
+
+
+@pytest.mark.parametrize(
+    ("rules", "reason"),
+    [
+        ("text", "'text' is not a list of rules"),
+        ([3], "3 is not a rule with texts ros1 and ros2"),
+        ([{"ros1": "a/B"}], "is not a rule with texts ros1 and ros2"),
+        ([{**RANGE, "field": {}}], "sensor_msgs/Range: field is not one of fields, left_out"),
+        ([{**RANGE, "ros2": "sensor_msgs/Range"}], "types are named as in package/Name"),
+        ([{**RANGE, "ros1": "a/b/C"}], "types are named as in package/Name"),
+        ([{"ros1": "a", "ros2": "B b"}], "'B b' is not the name of a package"),
+        ([{"ros1": "a", "ros2": "b", "fields": {}}], "fields of the package a: allowed only for"),
+        ([RANGE, RANGE], "sensor_msgs/Range or sensor_msgs/Range is in several rules"),
+        ([{"ros1": "a", "ros2": "b"}, {"ros1": "c", "ros2": "b"}], "c or b is in several rules"),
+        ([{**RANGE, "fields": ["x"]}], "fields: ['x'] is not a mapping of texts"),
+        ([{**RANGE, "fields": {"x": 3}}], "fields: {'x': 3} is not a mapping of texts"),
+        ([{**RANGE, "left_out": ["x"]}], "left_out: ['x'] has other keys than ros1, ros2"),
+        ([{**RANGE, "left_out": {"ros3": []}}], "has other keys than ros1, ros2"),
+        ([{**RANGE, "left_out": {"ros2": "x"}}], "left_out: {'ros2': 'x'} has no lists of texts"),
+        ([{**MOVE, "fields": {"pose": "goal.pose"}}], "pose does not begin with goal, result"),
+        ([{**MOVE, "left_out": {"ros1": ["goal"]}}], "goal does not begin with goal, result"),
+        (
+            [{**MOVE, "fields": {"goal.x": "result.x"}}],
+            "goal.x has a counterpart in another part",
+        ),
+    ],
+)
+def test_malformed_rule_is_rejected_with_its_reason(rules, reason):
+    with pytest.raises(MappingRuleError) as caught:
+        MappingRules(rules)
+    assert str(caught.value).startswith("parameter mappings: ")
+    assert reason in str(caught.value)

@@ -135,7 +135,8 @@ def test_pairs_are_printed(ros: both.Both) -> None:
     pairs = done.stdout.splitlines()
     assert "basic_comms/signal_msg <=> basic_comms/msg/SignalMsg" in pairs
     assert "std_srvs/Trigger <=> std_srvs/srv/Trigger" in pairs
-    assert "only sensor_msgs/Range of ROS 2 has field variance" in done.stderr
+    assert "sensor_msgs/Range <=> sensor_msgs/msg/Range" in pairs
+    assert "rosgraph_msgs/Log needs rosgraph_msgs/msg/Log, which is not installed" in done.stderr
 
 
 class FewNodes(NodeBridge):

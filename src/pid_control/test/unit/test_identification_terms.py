@@ -99,13 +99,13 @@ def test_identify_threshold_dead_zone_is_not_taken_for_friction() -> None:
 def test_autocorrelated_noise_invents_no_limit_and_covers_the_dead_zone() -> None:
     plant = Model(10.0, 0.3, 0.02, 0.15)
     inside, limits = 0, 0
-    for seed in range(10):
+    for seed in range(5):
         record = autocorrelated(recorded(plant, outputs=1500), 0.02, 0.9, seed)
         found = identify(record)
         limits += math.isfinite(found.model.limit)
         inside += abs(found.model.dead_zone - 0.15) <= found.uncertainty.dead_zone
     assert limits == 0
-    assert inside >= 7
+    assert inside >= 4
 
 
 def test_identify_second_order_plant_withdraws_the_uncertainty() -> None:

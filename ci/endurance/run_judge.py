@@ -1,10 +1,11 @@
-"""Judge controllers with known flaws."""
+"""Judge controllers with known flaws, and correct ones drawn at random."""
 
 import contextlib
 import csv
 import os
 import pathlib
 import subprocess
+import sys
 import time
 from typing import List
 
@@ -24,6 +25,8 @@ FLAWS = {
 }
 #: Longest time of a judgement [s].
 LONGEST_S = 60.0
+#: Correct controllers drawn at random, a quarter of the variable UNIT_TEST_EXAMPLES.
+DRAWN = 200
 
 
 def run(soak: Soak) -> List[Check]:
@@ -58,9 +61,24 @@ def run(soak: Soak) -> List[Check]:
         at_least("controllers judged", len(took), 24),
         none_of("flaws that are not named", missed),
         none_of("good controllers that do not pass", blamed),
+        none_of(f"false causes of {DRAWN} controllers drawn at random", false_causes()),
         at_most("longest judgement", max(took), LONGEST_S, "s"),
         none_of("processes left behind", left_behind(directory)),
     ]
+
+
+def false_causes() -> List[str]:
+    """Return what fails in the unit test of correct controllers, with more of them."""
+    test = PACKAGE / "test" / "unit" / "test_diagnosis.py"
+    name = "test_judge_correct_controllers_get_no_false_cause"
+    done = subprocess.run(
+        [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", f"{test}::{name}"],
+        cwd=str(WORKSPACE),
+        env={**os.environ, "UNIT_TEST_EXAMPLES": str(4 * DRAWN)},
+        stdout=subprocess.PIPE,
+        universal_newlines=True,
+    )
+    return [] if done.returncode == 0 else done.stdout.splitlines()[-20:]
 
 
 def left_behind(directory: pathlib.Path) -> List[str]:

@@ -14,6 +14,8 @@ from helpers.putting_back import wait_for_put_backs
 from rosgraph_msgs.msg import Log
 from std_msgs.msg import Float32, String
 
+from lifecycle_msgs.msg import Transition
+from lifecycle_msgs.srv import ChangeState
 from motor_control_msgs.srv import SetProcessBool, SetProcessBoolResponse
 from nodekit.testing.changing import change
 from nodekit.testing.message_recorder import MessageRecorder
@@ -33,6 +35,7 @@ class EnableSequence(unittest.TestCase):
         self.states = MessageRecorder(self.space + "/motor_state", String)
         self.log = MessageRecorder("/rosout", Log)
         self.enable = rospy.ServiceProxy(self.space + "/EnableProcess", SetProcessBool)
+        self.change_state = rospy.ServiceProxy(self.space + "/sp_gen/change_state", ChangeState)
         self.nodes: Dict[str, "subprocess.Popen[bytes]"] = {}
 
     def start(self, program: str, name: str, *given: str) -> "subprocess.Popen[bytes]":
@@ -66,12 +69,8 @@ class EnableSequence(unittest.TestCase):
 
     def manage_set_point(self, *transitions: str) -> None:
         for transition in transitions:
-            node = self.space + "/sp_gen"
-            subprocess.run(
-                ["rosrun", "nodekit", "lifecycle", "set", node, transition],
-                check=True,
-                timeout=TIMEOUT_S,
-            )
+            answer = self.change_state(Transition(label=transition))
+            self.assertTrue(answer.success, transition)
 
     def wait_for_state(self, state: str) -> None:
         self.states.wait_for(lambda heard: heard.data == state)
@@ -104,18 +103,13 @@ class EnableSequence(unittest.TestCase):
         self.wait_for_state("enabled")
         self.assert_both_run()
 
-    def test_motor_first(self) -> None:
+    def test_motor_first_and_disabling_stops_both_until_somebody_enables(self) -> None:
         self.start_motor()
         self.assertEqual(self.speeds.messages(), [])
         self.start_set_point()
         self.assert_both_run()
         self.wait_for_state("enabled")
         self.assertEqual([heard.data for heard in self.states.messages()], ["waiting", "enabled"])
-
-    def test_disabling_stops_both_until_somebody_enables(self) -> None:
-        self.start_motor()
-        self.start_set_point()
-        self.assert_both_run()
         self.assertEqual(self.enable(True).message, "enabled already")
         self.assertTrue(self.enable(False).success)
         self.wait_for_line("the motor is disabled")
@@ -125,6 +119,8 @@ class EnableSequence(unittest.TestCase):
         self.assert_both_are_silent()
         self.assertEqual(self.enable(True).message, "enabled")
         self.assert_both_run()
+        change(self.space + "/sp_gen", omega=40.0)  # more than its rate can carry
+        self.wait_for_line("40 rad/s is above the Nyquist frequency of 31.4159 rad/s")
 
     def test_motor_that_is_killed_and_comes_back(self) -> None:
         motor = self.start_motor()
@@ -153,24 +149,13 @@ class EnableSequence(unittest.TestCase):
         self.assertEqual(self.enable(True).message, "enabled")
         self.assert_both_run()
 
-    def test_motor_that_is_disabled_before_it_was_enabled_says_so(self) -> None:
+    def test_motor_disabled_before_it_was_enabled_says_so_and_a_set_point_enables_it(self) -> None:
         self.start_motor()
         answer = self.enable(False)
         self.assertEqual((answer.success, answer.message), (True, "disabled already"))
         self.wait_for_state("disabled")
-
-    def test_set_point_started_after_somebody_disabled_the_motor_enables_it(self) -> None:
-        self.start_motor()
-        self.enable(False)
         self.start_set_point()
         self.assert_both_run()
-
-    def test_set_point_warns_of_what_its_rate_cannot_carry(self) -> None:
-        self.start_motor()
-        self.start_set_point()
-        self.assert_both_run()
-        change(self.space + "/sp_gen", omega=40.0)
-        self.wait_for_line("40 rad/s is above the Nyquist frequency of 31.4159 rad/s")
 
     def test_refusals_and_failures_are_retried_after_growing_pauses(self) -> None:
         calls: List[float] = []
@@ -216,7 +201,7 @@ class EnableSequence(unittest.TestCase):
     def test_managed_set_point_stops_the_motor_when_it_is_deactivated(self) -> None:
         self.start_motor()
         set_point = self.start_set_point("_managed:=true", "_offset:=2", "_stop_value:=0.25")
-        rospy.wait_for_service(self.space + "/sp_gen/change_state", TIMEOUT_S)
+        self.change_state.wait_for_service(TIMEOUT_S)
         for transitions in (("configure", "activate"), ("activate",)):
             self.manage_set_point(*transitions)
             self.assert_both_run()

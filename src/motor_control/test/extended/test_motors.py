@@ -12,8 +12,8 @@ from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.running import rosrun
 from nodekit.testing.waiting import wait_until
 
-GROUPS = [f"/group{number}" for number in range(1, 11)]
-#: Twelve groups of two nodes each, on a machine that may have other things to do.
+GROUPS = [f"/group{number}" for number in range(1, 4)]
+#: Five groups of two nodes each, on a machine that may have other things to do.
 TIMEOUT = 90.0
 
 
@@ -24,7 +24,7 @@ class Motors(unittest.TestCase):
     def setUpClass(cls) -> None:
         rospy.init_node("test_motors")
 
-    def test_all_ten_run_and_only_their_own_topics_connect_them(self) -> None:
+    def test_all_run_and_only_their_own_topics_connect_them(self) -> None:
         recorders = [MessageRecorder(group + "/motor_speed_y", Float32) for group in GROUPS]
         for recorder in recorders:
             recorder.wait_for(lambda heard: heard.data != 0.0, TIMEOUT)

@@ -2,7 +2,7 @@
 
 import os
 import subprocess
-from typing import Any, Dict, List, Set
+from typing import Any, Dict, List
 from xml.dom import minidom
 
 import pytest
@@ -178,8 +178,14 @@ def test_activities_2_and_3_set_the_same_parameters() -> None:
         return {key: parameter.value for key, parameter in load(command).params.items()}
 
     assert values("activity2.launch") == values("activity3.launch")
-    texts: Set[str] = {value for key, value in values("activity2.launch").items() if "Mess" in key}
-    assert len(texts) == 3
+    texts = {key: value for key, value in values("activity2.launch").items() if "Mess" in key}
+    assert texts == {
+        "/Message": "global message",
+        "/Group1/Message": "local message",
+        "/Group2/Message": "local message",
+        "/Group1/talker/Message": "private message",
+        "/Group2/talker/Message": "private message",
+    }
 
 
 @pytest.mark.parametrize(

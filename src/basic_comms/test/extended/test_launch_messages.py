@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Messages of the talkers: each scope of Message, and changes by rosparam while they run."""
+"""Messages of the talkers: each scope of Message, and changes while they run."""
 
 import subprocess
 import unittest
@@ -67,13 +67,13 @@ class LaunchMessages(unittest.TestCase):
 
     def test_closest_walks_outwards_as_texts_are_deleted(self) -> None:
         self.assert_says("closest", "private text")
-        rosparam("delete", "/lab/closest/Message")
+        self.graph.delete_parameter("/lab/closest/Message")
         self.assert_says("closest", "local text")
-        rosparam("delete", LOCAL)
+        self.graph.delete_parameter(LOCAL)
         self.assert_says("closest", "global text")
-        rosparam("delete", GLOBAL)
+        self.graph.delete_parameter(GLOBAL)
         self.assert_says("closest", "hello world")
-        rosparam("set", LOCAL, "back again")
+        self.graph.set_parameter(LOCAL, "back again")
         self.assert_says("closest", "back again")
 
     def test_an_explicit_scope_says_so_when_its_text_is_missing(self) -> None:
@@ -82,12 +82,12 @@ class LaunchMessages(unittest.TestCase):
         for scope in ("global", "local", "private"):
             self.assert_says(scope, "No Parameter Found")
 
-    def test_rosparam_set_shows_at_every_level(self) -> None:
-        rosparam("set", GLOBAL, "new global")
+    def test_changed_text_shows_at_every_level(self) -> None:
+        self.graph.set_parameter(GLOBAL, "new global")
         self.assert_says("global", "new global")
-        rosparam("set", LOCAL, "new local")
+        self.graph.set_parameter(LOCAL, "new local")
         self.assert_says("local", "new local")
-        rosparam("set", "/lab/private/Message", "42")
+        self.graph.set_parameter("/lab/private/Message", 42)
         self.assert_says("private", "42")
         self.assert_says("closest", "private text")
 
@@ -101,9 +101,9 @@ class LaunchMessages(unittest.TestCase):
         self.assertNotIn("/lab/private/Message", rosparam("list", "/lab"))
 
     def test_message_scope_can_be_changed_while_it_talks(self) -> None:
-        rosparam("set", "/lab/closest/message_scope", "global")
+        self.graph.set_parameter("/lab/closest/message_scope", "global")
         self.assert_says("closest", "global text")
-        rosparam("set", "/lab/closest/message_scope", "closest")
+        self.graph.set_parameter("/lab/closest/message_scope", "closest")
         self.assert_says("closest", "private text")
 
     def test_a_parameter_outlives_its_node(self) -> None:

@@ -55,7 +55,8 @@ class Signals(unittest.TestCase):
         self.interrupt_registration("listener.py", "registerService", "/set_logger_level")
 
     def test_while_a_publisher_is_registered(self) -> None:
-        self.interrupt_registration("talker.py", "registerPublisher", "/chatter")
+        for number in (signal.SIGINT, signal.SIGTERM):
+            self.interrupt_registration("talker.py", "registerPublisher", "/chatter", number=number)
 
     def test_while_a_subscriber_is_registered(self) -> None:
         self.interrupt_registration("listener.py", "registerSubscriber", "/chatter")
@@ -76,34 +77,28 @@ class Signals(unittest.TestCase):
         self.interrupt_registration("fleet", "getParam", "/Group1/process", "unregisterPublisher")
 
     def interrupt_registration(
-        self, program: str, method: str, ending: str, then: str = ""
+        self, program: str, method: str, ending: str, then: str = "", number: int = signal.SIGINT
     ) -> None:
-        """Send each signal while the master keeps a node waiting in one call.
+        """Send a signal while the master keeps a node waiting in one call.
 
         :param then: call of the node's shutdown before that call is answered, if any
+        :param number: the signal
         """
-        for number in (signal.SIGINT, signal.SIGTERM):
-            master = SlowMaster(os.environ["ROS_MASTER_URI"], method, ending)
-            self.addCleanup(master.close)
-            process = self.node(program, ROS_MASTER_URI=master.uri)
-            self.assertTrue(master.reached.wait(TIMEOUT_S))
-            process.send_signal(number)
-            wait_until(lambda: taken_in(process.pid, number), lambda: "the signal is still pending")
-            wait_until(lambda: not then or then in master.calls, lambda: str(master.calls))
-            master.go_on.set()
-            self.assert_ended(process)
-
-    def ends_while_it_runs(self, number: int) -> None:
-        process = self.node("process.py")
-        self.graph.wait_for_subscribers("/signal", "/process")
+        master = SlowMaster(os.environ["ROS_MASTER_URI"], method, ending)
+        self.addCleanup(master.close)
+        process = self.node(program, ROS_MASTER_URI=master.uri)
+        self.assertTrue(master.reached.wait(TIMEOUT_S))
         process.send_signal(number)
+        wait_until(lambda: taken_in(process.pid, number), lambda: "the signal is still pending")
+        wait_until(lambda: not then or then in master.calls, lambda: str(master.calls))
+        master.go_on.set()
         self.assert_ended(process)
 
-    def test_interrupt_while_a_node_runs(self) -> None:
-        self.ends_while_it_runs(signal.SIGINT)
-
     def test_hangup_while_a_node_runs(self) -> None:
-        self.ends_while_it_runs(signal.SIGHUP)
+        process = self.node("process.py")
+        self.graph.wait_for_subscribers("/signal", "/process")
+        process.send_signal(signal.SIGHUP)
+        self.assert_ended(process)
 
     def ends_while_it_waits_for_a_master(self, number: int) -> None:
         process = self.node("talker.py", ROS_MASTER_URI="http://localhost:1")

@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
 """Tests of the services ~describe and ~change, and of their commands."""
 
+import os
 import subprocess
 from typing import Any, Tuple
 
+import rospkg
 import rospy
 import yaml
 from helpers.parameter_node import GaugeParameters
 from helpers.parameter_rig import ParameterCase, ParameterNode
-from std_srvs.srv import Trigger, TriggerResponse
+from std_srvs.srv import Trigger
 
 from nodekit.parameter_server.live_parameters import LiveParameters, open_all
 from nodekit.parameter_server.parameter_services import change_handler
@@ -26,6 +28,7 @@ from nodekit.testing.waiting import wait_until
 from nodekit_msgs.srv import SetParameters, SetParametersRequest
 
 LAB = "/services/lab"
+SCRIPTS = os.path.join(rospkg.RosPack().get_path("nodekit"), "scripts")
 DEFAULTS = {name: to_wire(value) for name, value in GaugeParameters().as_dict().items()}
 
 
@@ -46,7 +49,7 @@ def command(*words: str) -> "subprocess.CompletedProcess[str]":
     """Run a command of nodekit; repeat it if a busy machine does not answer in time."""
     for _ in range(3):
         done = subprocess.run(
-            ["rosrun", "nodekit", *words],
+            [os.path.join(SCRIPTS, words[0]), *words[1:]],
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             universal_newlines=True,
@@ -161,12 +164,10 @@ class ParameterServices(ParameterCase):
         for words, sentence in (
             ((self.node.name, "level", "-1"), "change: parameter %s/level: refused -1: must"),
             ((self.node.name + "s", "level", "1"), "there is %s"),
-            ((self.node.name, "level"), "a name and a value"),
-            ((self.node.name, "level", "["), "error: "),
         ):
             wrong = command("change", *words)
-            self.assertNotEqual((wrong.returncode, wrong.stdout), (0, ""))
-            self.assertIn(sentence % self.node.name if "%" in sentence else sentence, wrong.stderr)
+            self.assertEqual((wrong.returncode, wrong.stdout), (1, ""))
+            self.assertIn(sentence % self.node.name, wrong.stderr)
 
     def test_command_describe(self) -> None:
         done = command("describe", LAB)
@@ -181,22 +182,11 @@ class ParameterServices(ParameterCase):
         self.assertEqual((wrong.returncode, wrong.stdout), (1, ""))
         self.assertIn(self.node.name, wrong.stderr)
 
-    def test_service_of_the_same_name_keeps_no_other_from_being_described(self) -> None:
-        for text in ("hello", "[1, 2]", "[{name: x}]", "{"):
-            answer = TriggerResponse(True, text)
-            service = rospy.Service(LAB + "/a/describe", Trigger, lambda _, answer=answer: answer)
-            done = command("describe", LAB)
-            service.shutdown()
-            sentence = f"describe: {LAB}/a/describe does not describe parameters\n"
-            self.assertEqual((done.returncode, done.stderr), (1, sentence))
-            for node in self.nodes:
-                self.assertIn(node.name + "\n", done.stdout)
-
     def test_node_that_hangs_keeps_no_other_from_being_described(self) -> None:
         with hanging(self.node.popen.pid):
             # The last line says how long it has waited; a busy machine takes more to start.
             done = subprocess.run(
-                ["rosrun", "nodekit", "describe", LAB],
+                [os.path.join(SCRIPTS, "describe"), LAB],
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,
                 universal_newlines=True,

@@ -34,3 +34,13 @@ def test_parameter_named_with_its_node_gets_the_corrected_command(
         command.main()
     assert ended.value.code == 2
     assert capsys.readouterr().err.splitlines()[-1] == f"change: error: {NEEDED}{hint}"
+
+
+def test_value_that_is_not_yaml_is_an_error(
+    monkeypatch: "pytest.MonkeyPatch", capsys: "pytest.CaptureFixture[str]"
+) -> None:
+    monkeypatch.setattr(sys, "argv", ["change", "/node", "gain", "["])
+    with pytest.raises(SystemExit) as ended:
+        command.main()
+    assert ended.value.code == 2
+    assert "change: error: while parsing" in capsys.readouterr().err

@@ -190,11 +190,11 @@ class TestAvr(unittest.TestCase):
         publisher = rospy.Publisher(f"{self.space}/command", UInt16, queue_size=10)
         self.start(COUNTER + WAITS % 3000)
         self.wait_for_connections(publisher)
-        for number in range(1, 6):
+        for number in range(1, 4):
             publisher.publish(number)
             seen = len(messages)
             wait_until(lambda: len(messages) > seen, lambda: f"{messages}", PATIENCE)
-        wait_until(lambda: messages[-1].data == 5, lambda: f"{messages}", PATIENCE)
+        wait_until(lambda: messages[-1].data == 3, lambda: f"{messages}", PATIENCE)
 
     def test_loop_that_logs_and_asks_for_parameters_is_found_again_after_a_reset(self) -> None:
         rospy.set_param(f"{self.space}/gain", 2.5)
@@ -205,14 +205,14 @@ class TestAvr(unittest.TestCase):
 
         def has_counted() -> bool:
             publisher.publish(0)
-            return bool(found and messages and messages[-1].data >= 20)
+            return bool(found and messages and messages[-1].data >= 8)
 
         for boot_s in (0.0, 1.5):
             wait_until(has_counted, lambda: f"{messages} {found}", PATIENCE)
             assert found[-1].data == 2.5
             board.reset(boot_s)
             # The sketch that was restarted counts from 0.
-            wait_until(lambda: messages[-1].data < 20, lambda: f"{messages[-3:]}", PATIENCE)
+            wait_until(lambda: messages[-1].data < 8, lambda: f"{messages[-3:]}", PATIENCE)
             found.clear()
         wait_until(lambda: found, lambda: f"{messages} {found}", PATIENCE)
 

@@ -101,7 +101,6 @@ class Browser:
             "--disable-dev-shm-usage",  # too small in a container
             "--remote-debugging-pipe",  # ends with chromedriver in any case
             "--hide-scrollbars",
-            "--host-resolver-rules=MAP *.local 127.0.0.1",  # as a network's own names would be
             "--user-data-dir=" + str(Path(self._profile, "profile")),
         ):
             options.add_argument(argument)

@@ -3,9 +3,11 @@
 import csv
 import functools
 import io
+import json
 import math
 import unittest
 from typing import Any, ClassVar, Dict, List, Sequence, Tuple
+from urllib.parse import unquote
 from urllib.request import urlopen
 
 from browsing.browser import Browser
@@ -129,6 +131,12 @@ class PageTest(BrowserTest):
         :param parts: parts of the set-up that differ from a new page
         """
         self.browser.driver.execute_async_script(_SHOW, {**FRESH, **parts})
+
+    def restore(self) -> None:
+        """Apply the set-up of the page's address after another one, as a reload does."""
+        address = unquote(self.browser.driver.current_url).partition("#")[2]
+        self.show()
+        self.browser.driver.execute_async_script(_SHOW, json.loads(address))
 
     def wait_drawn(self) -> None:
         """Wait until the latest changes are drawn: cursors are placed on the drawn axes."""

@@ -241,7 +241,6 @@ class Panels(PanelTest):
         return sorted(edge for edge in found if "/process" in edge.split(" > "))
 
     def test_all_controls_are_reached_by_keys_and_named(self) -> None:
-        self.addCleanup(self.leave_page)
         self.browser.keys("t", "c", "v", "l")  # trigger and cursors: all handles of the plot
         self.browser.wait_for(".handle.cursor")
         self.browser.wait_for(".handle.level-cursor")

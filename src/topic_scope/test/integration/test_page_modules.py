@@ -280,7 +280,7 @@ class Modules(BrowserTest):
 
     def test_reconnection_delays_grow_to_a_limit_and_restart(self) -> None:
         code = """(() => {
-          const sockets = [], waits = [];
+          const sockets = [], waits = [], reasons = [];
           const native = globalThis.WebSocket;
           globalThis.WebSocket = class {
             constructor() { this.events = {}; sockets.push(this); }
@@ -288,18 +288,20 @@ class Modules(BrowserTest):
             close() {}
           };
           const connection = new module.Connection(
-            "ws://nowhere", () => {}, (state, wait) => { if (state === "lost") waits.push(wait); });
+            "ws://nowhere", () => {}, (state, wait, reason) => {
+              if (state === "lost") { waits.push(wait); reasons.push(reason); } });
           for (let number = 0; number < 9; number += 1) {
             connection.connect();
             const socket = sockets[sockets.length - 1];
             if (number === 7) socket.events.message({ data: "{}" });
-            socket.events.close({ reason: "" });
+            socket.events.close({ reason: number < 8 ? "full" : "" });
           }
           clearTimeout(connection.timer);
           globalThis.WebSocket = native;
-          return waits;
+          return [waits, reasons];
         })()"""
-        waits = self.browser.call("base/connection.js", code)
+        waits, reasons = self.browser.call("base/connection.js", code)
+        self.assertEqual(reasons, [*["full"] * 8, ""])
         expected = [
             250,
             500,

@@ -10,7 +10,7 @@ from typist import lines_of
 
 
 #: What has an effect on all pages.
-_OF_ALL = ("ci/", "docs/tests/", "src/nodekit/src/nodekit/testing/")
+_OF_ALL = ("ci/exec", "ci/setup/", "docs/tests/", "src/nodekit/src/nodekit/testing/")
 _DEPENDENCY = re.compile(r"<\w*depend\b[^>]*>\s*(\w+)\s*</")
 
 

@@ -24,9 +24,9 @@ DEPENDS_ON = {"basic_comms": {"nodekit"}, "topic_scope": {"msgs"}, "msgs": {"std
         (["src/nodekit/src/nodekit/node/ros_node.py"], ["talk"]),
         (["src/msgs/msg/A.msg", "docs/talk.md"], ["talk", "plot"]),
         (["docs/examples/pump.py"], ["pump"]),
-        (["docs/examples/other.py", "README.md", "src/other/a.py"], []),
+        (["docs/examples/other.py", "README.md", "src/other/a.py", "ci/lint/language.py"], []),
         (["docs/tests/job.py"], ["talk", "plot", "pump", "text"]),
-        (["ci/lib/setup/build.bash"], ["talk", "plot", "pump", "text"]),
+        (["ci/setup/build.bash"], ["talk", "plot", "pump", "text"]),
     ],
 )
 def test_change_selects_the_pages_that_name_it(changed: List[str], pages: List[str]) -> None:

@@ -60,6 +60,8 @@ class Workspace:
         self.program = "exec"
         #: Command that runs it.
         self.prefix: List[str] = []
+        #: Result of the run that built it.
+        self.first: "subprocess.CompletedProcess[str]"
         shutil.copytree(CI, root / "ci", ignore=shutil.ignore_patterns("__pycache__", "tests"))
         (root / "packaging").mkdir()
         shutil.copy(str(CI.parent / "packaging" / "dependencies.txt"), str(root / "packaging"))
@@ -112,11 +114,14 @@ class Workspace:
         out, err = process.communicate(stdin, timeout=120)
         return subprocess.CompletedProcess(process.args, process.returncode, out, err)
 
-    def shows(self, message: str) -> bool:
-        """Return whether Python code in the workspace finds a message, given as package.Name."""
-        package, name = message.split(".")
-        code = f"from {package}.msg import {name}"
-        return self.run("python3", "-c", code).returncode == 0
+    def pretend_build(self, first: str = "") -> None:
+        """Replace catkin_make, for tests of when it is run.
+
+        :param first: bash code that it runs at first
+        """
+        self.fakes["catkin_make"] = f"""{first or ":"}
+            mkdir -p devel; : > devel/product; [ -e devel/setup.bash ] || : > devel/setup.bash
+            echo CMAKE_HOME_DIRECTORY:INTERNAL=$PWD/src > build/CMakeCache.txt"""
 
     def pretend_packages(self, listed: str, installed: str = "", known: str = "") -> pathlib.Path:
         """Replace the list of packages and the package system; return the log of root's commands.
@@ -181,5 +186,7 @@ def built(tmp_path_factory: "pytest.TempPathFactory") -> Workspace:
     """Return a built workspace, for tests that change nothing in it."""
     # Rare but allowed characters of a path.
     workspace = Workspace(tmp_path_factory.mktemp("built") / "é+@=%,~-1")
-    assert workspace.run("true").returncode == 0
+    script = "cat; python3 -c 'import tiny.msg'; ls -l /proc/self/fd | grep -c lock; exit 7"
+    workspace.first = workspace.run("sh", "-c", script, stdin="in\n")
+    assert workspace.first.returncode == 7, workspace.first.stderr
     return workspace

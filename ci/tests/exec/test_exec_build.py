@@ -5,7 +5,6 @@ import pathlib
 import pwd
 import shutil
 import signal
-import subprocess
 import time
 
 import pytest
@@ -13,63 +12,61 @@ import pytest
 from .conftest import Workspace
 
 
-def test_first_run_builds_and_keeps_the_streams_apart(workspace: Workspace) -> None:
-    script = "cat; python3 -c 'import tiny.msg'; ls -l /proc/self/fd | grep -c lock; exit 7"
-    result = workspace.run("sh", "-c", script, stdin="in\n")
-    assert (result.stdout, result.returncode) == ("in\n0\n", 7)
-    assert result.stderr == "ci/exec: building with catkin_make\n"
+FROM_SCRATCH = "ci/exec: building from scratch with catkin_make\n"
 
 
-def test_rebuilds_what_changed_and_drops_what_is_gone(workspace: Workspace) -> None:
-    workspace.add_package("spare")
-    assert workspace.shows("tiny.Beat") and workspace.shows("spare.Beat")
+@pytest.fixture
+def pretended(workspace: Workspace) -> Workspace:
+    """Return a workspace that a fake catkin_make has built."""
+    workspace.pretend_build()
+    assert workspace.run("true").stderr == "ci/exec: building with catkin_make\n"
     assert workspace.run("true").stderr == ""
+    return workspace
 
-    shutil.copy(
-        str(workspace.root / "src/tiny/msg/Beat.msg"), str(workspace.root / "src/tiny/msg/Bar.msg")
-    )
-    # Messages are for Python only, unless C++ is requested; then for both from then on.
-    headers = workspace.root / "devel" / "include" / "tiny"
-    assert not headers.exists()
-    assert "building" in workspace.run("true", ROS_LANG_DISABLE="genlisp").stderr
-    assert workspace.run("true").stderr == ""
-    assert workspace.shows("tiny.Bar")
-    assert (headers / "Bar.h").exists()
 
-    (workspace.root / "src/tiny/msg/Beat.msg").unlink()
-    shutil.rmtree(str(workspace.root / "src/spare"))
-    assert not workspace.shows("tiny.Beat")
-    assert not workspace.shows("spare.Beat")
-    assert workspace.shows("tiny.Bar")
+def test_first_run_builds_and_keeps_the_streams_apart(built: Workspace) -> None:
+    assert (built.first.stdout, built.first.returncode) == ("in\n0\n", 7)
+    assert built.first.stderr == "ci/exec: building with catkin_make\n"
+    # By this line a build for another place is recognized.
+    cache = (built.root / "build" / "CMakeCache.txt").read_text().splitlines()
+    assert f"CMAKE_HOME_DIRECTORY:INTERNAL={built.root}/src" in cache
 
-    # The user's own "catkin_make clean" removes products behind the stamp's back.
-    subprocess.check_call(
-        ["make", "-C", str(workspace.root / "build"), "clean"], stdout=subprocess.DEVNULL
-    )
-    assert workspace.shows("tiny.Bar")
+
+def test_product_that_is_gone_is_built_again(pretended: Workspace) -> None:
+    """The user's own "catkin_make clean" removes products behind the stamp's back."""
+    (pretended.root / "devel" / "product").unlink()
+    assert pretended.run("true").stderr == "ci/exec: building with catkin_make\n"
+    assert (pretended.root / "devel" / "product").exists()
 
 
 @pytest.mark.parametrize("built_by_hand", [False, True])
-def test_moved_workspace_is_rebuilt(workspace: Workspace, built_by_hand: bool) -> None:
-    assert workspace.shows("tiny.Beat")
+def test_moved_workspace_is_built_from_scratch(pretended: Workspace, built_by_hand: bool) -> None:
     if built_by_hand:
-        shutil.rmtree(str(workspace.root / "build" / "ci-exec"))
-    moved = workspace.root.with_name("elsewhere")
-    workspace.root.rename(moved)
-    workspace.root = moved
-    result = workspace.run("rospack", "find", "tiny")
-    assert result.stdout.strip() == str(moved / "src" / "tiny")
-    assert workspace.shows("tiny.Beat")
+        shutil.rmtree(str(pretended.root / "build" / "ci-exec"))
+    (pretended.root / "devel" / "earlier").touch()
+    moved = pretended.root.with_name("elsewhere")
+    pretended.root.rename(moved)
+    pretended.root = moved
+    assert pretended.run("true").stderr == FROM_SCRATCH
+    assert not (moved / "devel" / "earlier").exists()
 
 
 def test_two_simultaneous_runs_build_once(workspace: Workspace) -> None:
-    both = [workspace.start("python3", "-c", "import tiny.msg") for _ in range(2)]
-    ends = [(process.communicate(timeout=120)[1], process.returncode) for process in both]
-    assert [status for _, status in ends] == [0, 0], ends
-    assert "".join(err for err, _ in ends).count("building") == 1
+    go_on = workspace.root / "go_on"
+    workspace.pretend_build(f"until [ -e '{go_on}' ]; do sleep 0.05; done")
+    first = workspace.start("true")
+    assert first.stderr and "building" in first.stderr.readline()
+    second = workspace.start("true")
+    assert second.stderr and "waiting for it" in second.stderr.readline()
+    go_on.touch()
+    ends = [
+        (process.communicate(timeout=120)[1], process.returncode) for process in (first, second)
+    ]
+    assert ends == [("", 0), ("", 0)]
 
 
 def test_failed_build_is_shown_and_not_taken_for_finished(workspace: Workspace) -> None:
+    workspace.pretend_build("! cat src/tiny/CMakeLists.txt | grep FATAL_ERROR || return 1")
     assert workspace.run("true").returncode == 0
     lists = workspace.root / "src" / "tiny" / "CMakeLists.txt"
     good, times = lists.read_text(), os.stat(str(lists))
@@ -96,14 +93,12 @@ def test_interrupted_build_starts_over(workspace: Workspace) -> None:
     os.killpg(process.pid, signal.SIGINT)
     out, _ = process.communicate(timeout=60)
     assert out == "" and process.returncode != 0
-    workspace.fakes.clear()
+    workspace.pretend_build()
     kept = ["mutants", "mutants.lock", "mypy", "ros2", "test-times.json"]
     for name in [*kept, "benchmark", "tiny"]:
         (workspace.root / "build" / name).mkdir()
         (workspace.root / "build" / name / "earlier").touch()
-    result = workspace.run("python3", "-c", "import tiny.msg")
-    assert result.returncode == 0
-    assert "from scratch" in result.stderr
+    assert workspace.run("true").stderr == FROM_SCRATCH
     earlier = (workspace.root / "build").glob("*/earlier")
     assert sorted(path.parent.name for path in earlier) == kept
 
@@ -116,15 +111,11 @@ def test_refuses_a_tree_of_catkin_build(workspace: Workspace) -> None:
     assert "'catkin clean'" in result.stderr
 
 
-def test_another_workspace_of_the_caller_stays_out(workspace: Workspace, built: Workspace) -> None:
-    script = ". '%s/devel/setup.bash'; exec '%s/ci/exec' printenv CMAKE_PREFIX_PATH"
-    shutil.rmtree(str(workspace.root / "src" / "tiny"))
-    workspace.add_package("other")
-    out = subprocess.check_output(
-        ["bash", "-c", script % (built.root, workspace.root)], env=workspace.environment()
-    )
-    assert str(built.root) not in out.decode()
-    assert workspace.shows("other.Beat") and not workspace.shows("tiny.Beat")
+def test_another_workspace_of_the_caller_stays_out(workspace: Workspace) -> None:
+    extend = "export CMAKE_PREFIX_PATH=$PWD/devel:${CMAKE_PREFIX_PATH-}"  # as catkin_make does
+    workspace.pretend_build(f'mkdir -p devel; echo "{extend}" > devel/setup.bash')
+    result = workspace.run("printenv", "CMAKE_PREFIX_PATH", CMAKE_PREFIX_PATH="/another/devel")
+    assert result.stdout == f"{workspace.root}/devel:\n"
 
 
 @pytest.mark.parametrize("sign", list("\"'$ \\#:\t"))

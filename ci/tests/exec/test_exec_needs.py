@@ -45,30 +45,42 @@ def test_builds_the_named_packages_and_adds_others_later(several: Workspace) -> 
     said = several.run("rosrun", "user", "nothing").stderr
     assert "building with catkin_make: tiny user\n" in said
     assert built_ones(several) == {"tiny", "user"}
-    # Tools use the existing build, in another folder as well.
+    # Tools use the existing build.
     assert several.run("rostopic", "--help").stderr == ""
-    moved = several.root.with_name("elsewhere")
-    several.root.rename(moved)
-    several.root = moved
-    said = several.run("rostopic", "--help").stderr
-    assert said == "ci/exec: building from scratch with catkin_make: tiny user\n"
-    made = moved / "devel/lib/python3/dist-packages/tiny/msg/_Beat.py"
-    times = made.stat().st_mtime_ns
 
-    said = several.run("rosmsg", "show", "spare/Beat").stderr
+    # Messages are for Python only, unless C++ is requested; then for both from then on. Nothing is
+    # generated twice.
+    source, devel = several.root / "src", several.root / "devel"
+    shutil.copy(str(source / "tiny/msg/Beat.msg"), str(source / "tiny/msg/Bar.msg"))
+    beat = devel / "lib/python3/dist-packages/tiny/msg/_Beat.py"
+    assert not (devel / "include" / "tiny").exists()
+    times = beat.stat().st_mtime_ns
+    said = several.run("rosmsg", "show", "spare/Beat", ROS_LANG_DISABLE="genlisp").stderr
     assert said == "ci/exec: building with catkin_make: spare tiny user\n"
     assert built_ones(several) == {"spare", "tiny", "user"}
+    assert (devel / "include" / "tiny" / "Bar.h").exists()
+    assert beat.stat().st_mtime_ns == times
     assert several.run("rosrun", "tiny", "nothing").stderr.count("ci/exec") == 0
-    # A removed package's products are removed, and later builds omit it.
-    shutil.rmtree(str(moved / "src" / "spare"))
+
+    # The products of removed packages and messages are removed, and later builds omit them.
+    shutil.rmtree(str(source / "spare"))
+    (source / "tiny/msg/Beat.msg").unlink()
     several.add_package("late")
     assert "from scratch with catkin_make: tiny user\n" in several.run("rostopic").stderr
     assert built_ones(several) == {"tiny", "user"}
+    modules = devel / "lib/python3/dist-packages/tiny/msg"
+    assert sorted(path.name for path in modules.glob("_*.py")) == ["_Bar.py", "__init__.py"]
 
-    times = made.stat().st_mtime_ns
+
+def test_same_packages_are_built_elsewhere_and_the_others_at_need(several: Workspace) -> None:
+    several.pretend_build()
+    several.run("rosrun", "user", "nothing")
+    moved = several.root.with_name("elsewhere")
+    several.root.rename(moved)
+    several.root = moved
+    said = several.run("rostopic").stderr
+    assert "ci/exec: building from scratch with catkin_make: tiny user\n" in said
     assert several.run("true").stderr == "ci/exec: building with catkin_make\n"
-    assert built_ones(several) == {"late", "tiny", "user"}
-    assert made.stat().st_mtime_ns == times  # nothing was generated twice
     assert several.run("rosrun", "tiny", "nothing").stderr.count("ci/exec") == 0
 
 

@@ -18,10 +18,6 @@ def found(changes: Dict[str, str]) -> List[str]:
     return list(page_rules.breaches({**FINE, **changes}))
 
 
-def test_the_page_keeps_the_order() -> None:
-    assert list(page_rules.breaches(page_rules.scripts())) == []
-
-
 def test_imports_from_the_rooms_before_are_fine() -> None:
     assert found({}) == []
 

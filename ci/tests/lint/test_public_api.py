@@ -51,10 +51,6 @@ def test_line_is_that_of_the_room() -> None:
     assert list(public_api.named("a\nfrom nodekit import (\n    node,\n)\n")) == [(3, "node")]
 
 
-def test_workspace_uses_only_public_names() -> None:
-    assert list(public_api.breaches()) == []
-
-
 def test_every_public_module_is_described() -> None:
     page = (public_api.WORKSPACE / "docs" / "api.md").read_text("utf-8")
     for module in public_api.PUBLIC:

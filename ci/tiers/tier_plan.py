@@ -134,10 +134,7 @@ def extended(names: Optional[Set[str]], times: Times) -> List[Step]:
 
 
 def install() -> List[Step]:
-    """Return the steps that build other types of workspaces.
-
-    The user's own workspace and the install space share one build.
-    """
+    """Return the steps that build other types of workspaces, or install from this one."""
     names = {
         "user's workspace": ["test_own_workspace.py", "test_install_space.py"],
         "new package": ["test_new_package.py"],

@@ -3,9 +3,13 @@
 import os
 import pathlib
 import subprocess
-from typing import Dict, List
+from typing import Any, Dict, List
 
 import pytest
+import rosgraph
+
+from ci.lint.tables import needed
+from nodekit.testing.waiting import wait_until
 
 SOURCES = pathlib.Path(__file__).resolve().parents[3] / "src"
 WORKSPACE = SOURCES.parent
@@ -19,6 +23,16 @@ def commands(section: str) -> List[str]:
     page = str(PAGE.relative_to(WORKSPACE))
     printed = subprocess.check_output(["bash", "-c", READ, "bash", page, section], timeout=30)
     return printed.decode().splitlines()
+
+
+def wait_for_master(launch: "subprocess.Popen[Any]") -> None:
+    """Wait until the master of a launch answers."""
+    wait_until(
+        lambda: launch.poll() is not None or rosgraph.is_master_online(),
+        lambda: "no master",
+        60.0,
+    )
+    assert launch.poll() is None
 
 
 @pytest.fixture(scope="session")
@@ -37,10 +51,14 @@ def underlay() -> Dict[str, str]:
 
 @pytest.fixture(scope="session")
 def user(tmp_path_factory: "pytest.TempPathFactory", underlay: Dict[str, str]) -> Dict[str, str]:
-    """Return the environment of a user with their own workspace ~/my_ws, built as on the page."""
+    """Return the environment of a user with their own workspace ~/my_ws, built as on the page.
+
+    ci/exec builds all packages with the same program: here it builds those of the course.
+    """
     home = tmp_path_factory.mktemp("own")
     (home / "my_ws" / "src").mkdir(parents=True)
     environment = {**underlay, "HOME": str(home)}
     build, _ = commands("All of it in your own workspace")
+    build += f" -DCATKIN_WHITELIST_PACKAGES='{';'.join(sorted(needed('basic_comms')))}'"
     subprocess.check_call(["bash", "-c", build.replace("URL", str(WORKSPACE))], env=environment)
     return environment

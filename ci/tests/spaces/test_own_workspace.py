@@ -10,7 +10,7 @@ import pytest
 
 from ci.lint.tables import needed
 
-from .conftest import PAGE, SOURCES, commands
+from .conftest import PAGE, SOURCES, commands, wait_for_master
 
 
 @pytest.fixture(scope="module")
@@ -29,8 +29,7 @@ def test_the_course_runs(launched: "subprocess.Popen[bytes]", user: Dict[str, st
         setup = 'source "$HOME/my_ws/devel/setup.bash" && exec "$@"'
         return ["bash", "-c", setup, "bash", *command]
 
-    while subprocess.call(within("rosnode", "list"), env=user, timeout=60) != 0:
-        assert launched.poll() is None
+    wait_for_master(launched)
     heard = subprocess.check_output(
         within("rostopic", "echo", "-n", "1", "/proc_signal"), env=user, timeout=60
     )

@@ -67,9 +67,3 @@ def test_nodekit_itself_builds_without(tmp_path: pathlib.Path) -> None:
     said = build(SOURCES / "nodekit", tmp_path, "-DCMAKE_DISABLE_FIND_PACKAGE_rostest=ON")
     assert said.splitlines().count(LEFT_OUT) == 1
     assert targets_of_tests(tmp_path) == ""
-
-
-def test_with_them_there_are_tests(new_package: pathlib.Path, tmp_path: pathlib.Path) -> None:
-    assert LEFT_OUT not in build(new_package, tmp_path)
-    for kind in ("rostest", "roslaunch-check"):
-        assert f"_run_tests_first_robot_{kind}" in targets_of_tests(tmp_path)

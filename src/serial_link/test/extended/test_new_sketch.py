@@ -89,7 +89,7 @@ class NewSketch(BoardRig):
         publisher = self.publisher(latch=True)
         publisher.publish("once")
         wait_until(lambda: self.sketch.texts() == ["once"] * 2, lambda: f"{self.sketch.heard}")
-        node.wait_for_log("my-topic is refused: 'my-topic' is not a name of ROS: in the sketch")
+        node.wait_for_log("my-topic is refused: 'my-topic' is not a valid ROS name: in the sketch")
         self.board.reset()
         wait_until(lambda: self.sketch.texts() == ["once"] * 4, lambda: f"{self.sketch.heard}")
 

@@ -78,11 +78,11 @@ GOOD = TopicInfo(125, "speed", "std_msgs/Float32", "0" * 32, 512)
 @pytest.mark.parametrize(
     "wrong, advice",
     [
-        ({"name": ""}, "'' is not a name"),
-        ({"name": "spe ed"}, "'spe ed' is not a name"),
-        ({"name": "my-topic"}, "'my-topic' is not a name of ROS: in the sketch, use letters"),
+        ({"name": ""}, "'' is not a valid ROS name"),
+        ({"name": "spe ed"}, "'spe ed' is not a valid ROS name"),
+        ({"name": "my-topic"}, "'my-topic' is not a valid ROS name: in the sketch, use letters"),
         ({"name": "1st"}, "'1st' .* with a letter first"),
-        ({"name": "/"}, "'/' is not a name"),
+        ({"name": "/"}, "'/' is not a valid ROS name"),
         ({"type": "Float32"}, "type 'Float32' .* build the sketch with 0.7.8"),
         ({"type": "std_msgs/Float32/x"}, "build the sketch with 0.7.8"),
         (
@@ -149,12 +149,12 @@ def test_invalid_level_and_name_are_rejected() -> None:
         payloads.decode_log(payloads.encode_log(5, "text"))
     with pytest.raises(PayloadError, match="log"):
         payloads.decode_log(b"")
-    with pytest.raises(PayloadError, match="no name"):
+    with pytest.raises(PayloadError, match="invalid parameter name"):
         payloads.decode_name(payloads.encode_name("a b"))
 
 
 def test_more_numbers_than_there_are_bytes_are_refused_before_they_are_read() -> None:
-    with pytest.raises(PayloadError, match="shorter"):
+    with pytest.raises(PayloadError, match="truncated"):
         payloads.decode_values(struct.pack("<I", 0xFFFFFFFF))
 
 

@@ -192,7 +192,7 @@ def test_stuck_board_blocks_writer_only_briefly(
         return bool(stuck)
 
     wait_until(is_stuck, lambda: "it takes everything")
-    assert "accepts no bytes for 0.5 s" in stuck[0]
+    assert "has accepted no bytes for 0.5 s" in stuck[0]
 
 
 @pytest.mark.parametrize("is_native", [False, True])

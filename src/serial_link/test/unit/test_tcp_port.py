@@ -70,7 +70,7 @@ def test_a_message_that_a_board_takes_in_part_ends_the_connection() -> None:
     port.open(0.0)
     end.plug()
     assert port.open(TIMEOUT_S)
-    with pytest.raises(PortStuck, match="accepts only part of a message for 0.5 s"):
+    with pytest.raises(PortStuck, match="has accepted only part of a message within 0.5 s"):
         port.write(bytes(3 * 10**7))  # more than the buffers of the system hold
     with pytest.raises(PortLost):
         port.write(b"what would be taken for the rest")
@@ -122,7 +122,7 @@ def test_boards_have_slots_and_surplus_board_is_refused(
         return bool(refused)
 
     wait_until(is_refused, lambda: "not refused")
-    assert "the board at 127.0.0.1 is refused: all of 2 are connected" in refused[0]
+    assert "the board at 127.0.0.1 is refused: 2 boards are connected already" in refused[0]
     for board, name in zip(boards, (b"left", b"right")):
         board.wait(TIMEOUT_S)
         assert board.read() == name

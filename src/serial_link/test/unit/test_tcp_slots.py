@@ -44,7 +44,7 @@ def test_refusal_names_the_slots_that_are_reserved() -> None:
     connect(slots, C, is_board=False)
     assert f"connections from {C} have sent no rosserial frame" in explain_refusal(slots)
     connect(slots, A, OTHER_BOARD_S), connect(slots, B)
-    assert explain_refusal(slots).startswith("all of 2 are connected")
+    assert explain_refusal(slots).startswith("2 boards are connected already")
     slots[0].heard_at = None
     why = f"left ({A}) is reserved for the board that had it, and the others are connected; "
     assert explain_refusal(slots).startswith(why)

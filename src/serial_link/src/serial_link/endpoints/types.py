@@ -57,7 +57,7 @@ def decode(data_class: Any, payload: bytes) -> Any:
         message = data_class().deserialize(payload)
         encoded = encode(message)
         if encoded != payload and not _is_whole(data_class, payload, encoded):
-            raise MalformedMessage("not as long as it says")
+            raise MalformedMessage(f"{data_class._type}: wrong length ({len(payload)} bytes)")
     except (genpy.DeserializationError, genpy.SerializationError, UnicodeError) as error:
         raise MalformedMessage(str(error)) from None
     return message

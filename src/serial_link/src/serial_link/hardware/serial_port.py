@@ -93,7 +93,7 @@ class SerialPort:
         try:
             port.write(data)
         except serial.SerialTimeoutException:
-            raise PortStuck(f"{self.name} accepts no bytes for {_WRITE_S:g} s") from None
+            raise PortStuck(f"{self.name} has accepted no bytes for {_WRITE_S:g} s") from None
         except (OSError, TypeError, ValueError) as error:
             raise PortLost(f"{self.name} is gone: {error}") from None
 

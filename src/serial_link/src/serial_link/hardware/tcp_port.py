@@ -204,7 +204,7 @@ class TcpPort:
         board = self._connected()
         try:
             if not select.select([], [board], [], _WRITE_S)[1]:
-                raise PortStuck(f"{self.name} accepts no bytes for {_WRITE_S:g} s")
+                raise PortStuck(f"{self.name} has accepted no bytes for {_WRITE_S:g} s")
             board.sendall(data)
         except PortStuck:
             raise
@@ -212,7 +212,7 @@ class TcpPort:
             with contextlib.suppress(OSError):  # already gone
                 board.shutdown(socket.SHUT_RDWR)  # wakes the reading thread
             raise PortStuck(
-                f"{self.name} accepts only part of a message for {_WRITE_S:g} s"
+                f"{self.name} has accepted only part of a message within {_WRITE_S:g} s"
             ) from None
         except (OSError, ValueError) as error:
             raise PortLost(f"{self.name} is gone: {error}") from None

@@ -91,7 +91,8 @@ def explain_refusal(slots: Sequence[BoardSlot]) -> str:
     empty = [slot for slot in slots if slot.heard_at is None]
     reserved = [slot for slot in empty if slot.address or slot.peer]
     if not empty:
-        return f"all of {len(slots)} are connected; name each board in tcp_boards"
+        connected = "1 board is" if len(slots) == 1 else f"{len(slots)} boards are"
+        return f"{connected} connected already; name each board in tcp_boards"
     if not reserved:
         silent = [slot.connected for slot in slots if slot.heard_at is not None and not slot.peer]
         return (

@@ -90,8 +90,8 @@ def problem_of(info: TopicInfo) -> str:
         )
     if not _NAME.fullmatch(info.name):
         return (
-            f"{info.name[:_SHOWN]!r} is not a name of ROS: in the sketch, use letters, digits, _ "
-            "and /, with a letter first"
+            f"{info.name[:_SHOWN]!r} is not a valid ROS name: in the sketch, use letters, digits, "
+            "_ and /, with a letter first"
         )
     if info.buffer_size <= 0:
         return (
@@ -114,7 +114,7 @@ def decode_log(payload: bytes) -> Tuple[int, str]:
     :raises PayloadError: if it is malformed
     """
     if not payload or payload[0] > FATAL:
-        raise PayloadError("not a log line")
+        raise PayloadError("invalid log line")
     reader = _Reader(payload[1:])
     text = reader.text()
     reader.end()
@@ -136,7 +136,7 @@ def decode_name(payload: bytes) -> str:
     name = _resolved(reader.text())
     reader.end()
     if not _NAME.fullmatch(name):
-        raise PayloadError(f"no name of a parameter: {name!r}")
+        raise PayloadError(f"invalid parameter name: {name!r}")
     return name
 
 
@@ -232,13 +232,14 @@ class _Reader:
     def numbers(self, kind: str) -> Tuple[float, ...]:
         (count,) = self.read(_LENGTH)
         if count > len(self._data):  # or the format would be of any length
-            raise PayloadError("shorter than it says")
+            raise PayloadError(f"truncated payload: {len(self._data)} bytes")
         return self.read(struct.Struct(f"<{count}{kind}"))
 
     def end(self) -> None:
         if self._place != len(self._data):
-            raise PayloadError("longer than it says")
+            surplus = len(self._data) - self._place
+            raise PayloadError(f"surplus bytes after the payload: {surplus}")
 
     def _check(self) -> None:
         if self._place > len(self._data):
-            raise PayloadError("shorter than it says")
+            raise PayloadError(f"truncated payload: {len(self._data)} bytes")

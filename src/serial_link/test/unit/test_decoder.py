@@ -12,6 +12,7 @@ from serial_link.framing.decoder import (
     GARBAGE,
     LENGTH,
     LENGTH_CHECKSUM,
+    NOISY_FRAMES,
     Decoder,
 )
 from serial_link.framing.frames import LONGEST, START, Frame, encode
@@ -84,7 +85,7 @@ def test_damage_raises_nothing_and_only_valid_checksums_pass(
 def test_two_good_messages_after_any_damage_it_is_in_step_again(
     damage: bytes, messages: List[Frame], cuts: List[int]
 ) -> None:
-    data = damage + wire(messages)
+    data = damage + wire(messages) + START[:1]  # of the next frame
     decoder, found, start = Decoder(), [], 0
     for cut in [*sorted(cut % (len(data) + 1) for cut in cuts), len(data)]:
         found += decoder.feed(data[start:cut])
@@ -114,6 +115,38 @@ def test_faults_are_counted_by_type(place: int, fault: str) -> None:
     good = Frame(126, b"good")
     assert decoder.feed(bytes(data) + encode(*good)) == [good]
     assert +decoder.faults == {fault: 1, GARBAGE: len(data)}
+
+
+@pytest.mark.parametrize("place", [8, 9, 10])
+def test_next_frame_does_not_make_up_for_a_lost_byte(place: int) -> None:
+    decoder, good = noisy_decoder(), Frame(126, b"good")
+    data = bytearray(encode(125, b"\xfb\xff\xff\xff"))
+    del data[place]
+    assert decoder.feed(bytes(data) + encode(*good)) == [good]
+    assert decoder.feed(bytes(data)) + decoder.feed(START[:1]) == []
+    assert decoder.feed(encode(*good)[1:]) == [good]
+    assert decoder.faults[CHECKSUM] == 3
+
+
+def test_frame_that_ends_with_sync_byte_waits_only_on_a_noisy_line() -> None:
+    last = Frame(0, b"")
+    assert encode(*last)[-1:] == START[:1]
+    assert Decoder().feed(encode(*last)) == [last]
+    decoder = noisy_decoder()
+    assert decoder.feed(encode(*last)) == []
+    assert decoder.feed(encode(*last)) == [last]  # the first one
+    assert decoder.flush() == [last]
+    other = Frame(125, b"other")
+    assert decoder.feed(wire([other] * NOISY_FRAMES)) == [other] * NOISY_FRAMES
+    assert decoder.feed(encode(*last)) == [last]
+
+
+def noisy_decoder() -> Decoder:
+    """Return a decoder that has received a damaged frame."""
+    decoder = Decoder()
+    assert decoder.feed(encode(125, b"some")[:-1] + b"\0") == []
+    assert decoder.faults[CHECKSUM] == 1
+    return decoder
 
 
 def test_a_length_beyond_all_messages_is_not_waited_for() -> None:

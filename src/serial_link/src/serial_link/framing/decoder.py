@@ -9,6 +9,7 @@ from serial_link.framing.frames import (
     OVERHEAD,
     START,
     SYNC,
+    VERSION,
     Frame,
 )
 
@@ -19,6 +20,8 @@ LENGTH_CHECKSUM, LENGTH, CHECKSUM, CUT_OFF = "length checksum", "length", "check
 GARBAGE = "garbage bytes"
 #: Other classifications of a position: a good frame, or an incomplete one.
 _GOOD, _WAITING = "good", "waiting"
+#: After a fault, the line counts as noisy for this many good frames.
+NOISY_FRAMES = 1000
 
 
 class Decoder:
@@ -30,6 +33,10 @@ class Decoder:
     invalid. At most two good messages after a fault, frames are recognised again, unless their
     content looks like the beginning of a frame.
 
+    Where a byte 0xff was lost in a frame, the first byte of the next frame, 0xff, completes it, and
+    as checksum makes up for the lost one. So on a noisy line, a frame that ends with 0xff is good
+    only if the version byte does not follow; the decoder waits for that byte.
+
     The result does not depend on how the bytes are split into pieces.
 
     :ivar faults: number of faults by type, and of garbage bytes
@@ -40,6 +47,8 @@ class Decoder:
         self.faults: Counter[str] = Counter()
         self.longest = longest
         self._buffer = bytearray()
+        #: Good frames to come until the line no longer counts as noisy.
+        self._noisy_frames = 0
 
     @property
     def is_waiting(self) -> bool:
@@ -77,7 +86,7 @@ class Decoder:
             if start < 0:
                 start = len(buffer)
             self.faults[GARBAGE] += start - position
-            kind, position = self._classify(start)
+            kind, position = self._classify(start, is_over)
             if kind == _WAITING:
                 if not is_over or start == len(buffer):
                     position = start
@@ -87,14 +96,16 @@ class Decoder:
                 topic_id = buffer[start + HEADER] + 256 * buffer[start + HEADER + 1]
                 payload = bytes(buffer[start + BEFORE_PAYLOAD : position - 1])
                 frames.append(Frame(topic_id, payload))
+                self._noisy_frames = max(0, self._noisy_frames - 1)
                 continue
             if kind != GARBAGE:
                 self.faults[kind] += 1
+                self._noisy_frames = NOISY_FRAMES
             self.faults[GARBAGE] += position - start
         del buffer[:position]
         return frames
 
-    def _classify(self, start: int) -> Tuple[str, int]:
+    def _classify(self, start: int, is_over: bool) -> Tuple[str, int]:
         """Classify a position; return the class, and the position to continue at."""
         buffer = self._buffer
         if not START.startswith(buffer[start : start + len(START)]):
@@ -115,6 +126,11 @@ class Decoder:
             return _WAITING, start
         if sum(buffer[start + HEADER : end]) % 256 != 255:
             return CHECKSUM, behind
+        if self._noisy_frames and buffer[end - 1] == SYNC:
+            if end == len(buffer) and not is_over:
+                return _WAITING, start
+            if buffer[end : end + 1] == bytes((VERSION,)):
+                return CHECKSUM, behind
         return _GOOD, end
 
     def _has_two_frames(self, start: int, stop: int) -> bool:

@@ -174,8 +174,10 @@ class RosSide:
             rospy.loginfo("the board %s %s (%s)", words, placed.name, placed.type)
         except (TypeRefused, IllegalName, rospy.ROSException) as error:
             scope.close()
-            rospy.logerr("%s is refused: %s", ascii(placed.name)[1:-1], error)
-            endpoint_in_ros = NullEndpoint(self._counters)
+            is_called = endpoint.kind == SERVICE_CLIENT
+            effect = ", and the board's calls end with an unchanged response" if is_called else ""
+            rospy.logerr("%s is refused%s: %s", ascii(placed.name)[1:-1], effect, error)
+            endpoint_in_ros = NullEndpoint(self._counters, self._link if is_called else None)
         except Exception:
             scope.close()
             raise

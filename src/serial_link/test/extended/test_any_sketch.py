@@ -93,8 +93,7 @@ class AnySketch(BoardRig):
         rospy.set_param(self.space + "/huge", "x" * 40000)
         node = self.start()
         for name in ("long", "huge"):
-            self.do(lambda device, name=name: device.request_parameter(name))  # type: ignore[misc]
-        wait_until(lambda: len(self.sketch.parameters) == 2, lambda: str(self.sketch.parameters))
+            self.request_parameter(name)
         self.assertEqual(
             self.sketch.parameters, [ParameterValues((), (), ()), ParameterValues((), (), ())]
         )
@@ -132,9 +131,8 @@ class AnySketch(BoardRig):
         wait_until(lambda: Graph().initialised(name), lambda: f"{name} does not start")
         Graph().wait_until_heard(name, "/rosout", rospy.get_name())
         for name in ("~gains", "name", "~baud", "~tree", "~missing"):
-            self.do(lambda device, name=name: device.request_parameter(name))  # type: ignore[misc]
+            self.request_parameter(name)
         self.do(lambda device: device.log(ERROR, "it is hot"))
-        wait_until(lambda: len(self.sketch.parameters) == 5, lambda: str(self.sketch.parameters))
         self.assertEqual(
             self.sketch.parameters,
             [
@@ -148,12 +146,18 @@ class AnySketch(BoardRig):
         node.wait_for_log("~tree: it must be a number")
         node.wait_for_log("/serial_node/missing, which is not set")
         for name in (*["~missing"] * 20, "~absent"):  # as a loop that asks again and again
-            self.do(lambda device, name=name: device.request_parameter(name))  # type: ignore[misc]
+            self.request_parameter(name)
         node.wait_for_log("/serial_node/absent, which is not set")
         self.assertLess(len(node.logged("missing, which is not set")), 10)
         line = log.wait_for(lambda line: line.msg == "it is hot")
         self.assertEqual((line.name, line.level), (self.space + "/serial_node/board", Log.ERROR))
         node.wait_for_log("[ERROR]", "/serial_node/board: it is hot")
+
+    def request_parameter(self, name: str) -> None:
+        """Request a parameter, and wait for the answer, as the library does."""
+        before = len(self.sketch.parameters)
+        self.do(lambda device: device.request_parameter(name))
+        wait_until(lambda: len(self.sketch.parameters) > before, lambda: f"{name} is not answered")
 
     def test_the_board_gets_the_time_of_ros(self) -> None:
         master = Master()

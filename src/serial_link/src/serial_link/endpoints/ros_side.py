@@ -79,9 +79,9 @@ class RosSide:
         self._wanted: Dict[_Key, Endpoint] = {}
         self._open: Dict[_Key, Tuple[Any, Any]] = {}
         #: Whether the board has announced topics since its start, and thereby its buffer size; and
-        #: the parameters requested before.
+        #: the last parameter request before.
         self._is_known = False
-        self._asked: List[str] = []
+        self._asked: Optional[ParameterRequest] = None
         self._retry_at = 0.0
         self._throttled_log = ThrottledLog(_WARN_EVERY_S)
         self._is_over = threading.Event()
@@ -111,18 +111,18 @@ class RosSide:
         elif isinstance(arrival, Topics):
             self._update(*arrival)
             self._is_known = True
-            asked, self._asked = self._asked, []
-            for name in asked:
-                self._answer(name)
+            if self._asked is not None:
+                self._answer(self._asked)
+            self._asked = None
         elif isinstance(arrival, LogLine):
             self._log.write(*arrival)
         elif isinstance(arrival, ParameterRequest):
             if self._is_known:
-                self._answer(arrival.name)
+                self._answer(arrival)
             else:
-                self._asked.append(arrival.name)
+                self._asked = arrival
         elif isinstance(arrival, Restarted):
-            self._is_known, self._asked = False, []
+            self._is_known, self._asked = False, None
             self._wanted.clear()
             for _, endpoint_in_ros in self._open.values():
                 endpoint_in_ros.on_lost(arrival.why)
@@ -196,9 +196,11 @@ class RosSide:
         kind = OfferedService if endpoint.kind == SERVICE_SERVER else CalledService
         return kind(scope, endpoint, link, counters, self._timeout)
 
-    def _answer(self, name: str) -> None:
+    def _answer(self, request: ParameterRequest) -> None:
         """Send a parameter to the board, which waits for it: an empty answer if it has no value."""
-        payload = encode_values(ParameterValues())
+        name, payload = request.name, encode_values(ParameterValues())
+        if self._is_outdated(request):
+            return
         try:
             resolved = self._scope.resolve(self._placed(name))
             raw = self._find_parameter(resolved)
@@ -208,7 +210,21 @@ class RosSide:
                 payload = encode_answer(raw, self._buffer_size())
         except (UnsupportedValue, IllegalName, ConnectionError) as error:
             self._warn(f"the board asks for {name}: {error}")
-        self._link.answer(PARAMETER, payload)
+        if not self._is_outdated(request):
+            self._link.answer(PARAMETER, payload)
+
+    def _is_outdated(self, request: ParameterRequest) -> bool:
+        """Return whether the board no longer waits for an answer, and log that.
+
+        It would take the answer for that of its next request: the protocol does not number them.
+        """
+        is_outdated = request.number != self._link.parameter_requests
+        if is_outdated:
+            self._warn(
+                f"the board's request for {request.name} is not answered: it has timed out on the "
+                "board, which waits for another answer"
+            )
+        return is_outdated
 
     def _warn(self, text: str) -> None:
         """Log a warning, throttled: a sketch may ask for the same parameter in its loop."""

@@ -75,10 +75,12 @@ class BoardLink:
     :param time_of: returns the time for the board
 
     :ivar inbox: received events, see :mod:`.events`
+    :ivar parameter_requests: number of the board's parameter requests; it waits only for the answer
+        to the last one
     """
 
     def __init__(self, port: Port, counters: Counters, time_of: TimeOf) -> None:
-        self.inbox = MessageQueue(_INBOX_DEPTH)
+        self.inbox, self.parameter_requests = MessageQueue(_INBOX_DEPTH), 0
         self._port, self._counters, self._time_of = port, counters, time_of
         frame_s = _TOPIC_BYTES * _BITS / port.baud if port.baud else 0.0
         self._sync, self._topics = SyncMonitor(frame_s), TopicTable(frame_s)
@@ -299,7 +301,9 @@ class BoardLink:
                 self._send_time(now)
             elif topic_id == PARAMETER:
                 event = sync_states.NOTICE
-                self.inbox.put_reliable(ParameterRequest(payloads.decode_name(payload)))
+                name = payloads.decode_name(payload)
+                self.parameter_requests += 1
+                self.inbox.put_reliable(ParameterRequest(name, self.parameter_requests))
             elif topic_id == LOG:
                 event = sync_states.NOTICE
                 self.inbox.put(LOG, LogLine(*payloads.decode_log(payload)))

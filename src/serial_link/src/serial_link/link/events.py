@@ -24,9 +24,14 @@ class Message(NamedTuple):
 
 
 class ParameterRequest(NamedTuple):
-    """The board asks for a parameter."""
+    """The board asks for a parameter.
+
+    :param name: of the parameter
+    :param number: of the board's requests so far; see :attr:`.BoardLink.parameter_requests`
+    """
 
     name: str
+    number: int
 
 
 class LogLine(NamedTuple):

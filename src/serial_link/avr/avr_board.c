@@ -1,9 +1,14 @@
 /* An ATmega328P at 16 MHz in simavr, in real time, with its serial port on a pseudo terminal.
  *
  * avr_board SKETCH.elf LINK: prints the terminal's name once LINK leads there, and runs until its
- * standard input ends. A line "reset SECONDS" there resets it; the sketch starts after that time, as
- * with a bootloader, and bytes received before are lost. A motor and its encoder are at the pins of
- * docs/examples/board/motor_board: 7 and 8 forward and backward, 9 pulse width, 2 and 3 encoder.
+ * standard input ends. Lines there are commands:
+ *   reset SECONDS  resets it; the sketch starts after that time, as with a bootloader, and bytes
+ *                  received before are lost
+ *   unplug         removes the terminal and LINK; the sketch keeps running
+ *   plug           creates both again, and prints the terminal's name
+ *   noise SHARE    damages that share of the bytes in either direction
+ * A motor and its encoder are at the pins of docs/examples/board/motor_board: 7 and 8 forward and
+ * backward, 9 pulse width, 2 and 3 encoder.
  */
 #include <errno.h>
 #include <fcntl.h>
@@ -29,7 +34,9 @@ static const double GAIN = 13.1, TIME_CONSTANT = 0.04, MAX_SPEED = 13.0, DEAD_ZO
 static const double COUNTS_PER_RADIAN = 1320.0 / (2.0 * M_PI);
 
 static avr_t *avr;
-static int terminal, report, can_receive = 1;
+static int terminal = -1, report, can_receive = 1;
+static const char *link_path;
+static double noise, runs_at;
 static avr_irq_t *encoder[2];
 static double speed, angle;
 static long counts;
@@ -40,9 +47,18 @@ static double now(void) {
   return time.tv_sec + 1e-9 * time.tv_nsec;
 }
 
+/* Change, lose or double a byte, as a bad cable does; return how many arrive. */
+static int damage(uint8_t *byte) {
+  if (drand48() >= noise) return 1;
+  int how = lrand48() % 3;
+  if (how == 0) *byte ^= 1 + lrand48() % 255;
+  return how == 1 ? 2 : how == 0;
+}
+
 static void on_output(avr_irq_t *irq, uint32_t value, void *unused) {
   uint8_t byte = value;
-  if (write(terminal, &byte, 1) != 1) return; /* no process reads: a serial line loses it, too */
+  for (int count = damage(&byte); count > 0; count--)
+    if (write(terminal, &byte, 1) != 1) return; /* no process reads: a line loses it, too */
 }
 
 static void on_flow(avr_irq_t *irq, uint32_t value, void *can) { can_receive = can != NULL; }
@@ -86,7 +102,7 @@ static void fail(const char *what) {
   exit(1);
 }
 
-static void open_terminal(const char *link) {
+static void open_terminal(void) {
   int other;
   char name[64];
   struct termios raw;
@@ -96,17 +112,45 @@ static void open_terminal(const char *link) {
   tcsetattr(other, TCSANOW, &raw);
   close(other);
   fcntl(terminal, F_SETFL, O_NONBLOCK);
-  if (symlink(name, link)) fail("link");
+  if (symlink(name, link_path)) fail("link");
   dprintf(report, "%s\n", name);
 }
 
-/* Pass received bytes to the sketch while its port accepts them; drop them during a reset. */
-static void feed(int is_running) {
+static void close_terminal(void) {
+  if (terminal < 0) return;
+  unlink(link_path);
+  close(terminal);
+  terminal = -1;
+}
+
+/* Pass received bytes to the sketch while its port accepts them; drop them during a reset. Return
+ * whether more may be waiting. */
+static int feed(int is_running) {
   avr_irq_t *input = avr_io_getirq(avr, AVR_IOCTL_UART_GETIRQ('0'), UART_IRQ_INPUT);
   uint8_t byte;
-  while ((!is_running || can_receive) && read(terminal, &byte, 1) == 1)
-    if (is_running) avr_raise_irq(input, byte);
+  while (!is_running || can_receive) {
+    if (read(terminal, &byte, 1) != 1) return 0;
+    for (int count = damage(&byte); count > 0 && is_running; count--) avr_raise_irq(input, byte);
+  }
+  return 1;
 }
+
+static void execute(const char *command) {
+  if (!strncmp(command, "reset ", 6)) {
+    avr_reset(avr);
+    can_receive = 1;
+    runs_at = now() + atof(command + 6);
+  } else if (!strncmp(command, "noise ", 6)) {
+    noise = atof(command + 6);
+  } else if (!strcmp(command, "unplug")) {
+    close_terminal();
+  } else if (!strcmp(command, "plug") && terminal < 0) {
+    open_terminal();
+  }
+}
+
+/* The pace of the main loop suffices: a sleeping sketch must not sleep twice. */
+static void on_sleep(avr_t *unused, avr_cycle_count_t cycles) {}
 
 int main(int argc, char **argv) {
   elf_firmware_t firmware;
@@ -122,28 +166,27 @@ int main(int argc, char **argv) {
   avr->frequency = HZ;
   avr_load_firmware(avr, &firmware);
   avr->log = LOG_NONE;
+  avr->sleep = on_sleep;
+  link_path = argv[2];
   connect_pins();
-  open_terminal(argv[2]);
+  open_terminal();
   fcntl(0, F_SETFL, O_NONBLOCK);
-  double runs_at = now(), began = runs_at;
+  runs_at = now();
+  double began = runs_at;
   avr_cycle_count_t simulated = 0, next = avr->cycle;
   for (;;) {
-    char line[64];
-    ssize_t length = read(0, line, sizeof line - 1);
+    char lines[256];
+    ssize_t length = read(0, lines, sizeof lines - 1);
     if (length == 0) break;
     if (length > 0) {
-      line[length] = 0;
-      if (!strncmp(line, "reset", 5)) {
-        avr_reset(avr);
-        next = avr->cycle;
-        can_receive = 1;
-        runs_at = now() + atof(line + 5);
-      }
+      lines[length] = 0;
+      for (char *one = strtok(lines, "\n"); one; one = strtok(NULL, "\n")) execute(one);
+      next = avr->cycle;
     }
+    int is_running = now() >= runs_at, is_waiting = 1;
     for (int slice = 0; slice < 10; slice++) {
       simulated += SLICE;
-      int is_running = now() >= runs_at;
-      feed(is_running);
+      if (is_waiting) is_waiting = feed(is_running);
       if (is_running) {
         next += SLICE;
         while (avr->cycle < next) {
@@ -151,7 +194,7 @@ int main(int argc, char **argv) {
           if (state == cpu_Done || state == cpu_Crashed) {
             fprintf(stderr, "avr_board: the sketch has %s\n",
                     state == cpu_Done ? "ended" : "crashed");
-            unlink(argv[2]);
+            close_terminal();
             return 1;
           }
         }
@@ -162,6 +205,6 @@ int main(int argc, char **argv) {
     if (ahead < -0.1) began -= ahead; /* the machine is too slow: continue from here */
     if (ahead > 0.0) usleep((useconds_t)(1e6 * ahead));
   }
-  unlink(argv[2]);
+  close_terminal();
   return 0;
 }

@@ -2,34 +2,46 @@
 // use of rosserial's Arduino library. That library is not in any archive available to tests. This
 // one behaves on the wire like its node_handle.h in version 0.7.8: it publishes only while
 // configured, forgets a host after 11 s, drops a frame that is incomplete after 20 ms, and returns
-// early from spinOnce after a topic request.
+// early from spinOnce after a topic request, which also ends the wait of a service call.
 #ifndef ROS_H
 #define ROS_H
 
 #include <Arduino.h>
+#include <avr/sleep.h>
 
 #include "ros/duration.h"
 #include "ros/msg.h"
 #include "ros/time.h"
 
+// Called by delay(). The simulator skips the time until the next interrupt.
+extern "C" __attribute__((weak)) void yield() {
+  set_sleep_mode(SLEEP_MODE_IDLE);
+  sleep_mode();
+}
+
 namespace ros {
 
-enum { PUBLISHER, SUBSCRIBER, PARAMETER = 6, LOG = 7, TIME = 10, STOP = 11, FIRST_TOPIC = 100 };
+enum { PUBLISHER, SUBSCRIBER, CALLER = 4, PARAMETER = 6, LOG = 7, TIME = 10, STOP = 11 };
+const uint16_t FIRST_TOPIC = 100;
 const uint16_t TOPICS = 25, SIZE = 280;
 const unsigned long FRAME_MS = 20, TIME_EVERY_MS = 2500, FORGETS_MS = 11000;
 
 class Sender {
  public:
   virtual int publish(int id, const Msg *message) = 0;
+  virtual bool connected() = 0;
+  virtual int spinOnce() = 0;
 };
 
 class Publisher {
  public:
-  Publisher(const char *topic, Msg *message) : topic(topic), message(message) {}
+  Publisher(const char *topic, Msg *message, uint8_t kind = PUBLISHER)
+      : topic(topic), message(message), kind(kind) {}
   int publish(const Msg *sent) { return sender->publish(id, sent); }
 
   const char *topic;
   Msg *message;
+  uint8_t kind;
   int id;
   Sender *sender;
 };
@@ -38,6 +50,7 @@ class Receiver {
  public:
   virtual void receive(unsigned char *payload) = 0;
   virtual Msg *blank() = 0;
+  virtual uint8_t kind() { return SUBSCRIBER; }
   const char *topic;
   int id;
 };
@@ -55,6 +68,34 @@ template <typename Message> class Subscriber : public Receiver {
  private:
   Message message_;
   Callback callback_;
+};
+
+template <typename Request, typename Response> class ServiceClient : public Receiver {
+ public:
+  explicit ServiceClient(const char *name) : requests(name, &request_, CALLER + PUBLISHER) {
+    topic = name;
+  }
+  uint8_t kind() { return CALLER + SUBSCRIBER; }
+  Msg *blank() { return &blank_; }
+
+  // Return with an unchanged response if the host requests the topics, or is lost.
+  void call(const Request &request, Response &response) {
+    if (!requests.sender->connected()) return;
+    response_ = &response;
+    requests.publish(&request);
+    while (response_ && requests.sender->connected() && requests.sender->spinOnce() >= 0) {}
+    response_ = NULL;
+  }
+  void receive(unsigned char *payload) {
+    if (response_) response_->deserialize(payload);
+    response_ = NULL;
+  }
+
+  Publisher requests;
+
+ private:
+  Request request_;
+  Response blank_, *response_ = NULL;
 };
 
 class Hardware {
@@ -80,11 +121,16 @@ class NodeHandle : public Sender {
     return true;
   }
 
-  template <typename Message> bool subscribe(Subscriber<Message> &subscriber) {
+  bool subscribe(Receiver &subscriber) {
     if (subscribers_count_ == TOPICS) return false;
     subscriber.id = FIRST_TOPIC + subscribers_count_;
     subscribers_[subscribers_count_++] = &subscriber;
     return true;
+  }
+
+  template <typename Request, typename Response>
+  bool serviceClient(ServiceClient<Request, Response> &client) {
+    return advertise(client.requests) && subscribe(client);
   }
 
   int publish(int id, const Msg *message) {
@@ -178,11 +224,11 @@ class NodeHandle : public Sender {
     ask_time();
     for (uint8_t i = 0; i < publishers_count_; i++) {
       Publisher *one = publishers_[i];
-      tell(PUBLISHER, one->id, one->topic, one->message);
+      tell(one->kind, one->id, one->topic, one->message);
     }
     for (uint8_t i = 0; i < subscribers_count_; i++) {
       Receiver *one = subscribers_[i];
-      tell(SUBSCRIBER, one->id, one->topic, one->blank());
+      tell(one->kind(), one->id, one->topic, one->blank());
     }
     is_configured_ = true;
   }

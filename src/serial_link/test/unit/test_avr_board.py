@@ -12,15 +12,21 @@ from serial_link.board.avr_board import AvrBoard, AvrBuilder, BuildError, Memory
 from serial_link.board.transports import PtyTransport
 from serial_link.port_mark import is_left_behind
 
-#: What the simulator does about its port; PROGRAM says whether it crashes, as on cpu_Crashed before
-#: it removes its link.
+#: What the simulator does about its port. The program "crash" ends at a command, as on cpu_Crashed
+#: before it removes its link.
 SIMULATOR = """#!{python}
 import os, sys
-end, terminal = os.openpty()
-os.symlink(os.ttyname(terminal), sys.argv[2])
-print(os.ttyname(terminal), flush=True)
-sys.stdin.readline() if sys.argv[1] == "crash" else sys.stdin.read()
-if sys.argv[1] != "crash":
+ends = []
+def plug():
+    ends.append(os.openpty())
+    os.symlink(os.ttyname(ends[-1][1]), sys.argv[2])
+    print(os.ttyname(ends[-1][1]), flush=True)
+plug()
+for line in sys.stdin:
+    if sys.argv[1] == "crash":
+        sys.exit(1)
+    os.unlink(sys.argv[2]) if line == "unplug\\n" else plug()
+if os.path.lexists(sys.argv[2]):
     os.unlink(sys.argv[2])
 """
 
@@ -73,6 +79,22 @@ def test_second_board_is_rejected_and_keeps_port_of_first(
     late.close()
     assert before == ((tmp_path / "board.board").read_text(), os.readlink(tmp_path / "board"))
     first.unplug()
+
+
+def test_cable_out_and_in_gives_the_port_another_terminal_and_mark(
+    simulator: pathlib.Path, tmp_path: pathlib.Path
+) -> None:
+    board = AvrBoard(simulator, pathlib.Path("run"), str(tmp_path / "board"))
+    board.start()
+    before = os.readlink(tmp_path / "board")
+    board.unplug()
+    wait_until(lambda: not os.path.lexists(tmp_path / "board"), lambda: "the port is there")
+    board.plug()
+    now = os.readlink(tmp_path / "board")
+    assert now != before and now in (tmp_path / "board.board").read_text()
+    board.unplug()
+    board.close()
+    assert entries(tmp_path) == []
 
 
 def test_crashed_simulator_leaves_no_link(simulator: pathlib.Path, tmp_path: pathlib.Path) -> None:

@@ -166,14 +166,8 @@ class AvrBoard:
             stdout=subprocess.PIPE,
             start_new_session=True,
         )
-        self._terminal = self._read_terminal()
         try:
-            if not self._terminal or os.readlink(self._link) != self._terminal:
-                raise OSError(
-                    f"{self._link} cannot be created: see the simulator's output above, or another "
-                    "board was started at the same time"
-                )
-            write_mark(self._link)
+            self._mark_link()
         except OSError:
             self.close()
             raise
@@ -184,6 +178,25 @@ class AvrBoard:
         :param boot_s: time in the bootloader before the sketch runs [s]
         """
         self._write(f"reset {boot_s}\n")
+
+    def set_noise(self, share: float) -> None:
+        """Change, lose or double bytes, as a bad cable does.
+
+        :param share: of the bytes in either direction, from 0 to 1
+        """
+        self._write(f"noise {share}\n")
+
+    def unplug(self) -> None:
+        """Pull the cable: the port disappears, and the sketch keeps running."""
+        self._write("unplug\n")
+
+    def plug(self) -> None:
+        """Plug the cable in again, with another port number.
+
+        :raises OSError: if the port cannot be created
+        """
+        self._write("plug\n")
+        self._mark_link()
 
     def close(self) -> None:
         """Stop the simulator, and remove the link."""
@@ -200,6 +213,16 @@ class AvrBoard:
         assert process.stdout is not None
         process.stdout.close()
         remove_own_link(self._link, self._terminal)  # in case the simulator did not
+
+    def _mark_link(self) -> None:
+        """Wait for the link to the terminal, and mark it as owned by this process."""
+        self._terminal = self._read_terminal()
+        if not self._terminal or os.readlink(self._link) != self._terminal:
+            raise OSError(
+                f"{self._link} cannot be created: see the simulator's output above, or another "
+                "board was started at the same time"
+            )
+        write_mark(self._link)
 
     def _read_terminal(self) -> str:
         """Return the terminal's name, which the simulator prints; empty if it does not."""

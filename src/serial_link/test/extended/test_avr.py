@@ -2,206 +2,74 @@
 """Sketches as users write them, compiled, on an ATmega328P in simavr, and the node."""
 
 import os
-import pathlib
-import shutil
-import tempfile
-import unittest
-from typing import Any, List, Sequence
+import time
+from typing import Any, Dict, List
 
-import rospkg
 import rospy
 import rostest
+from helpers import avr_sketches
+from helpers.avr_rig import PACKAGE, PATIENCE, AvrRig
 from pid_control.msg import motor_input, motor_output
 from rosgraph_msgs.msg import Log
-from std_msgs.msg import Float32, String, UInt16
+from std_msgs.msg import Float32, String, UInt16, UInt32
+from std_srvs.srv import Trigger
 
-from nodekit.testing.processes import Process
+from nodekit.testing.processes import Process, hanging
 from nodekit.testing.waiting import wait_until
-from serial_link.board.avr_board import AvrBoard, AvrBuilder
-from serial_link.commands.make_headers import build_headers, write
-from serial_link.headers.arduino_library import arduino_library
+from serial_link.board.avr_board import AvrBoard
 
-PACKAGE = pathlib.Path(rospkg.RosPack().get_path("serial_link"))
-NODE = str(PACKAGE / "scripts" / "serial_node.py")
 MOTOR_SKETCH = (
     PACKAGE.parents[1] / "docs" / "examples" / "board" / "motor_board" / "motor_board.ino"
 )
-#: Longest wait for a board [s]: on a busy machine the simulator falls behind.
-PATIENCE = 60.0
-#: Beginning of the tests' sketches, before the loop.
-COUNTER = """
-#include <ros.h>
-#include <std_msgs/Float32.h>
-#include <std_msgs/UInt16.h>
-
-ros::NodeHandle host;
-std_msgs::UInt16 count;
-std_msgs::Float32 parameter;
-ros::Publisher heard("heard", &count), found("found", &parameter);
-void on_command(const std_msgs::UInt16 &message) { count.data++; }
-ros::Subscriber<std_msgs::UInt16> command("command", on_command);
-
-void setup() {
-  host.initNode();
-  host.advertise(heard);
-  host.advertise(found);
-  host.subscribe(command);
-}
-"""
-WAITS = "void loop() { heard.publish(&count); host.spinOnce(); delay(%d); }"
-LOGS = """
-void loop() {
-  if (host.getParam("gain", &parameter.data)) found.publish(&parameter);
-  heard.publish(&count);
-  host.loginfo("still here");
-  host.spinOnce();
-  delay(100);
-}
-"""
-LATE = """
-#include <ros.h>
-#include <std_msgs/UInt16.h>
-
-ros::NodeHandle host;
-std_msgs::UInt16 count;
-ros::Publisher heard("heard", &count);
-void on_command(const std_msgs::UInt16 &message) { count.data = message.data; }
-ros::Subscriber<std_msgs::UInt16> command("command", on_command);
-
-void setup() {
-  host.initNode();
-  while (!host.connected()) host.spinOnce();
-  host.subscribe(command);
-  host.advertise(heard);
-}
-
-void loop() { heard.publish(&count); host.spinOnce(); delay(50); }
-"""
-FLOOD = """
-#include <ros.h>
-#include <std_msgs/String.h>
-
-ros::NodeHandle host;
-std_msgs::String text;
-ros::Publisher heard("heard", &text);
-char line[100];
-uint16_t count;
-
-void setup() {
-  host.initNode();
-  host.advertise(heard);
-  text.data = line;
-}
-
-void loop() {
-  sprintf(line, "%05u %090u", count, 0);
-  if (heard.publish(&text) > 0) count++;
-  host.spinOnce();
-}
-"""
-#: The second topic is announced as by a library that reads its type from the wrong memory.
-WRONG = """
-#include <ros.h>
-#include <std_msgs/Bool.h>
-
-class Unreadable : public std_msgs::Bool {
- public:
-  const char *getType() { return "\\x0e\\x94 std_msgs"; }
-};
-
-ros::NodeHandle host;
-std_msgs::Bool value;
-Unreadable garbage;
-ros::Publisher dash("my-topic", &value), unreadable("unreadable", &garbage), digit("1st", &value),
-    slash("chatter/", &value);
-
-void setup() {
-  host.initNode();
-  host.advertise(dash);
-  host.advertise(unreadable);
-  host.advertise(digit);
-  host.advertise(slash);
-}
-
-void loop() {
-  dash.publish(&value);
-  unreadable.publish(&garbage);
-  digit.publish(&value);
-  slash.publish(&value);
-  host.spinOnce();
-  delay(50);
-}
-"""
+#: Factor of the lower half of a command: an odd one, far from a power of 2.
+CHECK = 40503
+#: Commands for a loop, by its duration [ms].
+COMMANDS = {1000: 8, 3000: 5, 5000: 4, 7000: 3, 12000: 1}
+#: Bits of the numbers 0 to 24.
+EACH_OF_25 = (1 << 25) - 1
 
 
-class TestAvr(unittest.TestCase):
-    """Each test has its own board and node; the compiled programs are shared."""
+def with_check(number: int) -> int:
+    """Return a command with a number in its upper half, so that a wrong one shows."""
+    return number << 16 | number * CHECK & 0xFFFF
 
-    folder: pathlib.Path
-    libraries: Sequence[pathlib.Path]
-    simulator: pathlib.Path
-    builder: AvrBuilder
 
-    @classmethod
-    def setUpClass(cls) -> None:
-        cls.folder = pathlib.Path(tempfile.mkdtemp())
-        headers = build_headers(["std_msgs", "pid_control"])
-        write(arduino_library(headers, "the tests", "1.0.0"), cls.folder)
-        cls.libraries = (PACKAGE / "avr" / "library", cls.folder / "ros_messages" / "src")
-        cls.builder = AvrBuilder(cls.folder)
-        cls.simulator = cls.builder.simulator(PACKAGE / "avr" / "avr_board.c")
+class TestAvr(AvrRig):
+    """Sketches of all kinds, resets, cables and noise."""
 
-    @classmethod
-    def tearDownClass(cls) -> None:
-        shutil.rmtree(cls.folder)
+    def test_loops_of_1_to_12_s_lose_no_command(self) -> None:
+        messages: Dict[int, List[Any]] = {}
+        publishers: Dict[int, rospy.Publisher] = {}
+        boards: Dict[int, AvrBoard] = {}
+        sent = dict.fromkeys(COMMANDS, 0)
+        seen = dict.fromkeys(COMMANDS, -1)
+        for pause in COMMANDS:
+            self.name = f"loop_{pause}"
+            self.space, self.link = "/" + self.name, str(self.folder / self.name)
+            messages[pause] = self.collect(f"{self.space}/heard", UInt16)
+            publishers[pause] = rospy.Publisher(f"{self.space}/command", UInt16, queue_size=10)
+            boards[pause] = self.start(avr_sketches.COUNTER + avr_sketches.WAITS % pause)
 
-    def setUp(self) -> None:
-        self.name = self.id().rsplit(".", 1)[-1]
-        self.space = "/" + self.name
-        self.link = str(self.folder / self.name)
+        def has_all() -> bool:
+            for pause, count in COMMANDS.items():
+                heard = len(messages[pause])
+                is_connected = publishers[pause].get_num_connections() > 0
+                if is_connected and sent[pause] < count and heard > seen[pause]:
+                    seen[pause] = heard
+                    publishers[pause].publish(0)
+                    sent[pause] += 1
+                if heard and messages[pause][-1].data == count:
+                    boards[pause].close()
+            return not any(board.is_running for board in boards.values())
 
-    def start_node(self, baud: int) -> None:
-        node = Process(NODE, [f"__ns:={self.space}", f"_port:={self.link}", f"_baud:={baud}"])
-        self.addCleanup(node.end)
-
-    def start(self, text: str) -> AvrBoard:
-        """Run a sketch, and the node, until the end of the test."""
-        sketch = self.folder / (self.name + ".ino")
-        sketch.write_text(text)
-        program = self.builder.sketch(sketch, self.libraries)
-        board = AvrBoard(self.simulator, program, self.link)
-        board.start()
-        self.addCleanup(board.close)
-        self.start_node(57600)
-        return board
-
-    def collect(self, topic: str, data_class: Any) -> List[Any]:
-        """Return a list that receives a topic's messages."""
-        messages: List[Any] = []
-        subscriber = rospy.Subscriber(topic, data_class, messages.append)
-        self.addCleanup(subscriber.unregister)
-        return messages
-
-    def wait_for_connections(self, publisher: rospy.Publisher) -> None:
-        wait_until(lambda: publisher.get_num_connections() > 0, lambda: "no node", PATIENCE)
-
-    def test_loop_that_waits_three_seconds_loses_no_command(self) -> None:
-        messages = self.collect(f"{self.space}/heard", UInt16)
-        publisher = rospy.Publisher(f"{self.space}/command", UInt16, queue_size=10)
-        self.start(COUNTER + WAITS % 3000)
-        self.wait_for_connections(publisher)
-        for number in range(1, 4):
-            publisher.publish(number)
-            seen = len(messages)
-            wait_until(lambda: len(messages) > seen, lambda: f"{messages}", PATIENCE)
-        wait_until(lambda: messages[-1].data == 3, lambda: f"{messages}", PATIENCE)
+        wait_until(has_all, lambda: f"{sent} {messages}", 2.0 * PATIENCE)
 
     def test_loop_that_logs_and_asks_for_parameters_is_found_again_after_a_reset(self) -> None:
         rospy.set_param(f"{self.space}/gain", 2.5)
         messages = self.collect(f"{self.space}/heard", UInt16)
         found = self.collect(f"{self.space}/found", Float32)
         publisher = rospy.Publisher(f"{self.space}/command", UInt16, queue_size=1)
-        board = self.start(COUNTER + LOGS)
+        board = self.start(avr_sketches.COUNTER + avr_sketches.LOGS)
 
         def has_counted() -> bool:
             publisher.publish(0)
@@ -216,16 +84,149 @@ class TestAvr(unittest.TestCase):
             found.clear()
         wait_until(lambda: found, lambda: f"{messages} {found}", PATIENCE)
 
+    def test_parameter_answered_late_is_not_taken_for_the_next_one(self) -> None:
+        found = {}
+        for name, value in (("first", 1.0), ("second", 2.0)):
+            rospy.set_param(f"{self.space}/{name}", value)
+            found[value] = self.collect(f"{self.space}/found/{name}", Float32)
+        self.start(avr_sketches.ASKS)
+        for _ in range(3):
+            for messages in found.values():
+                messages.clear()
+            wait_until(lambda: all(found.values()), lambda: f"{found}", PATIENCE)
+            with hanging(self.nodes[self.space].popen.pid):
+                time.sleep(1.5)  # meanwhile a request times out on the board, and others follow
+            for messages in found.values():
+                messages.clear()
+            wait_until(lambda: all(found.values()), lambda: f"{found}", PATIENCE)
+            for value, messages in found.items():
+                assert {message.data for message in messages} == {value}, found
+
+    def test_refused_service_does_not_block_the_sketch_that_calls_it(self) -> None:
+        service = rospy.Service(f"{self.space}/answers", Trigger, lambda _: (True, ""))
+        self.addCleanup(service.shutdown)
+        messages = self.collect(f"{self.space}/heard", UInt16)
+        self.start(avr_sketches.CALLS)
+        wait_until(lambda: messages and messages[-1].data >= 5, lambda: f"{messages}", PATIENCE)
+        node = self.nodes[self.space]
+        node.wait_for_log("differs is refused, and the board's calls end with an unchanged")
+        assert len(node.logged("differs is refused")) == 1
+
     def test_topics_advertised_after_the_connection_appear(self) -> None:
         messages = self.collect(f"{self.space}/heard", UInt16)
         publisher = rospy.Publisher(f"{self.space}/command", UInt16, queue_size=1, latch=True)
         publisher.publish(7)
-        self.start(LATE)
+        self.start(avr_sketches.LATE)
         wait_until(lambda: messages and messages[-1].data == 7, lambda: f"{messages}", PATIENCE)
+
+    def test_25_topics_each_way_work_before_and_after_a_reset(self) -> None:
+        messages = {
+            number: self.collect(f"{self.space}/to/p{number}", UInt32) for number in range(25)
+        }
+        for number in range(25):
+            topic = f"{self.space}/from/p{number}"
+            publisher = rospy.Publisher(topic, UInt32, queue_size=1, latch=True)
+            self.addCleanup(publisher.unregister)
+            publisher.publish(number)
+        board = self.start(avr_sketches.MANY)
+        for _ in range(2):
+            wait_until(
+                lambda: all(messages.values()) and messages[0][-1].data == EACH_OF_25,
+                lambda: f"{[one[-1:] for one in messages.values()]}",
+                PATIENCE,
+            )
+            for number in range(1, 25):
+                assert {message.data for message in messages[number]} == {number}
+            board.reset()
+            for of_topic in messages.values():
+                of_topic.clear()
+            # The sketch that was restarted has received none.
+            wait_until(
+                lambda: any(message.data != EACH_OF_25 for message in messages[0]),
+                lambda: f"{messages[0]}",
+                PATIENCE,
+            )
+
+    def test_texts_up_to_the_buffer_size_arrive_and_longer_ones_are_logged(self) -> None:
+        messages = self.collect(f"{self.space}/heard", UInt16)
+        publisher = rospy.Publisher(f"{self.space}/text", String, queue_size=10)
+        self.start(avr_sketches.LENGTHS, 250000)
+        for length in (276, 277, 5):  # of 280 bytes, four are the length
+
+            def is_answered(wanted: int = length) -> bool:
+                publisher.publish("x" * wanted)
+                return any(message.data == wanted for message in messages) or wanted == 277
+
+            wait_until(is_answered, lambda: f"{messages}", PATIENCE)
+        assert {message.data for message in messages} == {276, 5}
+        self.nodes[self.space].wait_for_log("281 bytes is not sent: the board's buffer has 280")
+
+    def test_noise_either_way_delivers_no_wrong_value_and_the_board_is_back(self) -> None:
+        messages = self.collect(f"{self.space}/heard", UInt32)
+        publisher = rospy.Publisher(f"{self.space}/command", UInt32, queue_size=1)
+        counters = self.collect_counters()
+        board = self.start(avr_sketches.ECHO)
+        sent = 0
+
+        def send() -> None:
+            nonlocal sent
+            sent += 1
+            publisher.publish(with_check(sent & 0xFFFF))
+
+        def damaged() -> int:
+            names = ("length checksum", "length", "checksum", "cut off")
+            return sum(counters.get("fault: " + name, 0) for name in names)
+
+        def echoes(first: int) -> bool:
+            send()
+            return any(message.data >> 16 > first for message in messages)
+
+        wait_until(lambda: echoes(0), lambda: f"{messages[-3:]}", PATIENCE)
+        for share, count in ((0.001, 3), (0.01, 20), (0.05, 60)):
+            before = damaged()
+            board.set_noise(share)
+
+            def is_damaged(wanted: int = before + count) -> bool:
+                send()
+                return damaged() >= wanted
+
+            wait_until(is_damaged, lambda: f"{counters}", PATIENCE)
+        board.set_noise(0.0)
+        first = sent
+        wait_until(lambda: echoes(first), lambda: f"{messages[-3:]}", PATIENCE)
+        # About one in a thousand damaged frames has valid checksums all the same.
+        values = {message.data for message in messages}
+        wrong = [value for value in values if value != with_check(value >> 16)]
+        assert len(wrong) <= 2 + damaged() / 100, wrong
+
+    def test_cable_out_and_in_while_the_sketch_runs_and_with_a_reset(self) -> None:
+        messages = self.collect(f"{self.space}/heard", UInt32)
+        publisher = rospy.Publisher(f"{self.space}/command", UInt32, queue_size=1)
+        board = self.start(avr_sketches.ECHO)
+        for number, boot_s in ((1, -1.0), (2, -1.0), (3, 1.5)):
+
+            def is_echoed(wanted: int = with_check(number)) -> bool:
+                publisher.publish(wanted)
+                return any(message.data == wanted for message in messages)
+
+            wait_until(is_echoed, lambda: f"{messages[-3:]}", PATIENCE)
+            board.unplug()
+            node = self.nodes[self.space]
+            wait_until(
+                lambda: len(node.logged("is gone")) == number, lambda: f"{node.logged()}", PATIENCE
+            )
+            assert not os.path.lexists(self.link)
+            board.plug()
+            if boot_s >= 0.0:
+                board.reset(boot_s)  # as by the line DTR
+            messages.clear()
+        wait_until(lambda: messages, lambda: f"{node.logged()}", PATIENCE)
+        values = {message.data for message in messages}
+        assert all(value == with_check(value >> 16) for value in values), values
 
     def test_reset_in_the_middle_of_a_message_delivers_none_that_is_damaged(self) -> None:
         messages = self.collect(f"{self.space}/heard", String)
-        board = self.start(FLOOD)
+        board = self.start(avr_sketches.FLOOD)
 
         def numbers() -> List[int]:
             return [int(message.data.split()[0]) for message in list(messages)]
@@ -241,7 +242,7 @@ class TestAvr(unittest.TestCase):
     def test_wrong_names_are_refused_by_name_and_a_slash_too_many_is_not(self) -> None:
         lines = self.collect("/rosout", Log)
         messages = self.collect(f"{self.space}/chatter", rospy.AnyMsg)
-        self.start(WRONG)
+        self.start(avr_sketches.WRONG)
         wait_until(lambda: messages, lambda: f"{lines[-3:]}", PATIENCE)
         for name in ("my-topic", "1st", "unreadable"):
 

@@ -9,7 +9,7 @@ class Soak(NamedTuple):
     """Context of a run."""
 
     session: Session
-    #: duration of record, scope, images and bridge [s]
+    #: duration of record, board, scope, images and bridge [s]
     seconds: float
     #: how often nodes are killed or stopped
     times: int

@@ -11,6 +11,7 @@ COMMANDS = {
         "managed": "kill -9 and stops of managed nodes under their manager",
         "identify": "15 plants, and how often each ± of identify holds",
         "judge": "controllers with known flaws, and correct ones drawn at random",
+        "board": "a sketch on a simulated AVR under resets, cable pulls and noise",
         "scope": "ten traces of 1 kHz on the page of the oscilloscope",
         "images": "large messages through shared memory, and kill -9 of subscribers",
         "bridge": "1 kHz and goals through the bridge, then kill -9 of it and of each side",

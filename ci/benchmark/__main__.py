@@ -7,8 +7,9 @@ import signal
 import sys
 import tempfile
 import time
+from typing import Dict, Set
 
-from . import machine, page, peer_programs, report
+from . import boards, machine, page, peer_programs, report
 from .context import Bench
 from .measurements import MEASUREMENTS, select
 from .processes import Session
@@ -29,9 +30,8 @@ def main() -> int:
     began, facts, steal = time.monotonic(), machine.describe(), machine.Steal()
     if machine.is_busy():
         say(f"this machine is not idle (load {facts['load before']}): the figures will scatter")
-    say("building the peers")
-    left_out = peer_programs.prepare(fetch=not options.quick)
     results, wanted = Results(), select(options.only, options.all)
+    left_out = prepare_peers({one.name for one in wanted}, options.quick)
     with tempfile.TemporaryDirectory(prefix="bench-") as directory:
         with Session(pathlib.Path(directory)) as session:
             gc.disable()  # it would hold up the observer
@@ -47,6 +47,20 @@ def main() -> int:
         report.write_json(options.page / "benchmark.json", {**content, "turns": []})
         page.write(options.page)
     return 1 if results.failures else 0
+
+
+def prepare_peers(rows: Set[str], is_quick: bool) -> Dict[str, str]:
+    """Build and generate what the peers of some rows need.
+
+    :returns: the reason for each omitted peer, by its name
+    """
+    left_out: Dict[str, str] = {}
+    if rows != {"serial"}:
+        say("building the peers")
+        left_out = peer_programs.prepare(fetch=not is_quick)
+    if "serial" in rows:
+        left_out.update(boards.prepare())
+    return left_out
 
 
 def parse_arguments() -> argparse.Namespace:

@@ -3,6 +3,7 @@
 import enum
 from typing import NamedTuple, Optional, Tuple
 
+from . import boards
 from .analysis import Estimate
 from .bridge import TO_ROS1, TO_ROS2
 from .images import NODEKIT, Case
@@ -99,6 +100,16 @@ GOALS = [
             Goal("bridge-load", f"lost of 4000/s {to}", "fast_lost", 0.0, "", way),
             Goal("bridge-load", f"lost of 100 topics {to}", "many_lost", 0.0, "", way),
             Goal("bridge-load", f"CPU of 100 topics {to}", "many_cpu_percent", 90.0, "%", way),
+        )
+    ),
+    *(
+        Goal("serial", what, figure, limit, unit, boards.OURS, peers)
+        for what, figure, limit, unit, peers in (
+            ("round trip", "p50_ms", 1.0, "ms", ()),
+            ("round trip, against rosserial_python", "p50_ms", 0.15, "ms", (boards.ROSSERIAL,)),
+            ("lost of 1 kHz by TCP", "tcp_lost", 0.0, "", ()),
+            ("CPU while idle", "idle_cpu_percent", 1.0, "%", ()),
+            ("CPU at 100 Hz both ways", "cpu_percent", 4.0, "%", ()),
         )
     ),
     *(

@@ -45,7 +45,7 @@ from nodekit.node.names import Names
 from nodekit.process.run import init_node
 from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process, hanging
-from nodekit.testing.running import rosrun
+from nodekit.testing.running import extended, rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 HELPERS = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "helpers")
@@ -393,6 +393,7 @@ class Managed(Actions):
 class Ending(Actions):
     """Nodes that end while goals run."""
 
+    @extended
     def test_goals_end_with_their_process_separate_or_hosted(self) -> None:
         ends = {
             1: (GoalState.PREEMPTED, "", TestResult(5)),
@@ -470,6 +471,7 @@ class Client(Actions):
             missing.send_goal_async(TestGoal(), timeout=0.2).result()
         self.assertFalse(missing.wait_for_server(0.1))
 
+    @extended
     def test_server_that_dies_loses_its_goals(self) -> None:
         handle = self.client.send_goal_async(TestGoal(RUN)).result()
         future = handle.get_result_async(LONG_S)
@@ -479,6 +481,7 @@ class Client(Actions):
         with self.assertRaises(GoalLost):
             handle.cancel_goal()
 
+    @extended
     def test_server_that_starts_again_has_lost_its_goals(self) -> None:
         handle = self.client.send_goal_async(TestGoal(RUN)).result()
         future = handle.get_result_async(LONG_S)
@@ -531,6 +534,7 @@ class Client(Actions):
 class Silent(Actions):
     """Our client, with a server that leaves something out."""
 
+    @extended
     def test_result_that_is_lost_ends_the_wait(self) -> None:
         client = self.node.create_action_client("test", TestAction)
         server = self.new_node("other")

@@ -29,7 +29,7 @@ from nodekit.node.names import Names
 from nodekit.node.ros_node import Node
 from nodekit.process.run import init_node
 from nodekit.testing.processes import Process, hanging
-from nodekit.testing.running import rosrun
+from nodekit.testing.running import extended, rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 HELPERS = os.path.join(os.path.dirname(__file__), "..", "helpers")
@@ -147,6 +147,7 @@ class Clients(unittest.TestCase):
         with self.assertRaisesRegex(CallCancelled, "its client is closed"):
             client.call(TriggerRequest())
 
+    @extended
     def test_ctrl_c_ends_a_node_with_hung_calls_and_sleeping_callbacks(self) -> None:
         self.server()
         node = Process(os.path.join(HELPERS, "waiting_client.py"), [f"__ns:={self.space}"])
@@ -167,6 +168,7 @@ class Clients(unittest.TestCase):
             client.call_async(TriggerRequest())
         client.close()
 
+    @extended
     def test_server_that_is_killed_stopped_and_started_again(self) -> None:
         server = self.server()
         client = self.node.create_client("slow", Trigger)

@@ -17,7 +17,7 @@ from nodekit.node.names import Names
 from nodekit.node.ros_node import Node
 from nodekit.process.run import init_node
 from nodekit.testing.processes import Server
-from nodekit.testing.running import rosrun
+from nodekit.testing.running import extended, rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 
@@ -93,6 +93,7 @@ class Executors(unittest.TestCase):
         self.assertEqual(len(names), 1, kinds)
         self.assertTrue(names.pop().startswith("executor-"), kinds)
 
+    @extended
     def test_describe_and_change_answer_while_all_threads_are_busy(self) -> None:
         node = self.node()
         executor = SingleThreadedExecutor()

@@ -55,7 +55,7 @@ from nodekit.process.run import init_node
 from nodekit.testing.graph import Graph
 from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process, Server
-from nodekit.testing.running import rosrun
+from nodekit.testing.running import extended, rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 HERE = os.path.dirname(os.path.realpath(__file__))
@@ -614,6 +614,7 @@ class Made(Managed):
         publisher.publish("three")
         wait_until(lambda: driver.heard == ["one", "three"], lambda: str(driver.heard))
 
+    @extended
     def test_many_rounds_leak_nothing(self) -> None:
         driver = self.driver()
 
@@ -979,6 +980,7 @@ class Ends(unittest.TestCase):
         self.assertIn("active was unconfigured", process.lines)
         self.assertEqual(process.logged("ends without"), [])
 
+    @extended
     def test_node_that_ends_its_process_in_a_callback_and_hangs_then_is_left_behind(self) -> None:
         process = self.start("stuck", "active")
         self.assertTrue(self.change("stuck", "configure"))
@@ -998,6 +1000,7 @@ class Ends(unittest.TestCase):
         text = "/ending ends without its shutdown: it is configuring, and still busy after 0 s"
         self.assertEqual(len(process.logged(text)), 1, process.error_lines)
 
+    @extended
     def test_rosnode_kill_does_too_and_abandons_hung_callbacks(self) -> None:
         process = self.start("killed", "configuring", "hanging")
         asked = ("configuring", "configure")

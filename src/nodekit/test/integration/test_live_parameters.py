@@ -12,7 +12,7 @@ import rosparam
 from helpers.parameter_rig import ParameterCase, ParameterNode, Spy
 
 from nodekit.testing.processes import Server
-from nodekit.testing.running import rosrun
+from nodekit.testing.running import extended, rosrun
 from nodekit.testing.waiting import wait_until
 
 GAUGE = "/lab/gauge"
@@ -219,6 +219,7 @@ class LiveParameters(ParameterCase):
         self.assertEqual(self.node.values, {**DEFAULTS, "level": 5.0})
         self.assertEqual(self.node.changes, self.changes_before + 1)
 
+    @extended
     def test_scalar_over_the_group_leaves_the_node_and_the_server_in_step(self) -> None:
         # Twice, since the first may be noticed because of an earlier notification.
         for note in (1, 2):
@@ -275,6 +276,7 @@ class LiveParameters(ParameterCase):
         self.server.set(GAUGE + "/level", 6)
         self.node.wait_for(level=6.0)
 
+    @extended
     def test_node_writes_only_corrections(self) -> None:
         spy = Spy(GAUGE)
         self.addCleanup(spy.end)

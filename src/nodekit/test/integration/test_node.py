@@ -46,7 +46,7 @@ from nodekit.process.run import init_node
 from nodekit.rospy_internals import incoming_topic, outgoing_topic
 from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Server
-from nodekit.testing.running import rosrun
+from nodekit.testing.running import extended, rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from nodekit.timing.scheduler import get_scheduler
 
@@ -214,6 +214,7 @@ class Start(OnMaster):
         wait_until(lambda: told, lambda: "nothing is told")
         self.assertEqual(told, [(1.0, 5.0)])
 
+    @extended
     def test_rospys_statistics_count_messages_within_the_process(self) -> None:
         name, recorder = self.space + "/topic", MessageRecorder("/statistics", TopicStatistics)
         self.addCleanup(recorder.close)
@@ -796,6 +797,7 @@ class Closing(OnMaster):
         wait_until(is_settled, lambda: str(seen[-2:]))
         return seen[-1]
 
+    @extended
     def test_hundred_rounds_leak_nothing(self) -> None:
         publisher = self.publisher("in", latch=True)
         publisher.publish("x")

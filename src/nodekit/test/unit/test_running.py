@@ -86,3 +86,21 @@ def test_a_run_ends_with_the_first_failure_where_that_is_enough(
 ) -> None:
     monkeypatch.setenv(running.FAIL_FAST, value)
     assert [each.get("name") for each in results_of(Twice, monkeypatch)] == names
+
+
+class Marked(unittest.TestCase):
+    __test__ = False  # but below
+
+    def test_promise(self) -> None:
+        pass
+
+    @running.extended
+    def test_rare_fault(self) -> None:
+        pass
+
+
+@pytest.mark.parametrize(
+    ("is_extended", "names"), [(False, ["test_promise"]), (True, ["test_rare_fault"])]
+)
+def test_marked_tests_run_in_their_own_tier(is_extended: bool, names: List[str]) -> None:
+    assert running.names_of_tier(unittest.TestLoader(), is_extended, Marked) == names

@@ -6,7 +6,7 @@ from xml.etree import ElementTree
 from helpers.coursework_cases import COURSEWORKS, FLAWED, make
 from helpers.judge_rig import PACKAGE, JudgeCase
 
-from nodekit.testing.running import rosrun
+from nodekit.testing.running import extended, rosrun
 
 
 class SignalJudge(JudgeCase):
@@ -14,6 +14,7 @@ class SignalJudge(JudgeCase):
 
     program = PACKAGE / "scripts" / "judge_signals"
 
+    @extended
     def test_good_coursework_passes(self) -> None:
         text = self.assert_judged(
             0,

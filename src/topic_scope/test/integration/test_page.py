@@ -25,7 +25,7 @@ from test_page_modules import Modules  # noqa: F401
 from test_page_robots import PageRobots  # noqa: F401
 
 from basic_comms.msg import signal_msg
-from nodekit.testing.running import rosrun
+from nodekit.testing.running import extended, rosrun
 
 
 class Page(PageTest):
@@ -51,6 +51,7 @@ class Page(PageTest):
             lambda: self.browser.text("#legend"),
         )
 
+    @extended
     def test_csv_equals_a_bag(self) -> None:
         self.browser.choose("#window", "2")
         with TemporaryDirectory() as folder:
@@ -81,6 +82,7 @@ class Page(PageTest):
         starts = [index for index, value in enumerate(recorded) if value == values[0]]
         self.assertIn(values, [recorded[start : start + len(values)] for start in starts])
 
+    @extended
     def test_single_trigger_holds_at_the_crossing(self) -> None:
         self.browser.choose("#window", "1")
         level = self.browser.find("#trigger-level")

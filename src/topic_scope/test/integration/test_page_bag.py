@@ -25,6 +25,7 @@ from visualization_msgs.msg import Marker, MarkerArray
 from wire.client import Client, Message, fetch
 
 from basic_comms.msg import signal_msg
+from nodekit.testing.running import extended
 
 #: 2023-11-14, 22:13:20 UTC.
 BEGIN, LENGTH_S, RATE_HZ = 1700000000, 20.0, 100.0
@@ -210,6 +211,7 @@ class Bag(unittest.TestCase):
         self.assertEqual([one["topic"] for one in reply["robots"]], ["/odom"])
         return reply
 
+    @extended
     def test_robots_follow_the_clock_of_the_bag(self) -> None:
         page = self.page()
         self.play(page, time=BEGIN + 15.05, playing=False, speed=1.0)
@@ -260,6 +262,7 @@ class Bag(unittest.TestCase):
             self.assertIn("this is a bag", page.wait_for("error")["text"])
         self.assertEqual(page.messages("panels"), [])
 
+    @extended
     def test_the_page_shows_a_text_as_a_band_below_the_plots(self) -> None:
         page = self.page()
         self.play(page, time=BEGIN + 5.001, playing=False, speed=1.0)
@@ -308,6 +311,7 @@ class Bag(unittest.TestCase):
         self.assertEqual(browser.text("#trigger-field"), FIELD)
         self.assertEqual(browser.errors(), [])
 
+    @extended
     def test_the_page_shows_it_with_its_own_clock(self) -> None:
         page = self.page()
         self.play(page, time=BEGIN + 5.001, playing=False, speed=1.0)

@@ -1,8 +1,10 @@
 """Test runner for rostest that reports all failures, those of subTest and setUpClass too."""
 
 import os
+import sys
 import unittest
-from typing import Any, Type
+from functools import partialmethod
+from typing import Any, Callable, List, Type, TypeVar
 
 import rostest
 from rosunit import xmlrunner
@@ -12,6 +14,17 @@ from rosunit import xmlrunner
 FAIL_FAST = "NODEKIT_TESTS_FAIL_FAST"
 #: Environment variable with the name of the only test to run.
 ONLY = "NODEKIT_TESTS_ONLY"
+#: Argument of a test node that runs only the tests that are marked by :func:`extended`.
+EXTENDED = "--extended"
+
+_ALL_NAMES = unittest.TestLoader.getTestCaseNames
+_Test = TypeVar("_Test", bound=Callable[..., Any])
+
+
+def extended(test: _Test) -> _Test:
+    """Mark a test as slow, or of a rare fault: it runs only if the node has ``--extended``."""
+    test.is_extended = True  # type: ignore[attr-defined]
+    return test
 
 
 class Result(xmlrunner._XMLTestResult):
@@ -43,4 +56,21 @@ def rosrun(package: str, name: str, case: Type[unittest.TestCase]) -> None:
     xmlrunner._XMLTestResult = Result
     if os.environ.get(ONLY):
         unittest.TestLoader.testNamePatterns = [f"*.{os.environ[ONLY]}"]
+    else:
+        unittest.TestLoader.getTestCaseNames = partialmethod(  # type: ignore[method-assign]
+            names_of_tier, EXTENDED in sys.argv
+        )
     rostest.rosrun(package, name, case)
+
+
+def names_of_tier(
+    loader: unittest.TestLoader, is_extended: bool, case: Type[unittest.TestCase]
+) -> List[str]:
+    """Return the names of a class's tests that :func:`extended` marks, or of the others.
+
+    :param loader: finds all tests
+    :param is_extended: whether the marked tests are returned
+    :param case: test case class
+    """
+    names = _ALL_NAMES(loader, case)
+    return [name for name in names if hasattr(getattr(case, name), "is_extended") == is_extended]

@@ -1,6 +1,7 @@
 """Every launch file loads under its documented arguments; nothing is started here."""
 
 import os
+import re
 import subprocess
 from typing import Any, Dict, List
 from xml.dom import minidom
@@ -257,3 +258,50 @@ def test_config_files_know_no_namespaces(name: str) -> None:
     with open(os.path.join(LAUNCH, "..", "config", name)) as source:
         lines = [line.split(":")[0] for line in source if not line.startswith("#")]
     assert lines and all(node + key in config.params for key in lines)
+
+
+@pytest.mark.parametrize(
+    "command, expected",
+    [
+        ("if_unless", {"/talker/Message": "what a day"}),
+        ("if_unless listen:=false mood:=bad", {"/talker/Message": "go away"}),
+        ("if_unless quiet:=true", {"/talker/Message": None}),
+        ("arg text:=hello", {"/arg_talker/Message": "hello", "/arg_talker/rate": 2.0}),
+        (
+            "include rate:=3.0",
+            {
+                "/defaults/talker/rate": 10.0,
+                "/one_by_one/talker/rate": 6.0,
+                "/all/talker/rate": 3.0,
+            },
+        ),
+        (
+            "last_setting_wins",
+            {"/signal_generator/amplitude": 5.0, "/signal_generator/rate": 20.0},
+        ),
+    ],
+)
+def test_feature_sets_its_values(command: str, expected: Dict[str, Any]) -> None:
+    """Course 001-feature-1."""
+    name, _, arguments = command.partition(" ")
+    parameters = load(f"features/{name}.launch {arguments}").params
+    found = {key: parameters[key].value if key in parameters else None for key in expected}
+    assert found == expected
+
+
+def test_substitutions_have_their_values(monkeypatch: "pytest.MonkeyPatch") -> None:
+    monkeypatch.setenv("ROS_MASTER_URI", "http://localhost:12345")
+    monkeypatch.delenv("ROBOT_NAME", raising=False)
+    config = load("features/substitution.launch rate:=3.0")
+    (node,) = config.nodes
+    assert re.match("talker_.*[0-9]$", node.name)
+    values = {key: one.value for key, one in config.params.items() if key.startswith("/substi")}
+    assert values == {
+        "/substitution/env": "http://localhost:12345",
+        "/substitution/optenv": "no name",
+        "/substitution/find": os.path.dirname(LAUNCH),
+        "/substitution/dirname": os.path.join(LAUNCH, "features"),
+        "/substitution/arg": "at 3.0 Hz",
+        "/substitution/eval": 1.5,
+        "/substitution/anon": node.name,
+    }

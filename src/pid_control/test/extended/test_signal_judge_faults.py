@@ -59,7 +59,7 @@ class TestSignalJudge(unittest.TestCase):
 
     def test_loop_faster_than_the_steps_keeps_its_rate(self) -> None:
         judgement = self.judged(make(FAST, self.folder), list(FAST.scenarios))
-        self.assertIn(FAST.says, as_sentences(judgement))
+        self.assertEqual(judgement.verdict, PASSED, as_sentences(judgement))
         figures = {(one.scenario, one.metric): one.value for one in judgement.findings}
         self.assertAlmostEqual(figures["signal", "rate"] or 0.0, 250.0, delta=5.0)
         self.assertAlmostEqual(figures["signal", "frequency"] or 0.0, 2.5, delta=0.05)
@@ -68,21 +68,22 @@ class TestSignalJudge(unittest.TestCase):
         for case in FLAWED:
             with self.subTest(case.name):
                 package = make(case, self.folder)
-                for _ in range(3):  # a busy machine may hide a flaw, and never adds one
+                for _ in range(3):  # a busy machine may hide flaws, and never adds one
                     judgement = self.judged(package, list(case.scenarios))
                     text = as_sentences(judgement)
                     self.assertLessEqual(set(judgement.flaws()), set(case.flaws), text)
-                    if judgement.flaws():
+                    if judgement.flaws() == list(case.flaws):
                         break
                 self.assertEqual(judgement.flaws(), list(case.flaws), text)
-                self.assertIn(case.says, text)
+                for sentence in case.says:
+                    self.assertIn(sentence, text)
 
     def test_machine_clock_is_not_compared_with_a_simulated_clock(self) -> None:
         edits = [
             ("scripts/signal_generator.py", "import numpy", "import time as clock\n\nimport numpy"),
             ("scripts/signal_generator.py", "rate.sleep()", "clock.sleep(0.1)"),
         ]
-        case = Case("time_sleep", "wave_loops", edits, (), (), "")
+        case = Case("time_sleep", "wave_loops", edits, (), (), ())
         with self.assertRaisesRegex(JudgingError, "it uses the machine's clock.*--real-time"):
             self.judged(make(case, self.folder), ["signal"])
 
@@ -91,7 +92,7 @@ class TestSignalJudge(unittest.TestCase):
             ("scripts/signal_generator.py", "import numpy", "import time as clock\n\nimport numpy"),
             ("scripts/signal_generator.py", "rospy.get_time()", "clock.time()"),
         ]
-        case = Case("time_time", "wave_loops", edits, (), (), "")
+        case = Case("time_time", "wave_loops", edits, (), (), ())
         with self.assertRaisesRegex(JudgingError, "it uses the machine's clock.*--real-time"):
             self.judged(make(case, self.folder), ["signal"])
 

@@ -3,7 +3,7 @@
 
 from xml.etree import ElementTree
 
-from helpers.coursework_cases import COURSEWORKS, FLAWED, make
+from helpers.coursework_cases import BELOW_ZERO, COURSEWORKS, make
 from helpers.judge_rig import PACKAGE, JudgeCase
 
 from nodekit.testing.running import extended, rosrun
@@ -25,12 +25,19 @@ class SignalJudge(JudgeCase):
         self.assertIn("signal: /lab/wave/level; output: /lab/processed/data", text)
 
     def test_negative_output_is_reported_drawn_and_written(self) -> None:
-        [case] = [case for case in FLAWED if case.name == "below_zero"]
         picture, table, xml = (self.folder / name for name in ("x.svg", "x.csv", "x.xml"))
         text = self.assert_judged(
             1,
-            case.says,
-            *["--picture", picture, "--csv", table, "--only", "process", make(case, self.folder)],
+            BELOW_ZERO.says[0],
+            *[
+                "--picture",
+                picture,
+                "--csv",
+                table,
+                "--only",
+                "process",
+                make(BELOW_ZERO, self.folder),
+            ],
             *[f"--gtest_output=xml:{xml}", "__name:=judge"],
         )
         self.assertTrue(text.endswith("failed: negative\n"), text)

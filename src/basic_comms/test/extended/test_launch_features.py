@@ -2,7 +2,6 @@
 """Files of launch/features behave as described in their comments; of values, see the unit tests."""
 
 import os
-import subprocess
 import tempfile
 import unittest
 from contextlib import ExitStack
@@ -172,14 +171,6 @@ class LaunchFeatures(unittest.TestCase):
             with self.assertRaisesRegex(TypeError, "cannot marshal"):
                 with launched(file.name):
                     pass
-
-    def test_self_test_passes_under_rostest(self) -> None:
-        with tempfile.TemporaryDirectory() as results:
-            command = ["rostest", "--results-base-dir", results]
-            command.append(launch_file("basic_comms", "features/self_test.launch"))
-            ended = subprocess.run(command, stdout=subprocess.PIPE, timeout=120)
-        self.assertEqual(ended.returncode, 0, ended.stdout.decode())
-        self.assertIn("TESTS: 1", ended.stdout.decode())
 
     def test_the_end_of_a_required_node_ends_the_launch(self) -> None:
         """Course 001-feature-6."""

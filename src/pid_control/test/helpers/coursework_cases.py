@@ -169,14 +169,6 @@ FLAWED = (
         ["after a restart of the generator the output differs"],
     ),
     Case(
-        "frequency_in_turns",
-        "wave_loops",
-        [(GENERATOR, "np.sin(omega * time)", "np.sin(2.0 * omega * time)")],
-        ["signal", "parameters"],
-        ["frequency"],
-        ["the frequency is 6 rad/s, where /signal_omega is 3, in rad/s or Hz"],
-    ),
-    Case(
         "hard_coded_beside_yaml_not_loaded",
         "wave_loops",
         [

@@ -24,6 +24,18 @@ LEFT_OUT: Dict[str, str] = {
     "serial_link.nodes.simulated_board": "needs a terminal",
     "topic_scope.nodes.scope": "serves a web page",
 }
+#: Modules that most nodes import.
+PRELOADED = (
+    "dynamic_reconfigure.server",
+    "geometry_msgs.msg",
+    "nav_msgs.msg",
+    "nodekit.entry_point",
+    "numpy",
+    "rospy",
+    "sensor_msgs.msg",
+    "std_msgs.msg",
+    "std_srvs.srv",
+)
 #: Parameter with the topics that the recorder has received.
 HEARD = "/{}/recorder/heard"
 
@@ -100,9 +112,12 @@ class Recorder:
 def main() -> None:
     """Run the nodes until this process is ended."""
     how, space = sys.argv[1:]
-    # Imported before the forks, to save time in each. Not rospy: it reads the namespace on import.
-    for name in ("nodekit.entry_point", "genpy.message", "std_msgs.msg", "sensor_msgs.msg"):
+    # Imported before the forks, to save time in each.
+    for name in PRELOADED:
         importlib.import_module(name)
+    nodekit = importlib.import_module("nodekit")
+    for name in nodekit.__all__:  # which it imports when it is asked for them
+        getattr(nodekit, name)
     nodes = [(f"{space}/{part}", module) for part, modules in NODES.items() for module in modules]
     nodes.append((space, "node_processes"))
     if how == "hosted":
@@ -142,6 +157,8 @@ def run(space: str, module: str) -> None:
     """Run the ``main`` of a module in a namespace, and end the process."""
     os.environ["ROS_NAMESPACE"] = space
     sys.argv[1:] = [f"__name:={module.rpartition('.')[2]}"]
+    # Alone among the preloaded modules it reads arguments and environment when it is imported.
+    importlib.reload(sys.modules["rospy.names"])
     if module == "node_processes":
         sys.argv[1:] = []
         importlib.import_module("nodekit").run("recorder", Recorder)

@@ -161,6 +161,8 @@ class Typist:
 
     def _run(self, command: str) -> None:
         """Run a command that ends."""
+        if command.startswith("rosservice call"):  # a node offers it after the end of init_node
+            rospy.wait_for_service(command.split()[2], self.timeout)
         refused = _REFUSED in command and not command.startswith("rosparam")
         job = self._start(command, goes_on=False)
         if not job.ended_by(time.monotonic() + self.timeout):

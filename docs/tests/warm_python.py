@@ -25,9 +25,10 @@ import sys
 import tempfile
 import threading
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Tuple
+from typing import Any, Callable, Dict, Iterator, List, NamedTuple, Optional, Tuple
 
-from pages import environment_of_reader
+import rospkg
+from pages import WORKSPACE, environment_of_reader
 
 #: What the commands of ROS and the nodes import. No module of the workspace that a page runs, apart
 #: from nodekit.
@@ -58,6 +59,8 @@ PRELOADED = (
     "tornado.web",
     "tornado.websocket",
 )
+#: Commands that roslaunch takes parameters from at each start.
+OF_EACH_START = (["rosversion", "roslaunch"], ["rosversion", "-d"])
 #: How long the server may take to import all that on a busy machine [s].
 _START_TIMEOUT_S = 100.0
 #: The first line of a Python file.
@@ -269,9 +272,32 @@ def _become(program: Program) -> None:
     importlib.reload(sys.modules["rospy.names"])
 
 
+def _remember_packages() -> None:
+    """Search the folders with packages once for all forks; roslaunch does so for each node."""
+    rospack: Any = rospkg.rospack
+    search: Callable[[str, str, Any], List[str]] = rospack.list_by_path
+    known: Dict[Tuple[str, str], Dict[str, str]] = {}
+    for path in rospkg.get_ros_paths():
+        search(rospkg.MANIFEST_FILE, path, known.setdefault((rospkg.MANIFEST_FILE, path), {}))
+
+    def list_by_path(manifest: str, path: str, cache: Any) -> List[str]:
+        if (manifest, path) not in known:
+            return search(manifest, path, cache)
+        cache.update(known[manifest, path])
+        return list(known[manifest, path])
+
+    rospack.list_by_path = list_by_path
+    catkin: Any = importlib.import_module("catkin.find_in_workspaces")
+    parse, sources = catkin.find_packages, str(WORKSPACE / "src")
+    parsed = parse(sources)
+    catkin.find_packages = lambda path: parsed if path == sources else parse(path)
+
+
 def _main() -> None:
     for name in PRELOADED:
         importlib.import_module(name)
+    _remember_packages()
+    answers = {tuple(words): subprocess.check_output(words) for words in OF_EACH_START}
     nodekit = sys.modules["nodekit"]
     for name in nodekit.__all__:  # which it imports when it is asked for them
         getattr(nodekit, name)
@@ -282,7 +308,7 @@ def _main() -> None:
     program = _serve(client.path)
     if program is not None:
         if Path(program.argv[0]).name in ("roscore", "roslaunch"):
-            subprocess.Popen = _Popen(client)  # type: ignore
+            subprocess.Popen = _Popen(client, answers)  # type: ignore
         _end(_run(program))
 
 
@@ -290,10 +316,11 @@ class _Popen:
     """``subprocess.Popen`` as roslaunch calls it: for nodes, and for what commands print.
 
     :param python: starts those that are Python files
+    :param answers: what some commands print
     """
 
-    def __init__(self, python: WarmPython) -> None:
-        self._python = python
+    def __init__(self, python: WarmPython, answers: Dict[Tuple[str, ...], bytes]) -> None:
+        self._python, self._answers = python, answers
         self._cold = subprocess.Popen
 
     def __call__(
@@ -305,6 +332,8 @@ class _Popen:
         env: Optional[Dict[str, str]] = None,
         **more: Any,
     ) -> Any:
+        if isinstance(args, list) and tuple(args) in self._answers:
+            return _Answer(self._answers[tuple(args)])
         variables = dict(os.environ if env is None else env)
         argv = python_file(args, variables) if isinstance(args, list) else []
         if not argv or isinstance(stderr, int) or set(more) - {"close_fds", "preexec_fn"}:
@@ -322,6 +351,17 @@ class _Popen:
             return process
         os.close(writing)
         return _Printing(process, reading)
+
+
+class _Answer(NamedTuple):
+    """A command that has printed something, as :class:`_Printing`."""
+
+    text: bytes
+    returncode: int = 0
+
+    def communicate(self) -> Tuple[bytes, None]:
+        """Return what it has printed."""
+        return self.text, None
 
 
 class _Printing:

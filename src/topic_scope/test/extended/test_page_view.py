@@ -837,12 +837,6 @@ class View(PageTest):
 
     def test_silent_scope_is_noticed_and_reconnected(self) -> None:
         self.expected_errors = ["WebSocket connection"]
-        # It waits for a quarter of its time.
-        self.browser.run(
-            "window.usualTimeout = window.setTimeout; window.setTimeout = (work, wait, ...rest) =>"
-            " window.usualTimeout(work, wait === 10000 ? 2500 : wait, ...rest);"
-        )
-        self.addCleanup(self.browser.run, "window.setTimeout = window.usualTimeout")
         with hanging(self.scope.pid):  # as with a cut link, the connection stays open
             self.wait_banner("The scope does not answer. Trying again in 1 s.")
             self.assertNotEqual(self.browser.text("#link"), "connected")

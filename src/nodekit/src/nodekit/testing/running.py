@@ -57,7 +57,7 @@ def rosrun(package: str, name: str, case: Type[unittest.TestCase]) -> None:
     if os.environ.get(ONLY):
         unittest.TestLoader.testNamePatterns = [f"*.{os.environ[ONLY]}"]
     else:
-        unittest.TestLoader.getTestCaseNames = partialmethod(  # type: ignore[method-assign]
+        unittest.TestLoader.getTestCaseNames = partialmethod(  # type: ignore[assignment]
             names_of_tier, EXTENDED in sys.argv
         )
     rostest.rosrun(package, name, case)

@@ -53,6 +53,7 @@ def running(master: Master, folder: Path, *programs: str) -> Iterator[List[Proce
             process.end()
 
 
+@pytest.mark.extended
 @pytest.mark.parametrize("uri", [ELSEWHERE, ""], ids=["no route", "nothing listens"])
 def test_subscriber_of_an_unreachable_publisher_warns_once(
     master: Master, tmp_path: Path, uri: str
@@ -69,6 +70,7 @@ def test_subscriber_of_an_unreachable_publisher_warns_once(
         assert len(node.logged("no connection to publisher")) == 1
 
 
+@pytest.mark.extended
 def test_subscriber_of_another_type_warns_at_its_own_end(master: Master, tmp_path: Path) -> None:
     with running(master, tmp_path, NODE, PUBLISHER) as (node, _publisher):
         node.wait_for_log(

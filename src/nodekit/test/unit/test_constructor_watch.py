@@ -36,6 +36,7 @@ def logged(monkeypatch: "pytest.MonkeyPatch") -> List[str]:
     return lines
 
 
+@pytest.mark.extended
 def test_constructor_that_waits_for_its_own_subscription_is_named_with_its_line(
     tmp_path: Path,
 ) -> None:

@@ -144,7 +144,7 @@ def test_unknown_rospy_means_a_plain_publisher(opened, connect, monkeypatch):
     [
         (10, 10),
         pytest.param(40, 32, marks=pytest.mark.extended),
-        (0, 35),
+        pytest.param(0, 35, marks=pytest.mark.extended),
         pytest.param(-1, 35, marks=pytest.mark.extended),
     ],
 )

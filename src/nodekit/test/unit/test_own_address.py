@@ -74,9 +74,8 @@ def script(tmp_path: Path) -> str:
     return str(path)
 
 
-@pytest.mark.parametrize(
-    "name", ["ROS_IP", pytest.param("ROS_HOSTNAME", marks=pytest.mark.extended)]
-)
+@pytest.mark.extended
+@pytest.mark.parametrize("name", ["ROS_IP", "ROS_HOSTNAME"])
 def test_node_with_the_address_of_another_machine_ends_with_cause_and_remedy(
     script: str, name: str
 ) -> None:

@@ -99,6 +99,8 @@ SENDERS: Dict[str, Sender] = {
     "set ahead": set_by(30 * NS),
     **{f"speed {speed:g}": at_speed(speed) for speed in (0.1, 0.5, 1.0, 3.0, 10.0)},
 }
+#: Senders whose test takes seconds.
+SLOW = ("disordered", "speed 0.1", "speed 0.5")
 
 
 def among_others(signal: Signal) -> numpy.ndarray:
@@ -134,7 +136,14 @@ def shown_of(signal: Signal, sender: Sender, number: int) -> Tuple[numpy.ndarray
     return times[part] + topic.clock.offset, values[part].astype(int) - LEAD
 
 
-@pytest.mark.parametrize("index", range(len(SENDERS)), ids=SENDERS)
+@pytest.mark.parametrize(
+    "index",
+    [
+        pytest.param(index, marks=[pytest.mark.extended] if name in SLOW else [])
+        for index, name in enumerate(SENDERS)
+    ],
+    ids=list(SENDERS),
+)
 def test_known_signals_have_their_times_and_figures(index: int) -> None:
     """Each of the two hundred signals has one kind of stamps."""
     wrong: List[object] = []

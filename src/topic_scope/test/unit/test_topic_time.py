@@ -313,7 +313,7 @@ def test_topics_of_one_clock_are_moved_together(
     "speed",
     [
         pytest.param(0.1, marks=pytest.mark.extended),
-        0.5,
+        pytest.param(0.5, marks=pytest.mark.extended),
         pytest.param(1.0, marks=pytest.mark.extended),
         2.0,
         10.0,

@@ -34,8 +34,9 @@ KINDS = ("reset", "cable", "cable and reset", "noise", "reset in noise")
 LONGEST_BOOT, LONGEST_PULL, LONGEST_NOISE = 2.0, 3.0, 6.0
 #: Least and largest share of damaged bytes, in either direction.
 NOISE = (0.001, 0.05)
-#: Most wrong values of 10 000 damaged frames, which have a checksum of 8 bits.
-WRONG_OF_10000 = 20.0
+#: Most wrong values of 10 000 damaged frames, which have a checksum of 8 bits: about
+#: three times what is usual, as a run has few.
+WRONG_OF_10000 = 60.0
 #: Time after noise in which its values may still arrive [s].
 ON_THE_WAY = 0.5
 _VALUE = struct.Struct("<I")

@@ -1,8 +1,10 @@
 #!/usr/bin/env python3
 """Boards of the test's own behind the node: services, parameters, logs, time, and sizes."""
 
+import math
 import shutil
 import struct
+import time
 from typing import Any
 
 import rospy
@@ -154,10 +156,19 @@ class AnySketch(BoardRig):
         node.wait_for_log("[ERROR]", "/serial_node/board: it is hot")
 
     def request_parameter(self, name: str) -> None:
-        """Request a parameter, and wait for the answer, as the library does."""
-        before = len(self.sketch.parameters)
-        self.do(lambda device: device.request_parameter(name))
-        wait_until(lambda: len(self.sketch.parameters) > before, lambda: f"{name} is not answered")
+        """Request a parameter until it is answered, once a second, as sketches do."""
+        before, asked_at = len(self.sketch.parameters), -math.inf
+
+        def is_answered() -> bool:
+            nonlocal asked_at
+            if len(self.sketch.parameters) > before:
+                return True
+            if time.monotonic() - asked_at > 1.0:
+                asked_at = time.monotonic()
+                self.do(lambda device: device.request_parameter(name))
+            return False
+
+        wait_until(is_answered, lambda: f"{name} is not answered")
 
     def test_the_board_gets_the_time_of_ros(self) -> None:
         master = Master()

@@ -1,5 +1,6 @@
 """Events of a board, handled by its ROS side: parameter requests, and refused services."""
 
+import time
 from typing import Any, Iterator, List
 
 import pytest
@@ -8,6 +9,7 @@ from nodekit.testing.waiting import wait_until
 from serial_link.endpoints.ros_side import RosSide
 from serial_link.host.counters import REFUSED, Counters
 from serial_link.host.message_queue import MessageQueue
+from serial_link.host.parameter_requests import ParameterRequests
 from serial_link.link.events import Message, ParameterRequest, Restarted, Topics
 from serial_link.negotiation.payloads import (
     PUBLISHER,
@@ -29,7 +31,8 @@ class FakeContext:
 
     def __init__(self) -> None:
         self.inbox = MessageQueue()
-        self.parameter_requests = self.topic_requests = 0
+        self.parameter_requests = ParameterRequests()
+        self.topic_requests = 0
         self.answers: List[str] = []
 
     def create_scope(self) -> "FakeContext":
@@ -45,8 +48,8 @@ class FakeContext:
         pass
 
     def request(self, name: str) -> None:
-        self.parameter_requests += 1
-        self.inbox.put_reliable(ParameterRequest(name, self.parameter_requests))
+        number = self.parameter_requests.add(time.monotonic())
+        self.inbox.put_reliable(ParameterRequest(name, number))
 
     def answer(self, topic_id: int, payload: bytes) -> None:
         self.answers += decode_values(payload).texts
@@ -81,7 +84,9 @@ class Rig:
 
 
 @pytest.fixture
-def rig() -> Iterator[Rig]:
+def rig(monkeypatch: "pytest.MonkeyPatch") -> Iterator[Rig]:
+    # On a busy machine, the answers may take long.
+    monkeypatch.setattr("serial_link.host.parameter_requests.ANSWER_WITHIN_S", 60.0)
     rig = Rig()
     yield rig
     rig.side.close()

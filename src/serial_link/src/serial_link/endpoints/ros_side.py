@@ -214,15 +214,13 @@ class RosSide:
             self._link.answer(PARAMETER, payload)
 
     def _is_outdated(self, request: ParameterRequest) -> bool:
-        """Return whether the board no longer waits for an answer, and log that.
-
-        It would take the answer for that of its next request: the protocol does not number them.
-        """
-        is_outdated = request.number != self._link.parameter_requests
+        """Return whether the board may no longer wait for an answer, and log that."""
+        requests = self._link.parameter_requests
+        is_outdated = not requests.is_pending(time.monotonic(), request.number)
         if is_outdated:
             self._warn(
-                f"the board's request for {request.name} is not answered: it has timed out on the "
-                "board, which waits for another answer"
+                f"the board's request for {request.name} is not answered: it may have timed out on "
+                "the board, which would take the answer for that of its next request"
             )
         return is_outdated
 

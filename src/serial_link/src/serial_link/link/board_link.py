@@ -13,6 +13,7 @@ from serial_link.hardware.ports import Port, PortLost, PortUnavailable
 from serial_link.host import counters, sync_states
 from serial_link.host.counters import Counters
 from serial_link.host.message_queue import MessageQueue
+from serial_link.host.parameter_requests import ParameterRequests
 from serial_link.host.sync_monitor import SyncMonitor
 from serial_link.link.events import (
     Synced,
@@ -75,12 +76,12 @@ class BoardLink:
     :param time_of: returns the time for the board
 
     :ivar inbox: received events, see :mod:`.events`
-    :ivar parameter_requests: number of the board's parameter requests; it waits only for the answer
-        to the last one
+    :ivar parameter_requests: which parameter request the board waits for
     """
 
     def __init__(self, port: Port, counters: Counters, time_of: TimeOf) -> None:
-        self.inbox, self.parameter_requests = MessageQueue(_INBOX_DEPTH), 0
+        self.inbox = MessageQueue(_INBOX_DEPTH)
+        self.parameter_requests = ParameterRequests()
         self._port, self._counters, self._time_of = port, counters, time_of
         frame_s = _TOPIC_BYTES * _BITS / port.baud if port.baud else 0.0
         self._sync, self._topics = SyncMonitor(frame_s), TopicTable(frame_s)
@@ -219,10 +220,11 @@ class BoardLink:
 
     def _read(self) -> None:
         """Open the port, or read once and handle timeouts."""
+        now = time.monotonic()
+        self.parameter_requests.poll(now)
         if not self._is_open:
             self._try_to_open()
             return
-        now = time.monotonic()
         due = self._sync.next_due()
         if not self._topics.is_settled:
             due = min(due, now + _ROUND_POLL_S)
@@ -236,6 +238,7 @@ class BoardLink:
         if self._is_ending:  # the board was stopped on purpose
             return
         now = time.monotonic()
+        self.parameter_requests.poll(now)
         self._receive_bytes(now, data)
         self._execute(now, self._sync.poll(now))
         if self._is_request_due and self._topics.is_settled:  # a request begins the round again
@@ -302,8 +305,8 @@ class BoardLink:
             elif topic_id == PARAMETER:
                 event = sync_states.NOTICE
                 name = payloads.decode_name(payload)
-                self.parameter_requests += 1
-                self.inbox.put_reliable(ParameterRequest(name, self.parameter_requests))
+                number = self.parameter_requests.add(now)
+                self.inbox.put_reliable(ParameterRequest(name, number))
             elif topic_id == LOG:
                 event = sync_states.NOTICE
                 self.inbox.put(LOG, LogLine(*payloads.decode_log(payload)))

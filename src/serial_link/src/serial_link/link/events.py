@@ -27,7 +27,7 @@ class ParameterRequest(NamedTuple):
     """The board asks for a parameter.
 
     :param name: of the parameter
-    :param number: of the board's requests so far; see :attr:`.BoardLink.parameter_requests`
+    :param number: for :attr:`.BoardLink.parameter_requests`
     """
 
     name: str

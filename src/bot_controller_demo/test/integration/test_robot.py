@@ -32,7 +32,7 @@ from nodekit.testing.changing import change as change_parameters
 from nodekit.testing.graph import Graph
 from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process, hanging
-from nodekit.testing.running import rosrun
+from nodekit.testing.running import extended, rosrun
 from nodekit.testing.waiting import wait_until
 from nodekit_msgs.srv import SetParameters
 
@@ -134,6 +134,7 @@ class Robots(unittest.TestCase):
         """Wait for a line of the log."""
         self.log.wait_for(lambda line: all(word in line.msg for word in words))
 
+    @extended
     def test_five_metres_straight_are_the_closed_form(self) -> None:
         """Course 001-robot-6, 001-robot-8."""
         self.assertIn("x 5 m, y 0 m, theta 0 rad", self.set_goal(5.0, 0.0, 0.0).message)

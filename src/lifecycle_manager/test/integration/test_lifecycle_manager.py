@@ -26,7 +26,7 @@ from nodekit import (
 )
 from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.processes import Process, Server, hanging
-from nodekit.testing.running import rosrun
+from nodekit.testing.running import extended, rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 from nodekit_msgs.srv import ManageNodes, ManageNodesRequest, ManageNodesResponse
 
@@ -214,6 +214,7 @@ class Here(Managing):
         self.plan.clear()
         self.assertTrue(self.command(ManageNodesRequest.RESET).success)
 
+    @extended
     def test_one_that_takes_too_long(self) -> None:
         self.drivers(*ABC)
         go_on = threading.Event()
@@ -300,6 +301,7 @@ class Here(Managing):
                     self.assertEqual(self.log, UP[3:] if command == "PAUSE" else [])
                     manager.close()
 
+    @extended
     def test_at_its_end_what_hangs_is_left_behind(self) -> None:
         self.drivers(*ABC)
         self.set_parameters(autostart=True)
@@ -358,6 +360,7 @@ class Elsewhere(Managing):
         self.addCleanup(process.end)
         return process
 
+    @extended
     def test_a_second_manager_that_starts_at_the_same_time(self) -> None:
         """It detects the first manager only after its own registration."""
         self.set_parameters("other", node_names=["y"])
@@ -376,6 +379,7 @@ class Elsewhere(Managing):
 
         wait_until(lambda: found() == expected, lambda: f"{found()}, not {expected}")
 
+    @extended
     def test_losses(self) -> None:
         """A system survives kill -9 and a stop of any node, and of its manager."""
         self.set_parameters(autostart=True)

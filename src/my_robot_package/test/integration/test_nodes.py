@@ -22,7 +22,7 @@ from my_robot_package_interfaces.srv import AddTwoInts, AddTwoIntsRequest, AddTw
 from nodekit.testing.message_recorder import MessageRecorder
 from nodekit.testing.launching import launched
 from nodekit.testing.processes import Process, Server
-from nodekit.testing.running import rosrun
+from nodekit.testing.running import extended, rosrun
 from nodekit.testing.waiting import TIMEOUT_S, wait_until
 
 PACKAGE = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
@@ -198,6 +198,7 @@ class Nodes(unittest.TestCase):
             self.assertIn(f"{a} + {b} is {a + b}: must be in [", str(caught.exception))
         self.assertEqual(add(2, 3).sum, 5)
 
+    @extended
     def test_advanced_node_hears_while_its_timers_exclude_each_other(self) -> None:
         """Course 002-pkg-6."""
         node = self.nodes["advanced_node"]

@@ -136,6 +136,7 @@ class Page(PageTest):
         self.browser.driver.refresh()  # it is in the address
         self.browser.wait_for(f"#legend tr[data-field='{name}']")
 
+    @extended
     def test_a_mask_counts_then_stops_and_saves_at_the_first_failure(self) -> None:
         self.browser.find(f"[aria-label='more of {PROCESSED}']").click()
         self.browser.choose("#mask-around", SIGNAL)

@@ -12,6 +12,8 @@ from selenium.webdriver.common.keys import Keys
 from visualization_msgs.msg import Marker, MarkerArray
 from wire.robot import Robot
 
+from nodekit.testing.running import extended
+
 STATUS = "string robot_name\nuint8 mode\nfloat32[] sensor_readings\n"
 CANVAS = "#robot-canvas"
 
@@ -28,6 +30,7 @@ class PageRobots(PageTest):
         wait_until(lambda: self.browser.picture(CANVAS) != picture, lambda: "the same picture")
         return self.browser.picture(CANVAS)
 
+    @extended
     def test_robot_is_shown_sent_to_a_goal_and_driven(self) -> None:
         browser, robot = self.browser, Robot("/")
         self.addCleanup(robot.close)

@@ -316,7 +316,7 @@ class PublishingTest(unittest.TestCase):
             lost = self.statistics_of(publisher, name).lost
             publisher.close()
         (warning,) = [line for line in logged.output if ": closing;" in line]
-        expected = rf"{self.topic}: closing; subscriber {name} does not read: (\d+) messages lost"
+        expected = rf"{self.topic}: closing; subscriber {name} has not taken (\d+) messages"
         (unsent,) = re.findall(expected, warning)
         received = self.count - lost - int(unsent)
         record = self.wait_for(

@@ -19,8 +19,10 @@ from rospy.impl.tcpros_pubsub import QueuedConnection, TCPROSPub
 from std_msgs.msg import Float32, Header, String
 
 from nodekit.messaging.publisher import FALLBACK_QUEUE_SIZE, Publisher
-from nodekit.rospy_internals import outgoing_topic
+from nodekit.process_context import PROCESS
+from nodekit.rospy_internals import outgoing_topic, shutdown
 from nodekit.testing.waiting import wait_until
+from nodekit.transport import delivery, subscriber_connection
 
 TOPIC = "/topic"
 TIME_OUT = 20.0  # s
@@ -598,6 +600,25 @@ def test_opening_publishes_nothing_of_itself(unopened, connect):
     publisher.publish(String("news"))
     assert receive(subscriber).data == "news"
     assert [s.sent for s in publisher.statistics()] == [1]
+
+
+def test_messages_held_at_the_end_of_the_process_are_sent(opened, connect, monkeypatch):
+    monkeypatch.setattr(delivery, "CLOSING_PATIENCE_S", TIME_OUT)  # a busy machine is slow
+    monkeypatch.setattr(subscriber_connection, "CLOSING_STALL_S", TIME_OUT)
+    publisher = opened(String, queue_size=20)
+    subscriber = connect(publisher)
+    for number in range(20):
+        publisher.publish(String(chr(97 + number) * 1_000_000))
+    received = []
+    reader = threading.Thread(
+        target=lambda: received.extend(receive(subscriber).data[0] for _ in range(20))
+    )
+    reader.start()
+    for send_held in PROCESS.get(shutdown._Hooks)[shutdown.ShutdownPhase.PUBLISHERS]:
+        send_held()
+    impl(publisher).close()
+    reader.join(TIME_OUT)
+    assert "".join(received) == "abcdefghijklmnopqrst"
 
 
 def test_publisher_that_opens_while_the_last_other_closes_is_received(

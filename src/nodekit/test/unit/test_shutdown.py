@@ -13,7 +13,7 @@ def fail():
 rospy.on_shutdown(partial(print, "rospy's first"))
 from nodekit.rospy_internals.shutdown import ShutdownPhase, at_end
 rospy.on_shutdown(partial(print, "rospy's second"))
-for ending in (ShutdownPhase.TOOLKIT, ShutdownPhase.NODES, ShutdownPhase.TRANSITIONS):
+for ending in reversed(ShutdownPhase):
     for number in (1, 2):
         at_end(ending, partial(print, ending.name, number))
 at_end(ShutdownPhase.NODES, fail)
@@ -33,7 +33,8 @@ def test_hooks_of_nodes_run_first_and_the_latest_before_earlier_ones() -> None:
         universal_newlines=True,
     )
     assert ended.returncode == 0, ended.stderr
-    ours = "NODES 2, NODES 1, TRANSITIONS 2, TRANSITIONS 1, TOOLKIT 2, TOOLKIT 1".split(", ")
+    phases = "NODES TRANSITIONS TOOLKIT PUBLISHERS".split()
+    ours = [f"{phase} {number}" for phase in phases for number in (2, 1)]
     assert ended.stdout.splitlines() == [*ours, "rospy's first", "rospy's second", "too late"]
     assert "ValueError: on purpose" in ended.stderr
 

@@ -27,6 +27,7 @@ from nodekit.rospy_internals.intraprocess_link import IntraprocessLink
 from nodekit.rospy_internals.large_arrays import SplitMessage, split, without_views
 from nodekit.rospy_internals.registry import check_topic_type
 from nodekit.rospy_internals.ros_subscriber_connection import RosSubscriberConnection
+from nodekit.rospy_internals.shutdown import ShutdownPhase, at_end
 from nodekit.shared_memory.frame import NO_FIELD
 from nodekit.shared_memory.segment_pool import Segment
 from nodekit.shared_memory.shared_connection import LEAST_BYTES, TopicMemory
@@ -270,8 +271,7 @@ class OutgoingTopic(_Topic):
         To be called without locks before the topic closes; not if it has another publisher.
         """
         if self.ref_count <= 1:
-            for link in finish(self.links()):
-                link.report_unsent()
+            _finish([self])
 
     def close(self) -> None:
         """Close the topic's connections, and give back its memory."""
@@ -372,3 +372,17 @@ class OutgoingTopic(_Topic):
                     connection, self._lock, self.resolved_name, self._depth, self._memory
                 )
         self._links = links or _NO_CONNECTIONS
+
+
+def _finish(topics: Sequence[OutgoingTopic]) -> None:
+    for link in finish([link for topic in topics for link in topic.links()]):
+        link.report_unsent()
+
+
+def finish_all() -> None:
+    """Wait for the subscribers of all topics together, before rospy closes the topics."""
+    topics = list(get_topic_manager().pubs.values())
+    _finish([topic for topic in topics if isinstance(topic, OutgoingTopic)])
+
+
+at_end(ShutdownPhase.PUBLISHERS, finish_all)

@@ -68,4 +68,4 @@ class RosSubscriberConnection(SharedConnection):
     def report_unsent(self) -> None:
         """Report that the messages that are still held are lost, as the topic closes."""
         what = (self._topic, self.name, self.unsent_messages)
-        rospy.logwarn("%s: closing; subscriber %s does not read: %d messages lost", *what)
+        rospy.logwarn("%s: closing; subscriber %s has not taken %d messages, which are lost", *what)

@@ -59,6 +59,8 @@ class ShutdownPhase(enum.IntEnum):
     TRANSITIONS = 1
     #: Service calls are cancelled, executors and timers stop, parameters are released.
     TOOLKIT = 2
+    #: Publishers send the messages that they hold; nothing of nodekit publishes any longer.
+    PUBLISHERS = 3
 
 
 class _Hooks(Dict[ShutdownPhase, List[Callable[[], object]]]):

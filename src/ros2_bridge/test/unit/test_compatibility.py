@@ -12,6 +12,7 @@ HEADER = SEPARATOR + "MSG: std_msgs/Header\nuint32 seq\ntime stamp\nstring frame
 ROS2 = {
     "std_msgs/Header": {"stamp": "builtin_interfaces/Time", "frame_id": "string"},
     "pkg/Inner": {"x": "double"},
+    "string_msgs/Inner": {"x": "double"},
     "builtin_interfaces/Time": {"sec": "int32", "nanosec": "uint32"},
 }
 
@@ -30,6 +31,7 @@ def difference_of(text: str, other: Dict[str, str]) -> Optional[str]:
         ("bool[] a\nbyte b\nchar c", {"a": "sequence<boolean>", "b": "octet", "c": "uint8"}),
         ("uint16 a\nint32 b\nuint64 c", {"a": "uint16", "b": "int32", "c": "uint64"}),
         ("string[] a", {"a": "sequence<string<20>, 5>"}),
+        ("Inner a", {"a": "string_msgs/Inner"}),
         ("Inner[2] a\nInner[] b", {"a": "pkg/Inner[2]", "b": "sequence<pkg/Inner>"}),
         (
             "time a\nduration b",

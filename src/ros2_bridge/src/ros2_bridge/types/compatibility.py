@@ -27,6 +27,7 @@ _HEADER = (
 )
 _SEQUENCE = re.compile(r"sequence<(.*?)(, \d+)?>\Z")
 _ARRAY = re.compile(r"(.*)\[(\d+)\]\Z")
+_STRING = re.compile(r"string(<\d+>)?\Z")
 
 
 def difference(datatype: str, fields: Fields, other: str, describe: Describe) -> Optional[str]:
@@ -71,20 +72,15 @@ def in_ros1_terms(datatype: str, describe: Describe) -> Fields:
         return {datatype: _HEADER}
     fields = []
     for name, kind in describe(datatype).items():
-        sequence, array = _SEQUENCE.match(kind), _ARRAY.match(kind)
-        base, length = kind, None
-        if sequence is not None:
-            base = sequence.group(1)
-        elif array is not None:
-            base, length = array.group(1), int(array.group(2))
-        base = "string" if base.startswith("string") else _ROS1_NUMBERS.get(base, base)
+        base, is_array, length = _parsed(kind)
+        base = _ROS1_NUMBERS.get(base, base)
         if base in ("builtin_interfaces/Time", "builtin_interfaces/Duration"):
             base = base.rpartition("/")[2].lower()
         elif "/" in base:
             found.update(in_ros1_terms(base, describe))
         elif base not in SIZES and base != "string":
             raise ValueError(f"{datatype}: {name}: ROS 1 has no type {base}")
-        fields.append(Field(base, sequence is not None or array is not None, length, name))
+        fields.append(Field(base, is_array, length, name))
     return {datatype: tuple(fields), **found}
 
 
@@ -99,11 +95,17 @@ def _ours(base: str) -> str:
 
 def _theirs(kind: str) -> Tuple[str, Optional[int]]:
     """Return the type of an element, and the length of an array, 0 if it is not an array."""
+    base, is_array, length = _parsed(kind)
+    return _NUMBERS.get(base, base), length if is_array else 0
+
+
+def _parsed(kind: str) -> Tuple[str, bool, Optional[int]]:
+    """Return the type of an element, whether it is in an array, and the array's fixed length."""
     sequence, array = _SEQUENCE.match(kind), _ARRAY.match(kind)
-    length: Optional[int] = 0
+    base, length = kind, None
     if sequence is not None:
-        kind, length = sequence.group(1), None
+        base = sequence.group(1)
     elif array is not None:
-        kind, length = array.group(1), int(array.group(2))
-    kind = "string" if kind.startswith("string") else kind
-    return _NUMBERS.get(kind, kind), length
+        base, length = array.group(1), int(array.group(2))
+    base = "string" if _STRING.match(base) else base
+    return base, sequence is not None or array is not None, length

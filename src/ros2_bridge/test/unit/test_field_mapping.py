@@ -155,3 +155,59 @@ def test_upper_case_names_correspond_to_lower_case():
     data = struct.pack("<dd", 1.5, 2.5) + text("x")
     assert converter.to_second(data) == text("x") + struct.pack("<dd", 1.5, 2.5)
     assert converter.to_first(converter.to_second(data)) == data
+
+
+def messages(text):
+    """Return the definitions in a text such as ``a/A:B b,bool c | a/B:int8 i``."""
+    first, *others = text.split(" | ")
+    return parse(first.partition(":")[0], definition(first) + "".join(map(other_type, others)))
+
+
+def definition(text):
+    return text.partition(":")[2].replace(",", "\n")
+
+
+def other_type(text):
+    return SEPARATOR + f"MSG: {text.partition(':')[0]}\n" + definition(text)
+
+
+def test_rule_has_no_effect_where_the_other_message_contains_another_type():
+    first = messages("a/Path:Pose one,Pose[] all,int32 old | a/Pose:float64 x")
+    rules = {
+        "a/Path": FieldRules("b/Path", {}, ["old"]),
+        "a/Pose": FieldRules("b/Transform", {"x": "y"}, [], ["z"]),
+    }
+    second = messages("b/Path:Pose one,Pose[] all | b/Pose:float64 x")
+    data = struct.pack("<dIdi", 1.5, 1, 2.5, 0)
+    converter = FieldMapping("a/Path", first, "b/Path", second, rules, default)
+    assert converter.to_second(data) == data[:-4]
+    assert converter.to_first(data[:-4]) == data
+    second = messages("b/Path:Transform one,Transform[] all | b/Transform:int32 z,float64 y")
+    converter = FieldMapping("a/Path", first, "b/Path", second, rules, lambda _: bytes(16))
+    moved = struct.pack("<idIid", 0, 1.5, 1, 0, 2.5)
+    assert converter.to_second(data) == moved
+    assert converter.to_first(moved) == data
+    assert unassigned("a/Path", first, "b/Path", second, rules) == ([], [])
+
+
+def test_longest_path_in_the_rules_counts_before_those_of_nested_messages():
+    first = messages("a/A:B b | a/B:C c,int8 i | a/C:int16 x,int32 y")
+    second = messages("b/A:B b,E e | b/B:int8 i | b/E:int32 v,int16 u")
+    rules = {
+        "a/A": FieldRules("b/A", {"b.c": "e"}),
+        "a/B": FieldRules("b/B", {"c": "nothing"}),
+        "a/C": FieldRules("b/E", {"x": "u", "y": "v"}),
+    }
+    converter = FieldMapping("a/A", first, "b/A", second, rules, default)
+    data = struct.pack("<hib", 1, 2, 3)
+    assert converter.to_second(data) == struct.pack("<bih", 3, 2, 1)
+    assert converter.to_first(converter.to_second(data)) == data
+
+
+def test_each_of_several_messages_without_fields_gets_its_defaults():
+    first, second = messages("a/A:N[] all | a/N:"), messages("b/A:N[] all | b/N:int16 id")
+    rules = {"a/N": FieldRules("b/N", {}, [], ["id"])}
+    converter = FieldMapping("a/A", first, "b/A", second, rules, lambda _: b"\7\0")
+    count = struct.pack("<I", 2)
+    assert converter.to_second(count) == count + b"\7\0\7\0"
+    assert converter.to_first(count + b"\7\0\7\0") == count

@@ -47,6 +47,12 @@ def test_rule_of_the_user_replaces_one_that_is_built_in():
     assert rules.ros2_name("move_base_msgs/MoveBase")
 
 
+def test_rule_for_a_package_replaces_those_that_are_built_in_for_its_types():
+    rules = MappingRules([{"ros1": "sensor_msgs", "ros2": "acme_sensor_msgs"}], [RANGE])
+    assert rules.ros2_name("sensor_msgs/Range") == "acme_sensor_msgs/Range"
+    assert rules.ros1_name("sensor_msgs/Range") == ""
+
+
 @pytest.mark.parametrize(
     ("rules", "reason"),
     [
@@ -77,4 +83,5 @@ def test_malformed_rule_is_rejected_with_its_reason(rules, reason):
     with pytest.raises(MappingRuleError) as caught:
         MappingRules(rules)
     assert str(caught.value).startswith("parameter mappings: ")
+    assert str(caught.value).count("mappings") == 1
     assert reason in str(caught.value)

@@ -69,8 +69,10 @@ def print_draft(names: List[str]) -> None:
         end("bridge: --draft-mapping needs a ROS 1 type and a ROS 2 type, such as a/Arm b/msg/Arm")
     try:
         rule = TypeRegistry().draft(*names)
-    except (MappingRuleError, Unbridgeable) as error:
-        end(f"bridge: {error}")
+    except MappingRuleError as error:
+        end(f"bridge: --draft-mapping: {error.allowed}")
+    except Unbridgeable as reason:
+        end(f"bridge: --draft-mapping: {reason}")
     print(yaml.safe_dump({"mappings": [rule]}, sort_keys=False), end="")
 
 

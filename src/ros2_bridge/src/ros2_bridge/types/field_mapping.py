@@ -26,7 +26,8 @@ class MappingError(ValueError):
 class FieldRules(NamedTuple):
     """Rules for the fields of a ROS 1 type; paths have dots, and may name a nested message.
 
-    :param other: the ROS 2 type
+    :param other: the ROS 2 type; if a message contains the ROS 1 type, but its counterpart contains
+        another ROS 2 type, the rules have no effect there
     :param counterparts: ROS 2 path by ROS 1 path
     :param left_out1: ROS 1 paths without a counterpart, which are zero in ROS 1
     :param left_out2: ROS 2 paths without a counterpart, which have ROS 2's default
@@ -145,6 +146,11 @@ class FieldMapping:
         """
         return self._back.convert(data)
 
+    @property
+    def is_copy(self) -> bool:
+        """Whether both types have the same fields in the same order, and no rule has an effect."""
+        return self._forward.is_copy and self._back.is_copy
+
     def _directions(self, first: str, second: str) -> Tuple[_Direction, _Direction]:
         if (first, second) not in self._known:
             self._known[first, second] = self._compile(first, second)
@@ -153,8 +159,9 @@ class FieldMapping:
     def _compile(self, first: str, second: str) -> Tuple[_Direction, _Direction]:
         leaves1, leaves2 = _leaves(self._fields1, first), _leaves(self._fields2, second)
         paths2 = [leaf.path for leaf in leaves2]
-        targets = _targets(self._fields1, first, self._rules)
-        self._errors += _unknown_paths(first, second, leaves1, leaves2, self._rules.get(first))
+        pair = _TypePair(self._fields1, first, self._fields2, second, self._rules)
+        targets = [pair.counterpart(leaf.path) for leaf in leaves1]
+        self._errors += _unknown_paths(first, second, leaves1, leaves2, pair.rule)
         sources: Dict[int, int] = {}  # index in the first by index in the second
         for index, (leaf, target) in enumerate(zip(leaves1, targets)):
             if target is None:
@@ -165,7 +172,7 @@ class FieldMapping:
                 self._errors.append(f"{second}: {target} has several counterparts in {first}")
             else:
                 sources[paths2.index(target)] = index
-        left_out = _left_out2(self._fields2, second, self._rules)
+        left_out = pair.left_out2()
         for index, leaf in enumerate(leaves2):
             is_left_out = _is_within(leaf.path, left_out)
             if index in sources and is_left_out:
@@ -205,6 +212,54 @@ class FieldMapping:
         return None, None
 
 
+class _TypePair(NamedTuple):
+    """A ROS 1 type and its counterpart; the parameters are those of :class:`FieldMapping`."""
+
+    fields1: Fields
+    first: str
+    fields2: Fields
+    second: str
+    rules: RulesByType
+
+    @property
+    def rule(self) -> FieldRules:
+        """The rules for the fields of these types; without effect if there are none."""
+        rule = self.rules.get(self.first)
+        return rule if rule and rule.other == self.second else FieldRules(self.second, {})
+
+    def inside(self, path: str, other: str) -> "_TypePair":
+        """Return the types of a nested message and of its counterpart."""
+        first = _type_at(self.fields1, self.first, path)
+        second = _type_at(self.fields2, self.second, other)
+        return self._replace(first=first, second=second)
+
+    def counterpart(self, path: str) -> Optional[str]:
+        """Return the path of a field's counterpart; None if the field is left out.
+
+        The longest path in the rules counts; below it, the rules of the nested message.
+        """
+        rule, names = self.rule, path.split(".")
+        if _is_within(path, rule.left_out1):
+            return None
+        paths = [".".join(names[:count]) for count in range(len(names), 0, -1)]
+        place = next((one for one in paths if one in rule.counterparts), names[0])
+        other = rule.counterparts.get(place, place.lower())  # ROS 2 has lower case only
+        if place == path:
+            return other
+        inner = self.inside(place, other).counterpart(path[len(place) + 1 :])
+        return None if inner is None else f"{other}.{inner}"
+
+    def left_out2(self) -> List[str]:
+        """Return the ROS 2 paths that these rules leave out, and those of nested messages."""
+        found = list(self.rule.left_out2)
+        for path in _nested(self.fields1, self.first):
+            other = self.counterpart(path)
+            if other is not None:
+                rule = self.inside(path, other).rule
+                found += [f"{other}.{inner}" for inner in rule.left_out2]
+        return found
+
+
 def unassigned(
     first: str, fields1: Fields, second: str, fields2: Fields, rules: RulesByType
 ) -> Tuple[List[str], List[str]]:
@@ -212,16 +267,17 @@ def unassigned(
 
     :param first, fields1, second, fields2, rules: as of :class:`FieldMapping`
     """
-    targets = _targets(fields1, first, rules)
+    pair = _TypePair(fields1, first, fields2, second, rules)
     theirs = {leaf.path: leaf.field for leaf in _leaves(fields2, second)}
     left_out1 = []
-    for (path, field), target in zip(_leaves(fields1, first), targets):
+    for path, field in _leaves(fields1, first):
+        target = pair.counterpart(path)
         its = theirs.get(target or "")
         if its is not None and _are_alike(field, its, fields1, fields2):
             del theirs[target or ""]
         elif target is not None:
             left_out1.append(path)
-    done = _left_out2(fields2, second, rules)
+    done = pair.left_out2()
     return left_out1, [path for path in theirs if not _is_within(path, done)]
 
 
@@ -235,45 +291,20 @@ def _leaves(fields: Fields, datatype: str, prefix: str = "") -> List[_Leaf]:
     return found
 
 
-def _targets(fields: Fields, datatype: str, rules: RulesByType) -> List[Optional[str]]:
-    """Return the path of each field's counterpart, in the order of :func:`_leaves`."""
-    found: List[Optional[str]] = []
-    rule = rules.get(datatype, FieldRules("", {}))
-    for field in fields[datatype]:
-        name = field.name.lower()  # ROS 2 has lower case only
-        if field.base in fields and not field.is_array:
-            paths = [f"{field.name}.{leaf.path}" for leaf in _leaves(fields, field.base)]
-            inner = _targets(fields, field.base, rules)
-            targets = [None if target is None else f"{name}.{target}" for target in inner]
-        else:
-            paths, targets = [field.name], [name]
-        found += [_assigned(path, target, rule) for path, target in zip(paths, targets)]
-    return found
-
-
-def _assigned(path: str, target: Optional[str], rule: FieldRules) -> Optional[str]:
-    """Return a field's counterpart by a rule that names it, or a message that contains it."""
-    if _is_within(path, rule.left_out1):
-        return None
-    names = path.split(".")
-    for count in range(len(names), 0, -1):
-        counterpart = rule.counterparts.get(".".join(names[:count]))
-        if counterpart is not None and target is not None:
-            return ".".join([counterpart, *target.split(".")[count:]])
-    return target
-
-
-def _left_out2(fields: Fields, datatype: str, rules: RulesByType, prefix: str = "") -> List[str]:
-    found = [
-        prefix + path
-        for rule in rules.values()
-        if rule.other == datatype
-        for path in rule.left_out2
-    ]
+def _nested(fields: Fields, datatype: str, prefix: str = "") -> Iterator[str]:
+    """Yield the path of each nested message, without elements of arrays."""
     for field in fields[datatype]:
         if field.base in fields and not field.is_array:
-            found += _left_out2(fields, field.base, rules, f"{prefix}{field.name}.")
-    return found
+            yield prefix + field.name
+            yield from _nested(fields, field.base, f"{prefix}{field.name}.")
+
+
+def _type_at(fields: Fields, datatype: str, path: str) -> str:
+    """Return the type of a field that is not an array; empty if there is none."""
+    for name in path.split("."):
+        found = (f.base for f in fields.get(datatype, ()) if f.name == name and not f.is_array)
+        datatype = next(found, "")
+    return datatype
 
 
 def _is_within(path: str, places: Sequence[str]) -> bool:
@@ -285,10 +316,8 @@ def _unknown_paths(
     second: str,
     leaves1: List[_Leaf],
     leaves2: List[_Leaf],
-    rule: Optional[FieldRules],
+    rule: FieldRules,
 ) -> Iterator[str]:
-    if rule is None:
-        return
     for datatype, leaves, named in (
         (first, leaves1, [*rule.counterparts, *rule.left_out1]),
         (second, leaves2, [*rule.counterparts.values(), *rule.left_out2]),
@@ -378,13 +407,11 @@ def _each(direction: _Direction, length: Optional[int]) -> _Convert:
     """Return the converter of an array of messages."""
 
     def convert(data: bytes) -> bytes:
-        at = 0 if length is not None else _COUNT.size
+        at, count = (_COUNT.size, *_COUNT.unpack_from(data)) if length is None else (0, length)
         pieces = [data[:at]]
-        while at < len(data):
+        for _ in range(count):
             end = direction.skip(data, at)
             pieces.append(direction.convert(data[at:end]))
-            if end == at:  # messages without fields
-                break
             at = end
         return b"".join(pieces)
 

@@ -3,7 +3,7 @@
 
 import functools
 import re
-from typing import Any, Dict, List, Mapping, NamedTuple, Sequence, Tuple
+from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
 
 from nodekit import ParameterError
 from ros2_bridge.types.field_mapping import FieldRules
@@ -60,18 +60,20 @@ class MappingRules:
 
     def __init__(self, rules: Any, builtin: Any = ()) -> None:
         self.types: Dict[str, TypeRule] = {}
-        self._packages: Dict[str, str] = {}
-        self._own: List[str] = []
+        #: ROS 2 package by ROS 1 package
+        self.packages: Dict[str, str] = {}
         for rule in _as_list(rules):
             self._add(rule)
-        self._own = list(self.types)
-        theirs = {rule.ros2 for rule in self.types.values()}
+        #: the user's rules for types, without those that are built in
+        self.own = list(self.types.values())
+        theirs = {rule.ros2 for rule in self.own}
         for rule in _as_list(builtin):
             one = _type_rule(rule)
-            if one.ros1 not in self.types and one.ros2 not in theirs:
+            is_named = one.ros1 in self.types or one.ros2 in theirs
+            if not is_named and one.ros1.partition("/")[0] not in self.packages:
                 self.types[one.ros1] = one
         self._back = {rule.ros2: rule.ros1 for rule in self.types.values()}
-        self._packages_back = {its: ours for ours, its in self._packages.items()}
+        self._packages_back = {its: ours for ours, its in self.packages.items()}
 
     def _add(self, rule: Any) -> None:
         names = _names(rule)
@@ -86,21 +88,16 @@ class MappingRules:
                 raise MappingRuleError(f"{name!r} is not the name of a package")
         if set(rule) - {"ros1", "ros2"}:
             raise MappingRuleError(f"fields of the package {names[0]}: allowed only for types")
-        if names[0] in self._packages or names[1] in self._packages.values():
+        if names[0] in self.packages or names[1] in self.packages.values():
             raise MappingRuleError(f"{names[0]} or {names[1]} is in several rules")
-        self._packages[names[0]] = names[1]
-
-    @property
-    def own(self) -> List[TypeRule]:
-        """The user's rules for types, without those that are built in."""
-        return [self.types[name] for name in self._own]
+        self.packages[names[0]] = names[1]
 
     def ros2_name(self, name: str) -> str:
         """Return the ROS 2 name, ``package/Name``, of a ROS 1 type; empty without a rule."""
         if name in self.types:
             return self.types[name].ros2
         package, _, base = name.partition("/")
-        return f"{self._packages[package]}/{base}" if package in self._packages else ""
+        return f"{self.packages[package]}/{base}" if package in self.packages else ""
 
     def ros1_name(self, name: str) -> str:
         """Return the ROS 1 name of a ROS 2 type, ``package/Name``; empty without a rule."""
@@ -109,10 +106,15 @@ class MappingRules:
         package, _, base = name.partition("/")
         return f"{self._packages_back[package]}/{base}" if package in self._packages_back else ""
 
-    def assigns_fields(self, name: str) -> bool:
-        """Return whether the user has rules for the fields of a ROS 1 type."""
-        own = {part: one for rule in self.own for part, one in rule.fields.items()}.get(name)
-        return own is not None and any((own.counterparts, own.left_out1, own.left_out2))
+    def is_taken(self, ros1: str, ros2: str) -> bool:
+        """Return whether a rule gives a ROS 1 type another counterpart than this ROS 2 type."""
+        return self.ros2_name(ros1) not in ("", ros2)
+
+    def assigns_fields(self, names: Iterable[str]) -> bool:
+        """Return whether the user has rules for the fields of one of these ROS 1 types."""
+        own = {part: one for rule in self.own for part, one in rule.fields.items()}
+        found = (own[name] for name in names if name in own)
+        return any(one.counterparts or one.left_out1 or one.left_out2 for one in found)
 
     @property
     def fields(self) -> Dict[str, FieldRules]:
@@ -135,7 +137,7 @@ def _names(rule: Any) -> Tuple[str, str]:
     if unknown:
         allowed = ", ".join(sorted(_KEYS))
         raise MappingRuleError(
-            f"mappings: {rule['ros1']}: {min(map(str, unknown))} is not one of {allowed}"
+            f"{rule['ros1']}: {min(map(str, unknown))} is not one of {allowed}"
         )
     return rule["ros1"], rule["ros2"]
 
@@ -157,7 +159,7 @@ def _type_rule(rule: Any) -> TypeRule:
         raise MappingRuleError(f"{ros1}: fields: {counterparts!r:.60} is not a mapping of texts")
     if not isinstance(left_out, dict) or set(left_out) - {"ros1", "ros2"}:
         raise MappingRuleError(
-            f"mappings: {ros1}: left_out: {left_out!r:.60} has other keys than ros1, ros2"
+            f"{ros1}: left_out: {left_out!r:.60} has other keys than ros1, ros2"
         )
     lists = [left_out.get("ros1") or [], left_out.get("ros2") or []]
     if not all(isinstance(one, list) and _are_texts(one) for one in lists):
@@ -186,7 +188,7 @@ def _is_of(ros1: str, kind: str, part: str, path: str) -> bool:
     names = [name.lower() for name in PARTS[kind]]
     if names != [""] and (_part(path) not in names or "." not in path):
         raise MappingRuleError(
-            f"mappings: {ros1}: {path} does not begin with {', '.join(names)} and a dot"
+            f"{ros1}: {path} does not begin with {', '.join(names)} and a dot"
         )
     return not part or _part(path) == part.lower()
 

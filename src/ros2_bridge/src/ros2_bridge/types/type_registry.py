@@ -2,6 +2,7 @@
 
 import contextlib
 import importlib
+import importlib.util
 import os
 import pathlib
 import sys
@@ -101,13 +102,18 @@ class TypeRegistry:
         self._known: Dict[Tuple[str, str], Any] = {}
         self._lock = threading.Lock()
         builtin = pathlib.Path(rospkg.RosPack().get_path("ros2_bridge"), "config", "mappings.yaml")
-        own = [] if mappings is None else mappings
-        self._rules = MappingRules(own, yaml.safe_load(builtin.read_text("utf-8"))["mappings"])
+        self._builtin = yaml.safe_load(builtin.read_text("utf-8"))["mappings"]
+        self._rules = MappingRules([] if mappings is None else mappings, self._builtin)
         self._check_rules()
 
     def _check_rules(self) -> None:
         finders = {"msg": self.message, "srv": self.service, "action": self.action}
         errors = []
+        for ours, its in self._rules.packages.items():
+            if ours not in self._folders:
+                errors.append(f"package {ours} is not installed in ROS 1")
+            if importlib.util.find_spec(its) is None:
+                errors.append(f"package {its} is not installed in ROS 2")
         for rule in self._rules.own:
             try:
                 finders[rule.kind](rule.ros1)
@@ -121,10 +127,15 @@ class TypeRegistry:
         return self._rules.ros2_name(name) or self._names.get(name) or twin_type(name)
 
     def ros1_name(self, name: str) -> str:
-        """Return the ROS 1 name of a ROS 2 type, ``package/msg/Name``."""
+        """Return the ROS 1 name of a ROS 2 type, ``package/msg/Name``.
+
+        It is ``package/msg/Name`` itself, a name that ROS 1 does not have, if a mapping rule gives
+        the ROS 1 type another counterpart.
+        """
         package, _, rest = name.partition("/")
         short = f"{package}/{rest.rpartition('/')[2]}"
-        return self._rules.ros1_name(short) or self._back.get(short, short)
+        found = self._rules.ros1_name(short) or self._back.get(short, short)
+        return name if self._rules.is_taken(found, short) else found
 
     def message(self, name: str) -> MessageType:
         """Return the message type with a ROS 1 name.
@@ -155,7 +166,10 @@ class TypeRegistry:
         :raises MappingRuleError: if they are malformed
         :raises Unbridgeable: if one is not installed, or has a type that the other ROS lacks
         """
-        rule = MappingRules([{"ros1": ros1, "ros2": ros2}]).own[0]
+        rules = MappingRules([{"ros1": ros1, "ros2": ros2}], self._builtin)
+        if not rules.own:
+            raise MappingRuleError(f"{ros1} and {ros2}: a draft is of a rule for types")
+        (rule,) = rules.own
         context = genmsg.MsgContext.create_default()
         with _explaining(f"{rule.kind} {ros1} is not installed in ROS 1"):
             if rule.kind == "srv":
@@ -167,19 +181,21 @@ class TypeRegistry:
                 specs = [load(context, name, self._folders) for name in names]
         package, kind, base = ros2.split("/")
         with _explaining(f"{ros2} is not installed in ROS 2"):
-            top = getattr(importlib.import_module(f"{package}.{kind}"), base)
+            top = _ros2_class(package, kind, base)
         left_out: Dict[str, List[str]] = {"ros1": [], "ros2": []}
         for part, spec in zip(PARTS[rule.kind], specs):
             cls = getattr(top, part) if part else top
             fields = parse(ros1 + part, self._raw(context, spec, ros1 + part)._full_text)
             other, theirs = self._ros2_fields(cls)
-            missing = unassigned(ros1 + part, fields, other, theirs, self._rules.fields)
+            missing = unassigned(ros1 + part, fields, other, theirs, rules.fields)
             prefix = f"{part.lower()}." if part else ""
             for side, paths in zip(left_out.values(), missing):
                 side += [prefix + path for path in paths]
         return {"ros1": ros1, "ros2": ros2, "fields": {}, "left_out": left_out}
 
     def _find(self, kind: str, name: str, make: Callable[[str], Any]) -> Any:
+        if name.count("/") == 2:  # see ros1_name()
+            raise Unbridgeable(f"{name}: a mapping rule gives its ROS 1 type another ROS 2 type")
         with self._lock:
             if (kind, name) not in self._known:
                 try:
@@ -252,11 +268,14 @@ class TypeRegistry:
             codec = Codec(name, fields)
         other = _name_of(cls)
         found = difference(name, fields, other, lambda its: self._describe(its, cls))
-        if not found and not self._rules.assigns_fields(name):
+        if not found and not self._rules.assigns_fields(fields):
             return codec, raw
         if not set(self._rules.fields).intersection(fields):
             raise Unbridgeable(f"{name} differs between ROS 1 and ROS 2: {found}")
-        return self._mapped(name, fields, cls), raw
+        mapping, codec2 = self._mapping(name, fields, cls)
+        if not found and mapping.is_copy:  # the rules are for another ROS 2 type
+            return codec, raw
+        return MappedCodec(codec2, mapping, fields, name), raw
 
     def _ros2_fields(self, cls: Any) -> Tuple[str, Fields]:
         """Return name and fields of a ROS 2 class, in ROS 1's terms."""
@@ -266,8 +285,8 @@ class TypeRegistry:
         except ValueError as error:
             raise Unbridgeable(str(error)) from None
 
-    def _mapped(self, name: str, fields: Fields, cls: Any) -> MappedCodec:
-        """Return the codec of a type that mapping rules convert."""
+    def _mapping(self, name: str, fields: Fields, cls: Any) -> Tuple[FieldMapping, Codec]:
+        """Return the converter of a type by mapping rules, and the codec of the ROS 2 type."""
         other, theirs = self._ros2_fields(cls)
         try:
 
@@ -278,7 +297,7 @@ class TypeRegistry:
             mapping = FieldMapping(name, fields, other, theirs, self._rules.fields, default)
         except MappingError as error:
             raise Unbridgeable(f"{name}: its mapping rule does not fit: {error}") from None
-        return MappedCodec(Codec(other, theirs), mapping, fields, name)
+        return mapping, Codec(other, theirs)
 
     def _import(self, name: str, kind: str) -> Any:
         package, _, base = self.ros2_name(name).partition("/")
@@ -287,10 +306,7 @@ class TypeRegistry:
         why = f" ({reason})" if reason else ""
         missing = f"{name} needs {package}/{kind}/{base}, which is not installed in ROS 2{why}"
         with _explaining(missing):
-            cls = getattr(importlib.import_module(f"{package}.{kind}"), base)
-            if hasattr(cls, "_md5sum"):  # a ROS 1 class, also on the path
-                raise ImportError(cls)
-            return cls
+            return _ros2_class(package, kind, base)
 
     def _describe(self, name: str, top: Any) -> Mapping[str, str]:
         """Return the fields of a ROS 2 type: of the class itself, or of a nested one."""
@@ -305,6 +321,18 @@ class TypeRegistry:
             with contextlib.suppress(ImportError, AttributeError):
                 return getattr(importlib.import_module(f"{package}.msg"), base)
         return top
+
+
+def _ros2_class(package: str, kind: str, base: str) -> Any:
+    """Return the ROS 2 class of a type.
+
+    :param kind: ``msg``, ``srv`` or ``action``
+    :raises ImportError: if only ROS 1 has the package
+    """
+    cls = getattr(importlib.import_module(f"{package}.{kind}"), base)
+    if hasattr(cls, "_md5sum"):  # a ROS 1 class, also on the path
+        raise ImportError(cls)
+    return cls
 
 
 def _name_of(cls: Any) -> str:

@@ -1,0 +1,126 @@
+"""Tests of the registry of types, with definitions of ROS 1 in a folder and classes for ROS 2's."""
+
+import pathlib
+import struct
+import sys
+import types
+from typing import Any, Callable, Dict
+
+import pytest
+import rospkg
+
+from ros2_bridge.rules.skip_log import Unbridgeable
+from ros2_bridge.types.mapping_rules import MappingRuleError
+from ros2_bridge.types.type_registry import TypeRegistry
+
+BRIDGE = pathlib.Path(__file__).resolve().parents[2]
+#: Definitions in ROS 1, and fields in ROS 2 by type.
+ROS1 = {"Arm": "int16 left\nint16 right\n", "Arms": "Arm one\nArm[] all\n", "Range": "int16 x\n"}
+ROS2 = {
+    "acme_msgs/Arm": {"left": "int16", "right": "int16"},
+    "acme_msgs/Arms": {"one": "acme_msgs/Arm", "all": "sequence<acme_msgs/Arm>"},
+    "acme_msgs/Range": {"x": "int16", "variance": "int16"},
+    "other_msgs/Limb": {"left": "int16", "right": "int16"},
+}
+ARM = {"ros1": "acme_msgs/Arm", "ros2": "acme_msgs/msg/Arm"}
+CROSSED = {"left": "right", "right": "left"}
+LIMB = {**ARM, "ros2": "other_msgs/msg/Limb"}
+BUILTIN = """mappings:
+  - {ros1: acme_msgs/Range, ros2: acme_msgs/msg/Range, left_out: {ros2: [variance]}}
+"""
+
+
+@pytest.fixture
+def registry(monkeypatch: "pytest.MonkeyPatch", tmp_path: pathlib.Path) -> Callable[..., Any]:
+    """Give a maker of registries."""
+    share, folder = tmp_path / "share" / "ros2_bridge", tmp_path / "src" / "acme_msgs" / "msg"
+    config = tmp_path / "src" / "ros2_bridge" / "config"
+    for place in (share, folder, config):
+        place.mkdir(parents=True)
+    (share / "names.yaml").write_text("{}")
+    (config / "mappings.yaml").write_text(BUILTIN)
+    for package in ("acme_msgs", "ros2_bridge"):
+        text = f"<package format='2'><name>{package}</name></package>"
+        (tmp_path / "src" / package / "package.xml").write_text(text)
+    for name, text in ROS1.items():
+        (folder / f"{name}.msg").write_text(text)
+    packages = rospkg.RosPack(ros_paths=[str(tmp_path / "src")])
+    monkeypatch.setattr(rospkg, "RosPack", lambda: packages)
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    for datatype, fields in ROS2.items():
+        package, _, base = datatype.partition("/")
+        for name in (package, f"{package}.msg"):
+            if name not in sys.modules:
+                monkeypatch.setitem(sys.modules, name, new_module(name))
+        monkeypatch.setattr(
+            sys.modules[f"{package}.msg"], base, new_class(package, base, fields), raising=False
+        )
+    return TypeRegistry
+
+
+def new_module(name: str) -> types.ModuleType:
+    module = types.ModuleType(name)
+    module.__spec__ = types.SimpleNamespace(name=name)  # type: ignore[assignment]
+    return module
+
+
+def new_class(package: str, base: str, fields: Dict[str, str]) -> type:
+    attributes = {
+        "__module__": f"{package}.msg._{base.lower()}",
+        "get_fields_and_field_types": staticmethod(lambda: fields),
+    }
+    return type(base, (), attributes)
+
+
+def test_rule_for_a_type_holds_inside_a_type_with_the_same_names_in_both(
+    registry: Callable[..., Any]
+) -> None:
+    data = struct.pack("<hhIhh", 1, 2, 1, 3, 4)
+    same = registry([]).message("acme_msgs/Arms").codec.to_cdr(data)
+    crossed = registry([{**ARM, "fields": CROSSED}]).message("acme_msgs/Arms").codec
+    assert crossed.to_cdr(data) == same[:4] + struct.pack("<hhIhh", 2, 1, 1, 4, 3)
+    assert crossed.to_ros1(crossed.to_cdr(data)) == data
+
+
+def test_rule_for_another_type_leaves_the_type_that_contains_its_namesake(
+    registry: Callable[..., Any]
+) -> None:
+    types_ = registry([{**LIMB, "fields": CROSSED}])
+    data = struct.pack("<hhIhh", 1, 2, 1, 3, 4)
+    kind = types_.message("acme_msgs/Arms")
+    assert kind.codec.to_cdr(data) == registry([]).message("acme_msgs/Arms").codec.to_cdr(data)
+
+
+def test_ros2_type_whose_namesake_has_another_counterpart_is_not_bridged(
+    registry: Callable[..., Any]
+) -> None:
+    types_ = registry([LIMB])
+    assert types_.message("acme_msgs/Arm").ros2 == "other_msgs/Limb"
+    assert types_.ros1_name("other_msgs/msg/Limb") == "acme_msgs/Arm"
+    with pytest.raises(Unbridgeable, match="acme_msgs/msg/Arm: a mapping rule gives its"):
+        types_.message(types_.ros1_name("acme_msgs/msg/Arm"))
+
+
+def test_rule_for_packages_that_are_not_installed_is_refused(registry: Callable[..., Any]) -> None:
+    registry([{"ros1": "acme_msgs", "ros2": "other_msgs"}])
+    with pytest.raises(MappingRuleError) as caught:
+        registry([{"ros1": "acme_msg", "ros2": "other_msg"}])
+    assert "package acme_msg is not installed in ROS 1" in str(caught.value)
+    assert "package other_msg is not installed in ROS 2" in str(caught.value)
+
+
+def test_draft_for_a_type_with_a_rule_of_the_bridge_replaces_that_rule(
+    registry: Callable[..., Any]
+) -> None:
+    draft = registry().draft("acme_msgs/Range", "acme_msgs/msg/Range")
+    assert draft["left_out"] == {"ros1": [], "ros2": ["variance"]}
+
+
+def test_draft_for_packages_or_without_a_ros2_type_is_refused(
+    registry: Callable[..., Any], monkeypatch: "pytest.MonkeyPatch"
+) -> None:
+    with pytest.raises(MappingRuleError, match="a draft is of a rule for types"):
+        registry().draft("acme_msgs", "other_msgs")
+    monkeypatch.setattr(sys.modules["other_msgs.msg"].Limb, "_md5sum", "*", raising=False)
+    with pytest.raises(Unbridgeable, match="other_msgs/msg/Limb is not installed in ROS 2"):
+        registry().draft("acme_msgs/Arm", "other_msgs/msg/Limb")

@@ -128,6 +128,16 @@ def test_next_frame_does_not_make_up_for_a_lost_byte(place: int) -> None:
     assert decoder.faults[CHECKSUM] == 3
 
 
+def test_line_that_loses_only_sync_bytes_is_noisy_after_the_first_one() -> None:
+    decoder, good = Decoder(), Frame(126, b"good")
+    data = bytearray(encode(125, b"\xfb\xff\xff\xff"))
+    del data[10]
+    completed = Frame(125, b"\xfb\xff\xff" + data[-1:])
+    assert decoder.feed(bytes(data) + encode(*good)) == [completed]
+    assert decoder.feed(bytes(data) + encode(*good)) == [good]
+    assert +decoder.faults == {GARBAGE: len(encode(*good)) - 1 + len(data), CHECKSUM: 1}
+
+
 def test_frame_that_ends_with_sync_byte_waits_only_on_a_noisy_line() -> None:
     last = Frame(0, b"")
     assert encode(*last)[-1:] == START[:1]

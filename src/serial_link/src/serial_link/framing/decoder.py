@@ -20,7 +20,7 @@ LENGTH_CHECKSUM, LENGTH, CHECKSUM, CUT_OFF = "length checksum", "length", "check
 GARBAGE = "garbage bytes"
 #: Other classifications of a position: a good frame, or an incomplete one.
 _GOOD, _WAITING = "good", "waiting"
-#: After a fault, the line counts as noisy for this many good frames.
+#: After a fault or garbage, the line counts as noisy for this many good frames.
 NOISY_FRAMES = 1000
 
 
@@ -85,7 +85,9 @@ class Decoder:
             start = buffer.find(SYNC, position)
             if start < 0:
                 start = len(buffer)
-            self.faults[GARBAGE] += start - position
+            if start > position:  # such as the rest of a frame whose first byte completed another
+                self.faults[GARBAGE] += start - position
+                self._noisy_frames = NOISY_FRAMES
             kind, position = self._classify(start, is_over)
             if kind == _WAITING:
                 if not is_over or start == len(buffer):
@@ -100,7 +102,7 @@ class Decoder:
                 continue
             if kind != GARBAGE:
                 self.faults[kind] += 1
-                self._noisy_frames = NOISY_FRAMES
+            self._noisy_frames = NOISY_FRAMES
             self.faults[GARBAGE] += position - start
         del buffer[:position]
         return frames

@@ -15,9 +15,10 @@ MOVE = {
 
 def test_type_has_its_name_in_both():
     rules = MappingRules([RANGE, MOVE])
-    assert rules.ros2_name("move_base_msgs/MoveBase") == "nav2_msgs/NavigateToPose"
-    assert rules.ros1_name("nav2_msgs/NavigateToPose") == "move_base_msgs/MoveBase"
-    assert rules.ros2_name("std_msgs/String") == rules.ros1_name("std_msgs/String") == ""
+    assert rules.ros2_name("action", "move_base_msgs/MoveBase") == "nav2_msgs/NavigateToPose"
+    assert rules.ros1_name("action", "nav2_msgs/NavigateToPose") == "move_base_msgs/MoveBase"
+    assert rules.ros2_name("msg", "std_msgs/String") == ""
+    assert rules.ros1_name("msg", "std_msgs/String") == ""
     assert [rule.kind for rule in rules.own] == ["msg", "action"]
 
 
@@ -34,8 +35,8 @@ def test_fields_of_an_action_belong_to_its_parts():
 
 def test_renamed_package_keeps_the_names_of_its_types():
     rules = MappingRules([{"ros1": "acme_msgs", "ros2": "acme_interfaces"}])
-    assert rules.ros2_name("acme_msgs/Arm") == "acme_interfaces/Arm"
-    assert rules.ros1_name("acme_interfaces/Arm") == "acme_msgs/Arm"
+    assert rules.ros2_name("msg", "acme_msgs/Arm") == "acme_interfaces/Arm"
+    assert rules.ros1_name("msg", "acme_interfaces/Arm") == "acme_msgs/Arm"
     assert rules.own == []
 
 
@@ -44,13 +45,23 @@ def test_rule_of_the_user_replaces_one_that_is_built_in():
     rules = MappingRules([own], [RANGE, MOVE])
     assert rules.fields["sensor_msgs/Range"].left_out2 == ["variance"]
     assert [rule.ros1 for rule in rules.own] == ["sensor_msgs/Range"]
-    assert rules.ros2_name("move_base_msgs/MoveBase")
+    assert rules.ros2_name("action", "move_base_msgs/MoveBase")
+
+
+def test_rule_for_a_service_leaves_the_action_of_its_name():
+    service = {"ros1": "nav_msgs/GetMap", "ros2": "acme_msgs/srv/GetMap"}
+    rules = MappingRules([service])
+    assert rules.ros2_name("srv", "nav_msgs/GetMap") == "acme_msgs/GetMap"
+    assert rules.ros2_name("action", "nav_msgs/GetMap") == ""
+    assert rules.ros1_name("action", "acme_msgs/GetMap") == ""
+    rules = MappingRules([service, {**service, "ros2": "acme_msgs/action/GetMap"}])
+    assert rules.ros1_name("action", "acme_msgs/GetMap") == "nav_msgs/GetMap"
 
 
 def test_rule_for_a_package_replaces_those_that_are_built_in_for_its_types():
     rules = MappingRules([{"ros1": "sensor_msgs", "ros2": "acme_sensor_msgs"}], [RANGE])
-    assert rules.ros2_name("sensor_msgs/Range") == "acme_sensor_msgs/Range"
-    assert rules.ros1_name("sensor_msgs/Range") == ""
+    assert rules.ros2_name("msg", "sensor_msgs/Range") == "acme_sensor_msgs/Range"
+    assert rules.ros1_name("msg", "sensor_msgs/Range") == ""
 
 
 @pytest.mark.parametrize(

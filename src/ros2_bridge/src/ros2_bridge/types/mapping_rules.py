@@ -59,29 +59,28 @@ class MappingRules:
     """
 
     def __init__(self, rules: Any, builtin: Any = ()) -> None:
-        self.types: Dict[str, TypeRule] = {}
+        #: by kind and ROS 1 name: a message and a service may have the same name
+        self._types: Dict[Tuple[str, str], TypeRule] = {}
         #: ROS 2 package by ROS 1 package
         self.packages: Dict[str, str] = {}
         for rule in _as_list(rules):
             self._add(rule)
         #: the user's rules for types, without those that are built in
-        self.own = list(self.types.values())
-        theirs = {rule.ros2 for rule in self.own}
+        self.own = list(self._types.values())
         for rule in _as_list(builtin):
             one = _type_rule(rule)
-            is_named = one.ros1 in self.types or one.ros2 in theirs
-            if not is_named and one.ros1.partition("/")[0] not in self.packages:
-                self.types[one.ros1] = one
-        self._back = {rule.ros2: rule.ros1 for rule in self.types.values()}
+            if not self._is_named(one) and one.ros1.partition("/")[0] not in self.packages:
+                self._types[one.kind, one.ros1] = one
+        self._back = {(rule.kind, rule.ros2): rule.ros1 for rule in self._types.values()}
         self._packages_back = {its: ours for ours, its in self.packages.items()}
 
     def _add(self, rule: Any) -> None:
         names = _names(rule)
         if "/" in names[0]:
             one = _type_rule(rule)
-            if one.ros1 in self.types or any(one.ros2 == its.ros2 for its in self.types.values()):
+            if self._is_named(one):
                 raise MappingRuleError(f"{one.ros1} or {one.ros2} is in several rules")
-            self.types[one.ros1] = one
+            self._types[one.kind, one.ros1] = one
             return
         for name in names:
             if not _PACKAGE.match(name):
@@ -92,23 +91,28 @@ class MappingRules:
             raise MappingRuleError(f"{names[0]} or {names[1]} is in several rules")
         self.packages[names[0]] = names[1]
 
-    def ros2_name(self, name: str) -> str:
+    def _is_named(self, rule: TypeRule) -> bool:
+        """Return whether another rule names a type of this one."""
+        theirs = {(one.kind, one.ros2) for one in self._types.values()}
+        return (rule.kind, rule.ros1) in self._types or (rule.kind, rule.ros2) in theirs
+
+    def ros2_name(self, kind: str, name: str) -> str:
         """Return the ROS 2 name, ``package/Name``, of a ROS 1 type; empty without a rule."""
-        if name in self.types:
-            return self.types[name].ros2
+        if (kind, name) in self._types:
+            return self._types[kind, name].ros2
         package, _, base = name.partition("/")
         return f"{self.packages[package]}/{base}" if package in self.packages else ""
 
-    def ros1_name(self, name: str) -> str:
+    def ros1_name(self, kind: str, name: str) -> str:
         """Return the ROS 1 name of a ROS 2 type, ``package/Name``; empty without a rule."""
-        if name in self._back:
-            return self._back[name]
+        if (kind, name) in self._back:
+            return self._back[kind, name]
         package, _, base = name.partition("/")
         return f"{self._packages_back[package]}/{base}" if package in self._packages_back else ""
 
-    def is_taken(self, ros1: str, ros2: str) -> bool:
+    def is_taken(self, kind: str, ros1: str, ros2: str) -> bool:
         """Return whether a rule gives a ROS 1 type another counterpart than this ROS 2 type."""
-        return self.ros2_name(ros1) not in ("", ros2)
+        return self.ros2_name(kind, ros1) not in ("", ros2)
 
     def assigns_fields(self, names: Iterable[str]) -> bool:
         """Return whether the user has rules for the fields of one of these ROS 1 types."""
@@ -119,7 +123,7 @@ class MappingRules:
     @property
     def fields(self) -> Dict[str, FieldRules]:
         """The rules for fields, by ROS 1 type."""
-        return {name: one for rule in self.types.values() for name, one in rule.fields.items()}
+        return {name: one for rule in self._types.values() for name, one in rule.fields.items()}
 
 
 def _as_list(rules: Any) -> List[Any]:

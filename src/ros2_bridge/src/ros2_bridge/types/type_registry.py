@@ -122,9 +122,12 @@ class TypeRegistry:
         if errors:
             raise MappingRuleError("; ".join(errors))
 
-    def ros2_name(self, name: str) -> str:
-        """Return the ROS 2 name, ``package/Name``, of a ROS 1 type."""
-        return self._rules.ros2_name(name) or self._names.get(name) or twin_type(name)
+    def ros2_name(self, kind: str, name: str) -> str:
+        """Return the ROS 2 name, ``package/Name``, of a ROS 1 type.
+
+        :param kind: ``msg``, ``srv`` or ``action``
+        """
+        return self._rules.ros2_name(kind, name) or self._names.get(name) or twin_type(name)
 
     def ros1_name(self, name: str) -> str:
         """Return the ROS 1 name of a ROS 2 type, ``package/msg/Name``.
@@ -133,9 +136,10 @@ class TypeRegistry:
         the ROS 1 type another counterpart.
         """
         package, _, rest = name.partition("/")
-        short = f"{package}/{rest.rpartition('/')[2]}"
-        found = self._rules.ros1_name(short) or self._back.get(short, short)
-        return name if self._rules.is_taken(found, short) else found
+        kind, _, base = rest.rpartition("/")
+        short = f"{package}/{base}"
+        found = self._rules.ros1_name(kind, short) or self._back.get(short, short)
+        return name if self._rules.is_taken(kind, found, short) else found
 
     def message(self, name: str) -> MessageType:
         """Return the message type with a ROS 1 name.
@@ -213,7 +217,7 @@ class TypeRegistry:
             spec = genmsg.msg_loader.load_msg_by_type(context, name, self._folders)
         cls = self._import(name, "msg")
         codec, raw = self._part(context, spec, name, cls)
-        return MessageType(name, self.ros2_name(name), raw, cls, codec)
+        return MessageType(name, self.ros2_name("msg", name), raw, cls, codec)
 
     def _make_service(self, name: str) -> ServiceType:
         context = genmsg.MsgContext.create_default()
@@ -234,7 +238,7 @@ class TypeRegistry:
             "_response_class": response_class,
         }
         raw = type("Raw", (), attributes)
-        return ServiceType(name, self.ros2_name(name), raw, cls, request, response)
+        return ServiceType(name, self.ros2_name("srv", name), raw, cls, request, response)
 
     def _make_action(self, name: str) -> ActionType:
         context = genmsg.MsgContext.create_default()
@@ -248,7 +252,7 @@ class TypeRegistry:
                 )
             codecs.append(self._part(context, spec, name + part, getattr(cls, part))[0])
             raws.append(self._raw(context, whole, f"{name}Action{part}"))
-        return ActionType(name, self.ros2_name(name), cls, *codecs, *raws)
+        return ActionType(name, self.ros2_name("action", name), cls, *codecs, *raws)
 
     def _raw(self, context: Any, spec: Any, name: str) -> Any:
         """Return a ROS 1 class of serialized messages."""
@@ -300,7 +304,7 @@ class TypeRegistry:
         return mapping, Codec(other, theirs)
 
     def _import(self, name: str, kind: str) -> Any:
-        package, _, base = self.ros2_name(name).partition("/")
+        package, _, base = self.ros2_name(kind, name).partition("/")
         source = f"{name.replace('/', f'/{kind}/')}.{kind}"
         reason = self._left_out.get(source) or self._left_out.get(name.partition("/")[0])
         why = f" ({reason})" if reason else ""

@@ -51,14 +51,11 @@ class GraphLoop:
         # A separate client: it caches the latest replies.
         self._poller = MasterClient(node.name, timeout=_MASTER_S)
         qos, mappings = (self._read(node.resolve(name)) for name in ("~qos", "~mappings"))
-        qualities = QosProfiles(parameters.values.depth, qos)
+        # Both may end the process; ROS 2 would list the node of a participant for some time.
+        qualities, types = QosProfiles(parameters.values.depth, qos), TypeRegistry(mappings)
         self._renaming = names = parameters.values.names()
         self._participant = participant = Participant(names.in_ros2(node.name) or node.name)
-        self._graph, self._skip_log, types = (
-            Ros2Graph(participant, names),
-            SkipLog(),
-            TypeRegistry(mappings),
-        )
+        self._graph, self._skip_log = Ros2Graph(participant, names), SkipLog()
         self._topics = TopicBridge(node, participant, types, qualities, self._skip_log)
         self._description = RobotDescription(node, participant, types, self._skip_log)
         self._nodes = NodeBridge(

@@ -8,7 +8,8 @@ from hypothesis import strategies as st
 
 from nodekit.message_definitions import parse
 from ros2_bridge.types.codec_ops import ConversionError
-from ros2_bridge.types.field_mapping import FieldMapping, FieldRules, MappingError, unassigned
+from ros2_bridge.types.field_mapping import FieldMapping, MappingError, unassigned
+from ros2_bridge.types.type_pair import FieldRules
 
 SEPARATOR = "\n" + "=" * 80 + "\n"
 #: A ROS 1 type, and a ROS 2 type with the same content in another order, with other names.

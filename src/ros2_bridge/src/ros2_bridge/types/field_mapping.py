@@ -7,10 +7,11 @@ fields and joins them in the other type's order, so it copies numbers and text a
 """
 
 import struct
-from typing import Callable, Dict, Iterator, List, Mapping, NamedTuple, Optional, Sequence, Tuple
+from typing import Callable, Dict, List, NamedTuple, Optional, Tuple
 
 from nodekit.message_definitions import SIZES, TIMES, Field, Fields
 from ros2_bridge.types.codec_ops import ConversionError
+from ros2_bridge.types.type_pair import Leaf, RulesByType, TypePair, is_within, leaves
 
 #: Returns the position behind a field that begins at a position.
 _Skip = Callable[[bytes, int], int]
@@ -21,33 +22,6 @@ _COUNT = struct.Struct("<I")
 
 class MappingError(ValueError):
     """Error of two types whose fields do not correspond; the text has all reasons."""
-
-
-class FieldRules(NamedTuple):
-    """Rules for the fields of a ROS 1 type; paths have dots, and may name a nested message.
-
-    :param other: the ROS 2 type; if a message contains the ROS 1 type, but its counterpart contains
-        another ROS 2 type, the rules have no effect there
-    :param counterparts: ROS 2 path by ROS 1 path
-    :param left_out1: ROS 1 paths without a counterpart, which are zero in ROS 1
-    :param left_out2: ROS 2 paths without a counterpart, which have ROS 2's default
-    """
-
-    other: str
-    counterparts: Mapping[str, str]
-    left_out1: Sequence[str] = ()
-    left_out2: Sequence[str] = ()
-
-
-#: Rules by ROS 1 type.
-RulesByType = Mapping[str, FieldRules]
-
-
-class _Leaf(NamedTuple):
-    """Field that is not a nested message, and its path; arrays of messages are leaves."""
-
-    path: str
-    field: Field
 
 
 class _Part(NamedTuple):
@@ -157,11 +131,11 @@ class FieldMapping:
         return self._known[first, second]
 
     def _compile(self, first: str, second: str) -> Tuple[_Direction, _Direction]:
-        leaves1, leaves2 = _leaves(self._fields1, first), _leaves(self._fields2, second)
+        leaves1, leaves2 = leaves(self._fields1, first), leaves(self._fields2, second)
         paths2 = [leaf.path for leaf in leaves2]
-        pair = _TypePair(self._fields1, first, self._fields2, second, self._rules)
+        pair = TypePair(self._fields1, first, self._fields2, second, self._rules)
         targets = [pair.counterpart(leaf.path) for leaf in leaves1]
-        self._errors += _unknown_paths(first, second, leaves1, leaves2, pair.rule)
+        self._errors += pair.unknown_paths()
         sources: Dict[int, int] = {}  # index in the first by index in the second
         for index, (leaf, target) in enumerate(zip(leaves1, targets)):
             if target is None:
@@ -174,7 +148,7 @@ class FieldMapping:
                 sources[paths2.index(target)] = index
         left_out = pair.left_out2()
         for index, leaf in enumerate(leaves2):
-            is_left_out = _is_within(leaf.path, left_out)
+            is_left_out = is_within(leaf.path, left_out)
             if index in sources and is_left_out:
                 self._errors.append(f"{second}: {leaf.path} is left out, but has a counterpart")
             elif index not in sources and not is_left_out:
@@ -198,7 +172,7 @@ class FieldMapping:
         return found
 
     def _converters(
-        self, first: str, second: str, ours: _Leaf, its: _Leaf
+        self, first: str, second: str, ours: Leaf, its: Leaf
     ) -> Tuple[Optional[_Convert], Optional[_Convert]]:
         """Return the converters of a field in both directions; None to copy it."""
         one, other = ours.field, its.field
@@ -212,54 +186,6 @@ class FieldMapping:
         return None, None
 
 
-class _TypePair(NamedTuple):
-    """A ROS 1 type and its counterpart; the parameters are those of :class:`FieldMapping`."""
-
-    fields1: Fields
-    first: str
-    fields2: Fields
-    second: str
-    rules: RulesByType
-
-    @property
-    def rule(self) -> FieldRules:
-        """The rules for the fields of these types; without effect if there are none."""
-        rule = self.rules.get(self.first)
-        return rule if rule and rule.other == self.second else FieldRules(self.second, {})
-
-    def inside(self, path: str, other: str) -> "_TypePair":
-        """Return the types of a nested message and of its counterpart."""
-        first = _type_at(self.fields1, self.first, path)
-        second = _type_at(self.fields2, self.second, other)
-        return self._replace(first=first, second=second)
-
-    def counterpart(self, path: str) -> Optional[str]:
-        """Return the path of a field's counterpart; None if the field is left out.
-
-        The longest path in the rules counts; below it, the rules of the nested message.
-        """
-        rule, names = self.rule, path.split(".")
-        if _is_within(path, rule.left_out1):
-            return None
-        paths = [".".join(names[:count]) for count in range(len(names), 0, -1)]
-        place = next((one for one in paths if one in rule.counterparts), names[0])
-        other = rule.counterparts.get(place, place.lower())  # ROS 2 has lower case only
-        if place == path:
-            return other
-        inner = self.inside(place, other).counterpart(path[len(place) + 1 :])
-        return None if inner is None else f"{other}.{inner}"
-
-    def left_out2(self) -> List[str]:
-        """Return the ROS 2 paths that these rules leave out, and those of nested messages."""
-        found = list(self.rule.left_out2)
-        for path in _nested(self.fields1, self.first):
-            other = self.counterpart(path)
-            if other is not None:
-                rule = self.inside(path, other).rule
-                found += [f"{other}.{inner}" for inner in rule.left_out2]
-        return found
-
-
 def unassigned(
     first: str, fields1: Fields, second: str, fields2: Fields, rules: RulesByType
 ) -> Tuple[List[str], List[str]]:
@@ -267,10 +193,10 @@ def unassigned(
 
     :param first, fields1, second, fields2, rules: as of :class:`FieldMapping`
     """
-    pair = _TypePair(fields1, first, fields2, second, rules)
-    theirs = {leaf.path: leaf.field for leaf in _leaves(fields2, second)}
+    pair = TypePair(fields1, first, fields2, second, rules)
+    theirs = {leaf.path: leaf.field for leaf in leaves(fields2, second)}
     left_out1 = []
-    for path, field in _leaves(fields1, first):
+    for path, field in leaves(fields1, first):
         target = pair.counterpart(path)
         its = theirs.get(target or "")
         if its is not None and _are_alike(field, its, fields1, fields2):
@@ -278,53 +204,7 @@ def unassigned(
         elif target is not None:
             left_out1.append(path)
     done = pair.left_out2()
-    return left_out1, [path for path in theirs if not _is_within(path, done)]
-
-
-def _leaves(fields: Fields, datatype: str, prefix: str = "") -> List[_Leaf]:
-    found: List[_Leaf] = []
-    for field in fields[datatype]:
-        if field.base in fields and not field.is_array:
-            found += _leaves(fields, field.base, f"{prefix}{field.name}.")
-        else:
-            found.append(_Leaf(prefix + field.name, field))
-    return found
-
-
-def _nested(fields: Fields, datatype: str, prefix: str = "") -> Iterator[str]:
-    """Yield the path of each nested message, without elements of arrays."""
-    for field in fields[datatype]:
-        if field.base in fields and not field.is_array:
-            yield prefix + field.name
-            yield from _nested(fields, field.base, f"{prefix}{field.name}.")
-
-
-def _type_at(fields: Fields, datatype: str, path: str) -> str:
-    """Return the type of a field that is not an array; empty if there is none."""
-    for name in path.split("."):
-        found = (f.base for f in fields.get(datatype, ()) if f.name == name and not f.is_array)
-        datatype = next(found, "")
-    return datatype
-
-
-def _is_within(path: str, places: Sequence[str]) -> bool:
-    return any(path == place or path.startswith(f"{place}.") for place in places)
-
-
-def _unknown_paths(
-    first: str,
-    second: str,
-    leaves1: List[_Leaf],
-    leaves2: List[_Leaf],
-    rule: FieldRules,
-) -> Iterator[str]:
-    for datatype, leaves, named in (
-        (first, leaves1, [*rule.counterparts, *rule.left_out1]),
-        (second, leaves2, [*rule.counterparts.values(), *rule.left_out2]),
-    ):
-        for path in named:
-            if not any(_is_within(leaf.path, [path]) for leaf in leaves):
-                yield f"{datatype} has no field {path}"
+    return left_out1, [path for path in theirs if not is_within(path, done)]
 
 
 def _are_alike(one: Field, other: Field, fields1: Fields, fields2: Fields) -> bool:
@@ -377,7 +257,7 @@ def _skip_element(base: str, fields: Fields) -> Tuple[_Skip, Optional[int]]:
     if size is not None:
         fixed = size
         return (lambda data, at: at + fixed), size
-    skips = [_skip(leaf.field, fields) for leaf in _leaves(fields, base)]
+    skips = [_skip(leaf.field, fields) for leaf in leaves(fields, base)]
     return _Direction(skips, []).skip, None
 
 

@@ -6,7 +6,7 @@ import re
 from typing import Any, Dict, Iterable, List, Mapping, NamedTuple, Sequence, Tuple
 
 from nodekit import ParameterError
-from ros2_bridge.types.field_mapping import FieldRules
+from ros2_bridge.types.type_pair import FieldRules
 
 #: Parts of each kind of interface, as ROS 1 ends the names of their types.
 PARTS: Mapping[str, Sequence[str]] = {

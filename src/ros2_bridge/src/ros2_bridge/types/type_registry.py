@@ -123,17 +123,13 @@ class TypeRegistry:
             raise MappingRuleError("; ".join(errors))
 
     def ros2_name(self, kind: str, name: str) -> str:
-        """Return the ROS 2 name, ``package/Name``, of a ROS 1 type.
-
-        :param kind: ``msg``, ``srv`` or ``action``
-        """
+        """Return the ROS 2 name, ``package/Name``, of a ROS 1 message, service or action type."""
         return self._rules.ros2_name(kind, name) or self._names.get(name) or twin_type(name)
 
     def ros1_name(self, name: str) -> str:
         """Return the ROS 1 name of a ROS 2 type, ``package/msg/Name``.
 
-        It is ``package/msg/Name`` itself, a name that ROS 1 does not have, if a mapping rule gives
-        the ROS 1 type another counterpart.
+        It is the argument itself if a mapping rule gives the ROS 1 type another counterpart.
         """
         package, _, rest = name.partition("/")
         kind, _, base = rest.rpartition("/")

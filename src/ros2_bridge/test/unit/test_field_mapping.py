@@ -115,6 +115,7 @@ def changed(**fields):
         (changed(left_out1=[]), "a/Drive: old has no counterpart old in b/Drive"),
         (changed(left_out2=[]), "b/Drive: mode has no counterpart in a/Drive"),
         (changed(left_out2=["mode", "pair"]), "b/Drive: pair is left out, but has a counterpart"),
+        (changed(left_out1=["old", "left"]), "a/Drive: left is left out, but has a counterpart"),
         (changed(left_out2=["mode", "mod"]), "b/Drive has no field mod"),
         (changed(left_out1=["old", "older"]), "a/Drive has no field older"),
         (

@@ -135,7 +135,7 @@ class FieldMapping:
         paths2 = [leaf.path for leaf in leaves2]
         pair = TypePair(self._fields1, first, self._fields2, second, self._rules)
         targets = [pair.counterpart(leaf.path) for leaf in leaves1]
-        self._errors += pair.unknown_paths()
+        self._errors += pair.rule_errors()
         sources: Dict[int, int] = {}  # index in the first by index in the second
         for index, (leaf, target) in enumerate(zip(leaves1, targets)):
             if target is None:

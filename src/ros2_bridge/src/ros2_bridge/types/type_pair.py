@@ -83,9 +83,12 @@ class TypePair(NamedTuple):
                 found += [f"{other}.{inner}" for inner in rule.left_out2]
         return found
 
-    def unknown_paths(self) -> Iterator[str]:
-        """Yield an error for each path in the rules that its type does not have."""
+    def rule_errors(self) -> Iterator[str]:
+        """Yield an error for each path that its type does not have, or that has two rules."""
         rule = self.rule
+        for path in rule.counterparts:
+            if is_within(path, rule.left_out1):
+                yield f"{self.first}: {path} is left out, but has a counterpart"
         for fields, datatype, named in (
             (self.fields1, self.first, [*rule.counterparts, *rule.left_out1]),
             (self.fields2, self.second, [*rule.counterparts.values(), *rule.left_out2]),

@@ -1,4 +1,4 @@
-"""Context manager of commands: exits with one line if the master or the node does not respond."""
+"""Context manager for commands: exits with one line if the master or the node does not respond."""
 
 import contextlib
 import sys

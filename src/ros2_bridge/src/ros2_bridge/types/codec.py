@@ -134,7 +134,7 @@ class MappedCodec:
     """Converter of messages between types with other fields; see :class:`Codec`.
 
     :param codec: of the ROS 2 type in ROS 1's terms
-    :param mapping: from the ROS 1 type to these
+    :param mapping: converter between the ROS 1 type and the ROS 2 type in ROS 1's terms
     :param fields: definition of the ROS 1 type
     :param datatype: its name
     """

@@ -1,5 +1,5 @@
 # Pure: knows no ROS.
-"""Conversion between serialized ROS 1 messages of two types, field by field, with mapping rules.
+"""Conversion between a ROS 1 type and a ROS 2 type by mapping rules, both serialized as in ROS 1.
 
 The second type is a ROS 2 type in ROS 1's terms. Fields correspond by name, unless a rule gives a
 field another counterpart, or none. A converter is compiled once; it slices messages into their
